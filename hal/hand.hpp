@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+
+#include "hal/device.hpp"
+#include "hal/types/time.hpp"
+
+namespace colift::hal {
+
+inline constexpr int kFingers = 3;
+
+/// What the hand measured. Finger joint 0 rad is fully open, about 2.44 rad fully closed.
+struct HandState {
+  Timestamp measured_at{0};
+  std::array<double, kFingers> finger_rad{};   ///< Inner joint of F1, F2, F3.
+  double spread_rad = 0.0;                     ///< 0: F1 and F2 opposite F3; pi: all on one side.
+  std::array<double, kFingers> torque_nm{};    ///< Fingertip torque from the strain gauges; NaN without them.
+  std::array<double, kFingers> tip_force_n{};  ///< Sum over the tactile pad; NaN without tactile sensors.
+  bool moving = false;
+};
+
+/// A three-finger hand whose fingers hold their position when unpowered (worm gears).
+class Hand : public Device {
+ public:
+  /// Latest state. Errors: Timeout (no fresh answer), LinkLost, DeviceFault.
+  [[nodiscard]] virtual Result<HandState> state() = 0;
+
+  /// Opens the fingers and turns the spread. Refused with NotReady while the hand is loaded.
+  [[nodiscard]] virtual Result<> preshape(double spread_rad) = 0;
+
+  /// Closes all fingers until each is held by contact or by its stop; at most `torque_nm` at the fingertips.
+  [[nodiscard]] virtual Result<> close(double torque_nm) = 0;
+
+  /// Opens a loaded hand: the only call that does.
+  [[nodiscard]] virtual Result<> release() = 0;
+
+  /// Fingers stay where they are. Any thread, any number of times.
+  virtual void stop() noexcept = 0;
+};
+
+}  // namespace colift::hal

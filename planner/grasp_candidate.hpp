@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/types/geometry.hpp"
+
+namespace colift::planner {
+
+using hal::Pose;
+using hal::Vec3;
+
+/// How the hand takes the object.
+enum class GraspKind {
+  Ega5,  ///< Elementary grasp action 5: along the inward normal of a narrow rectangle (thesis 5.3.2).
+  Edge,  ///< Over the rim of a plate that is thinner than the opening.
+  Wrap,  ///< Around a cylinder, palm towards its axis.
+};
+
+/// What became of a candidate. Every verdict but Ok and Chosen carries its reason in numbers.
+enum class Verdict { Ok, Chosen, Collision, Unreachable, TooWide, Unstable, OverLimit, NearPartner };
+
+/// A pose of the hand that may grasp the object. Frame W, SI units.
+struct GraspCandidate {
+  int id = 0;
+  GraspKind kind = GraspKind::Ega5;
+  Vec3 position = Vec3::Zero();    ///< Grasp point on the object's surface.
+  Vec3 approach = Vec3::UnitZ();   ///< Unit vector in which the palm moves.
+  Vec3 closing = Vec3::UnitY();    ///< Unit vector along which the fingers close; perpendicular to approach.
+  double width = 0.0;              ///< Extent of the object between the fingers (m).
+  int surface = -1;                ///< Index of the surface it was generated on.
+  std::optional<double> stability; ///< Margin of the grasp against slipping; unset where it is assumed (thesis).
+  Verdict verdict = Verdict::Ok;
+  std::string because;             ///< The reason for the verdict, as a person would give it.
+};
+
+}  // namespace colift::planner

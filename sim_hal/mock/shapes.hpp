@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "hal/types/geometry.hpp"
+
+namespace colift::sim_hal {
+
+using hal::Pose;
+using hal::Vec3;
+
+/// What a pixel shows, as truth for tests.
+enum class Label : std::uint8_t { Nothing, Ground, Target, Partner, Clutter, Wall, Robot };
+
+/// A solid primitive in W. Sizes: box = full lengths x, y, z; cylinder and capsule = radius, length along Sz (the
+/// capsule's length without its caps), unused; sphere = radius, unused, unused; half space = unused, surface at Sz = 0,
+/// solid below.
+struct Shape {
+  enum class Kind : std::uint8_t { Box, Cylinder, Capsule, Sphere, HalfSpace };
+  Kind kind = Kind::Box;
+  Pose X_WS = Pose::Identity();
+  Vec3 size = Vec3::Zero();
+  Label label = Label::Clutter;
+  double reflectivity = 0.6;  ///< In the near infrared, 0 to 1; dark surfaces give no depth at grazing angles.
+};
+
+struct World {
+  std::vector<Shape> shapes;
+};
+
+[[nodiscard]] Shape box(const Vec3& center, const Vec3& size, double yaw_rad, Label label);
+[[nodiscard]] Shape cylinder(const Vec3& center, const Vec3& axis, double radius, double length, Label label);
+[[nodiscard]] Shape capsule(const Vec3& from, const Vec3& to, double radius, Label label);
+[[nodiscard]] Shape sphere(const Vec3& center, double radius, Label label);
+[[nodiscard]] Shape half_space(const Vec3& point, const Vec3& normal, Label label);
+
+}  // namespace colift::sim_hal

@@ -1,0 +1,28 @@
+# Everything that CoLift takes from Debian; tools/setup installs it.
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(yaml-cpp 0.7 REQUIRED)
+find_package(nlohmann_json 3.11 REQUIRED)
+find_package(CLI11 2.1 REQUIRED)
+find_package(PNG REQUIRED)
+find_package(fmt 9 REQUIRED)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)
+
+if(COLIFT_THESIS)
+  # Debian's libpcl-dev needs VTK and Qt (2.3 GB), its component libraries do not. tools/setup unpacks the headers of
+  # libpcl-dev and libflann-dev into .deps; an installed libpcl-dev is taken first.
+  find_path(PCL_INCLUDE_DIR pcl/point_types.h
+            PATHS /usr/include/pcl-1.13 ${PROJECT_SOURCE_DIR}/.deps/usr/include/pcl-1.13 NO_DEFAULT_PATH)
+  find_path(FLANN_INCLUDE_DIR flann/flann.hpp
+            PATHS /usr/include ${PROJECT_SOURCE_DIR}/.deps/usr/include NO_DEFAULT_PATH)
+  if(NOT PCL_INCLUDE_DIR OR NOT FLANN_INCLUDE_DIR)
+    message(FATAL_ERROR "PCL's headers are missing: run tools/setup, or configure with -DCOLIFT_THESIS=OFF")
+  endif()
+  add_library(colift_pcl INTERFACE)
+  target_include_directories(colift_pcl SYSTEM INTERFACE ${PCL_INCLUDE_DIR} ${FLANN_INCLUDE_DIR})
+  foreach(part common filters segmentation octree search kdtree sample_consensus)
+    find_library(PCL_${part}_LIBRARY NAMES pcl_${part} libpcl_${part}.so.1.13 REQUIRED)
+    target_link_libraries(colift_pcl INTERFACE ${PCL_${part}_LIBRARY})
+  endforeach()
+  target_link_libraries(colift_pcl INTERFACE Eigen3::Eigen)
+endif()
