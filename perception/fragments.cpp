@@ -1,0 +1,252 @@
+#include "perception/fragments.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "perception/footprint.hpp"
+
+namespace colift::perception {
+namespace {
+
+constexpr double kCell_m = 0.04;
+constexpr std::size_t kFootprintStride = 3;  // every third pixel still hits each cell several times
+constexpr double kFloating_m = 0.1;          // a part this far above the ground does not stand on it
+constexpr double kSmallPart = 0.3;           // legs and struts: at most this part of the object they belong to
+
+struct GroundAxes {
+  explicit GroundAxes(const Ground& ground) : plane(ground.plane) {
+    std::tie(s, t) = hal::tangents(plane.normal);
+  }
+  [[nodiscard]] std::int64_t cell(const Vec3& p) const {
+    const auto i = static_cast<std::int64_t>(std::floor(s.dot(p) / kCell_m));
+    const auto j = static_cast<std::int64_t>(std::floor(t.dot(p) / kCell_m));
+    return (i << 32) + (j + (std::int64_t{1} << 31));
+  }
+  [[nodiscard]] static Eigen::Vector2d center(std::int64_t cell) {
+    const auto i = static_cast<double>(cell >> 32);
+    const auto j = static_cast<double>((cell & 0xffffffff) - (std::int64_t{1} << 31));
+    return {(i + 0.5) * kCell_m, (j + 0.5) * kCell_m};
+  }
+  Plane plane;
+  Vec3 s, t;
+};
+
+bool share_a_cell(const Fragment& a, const Fragment& b) {
+  auto i = a.cells.begin();
+  auto j = b.cells.begin();
+  while (i != a.cells.end() && j != b.cells.end()) {
+    if (*i == *j) return true;
+    if (*i < *j) ++i;
+    else ++j;
+  }
+  return false;
+}
+
+double fraction_under(const Fragment& small, const std::vector<Eigen::Vector2d>& hull) {
+  if (hull.size() < 3 || small.cells.empty()) return 0.0;
+  std::size_t inside = 0;
+  for (const std::int64_t cell : small.cells) {
+    const Eigen::Vector2d p = GroundAxes::center(cell);
+    bool in = true;
+    for (std::size_t k = 0; k < hull.size() && in; ++k) {
+      const Eigen::Vector2d a = hull[k], e = hull[(k + 1) % hull.size()] - a;
+      // a cell's width of slack: a leg stands flush with the plate's rim
+      in = e.x() * (p - a).y() - e.y() * (p - a).x() >= -kCell_m * e.norm();
+    }
+    inside += in;
+  }
+  return static_cast<double>(inside) / static_cast<double>(small.cells.size());
+}
+
+/// Least distance in space between fragments, over pixels that follow one another in a row or column of the image with
+/// nothing of the mask between them. Fragments that nowhere follow one another are infinitely far apart.
+class Gaps {
+ public:
+  Gaps(const OrganisedCloud& cloud, const Components& components, const std::vector<std::int32_t>& slot, std::size_t n)
+      : n_(n), square_(n * n, std::numeric_limits<float>::infinity()) {
+    const int w = cloud.width(), h = cloud.height();
+    for (int v = 0; v < h; ++v) scan(cloud, components, slot, v * w, 1, w);
+    for (int u = 0; u < w; ++u) scan(cloud, components, slot, u, w, h);
+  }
+
+  [[nodiscard]] double between(std::size_t a, std::size_t b) const { return std::sqrt(square_[a * n_ + b]); }
+
+  // fragment b becomes part of a
+  void join(std::size_t a, std::size_t b) {
+    for (std::size_t k = 0; k < n_; ++k) {
+      const float d = std::min(square_[a * n_ + k], square_[b * n_ + k]);
+      square_[a * n_ + k] = square_[k * n_ + a] = d;
+    }
+  }
+
+ private:
+  void scan(const OrganisedCloud& cloud, const Components& components, const std::vector<std::int32_t>& slot, int first,
+            int stride, int count) {
+    std::int32_t last_slot = -1;
+    std::size_t last = 0;
+    for (int k = 0, i = first; k < count; ++k, i += stride) {
+      const std::int32_t label = components.label[static_cast<std::size_t>(i)];
+      if (label == Components::kNone) continue;
+      const std::int32_t s = slot[static_cast<std::size_t>(label)];
+      if (s < 0) continue;
+      const std::size_t pixel = static_cast<std::size_t>(i);
+      if (last_slot >= 0 && s != last_slot) {
+        const float dx = cloud.x[pixel] - cloud.x[last], dy = cloud.y[pixel] - cloud.y[last],
+                    dz = cloud.z[pixel] - cloud.z[last];
+        const float d = dx * dx + dy * dy + dz * dz;
+        const std::size_t a = static_cast<std::size_t>(s), b = static_cast<std::size_t>(last_slot);
+        if (d < square_[a * n_ + b]) square_[a * n_ + b] = square_[b * n_ + a] = d;
+      }
+      last_slot = s;
+      last = pixel;
+    }
+  }
+
+  std::size_t n_;
+  std::vector<float> square_;
+};
+
+Fragment joined(const Fragment& a, const Fragment& b) {
+  Fragment f = a;
+  f.labels.insert(f.labels.end(), b.labels.begin(), b.labels.end());
+  std::sort(f.labels.begin(), f.labels.end());
+  f.mean_depth_m = (a.mean_depth_m * static_cast<double>(a.pixels) + b.mean_depth_m * static_cast<double>(b.pixels)) /
+                   static_cast<double>(a.pixels + b.pixels);
+  f.pixels += b.pixels;
+  f.area_m2 += b.area_m2;
+  f.min_height_m = std::min(a.min_height_m, b.min_height_m);
+  f.max_height_m = std::max(a.max_height_m, b.max_height_m);
+  f.u_min = std::min(a.u_min, b.u_min);
+  f.u_max = std::max(a.u_max, b.u_max);
+  f.v_min = std::min(a.v_min, b.v_min);
+  f.v_max = std::max(a.v_max, b.v_max);
+  f.cut_left += b.cut_left;
+  f.cut_right += b.cut_right;
+  f.cut_top += b.cut_top;
+  f.cut_bottom += b.cut_bottom;
+  f.box.extend(b.box);
+  std::vector<std::int64_t> cells;
+  std::set_union(a.cells.begin(), a.cells.end(), b.cells.begin(), b.cells.end(), std::back_inserter(cells));
+  f.cells = std::move(cells);
+  return f;
+}
+
+std::vector<Eigen::Vector2d> footprint_hull(const Fragment& f) {
+  std::vector<Eigen::Vector2d> centers;
+  centers.reserve(f.cells.size());
+  for (const std::int64_t c : f.cells) centers.push_back(GroundAxes::center(c));
+  return convex_hull(centers);
+}
+
+// `gap_m`: distance between a and b along the image
+bool belong_together(const Fragment& a, const Fragment& b, double gap_m, const NoiseModel& noise,
+                     const FragmentConfig& c) {
+  // one surface with a hole in its depth
+  const double depth = std::min(a.mean_depth_m, b.mean_depth_m);
+  if (gap_m <= c.hole_gap_m + noise.step(depth)) return true;
+
+  // a small part that hangs in the air hangs on its neighbour
+  const Fragment& large = a.pixels >= b.pixels ? a : b;
+  const Fragment& small = &large == &a ? b : a;
+  const bool minor = static_cast<double>(small.pixels) < kSmallPart * static_cast<double>(large.pixels);
+  if (minor && small.min_height_m > kFloating_m && gap_m <= c.hanging_gap_m) return true;
+
+  // one stands on the other
+  const Fragment& upper = a.min_height_m > b.min_height_m ? a : b;
+  const Fragment& lower = &upper == &a ? b : a;
+  const double step = upper.min_height_m - lower.max_height_m;
+  if (step > -0.02 && step < c.standing_gap_m && share_a_cell(a, b)) return true;
+
+  // a leg under its plate
+  const bool leg = static_cast<double>(lower.pixels) < kSmallPart * static_cast<double>(upper.pixels);
+  return leg && lower.max_height_m < upper.max_height_m &&
+         fraction_under(lower, footprint_hull(upper)) >= c.under_fraction;
+}
+
+// where each region of the image stands among the fragments; -1 for speckle
+std::vector<std::int32_t> slots_of(const std::vector<Fragment>& fragments, std::size_t regions) {
+  std::vector<std::int32_t> slot(regions, -1);
+  for (std::size_t f = 0; f < fragments.size(); ++f)
+    for (const std::int32_t l : fragments[f].labels) slot[static_cast<std::size_t>(l)] = static_cast<std::int32_t>(f);
+  return slot;
+}
+
+}  // namespace
+
+std::vector<Fragment> describe_fragments(const OrganisedCloud& cloud, const Components& components,
+                                         const Ground& ground, const ImageBorder& border, const FragmentConfig& config) {
+  std::vector<Fragment> fragments;
+  for (std::size_t l = 0; l < components.pixels.size(); ++l) {
+    if (components.pixels[l] < static_cast<std::uint32_t>(config.min_pixels)) continue;
+    fragments.emplace_back();
+    fragments.back().labels = {static_cast<std::int32_t>(l)};
+  }
+  const std::vector<std::int32_t> slot = slots_of(fragments, components.pixels.size());
+
+  const GroundAxes axes(ground);
+  const double pixel_area = 1.0 / (cloud.intrinsics.fx * cloud.intrinsics.fy);
+  const int w = cloud.width();
+  for (int v = 0; v < cloud.height(); ++v) {
+    const std::size_t row = static_cast<std::size_t>(v);
+    for (int u = 0; u < w; ++u) {
+      const std::size_t i = row * static_cast<std::size_t>(w) + static_cast<std::size_t>(u);
+      const std::int32_t label = components.label[i];
+      if (label == Components::kNone || slot[static_cast<std::size_t>(label)] < 0) continue;
+      Fragment& f = fragments[static_cast<std::size_t>(slot[static_cast<std::size_t>(label)])];
+      const Vec3 p = cloud.point(i);
+      const double d = cloud.depth_m[i];
+      const double h = ground.plane.height(p);
+      f.area_m2 += d * d * pixel_area;
+      f.mean_depth_m += d;
+      f.min_height_m = std::min(f.min_height_m, h);
+      f.max_height_m = std::max(f.max_height_m, h);
+      f.u_min = std::min(f.u_min, u);
+      f.u_max = std::max(f.u_max, u);
+      f.v_min = std::min(f.v_min, v);
+      f.v_max = std::max(f.v_max, v);
+      f.box.extend(p);
+      f.cut_left += u <= border.left[row] + 1;
+      f.cut_right += u >= border.right[row] - 1;
+      f.cut_top += v <= border.top[static_cast<std::size_t>(u)] + 1;
+      f.cut_bottom += v >= border.bottom[static_cast<std::size_t>(u)] - 1;
+      if (f.pixels++ % kFootprintStride == 0) f.cells.push_back(axes.cell(p));
+    }
+  }
+  for (Fragment& f : fragments) {
+    f.mean_depth_m /= static_cast<double>(f.pixels);
+    std::sort(f.cells.begin(), f.cells.end());
+    f.cells.erase(std::unique(f.cells.begin(), f.cells.end()), f.cells.end());
+  }
+  return fragments;
+}
+
+std::vector<Fragment> join_fragments(std::vector<Fragment> fragments, const OrganisedCloud& cloud,
+                                     const Components& components, const NoiseModel& noise,
+                                     const FragmentConfig& config) {
+  // large ones first: parts join the object that they belong to, and an object only grows
+  const auto larger = [](const Fragment& a, const Fragment& b) { return a.pixels > b.pixels; };
+  std::stable_sort(fragments.begin(), fragments.end(), larger);
+  const std::size_t n = fragments.size();
+  Gaps gaps(cloud, components, slots_of(fragments, components.pixels.size()), n);
+  std::vector<bool> gone(n, false);
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t k = i + 1; k < n; ++k) {
+        if (gone[i] || gone[k]) continue;
+        if (!belong_together(fragments[i], fragments[k], gaps.between(i, k), noise, config)) continue;
+        fragments[i] = joined(fragments[i], fragments[k]);
+        gaps.join(i, k);
+        gone[k] = changed = true;
+      }
+    }
+  }
+  std::vector<Fragment> objects;
+  for (std::size_t i = 0; i < n; ++i)
+    if (!gone[i]) objects.push_back(std::move(fragments[i]));
+  std::stable_sort(objects.begin(), objects.end(), larger);
+  return objects;
+}
+
+}  // namespace colift::perception

@@ -1,0 +1,213 @@
+#include "perception/target.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "perception/image_border.hpp"
+
+namespace colift::perception {
+namespace {
+
+constexpr std::size_t kLeastPixels = 300;
+constexpr double kTopCutWeight = 0.4;  // a cut at the top takes height, a cut at a side takes the footprint
+
+DepthJump jump_of(const NoiseModel& noise, const TargetConfig& c) {
+  return {static_cast<float>(c.jump_base_m + c.jump_sigma * noise.sigma0_m),
+          static_cast<float>(c.jump_sigma * noise.sigma2_per_m + c.jump_steps * noise.step2_per_m)};
+}
+
+// pixels that stand above the ground by more than its noise; missing pixels compare false
+std::vector<std::uint8_t> raised_pixels(const OrganisedCloud& cloud, const Ground& ground, const NoiseModel& noise,
+                                        const TargetConfig& c) {
+  const Eigen::Vector3f n = ground.plane.normal.cast<float>();
+  const float offset = static_cast<float>(ground.plane.offset);
+  const float eye_height = static_cast<float>(std::max(1e-3, ground.plane.height(cloud.X_WC.translation())));
+  const float base = static_cast<float>(c.clearance_m);
+  const float k0 = static_cast<float>(c.clearance_sigma * noise.sigma0_m);
+  const float k2 = static_cast<float>(c.clearance_sigma * noise.sigma2_per_m);
+  std::vector<std::uint8_t> mask(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const float d = cloud.depth_m[i];
+    const float h = n.x() * cloud.x[i] + n.y() * cloud.y[i] + n.z() * cloud.z[i] + offset;
+    // depth noise enters the height by the slope of the ray, at most one
+    const float reach = (k0 + k2 * d * d) * std::min(1.0f, eye_height / d);
+    mask[i] = h > base + reach ? 1 : 0;
+  }
+  return mask;
+}
+
+// takes away pixels with few neighbours at their own depth: flying pixels between an edge and its background, speckle
+void clear_flying_pixels(const OrganisedCloud& cloud, const DepthJump& jump, int min_neighbours,
+                         std::vector<std::uint8_t>& mask) {
+  const int w = cloud.width(), h = cloud.height();
+  const std::vector<std::uint8_t> before = mask;
+  for (int v = 0; v < h; ++v) {
+    for (int u = 0; u < w; ++u) {
+      const std::size_t i = static_cast<std::size_t>(v) * static_cast<std::size_t>(w) + static_cast<std::size_t>(u);
+      if (!before[i]) continue;
+      int neighbours = 0;
+      for (int dv = -1; dv <= 1; ++dv) {
+        for (int du = -1; du <= 1; ++du) {
+          if ((du == 0 && dv == 0) || u + du < 0 || u + du >= w || v + dv < 0 || v + dv >= h) continue;
+          const std::size_t k = i + static_cast<std::size_t>(static_cast<std::ptrdiff_t>(dv) * w + du);
+          neighbours += before[k] && jump.same_surface(cloud.depth_m[i], cloud.depth_m[k]);
+        }
+      }
+      if (neighbours < min_neighbours) mask[i] = 0;
+    }
+  }
+}
+
+struct Cut {
+  double fraction = 0.0;
+  const char* side = "";
+};
+
+// the side of the view that takes the largest part of the object's extent along it
+Cut lateral_cut(const Fragment& f) {
+  const double rows = f.v_max - f.v_min + 1, columns = f.u_max - f.u_min + 1;
+  Cut cut{f.cut_left / (2 * rows), "left"};
+  if (f.cut_right / (2 * rows) > cut.fraction) cut = {f.cut_right / (2 * rows), "right"};
+  if (f.cut_bottom / (2 * columns) > cut.fraction) cut = {f.cut_bottom / (2 * columns), "bottom"};
+  return cut;
+}
+
+// part of its upper side that the view cuts; its footprint may still be whole
+double top_cut(const Fragment& f) { return f.cut_top / (2.0 * (f.u_max - f.u_min + 1)); }
+
+// part of its extent over the ground that is seen, for telling a person from a desk with things on it
+double longest_side(const Fragment& f, const Ground& ground) {
+  const Vec3 d = f.box.sizes();
+  const Vec3 n = ground.plane.normal;
+  return (d - n * n.dot(d)).norm();
+}
+
+// what speaks against a fragment as target; nothing for a free-standing object
+std::optional<RejectedObject> objection(const Fragment& f, const Ground& ground, const TargetConfig& c) {
+  using Kind = RejectedObject::Kind;
+  const auto reject = [&](Kind kind, std::string why) {
+    return RejectedObject{kind, f.box.center(), f.pixels, std::move(why)};
+  };
+  if (f.area_m2 < c.min_area_m2 || f.pixels < kLeastPixels)
+    return reject(Kind::Small, fmt::format("{:.0f} cm2 of it are visible in {} pixels, {:.0f} cm2 and {} pixels are needed", 1e4 * f.area_m2, f.pixels, 1e4 * c.min_area_m2, kLeastPixels));
+  if (f.max_height_m - std::max(0.0, f.min_height_m) < c.min_thickness_m && f.min_height_m < 2 * c.min_thickness_m)
+    return reject(Kind::Flat, fmt::format("it rises {:.0f} mm over the ground, {:.0f} are needed", 1e3 * f.max_height_m, 1e3 * c.min_thickness_m));
+  if (f.mean_depth_m > c.max_range_m)
+    return reject(Kind::Far, fmt::format("it is {:.1f} m away, the limit is {:.1f} m", f.mean_depth_m, c.max_range_m));
+  if (f.max_height_m > c.max_height_m && longest_side(f, ground) < f.max_height_m)
+    return reject(Kind::Person, fmt::format("it is {:.2f} m tall, a person or furniture that is not carried (limit {:.2f} m)", f.max_height_m, c.max_height_m));
+  const Cut cut = lateral_cut(f);
+  if (cut.fraction + kTopCutWeight * top_cut(f) > c.max_cut)
+    return reject(Kind::Cut, fmt::format("{:.0f} % of its {} side leave the view, so it is not known to stand free (limit {:.0f} %)", 100 * cut.fraction, cut.side, 100 * c.max_cut));
+  return std::nullopt;
+}
+
+// visible area, less where the view cuts it: half an object in view is a worse bet than a smaller whole one
+double rank(const Fragment& f) { return f.area_m2 * (1.0 - lateral_cut(f).fraction); }
+
+Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Components& components, const Ground& ground) {
+  Target t;
+  t.pixels.reserve(f.pixels);
+  t.points.reserve(f.pixels);
+  for (int v = f.v_min; v <= f.v_max; ++v) {
+    for (int u = f.u_min; u <= f.u_max; ++u) {
+      const std::size_t i = static_cast<std::size_t>(v) * static_cast<std::size_t>(cloud.width()) + static_cast<std::size_t>(u);
+      if (components.label[i] == Components::kNone) continue;
+      if (!std::binary_search(f.labels.begin(), f.labels.end(), components.label[i])) continue;
+      t.pixels.push_back(static_cast<std::uint32_t>(i));
+      t.points.emplace_back(cloud.x[i], cloud.y[i], cloud.z[i]);
+    }
+  }
+  t.aabb = f.box;
+  t.obb = box_on_plane(t.points, ground.plane, BoxTrim{});
+  t.shape = t.obb;
+  t.cog = t.obb.center;
+  return t;
+}
+
+double distance(const Fragment& f, const OrganisedCloud& cloud, const Components& components, const Vec3& p) {
+  double best = std::numeric_limits<double>::infinity();
+  for (int v = f.v_min; v <= f.v_max; ++v) {
+    for (int u = f.u_min; u <= f.u_max; ++u) {
+      const std::size_t i = static_cast<std::size_t>(v) * static_cast<std::size_t>(cloud.width()) + static_cast<std::size_t>(u);
+      if (components.label[i] == Components::kNone) continue;
+      if (!std::binary_search(f.labels.begin(), f.labels.end(), components.label[i])) continue;
+      best = std::min(best, (cloud.point(i) - p).squaredNorm());
+    }
+  }
+  return std::sqrt(best);
+}
+
+}  // namespace
+
+TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPlane>& blocks, const Ground& ground,
+                         const NoiseModel& noise, const TargetConfig& c, const std::optional<Vec3>& at_W) {
+  const ImageBorder border = find_image_border(cloud);
+  const DepthJump jump = jump_of(noise, c);
+  std::vector<std::uint8_t> mask = raised_pixels(cloud, ground, noise, c);
+  const std::vector<Plane> walls = find_walls(cloud, blocks, ground, border, noise, c.walls);
+  const std::size_t wall_pixels = clear_walls(cloud, walls, noise, c.walls, mask);
+  clear_flying_pixels(cloud, jump, c.min_neighbours, mask);
+  const Components components = connected_components(cloud.depth_m, mask, cloud.width(), cloud.height(), jump);
+  const std::vector<Fragment> objects = join_fragments(
+      describe_fragments(cloud, components, ground, border, c.fragments), cloud, components, noise, c.fragments);
+
+  TargetResult result;
+  if (!walls.empty()) {
+    result.rejected.push_back({RejectedObject::Kind::Wall, walls.front().foot(cloud.X_WC.translation()), wall_pixels,
+                               fmt::format("{} upright plane(s) wider than {:.1f} m are walls", walls.size(), c.walls.min_width_m)});
+  }
+  const Fragment* chosen = nullptr;
+  const Fragment* second = nullptr;
+  if (at_W) {
+    double best = std::numeric_limits<double>::infinity();
+    for (const Fragment& f : objects) {
+      const double d = distance(f, cloud, components, *at_W);
+      if (d < best) std::tie(best, chosen) = std::pair(d, &f);
+    }
+    if (chosen) result.because = fmt::format("the object {:.0f} mm from the given point", 1000 * best);
+    else result.because = "nothing stands on the ground";
+  } else {
+    for (const Fragment& f : objects) {
+      if (auto no = objection(f, ground, c)) {
+        result.rejected.push_back(std::move(*no));
+        continue;
+      }
+      if (!chosen || rank(f) > rank(*chosen)) {
+        second = chosen;
+        chosen = &f;
+      } else if (!second || rank(f) > rank(*second)) {
+        second = &f;
+      }
+    }
+    for (const Fragment& f : objects) {
+      if (&f == chosen || objection(f, ground, c)) continue;
+      result.rejected.push_back({RejectedObject::Kind::Lesser, f.box.center(), f.pixels,
+                                 fmt::format("{:.0f} cm2 of it are visible, less than of the target", 1e4 * rank(f))});
+    }
+    if (chosen) {
+      result.because = fmt::format("the largest free-standing object: {:.0f} cm2 visible at {:.2f} m, {:.2f} m high",
+                                   1e4 * chosen->area_m2, chosen->mean_depth_m, chosen->max_height_m);
+      if (second) result.because += fmt::format("; the next one shows {:.0f} cm2", 1e4 * rank(*second));
+      const double top = top_cut(*chosen);
+      if (top > 0.1) result.because += fmt::format("; the view cuts {:.0f} % of its upper side, so its height is not known", 100 * top);
+      const Cut cut = lateral_cut(*chosen);
+      if (cut.fraction > 0.02) result.because += fmt::format("; {:.0f} % of its {} side touch the rim of the view", 100 * cut.fraction, cut.side);
+    } else if (result.rejected.empty()) {
+      result.because = "no target: nothing stands on the ground";
+    } else {
+      std::stable_sort(result.rejected.begin(), result.rejected.end(), [](const auto& a, const auto& b) { return a.pixels > b.pixels; });
+      result.because = fmt::format("no target: none of {} objects stands free; the largest: {}", result.rejected.size(), result.rejected.front().because);
+    }
+  }
+  std::stable_sort(result.rejected.begin(), result.rejected.end(), [](const auto& a, const auto& b) { return a.pixels > b.pixels; });
+  if (chosen) {
+    result.target = make_target(*chosen, cloud, components, ground);
+    result.target->because = result.because;
+  }
+  return result;
+}
+
+}  // namespace colift::perception
