@@ -10,8 +10,9 @@ namespace colift::perception {
 namespace {
 
 constexpr double kCell_m = 0.04;
-constexpr std::size_t kFootprintStride = 3;  // every third pixel still hits each cell several times
+constexpr std::size_t kFootprintStride = 4;  // every fourth pixel still hits each cell several times
 constexpr double kFloating_m = 0.1;          // a part this far above the ground does not stand on it
+constexpr double kLegSide_m = 0.2;           // a leg is thinner than this, or higher than wide
 constexpr double kSmallPart = 0.3;           // legs and struts: at most this part of the object they belong to
 
 struct GroundAxes {
@@ -159,10 +160,30 @@ bool belong_together(const Fragment& a, const Fragment& b, double gap_m, const N
   if (step > -0.02 && step < c.standing_gap_m && share_a_cell(a, b)) return true;
 
   // a leg under its plate
-  const bool leg = static_cast<double>(lower.pixels) < kSmallPart * static_cast<double>(upper.pixels);
+  const bool leg = static_cast<double>(lower.pixels) < kSmallPart * static_cast<double>(upper.pixels) &&
+                   footprint_span(lower) < std::max(kLegSide_m, lower.max_height_m - lower.min_height_m);
   return leg && lower.max_height_m < upper.max_height_m &&
          fraction_under(lower, footprint_hull(upper)) >= c.under_fraction;
 }
+
+// sums over the pixels of one region
+struct Tally {
+  std::size_t pixels = 0;
+  double depth = 0.0, depth_squared = 0.0;
+  float lowest = std::numeric_limits<float>::infinity(), highest = -std::numeric_limits<float>::infinity();
+  Eigen::Array3f least = Eigen::Array3f::Constant(std::numeric_limits<float>::infinity());
+  Eigen::Array3f most = -least;
+
+  void add(const Eigen::Vector3f& p, float height, float depth_m) {
+    ++pixels;
+    depth += depth_m;
+    depth_squared += depth_m * depth_m;
+    lowest = std::min(lowest, height);
+    highest = std::max(highest, height);
+    least = least.min(p.array());
+    most = most.max(p.array());
+  }
+};
 
 // where each region of the image stands among the fragments; -1 for speckle
 std::vector<std::int32_t> slots_of(const std::vector<Fragment>& fragments, std::size_t regions) {
@@ -173,6 +194,13 @@ std::vector<std::int32_t> slots_of(const std::vector<Fragment>& fragments, std::
 }
 
 }  // namespace
+
+double footprint_span(const Fragment& f) {
+  if (f.cells.empty()) return 0.0;
+  Eigen::AlignedBox2d box;
+  for (const std::int64_t c : f.cells) box.extend(GroundAxes::center(c));
+  return box.diagonal().norm() + kCell_m;
+}
 
 std::vector<Fragment> describe_fragments(const OrganisedCloud& cloud, const Components& components,
                                          const Ground& ground, const ImageBorder& border, const FragmentConfig& config) {
@@ -186,6 +214,9 @@ std::vector<Fragment> describe_fragments(const OrganisedCloud& cloud, const Comp
 
   const GroundAxes axes(ground);
   const double pixel_area = 1.0 / (cloud.intrinsics.fx * cloud.intrinsics.fy);
+  const Eigen::Vector3f up = ground.plane.normal.cast<float>();
+  const float offset = static_cast<float>(ground.plane.offset);
+  std::vector<Tally> tallies(fragments.size());
   const int w = cloud.width();
   for (int v = 0; v < cloud.height(); ++v) {
     const std::size_t row = static_cast<std::size_t>(v);
@@ -193,28 +224,31 @@ std::vector<Fragment> describe_fragments(const OrganisedCloud& cloud, const Comp
       const std::size_t i = row * static_cast<std::size_t>(w) + static_cast<std::size_t>(u);
       const std::int32_t label = components.label[i];
       if (label == Components::kNone || slot[static_cast<std::size_t>(label)] < 0) continue;
-      Fragment& f = fragments[static_cast<std::size_t>(slot[static_cast<std::size_t>(label)])];
-      const Vec3 p = cloud.point(i);
-      const double d = cloud.depth_m[i];
-      const double h = ground.plane.height(p);
-      f.area_m2 += d * d * pixel_area;
-      f.mean_depth_m += d;
-      f.min_height_m = std::min(f.min_height_m, h);
-      f.max_height_m = std::max(f.max_height_m, h);
+      const std::size_t k = static_cast<std::size_t>(slot[static_cast<std::size_t>(label)]);
+      Fragment& f = fragments[k];
+      Tally& t = tallies[k];
+      const Eigen::Vector3f p(cloud.x[i], cloud.y[i], cloud.z[i]);
+      t.add(p, up.dot(p) + offset, cloud.depth_m[i]);
       f.u_min = std::min(f.u_min, u);
       f.u_max = std::max(f.u_max, u);
       f.v_min = std::min(f.v_min, v);
-      f.v_max = std::max(f.v_max, v);
-      f.box.extend(p);
+      f.v_max = v;
       f.cut_left += u <= border.left[row] + 1;
       f.cut_right += u >= border.right[row] - 1;
       f.cut_top += v <= border.top[static_cast<std::size_t>(u)] + 1;
       f.cut_bottom += v >= border.bottom[static_cast<std::size_t>(u)] - 1;
-      if (f.pixels++ % kFootprintStride == 0) f.cells.push_back(axes.cell(p));
+      if (t.pixels % kFootprintStride == 1) f.cells.push_back(axes.cell(p.cast<double>()));
     }
   }
-  for (Fragment& f : fragments) {
-    f.mean_depth_m /= static_cast<double>(f.pixels);
+  for (std::size_t k = 0; k < fragments.size(); ++k) {
+    Fragment& f = fragments[k];
+    const Tally& t = tallies[k];
+    f.pixels = t.pixels;
+    f.mean_depth_m = t.depth / static_cast<double>(t.pixels);
+    f.area_m2 = t.depth_squared * pixel_area;
+    f.min_height_m = t.lowest;
+    f.max_height_m = t.highest;
+    f.box = Aabb(t.least.cast<double>(), t.most.cast<double>());
     std::sort(f.cells.begin(), f.cells.end());
     f.cells.erase(std::unique(f.cells.begin(), f.cells.end()), f.cells.end());
   }

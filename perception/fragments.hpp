@@ -47,6 +47,9 @@ struct Fragment {
   std::vector<std::int64_t> cells;   ///< Footprint: sorted 4 cm cells of the ground plane.
 };
 
+/// How far a fragment reaches over the ground: diagonal of its footprint's bounding box (m).
+[[nodiscard]] double footprint_span(const Fragment& fragment);
+
 /// Regions with their statistics; small ones are left out.
 [[nodiscard]] std::vector<Fragment> describe_fragments(const OrganisedCloud& cloud, const Components& components,
                                                        const Ground& ground, const ImageBorder& border,

@@ -16,7 +16,7 @@ struct GroundConfig {
   double max_tilt_unknown_deg = 78.0;    ///< Used when only the camera's own up is known.
   double min_image_fraction = 0.02;
   double min_area_ratio = 0.15;
-  double tolerance_sigma = 3.0;
+  double tolerance_sigma = 3.5;
   double tolerance_m = 0.006;
 
   template <class Visitor>

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "perception/image_border.hpp"
 
@@ -43,19 +45,21 @@ void clear_flying_pixels(const OrganisedCloud& cloud, const DepthJump& jump, int
                          std::vector<std::uint8_t>& mask) {
   const int w = cloud.width(), h = cloud.height();
   const std::vector<std::uint8_t> before = mask;
+  const float* depth = cloud.depth_m.data();
+  // the four direct neighbours first: inside a surface three of them settle it
+  const std::array<std::pair<int, int>, 8> around{{{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}}};
   for (int v = 0; v < h; ++v) {
     for (int u = 0; u < w; ++u) {
-      const std::size_t i = static_cast<std::size_t>(v) * static_cast<std::size_t>(w) + static_cast<std::size_t>(u);
-      if (!before[i]) continue;
-      int neighbours = 0;
-      for (int dv = -1; dv <= 1; ++dv) {
-        for (int du = -1; du <= 1; ++du) {
-          if ((du == 0 && dv == 0) || u + du < 0 || u + du >= w || v + dv < 0 || v + dv >= h) continue;
-          const std::size_t k = i + static_cast<std::size_t>(static_cast<std::ptrdiff_t>(dv) * w + du);
-          neighbours += before[k] && jump.same_surface(cloud.depth_m[i], cloud.depth_m[k]);
-        }
+      const int i = v * w + u;
+      if (!before[static_cast<std::size_t>(i)]) continue;
+      int missing = min_neighbours;
+      for (const auto& [du, dv] : around) {
+        if (missing == 0) break;
+        if (u + du < 0 || u + du >= w || v + dv < 0 || v + dv >= h) continue;
+        const int k = i + dv * w + du;
+        missing -= before[static_cast<std::size_t>(k)] && jump.same_surface(depth[i], depth[k]);
       }
-      if (neighbours < min_neighbours) mask[i] = 0;
+      if (missing > 0) mask[static_cast<std::size_t>(i)] = 0;
     }
   }
 }
@@ -77,15 +81,8 @@ Cut lateral_cut(const Fragment& f) {
 // part of its upper side that the view cuts; its footprint may still be whole
 double top_cut(const Fragment& f) { return f.cut_top / (2.0 * (f.u_max - f.u_min + 1)); }
 
-// part of its extent over the ground that is seen, for telling a person from a desk with things on it
-double longest_side(const Fragment& f, const Ground& ground) {
-  const Vec3 d = f.box.sizes();
-  const Vec3 n = ground.plane.normal;
-  return (d - n * n.dot(d)).norm();
-}
-
 // what speaks against a fragment as target; nothing for a free-standing object
-std::optional<RejectedObject> objection(const Fragment& f, const Ground& ground, const TargetConfig& c) {
+std::optional<RejectedObject> objection(const Fragment& f, const TargetConfig& c) {
   using Kind = RejectedObject::Kind;
   const auto reject = [&](Kind kind, std::string why) {
     return RejectedObject{kind, f.box.center(), f.pixels, std::move(why)};
@@ -96,7 +93,8 @@ std::optional<RejectedObject> objection(const Fragment& f, const Ground& ground,
     return reject(Kind::Flat, fmt::format("it rises {:.0f} mm over the ground, {:.0f} are needed", 1e3 * f.max_height_m, 1e3 * c.min_thickness_m));
   if (f.mean_depth_m > c.max_range_m)
     return reject(Kind::Far, fmt::format("it is {:.1f} m away, the limit is {:.1f} m", f.mean_depth_m, c.max_range_m));
-  if (f.max_height_m > c.max_height_m && longest_side(f, ground) < f.max_height_m)
+  // wider than high is a desk with things on it, not a person
+  if (f.max_height_m > c.max_height_m && footprint_span(f) < f.max_height_m)
     return reject(Kind::Person, fmt::format("it is {:.2f} m tall, a person or furniture that is not carried (limit {:.2f} m)", f.max_height_m, c.max_height_m));
   const Cut cut = lateral_cut(f);
   if (cut.fraction + kTopCutWeight * top_cut(f) > c.max_cut)
@@ -171,7 +169,7 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
     else result.because = "nothing stands on the ground";
   } else {
     for (const Fragment& f : objects) {
-      if (auto no = objection(f, ground, c)) {
+      if (auto no = objection(f, c)) {
         result.rejected.push_back(std::move(*no));
         continue;
       }
@@ -183,7 +181,7 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
       }
     }
     for (const Fragment& f : objects) {
-      if (&f == chosen || objection(f, ground, c)) continue;
+      if (&f == chosen || objection(f, c)) continue;
       result.rejected.push_back({RejectedObject::Kind::Lesser, f.box.center(), f.pixels,
                                  fmt::format("{:.0f} cm2 of it are visible, less than of the target", 1e4 * rank(f))});
     }

@@ -50,17 +50,23 @@ std::size_t clear_walls(const OrganisedCloud& cloud, const std::vector<Plane>& w
                         const WallConfig& config, std::vector<std::uint8_t>& mask) {
   const float sigma0 = static_cast<float>(config.tolerance_m + 3.0 * noise.sigma0_m);
   const float sigma2 = static_cast<float>(3.0 * noise.sigma2_per_m);
-  std::size_t cleared = 0;
+  struct Coefficients {
+    float x, y, z, offset;
+  };
+  std::vector<Coefficients> planes;
   for (const Plane& wall : walls) {
     const Eigen::Vector3f n = wall.normal.cast<float>();
-    const float offset = static_cast<float>(wall.offset);
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      const float h = n.x() * cloud.x[i] + n.y() * cloud.y[i] + n.z() * cloud.z[i] + offset;
-      const float reach = sigma0 + sigma2 * cloud.depth_m[i] * cloud.depth_m[i];
-      // a wall is the last thing on its rays: what lies behind its plane was seen past its end
-      const bool on = std::abs(h) <= reach && mask[i] != 0;
-      cleared += on;
-      mask[i] = on ? std::uint8_t{0} : mask[i];
+    planes.push_back({n.x(), n.y(), n.z(), static_cast<float>(wall.offset)});
+  }
+  std::size_t cleared = 0;
+  for (std::size_t i = 0; i < cloud.size() && !planes.empty(); ++i) {
+    if (!mask[i]) continue;
+    const float reach = sigma0 + sigma2 * cloud.depth_m[i] * cloud.depth_m[i];
+    for (const Coefficients& p : planes) {
+      if (std::abs(p.x * cloud.x[i] + p.y * cloud.y[i] + p.z * cloud.z[i] + p.offset) > reach) continue;
+      mask[i] = 0;
+      ++cleared;
+      break;
     }
   }
   return cleared;

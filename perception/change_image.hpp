@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "hal/config/range.hpp"
+#include "perception/noise_model.hpp"
+#include "perception/organised_cloud.hpp"
+#include "perception/reference_image.hpp"
+
+namespace colift::perception {
+
+/// When a pixel counts as changed, and which changed pixels belong together.
+struct ChangeConfig {
+  double sigmas = 4.0;     ///< Nearer than the reference by this many sigma ...
+  double steps = 1.0;      ///< ... plus this many quantisation steps ...
+  double margin_m = 0.004; ///< ... plus this much: drift and radial distortion of the sensor.
+  int edge_px = 2;         ///< Raggedness of edges: a pixel is compared with the nearest depth within this distance.
+  double jump_m = 0.03;    ///< Neighbours farther apart in depth than this (plus noise) are different bodies.
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("sigmas", sigmas, hal::Range{0.0, 20.0}, "Noise gate of a changed pixel, in standard deviations.");
+    v("steps", steps, hal::Range{0.0, 10.0}, "Noise gate of a changed pixel, in quantisation steps.");
+    v("margin_m", margin_m, hal::Range{0.0, 0.1}, "Constant part of the gate of a changed pixel.");
+    v("edge_px", edge_px, hal::Range{0.0, 5.0}, "How far depth edges may wander between frames.");
+    v("jump_m", jump_m, hal::Range{0.005, 0.5}, "Depth step between neighbours that separates two bodies.");
+  }
+};
+
+/// A rectangle of pixels: begin included, end not.
+struct PixelWindow {
+  int u_begin = 0, v_begin = 0, u_end = 0, v_end = 0;
+  [[nodiscard]] bool empty() const { return u_begin >= u_end || v_begin >= v_end; }
+};
+
+/// Changed pixels [u_begin, u_end) of row v that are one body.
+struct ChangedRun {
+  std::int32_t v = 0, u_begin = 0, u_end = 0;
+  std::int32_t component = 0;
+};
+
+struct ChangedComponent {
+  double area_m2 = 0.0;  ///< As if every pixel faced the camera: a lower bound of the true area.
+  std::int32_t pixels = 0;
+};
+
+/// Finds what stands before the reference image, inside a window. Keeps its buffers from frame to frame, so one object
+/// belongs to one thread.
+class ChangeImage {
+ public:
+  ChangeImage(const ReferenceImage& reference, const NoiseModel& noise, const ChangeConfig& config,
+              const PixelWindow& window);
+
+  /// Compares a frame of the reference's size. Specks and slivers up to two pixels wide are gone from the answer, and
+  /// so is the outermost pixel of every body, where depths of two bodies mix.
+  void compare(const OrganisedCloud& current);
+
+  [[nodiscard]] const std::vector<ChangedRun>& runs() const { return runs_; }
+  [[nodiscard]] const std::vector<ChangedComponent>& components() const { return components_; }
+  [[nodiscard]] const PixelWindow& window() const { return window_; }
+
+  /// A depth below this is a change (m); NaN where nothing can be one. Indexed as the image.
+  [[nodiscard]] float limit(std::size_t pixel) const { return limit_m_[pixel]; }
+
+ private:
+  void mark(const float* depth_m);
+  void thin();
+  void find_runs(const float* depth_m);
+  void number_components();
+
+  int width_;
+  double pixel_area_;  ///< 1 / (fx fy).
+  NoiseModel noise_;
+  ChangeConfig config_;
+  PixelWindow window_;
+  std::size_t words_;  ///< 64-bit words for each row of a mask.
+  std::vector<float> limit_m_;
+  std::vector<std::uint64_t> mask_, thinned_;
+  std::vector<ChangedRun> runs_;
+  std::vector<double> run_area_;
+  std::vector<ChangedComponent> components_;
+  std::vector<std::int32_t> parent_;
+};
+
+}  // namespace colift::perception
