@@ -14,6 +14,9 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kFar = std::numeric_limits<float>::max();
 
+// A depth step within the raggedness of edges that no sloping surface makes (m).
+constexpr double kEdgeStep_m = 0.04;
+
 // Two sides of a hole that differ by more than this are an object and what is behind it (m).
 constexpr float kShadowJump = 0.08F;
 
@@ -66,6 +69,7 @@ ChangeImage::ChangeImage(const ReferenceImage& reference, const NoiseModel& nois
   const auto width = static_cast<std::size_t>(width_);
   words_ = (width + 63) / 64;
   mask_.assign(words_ * static_cast<std::size_t>(height + 2), 0);
+  unseen_.assign(mask_.size(), 0);
   thinned_.assign(mask_.size(), 0);
 
   std::vector<float> filled(reference.near_m.size()), wide(reference.near_m.size());
@@ -83,10 +87,17 @@ ChangeImage::ChangeImage(const ReferenceImage& reference, const NoiseModel& nois
         z = std::min(z, wide[row + static_cast<std::size_t>(k)]);
       }
       // noise at a missing background is nobody's: any depth that appears there is new
-      limit_m_[row + static_cast<std::size_t>(u)] =
-          z >= kFar ? kFar
-                    : z - static_cast<float>(config.sigmas * noise.sigma(z) + config.steps * noise.step(z) +
-                                             config.margin_m);
+      const std::size_t pixel = row + static_cast<std::size_t>(u);
+      if (z >= kFar) {
+        limit_m_[pixel] = kFar;
+        continue;
+      }
+      // away from edges the typical depth is the sharper standard: fingers on a surface stand out by less than 2 cm
+      const float typical = reference.cloud.depth_m[pixel];
+      const double slope = kEdgeStep_m + 4.0 * noise.sigma(z);
+      if (typical == typical && typical - z < static_cast<float>(slope)) z = typical;
+      limit_m_[pixel] = z - static_cast<float>(config.sigmas * noise.sigma(z) + config.steps * noise.step(z) +
+                                               config.margin_m);
     }
   }
 }
@@ -96,6 +107,7 @@ void ChangeImage::compare(const OrganisedCloud& current) {
   run_area_.clear();
   components_.clear();
   parent_.clear();
+  blob_parent_.clear();
   if (window_.empty()) return;
   mark(current.depth_m.data());
   thin();
@@ -110,39 +122,56 @@ void ChangeImage::mark(const float* depth_m) {
   for (int v = window_.v_begin; v < window_.v_end; ++v) {
     const std::size_t row = static_cast<std::size_t>(v) * static_cast<std::size_t>(width_);
     std::uint64_t* bits = mask_.data() + static_cast<std::size_t>(v + 1) * words_;
+    std::uint64_t* missing = unseen_.data() + static_cast<std::size_t>(v + 1) * words_;
     for (int w = first; w <= last; ++w) {
       const float* depth = depth_m + row + static_cast<std::size_t>(w) * 64;
       const float* limit = limit_m_.data() + row + static_cast<std::size_t>(w) * 64;
       const int count = std::min(64, width_ - w * 64);
-      std::uint64_t word = 0;
+      std::uint64_t word = 0, nan = 0;
       int i = 0;
 #if defined(__SSE2__)
       for (; i + 16 <= count; i += 16) {
-        const auto four = [&](int at) {
-          return _mm_castps_si128(_mm_cmplt_ps(_mm_loadu_ps(depth + at), _mm_loadu_ps(limit + at)));
+        const auto sixteen = [i](auto&& four) {
+          const __m128i low = _mm_packs_epi32(four(i), four(i + 4)), high = _mm_packs_epi32(four(i + 8), four(i + 12));
+          return static_cast<std::uint64_t>(static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_packs_epi16(low, high))))
+                 << i;
         };
-        const __m128i low = _mm_packs_epi32(four(i), four(i + 4)), high = _mm_packs_epi32(four(i + 8), four(i + 12));
-        word |= static_cast<std::uint64_t>(static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_packs_epi16(low, high))))
-                << i;
+        word |= sixteen([&](int at) {
+          return _mm_castps_si128(_mm_cmplt_ps(_mm_loadu_ps(depth + at), _mm_loadu_ps(limit + at)));
+        });
+        nan |= sixteen([&](int at) {
+          const __m128 d = _mm_loadu_ps(depth + at);
+          return _mm_castps_si128(_mm_cmpunord_ps(d, d));
+        });
       }
 #endif
-      for (; i < count; ++i) word |= static_cast<std::uint64_t>(depth[i] < limit[i]) << i;
+      for (; i < count; ++i) {
+        word |= static_cast<std::uint64_t>(depth[i] < limit[i]) << i;
+        nan |= static_cast<std::uint64_t>(depth[i] != depth[i]) << i;
+      }
+      missing[w] = nan;
       bits[w] = word;
     }
   }
 }
 
-// Keeps a pixel when it and its four neighbours changed: 64 pixels in a handful of instructions.
+// Keeps a changed pixel when none of its four neighbours is seen unchanged: 64 pixels in a handful of instructions. A
+// neighbour without depth does not count against it, else every dropout would cost five pixels of a finger.
 void ChangeImage::thin() {
   const int first = window_.u_begin / 64, last = (window_.u_end - 1) / 64;
   for (int v = window_.v_begin; v < window_.v_end; ++v) {
-    const std::uint64_t* row = mask_.data() + static_cast<std::size_t>(v + 1) * words_;
-    const std::uint64_t *above = row - words_, *below = row + words_;
-    std::uint64_t* out = thinned_.data() + static_cast<std::size_t>(v + 1) * words_;
+    const std::size_t at = static_cast<std::size_t>(v + 1) * words_;
+    const auto mine = [&](std::size_t word) { return mask_[word] | unseen_[word]; };
     for (int w = first; w <= last; ++w) {
-      const std::uint64_t left = row[w] << 1 | (w > 0 ? row[w - 1] >> 63 : 0);
-      const std::uint64_t right = row[w] >> 1 | (w + 1 < static_cast<int>(words_) ? row[w + 1] << 63 : 0);
-      out[w] = row[w] & left & right & above[w] & below[w];
+      const std::size_t i = at + static_cast<std::size_t>(w);
+      if (mask_[i] == 0) {
+        thinned_[i] = 0;
+        continue;
+      }
+      const std::uint64_t here = mine(i);
+      const std::uint64_t left = here << 1 | (w > 0 ? mine(i - 1) >> 63 : 0);
+      const std::uint64_t right = here >> 1 | (w + 1 < static_cast<int>(words_) ? mine(i + 1) << 63 : 0);
+      thinned_[i] = mask_[i] & left & right & mine(i - words_) & mine(i + words_);
     }
   }
 }
@@ -150,12 +179,16 @@ void ChangeImage::thin() {
 void ChangeImage::find_runs(const float* depth_m) {
   const auto jump0 = static_cast<float>(config_.jump_m + 4.0 * noise_.sigma0_m);
   const auto jump2 = static_cast<float>(4.0 * noise_.sigma2_per_m + 2.0 * noise_.step2_per_m);
-  const auto root = [this](std::int32_t i) {
-    while (parent_[static_cast<std::size_t>(i)] != i) {
-      parent_[static_cast<std::size_t>(i)] = parent_[static_cast<std::size_t>(parent_[static_cast<std::size_t>(i)])];
-      i = parent_[static_cast<std::size_t>(i)];
-    }
-    return i;
+  const auto join = [](std::vector<std::int32_t>& parent, std::size_t a, std::size_t b) {
+    const auto root = [&parent](std::size_t i) {
+      while (static_cast<std::size_t>(parent[i]) != i) {
+        parent[i] = parent[static_cast<std::size_t>(parent[i])];
+        i = static_cast<std::size_t>(parent[i]);
+      }
+      return i;
+    };
+    const std::size_t one = root(a), other = root(b);
+    parent[std::max(one, other)] = static_cast<std::int32_t>(std::min(one, other));
   };
   const int first = window_.u_begin / 64, last = (window_.u_end - 1) / 64;
   std::size_t above = 0, above_end = 0;  // runs of the row above
@@ -177,6 +210,7 @@ void ChangeImage::find_runs(const float* depth_m) {
         runs_.push_back({v, begin, u + 1, 0});
         run_area_.push_back(static_cast<double>(area) * pixel_area_);
         parent_.push_back(static_cast<std::int32_t>(parent_.size()));
+        blob_parent_.push_back(begin == open ? parent_.back() : blob_parent_.back());
         begin = u + 1;
         area = 0.0F;
       }
@@ -209,10 +243,11 @@ void ChangeImage::find_runs(const float* depth_m) {
       for (std::size_t b = a; b < above_end && runs_[b].u_begin < runs_[r].u_end; ++b) {
         const std::int32_t left = std::max(runs_[r].u_begin, runs_[b].u_begin);
         const std::int32_t right = std::min(runs_[r].u_end, runs_[b].u_end);
+        if (left >= right) continue;
+        join(blob_parent_, r, b);
         for (std::int32_t u = left; u < right; ++u) {
           if (std::abs(depth[u] - upper[u]) > jump0 + jump2 * depth[u] * depth[u]) continue;
-          const std::int32_t one = root(static_cast<std::int32_t>(r)), other = root(static_cast<std::int32_t>(b));
-          parent_[static_cast<std::size_t>(std::max(one, other))] = std::min(one, other);
+          join(parent_, r, b);
           break;
         }
       }
@@ -224,6 +259,7 @@ void ChangeImage::find_runs(const float* depth_m) {
 
 void ChangeImage::number_components() {
   // a parent is never behind its child, so one pass in order meets every root first
+  blob_area_.assign(runs_.size(), 0.0);
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     const auto p = static_cast<std::size_t>(parent_[i]);
     if (p == i) {
@@ -235,6 +271,12 @@ void ChangeImage::number_components() {
     auto& component = components_[static_cast<std::size_t>(runs_[i].component)];
     component.area_m2 += run_area_[i];
     component.pixels += runs_[i].u_end - runs_[i].u_begin;
+    blob_parent_[i] = blob_parent_[static_cast<std::size_t>(blob_parent_[i])];
+    blob_area_[static_cast<std::size_t>(blob_parent_[i])] += run_area_[i];
+  }
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    components_[static_cast<std::size_t>(runs_[i].component)].blob_m2 =
+        blob_area_[static_cast<std::size_t>(blob_parent_[i])];
   }
 }
 

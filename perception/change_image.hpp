@@ -12,9 +12,9 @@ namespace colift::perception {
 
 /// When a pixel counts as changed, and which changed pixels belong together.
 struct ChangeConfig {
-  double sigmas = 4.0;     ///< Nearer than the reference by this many sigma ...
-  double steps = 1.0;      ///< ... plus this many quantisation steps ...
-  double margin_m = 0.004; ///< ... plus this much: drift and radial distortion of the sensor.
+  double sigmas = 3.0;     ///< Nearer than the reference by this many sigma ...
+  double steps = 0.5;      ///< ... plus this many quantisation steps ...
+  double margin_m = 0.002; ///< ... plus this much: drift and radial distortion of the sensor.
   int edge_px = 2;         ///< Raggedness of edges: a pixel is compared with the nearest depth within this distance.
   double jump_m = 0.03;    ///< Neighbours farther apart in depth than this (plus noise) are different bodies.
 
@@ -43,6 +43,9 @@ struct ChangedRun {
 struct ChangedComponent {
   double area_m2 = 0.0;  ///< As if every pixel faced the camera: a lower bound of the true area.
   std::int32_t pixels = 0;
+  /// Area of all components that hang together in the image, whatever their depths: fingers on the object and the arm
+  /// behind its edge are two bodies to the camera, but one person (m^2).
+  double blob_m2 = 0.0;
 };
 
 /// Finds what stands before the reference image, inside a window. Keeps its buffers from frame to frame, so one object
@@ -53,7 +56,7 @@ class ChangeImage {
               const PixelWindow& window);
 
   /// Compares a frame of the reference's size. Specks and slivers up to two pixels wide are gone from the answer, and
-  /// so is the outermost pixel of every body, where depths of two bodies mix.
+  /// so is the outermost pixel of every body, where depths of two bodies mix. Pixels without depth neither add nor take.
   void compare(const OrganisedCloud& current);
 
   [[nodiscard]] const std::vector<ChangedRun>& runs() const { return runs_; }
@@ -76,11 +79,12 @@ class ChangeImage {
   PixelWindow window_;
   std::size_t words_;  ///< 64-bit words for each row of a mask.
   std::vector<float> limit_m_;
-  std::vector<std::uint64_t> mask_, thinned_;
+  std::vector<std::uint64_t> mask_, unseen_, thinned_;
   std::vector<ChangedRun> runs_;
   std::vector<double> run_area_;
   std::vector<ChangedComponent> components_;
-  std::vector<std::int32_t> parent_;
+  std::vector<std::int32_t> parent_, blob_parent_;  ///< Union-find over runs.
+  std::vector<double> blob_area_;
 };
 
 }  // namespace colift::perception

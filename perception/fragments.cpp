@@ -159,11 +159,10 @@ bool belong_together(const Fragment& a, const Fragment& b, double gap_m, const N
   const double step = upper.min_height_m - lower.max_height_m;
   if (step > -0.02 && step < c.standing_gap_m && share_a_cell(a, b)) return true;
 
-  // a leg under its plate
-  const bool leg = static_cast<double>(lower.pixels) < kSmallPart * static_cast<double>(upper.pixels) &&
-                   footprint_span(lower) < std::max(kLegSide_m, lower.max_height_m - lower.min_height_m);
-  return leg && lower.max_height_m < upper.max_height_m &&
-         fraction_under(lower, footprint_hull(upper)) >= c.under_fraction;
+  // a leg under its plate: thin, no higher, and within its footprint
+  return minor && small.max_height_m < large.max_height_m &&
+         footprint_span(small) < std::max(kLegSide_m, small.max_height_m - small.min_height_m) &&
+         fraction_under(small, footprint_hull(large)) >= c.under_fraction;
 }
 
 // sums over the pixels of one region

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,6 +16,9 @@ using hal::failure;
 
 // A depth step to what is behind that makes an object's pixel part of its outline (m).
 constexpr float kRimStep = 0.04F;
+// A patch on a convex edge of a box lies off the mean of its neighbours by 0.3 of their radius, one on a face not at all.
+constexpr float kCreaseRadius = 0.04F;
+constexpr float kCreaseOffset = 0.18F;
 // Distances of bodies are read from a histogram of such bins, once this area is as near: single pixels say nothing.
 constexpr double kBin_m = 0.005;
 constexpr double kFingertip_m2 = 0.0001;
@@ -23,6 +27,53 @@ constexpr double kMovedPart = 0.25;
 constexpr int kMostHands = 4;
 // Skin on the object that is interrupted by less than about this belongs to one hand.
 constexpr double kHandCell_m = 0.04;
+
+// The outline within this distance of a contact tells how the object's edge runs there (m).
+constexpr double kRimRadius_m = 0.08;
+constexpr int kFewestRimPoints = 10;
+
+struct Line {
+  Vec3 middle, direction;
+  bool found = false;
+};
+
+// Straight line through the points within a radius of a place.
+Line line_near(const std::vector<Eigen::Vector3f>& points, const Vec3& place, double radius_m) {
+  Vec3 sum = Vec3::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  int n = 0;
+  const Eigen::Vector3f at = place.cast<float>();
+  const auto radius_squared = static_cast<float>(radius_m * radius_m);
+  for (const auto& p : points) {
+    if ((p - at).squaredNorm() > radius_squared) continue;
+    const Vec3 e = (p - at).cast<double>();
+    sum += e;
+    squares += e * e.transpose();
+    ++n;
+  }
+  Line line;
+  if (n < kFewestRimPoints) return line;
+  const Vec3 mean = sum / n;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(squares / n - mean * mean.transpose());
+  line.middle = place + mean;
+  line.direction = solver.eigenvectors().col(2);
+  line.found = true;
+  return line;
+}
+
+// Middle of the extent of points along a direction, from `origin` (m). The extent, not the mean: the side of the hand
+// that faces the camera has more pixels, but not more hand.
+double middle_along(const std::vector<Vec3>& points, const Vec3& direction, const Vec3& origin) {
+  std::vector<double> along;
+  along.reserve(points.size());
+  for (const Vec3& p : points) along.push_back(direction.dot(p - origin));
+  const auto cut = static_cast<std::ptrdiff_t>(along.size() / 50);
+  std::nth_element(along.begin(), along.begin() + cut, along.end());
+  const double low = along[static_cast<std::size_t>(cut)];
+  std::nth_element(along.begin(), along.end() - 1 - cut, along.end());
+  return 0.5 * (low + along[along.size() - 1 - static_cast<std::size_t>(cut)]);
+}
 
 // Pixels in which the object, grown by the reach, can appear.
 PixelWindow window_around(const std::vector<Eigen::Vector3f>& points, double reach_m, const OrganisedCloud& cloud) {
@@ -97,7 +148,8 @@ PartnerFinder::PartnerFinder(const ReferenceImage& reference, const Ground& grou
   skin_.reserve(50000);
 }
 
-// Pixels of the object with something farther, or nothing, beside them.
+// Where a hand can reach around: the outline, which are the object's pixels with something farther, or nothing, beside
+// them; and inside of it the convex edges, which are the patches whose neighbours all lie behind them.
 void PartnerFinder::find_rim(const ReferenceImage& reference) {
   const OrganisedCloud& cloud = reference.cloud;
   const int width = cloud.width(), height = cloud.height();
@@ -110,9 +162,33 @@ void PartnerFinder::find_rim(const ReferenceImage& reference) {
                                          static_cast<std::size_t>(u + du)];
       return !(beside <= z + kRimStep);
     };
-    if (open(-2, 0) || open(2, 0) || open(0, -2) || open(0, 2)) {
-      rim_.emplace_back(cloud.x[i], cloud.y[i], cloud.z[i]);
+    if (open(-2, 0) || open(2, 0) || open(0, -2) || open(0, 2)) rim_.emplace_back(cloud.x[i], cloud.y[i], cloud.z[i]);
+  }
+
+  std::vector<Eigen::Vector3f> patches = grid_.patches(), outline = rim_;
+  const auto lower = [](const Eigen::Vector3f& a, const Eigen::Vector3f& b) { return a.x() < b.x(); };
+  std::sort(patches.begin(), patches.end(), lower);
+  std::sort(outline.begin(), outline.end(), lower);
+  const Eigen::Vector3f eye = X_WC_.translation().cast<float>();
+  std::size_t first = 0, first_outline = 0;
+  for (const Eigen::Vector3f& p : patches) {
+    while (patches[first].x() < p.x() - kCreaseRadius) ++first;
+    while (first_outline < outline.size() && outline[first_outline].x() < p.x() - kCreaseRadius) ++first_outline;
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    int n = 0;
+    for (std::size_t i = first; i < patches.size() && patches[i].x() < p.x() + kCreaseRadius; ++i) {
+      if ((patches[i] - p).squaredNorm() > kCreaseRadius * kCreaseRadius) continue;
+      sum += patches[i] - p;
+      ++n;
     }
+    const Eigen::Vector3f inwards = sum / static_cast<float>(n);
+    if (n < kFewestRimPoints || inwards.norm() < kCreaseOffset * kCreaseRadius) continue;
+    if (inwards.dot(p - eye) < 0.5F * inwards.norm() * (p - eye).norm()) continue;
+    bool at_outline = false;
+    for (std::size_t i = first_outline; i < outline.size() && outline[i].x() < p.x() + kCreaseRadius; ++i) {
+      at_outline = at_outline || (outline[i] - p).squaredNorm() < kCreaseRadius * kCreaseRadius;
+    }
+    if (!at_outline) rim_.push_back(p);
   }
 }
 
@@ -141,11 +217,12 @@ void PartnerFinder::collect_skin(const OrganisedCloud& current, PartnerSighting&
   std::array<double, 64> histogram{};
   const auto& components = change_.components();
   const auto& patches = grid_.patches();
-  for (const auto& component : components) {
-    if (component.area_m2 >= config_.smallest_body_m2) body_m2_ += component.area_m2;
-  }
+  const auto of_a_body = [this](const ChangedComponent& c) {
+    return c.blob_m2 >= config_.smallest_body_m2 && c.area_m2 >= config_.smallest_part_m2;
+  };
+  for (const auto& component : components) body_m2_ += of_a_body(component) ? component.area_m2 : 0.0;
   for (const ChangedRun& run : change_.runs()) {
-    if (components[static_cast<std::size_t>(run.component)].area_m2 < config_.smallest_body_m2) continue;
+    if (!of_a_body(components[static_cast<std::size_t>(run.component)])) continue;
     const std::size_t row = static_cast<std::size_t>(run.v) * static_cast<std::size_t>(intrinsics_.width);
     for (std::size_t i = row + static_cast<std::size_t>(run.u_begin); i < row + static_cast<std::size_t>(run.u_end);
          ++i) {
@@ -172,6 +249,10 @@ void PartnerFinder::collect_skin(const OrganisedCloud& current, PartnerSighting&
   }
 }
 
+
+float PartnerFinder::touch_gap(float depth_m) const {
+  return static_cast<float>(config_.touch_m + 2.0 * noise_.sigma(depth_m) + noise_.step(depth_m));
+}
 
 float PartnerFinder::hand_gap(float depth_m) const {
   return static_cast<float>(config_.hand_thickness_m + 2.0 * noise_.sigma(depth_m) + noise_.step(depth_m));
@@ -236,20 +317,45 @@ void PartnerFinder::separate_hands() {
   }
 }
 
+// The contact of one hand, or nothing when too little of it is near. See docs/decisions/0003 for where the bias of a
+// plain mean comes from and what each step takes away.
 std::optional<PartnerContact> PartnerFinder::contact(int hand) const {
-  double area = 0.0, touching = 0.0;
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  const auto& patches = grid_.patches();
+  double area = 0.0, touching = 0.0, depth = 0.0;
+  Vec3 on_object = Vec3::Zero();
+  std::vector<Vec3> flesh;
+  flesh.reserve(2000);
   for (const Skin& s : skin_) {
     if (s.hand != hand) continue;
     area += s.area_m2;
-    if (s.distance_m <= config_.touch_m + 2.0 * noise_.sigma(s.depth_m) + noise_.step(s.depth_m)) touching += s.area_m2;
-    sum += s.area_m2 * grid_.patches()[static_cast<std::size_t>(s.patch)].cast<double>();
+    depth += s.area_m2 * s.depth_m;
+    if (s.distance_m <= touch_gap(s.depth_m)) touching += s.area_m2;
+    on_object += s.area_m2 * patches[static_cast<std::size_t>(s.patch)].cast<double>();
+    // only the camera's side of a finger is seen; its middle lies behind
+    const Vec3 p = s.point.cast<double>();
+    flesh.push_back(p + config_.finger_radius_m * (p - X_WC_.translation()).normalized());
   }
   if (area < config_.smallest_touch_m2 || touching < kFingertip_m2) return std::nullopt;
+  on_object /= area;
+  depth /= area;
+
   PartnerContact contact;
-  contact.position = sum / area;
-  contact.covariance = Eigen::Matrix3d::Identity() * 1e-4;
-  for (const Skin& s : skin_) contact.points += s.hand == hand ? 1 : 0;
+  contact.points = flesh.size();
+  const double sigma = noise_.sigma(depth);
+  const double cross = std::hypot(config_.cross_sigma_m, sigma), along = std::hypot(config_.along_sigma_m, sigma);
+  const Line rim = line_near(rim_, on_object, kRimRadius_m);
+  if (!rim.found) {
+    // a hand flat on a surface: the middle of its patches is all there is to say
+    contact.position = on_object;
+    contact.covariance = (along * along + cross * cross) * Eigen::Matrix3d::Identity();
+    return contact;
+  }
+  const double t = middle_along(flesh, rim.direction, on_object);
+  const Vec3 on_patches = on_object + t * rim.direction;
+  const Vec3 on_rim = rim.middle + rim.direction.dot(on_patches - rim.middle) * rim.direction;
+  contact.position = 0.5 * (on_patches + on_rim);
+  contact.covariance = cross * cross * Eigen::Matrix3d::Identity() +
+                       (along * along - cross * cross) * rim.direction * rim.direction.transpose();
   return contact;
 }
 

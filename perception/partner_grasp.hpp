@@ -20,11 +20,14 @@ struct PartnerConfig {
   ChangeConfig change;
   double reach_m = 0.50;          ///< Changes farther from the object's box than this are not looked at.
   double smallest_body_m2 = 0.003;///< A hand covers more than this, even half hidden.
+  double smallest_part_m2 = 0.0006;///< Smallest connected part of it that is looked at: two fingers over an edge.
   double touch_m = 0.030;         ///< Skin this near to the object, plus noise, touches it: the back of a holding hand.
   double hand_thickness_m = 0.045;///< The visible side of a touching hand may be this far from the object.
   double clear_m = 0.10;          ///< A body that keeps this distance passes by.
   double smallest_touch_m2 = 0.0004; ///< Area of skin within hand_thickness_m that a holding hand shows at least.
-  double hand_radius_m = 0.10;    ///< The hand lies within this distance of the middle of its contact.
+  double finger_radius_m = 0.010; ///< The middle of a finger lies this far behind its visible side.
+  double along_sigma_m = 0.008;   ///< Error of a contact along the object's edge, measured on synthetic frames ...
+  double cross_sigma_m = 0.008;   ///< ... and across it.
   double cell_m = 0.015;          ///< Size of the patches into which the object's surface is divided.
 
   template <class Visitor>
@@ -32,11 +35,14 @@ struct PartnerConfig {
     v("change", change, "Which pixels count as changed.");
     v("reach_m", reach_m, hal::Range{0.1, 5.0}, "How far around the object a partner is looked for.");
     v("smallest_body_m2", smallest_body_m2, hal::Range{0.0, 1.0}, "Smallest area of a partner's hand and forearm.");
+    v("smallest_part_m2", smallest_part_m2, hal::Range{0.0, 1.0}, "Smallest connected part of a partner's body.");
     v("touch_m", touch_m, hal::Range{0.0, 0.1}, "Largest gap between skin and object that is a touch.");
     v("hand_thickness_m", hand_thickness_m, hal::Range{0.0, 0.2}, "Thickness of a hand on the object.");
     v("clear_m", clear_m, hal::Range{0.0, 0.5}, "Distance from the object that makes a person a passer-by.");
     v("smallest_touch_m2", smallest_touch_m2, hal::Range{0.0, 0.1}, "Smallest visible area of a touching hand.");
-    v("hand_radius_m", hand_radius_m, hal::Range{0.03, 0.3}, "Radius of a hand around its contact.");
+    v("finger_radius_m", finger_radius_m, hal::Range{0.0, 0.05}, "Radius of a finger of the partner.");
+    v("along_sigma_m", along_sigma_m, hal::Range{0.001, 0.1}, "Contact error along the object's edge.");
+    v("cross_sigma_m", cross_sigma_m, hal::Range{0.001, 0.1}, "Contact error across the object's edge.");
     v("cell_m", cell_m, hal::Range{0.003, 0.1}, "Grid of the object's surface for distances.");
   }
 };
@@ -106,6 +112,7 @@ class PartnerFinder {
   [[nodiscard]] double moved_part(const OrganisedCloud& current) const;
   void collect_skin(const OrganisedCloud& current, PartnerSighting& sighting);
   void separate_hands();
+  [[nodiscard]] float touch_gap(float depth_m) const;
   [[nodiscard]] float hand_gap(float depth_m) const;
   [[nodiscard]] std::optional<PartnerContact> contact(int hand) const;
   void number_patch_cells();

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "perception/enclosed_pixels.hpp"
 #include "perception/image_border.hpp"
 
 namespace colift::perception {
@@ -108,17 +109,21 @@ double rank(const Fragment& f) { return f.area_m2 * (1.0 - lateral_cut(f).fracti
 Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Components& components, const Ground& ground) {
   Target t;
   t.pixels.reserve(f.pixels);
-  t.points.reserve(f.pixels);
   for (int v = f.v_min; v <= f.v_max; ++v) {
     for (int u = f.u_min; u <= f.u_max; ++u) {
       const std::size_t i = static_cast<std::size_t>(v) * static_cast<std::size_t>(cloud.width()) + static_cast<std::size_t>(u);
       if (components.label[i] == Components::kNone) continue;
-      if (!std::binary_search(f.labels.begin(), f.labels.end(), components.label[i])) continue;
-      t.pixels.push_back(static_cast<std::uint32_t>(i));
-      t.points.emplace_back(cloud.x[i], cloud.y[i], cloud.z[i]);
+      if (std::binary_search(f.labels.begin(), f.labels.end(), components.label[i])) t.pixels.push_back(static_cast<std::uint32_t>(i));
     }
   }
-  t.aabb = f.box;
+  const std::vector<std::uint32_t> inside = enclosed_pixels(cloud, ground, t.pixels);
+  const auto own = static_cast<std::ptrdiff_t>(t.pixels.size());
+  t.pixels.insert(t.pixels.end(), inside.begin(), inside.end());
+  std::inplace_merge(t.pixels.begin(), t.pixels.begin() + own, t.pixels.end());
+
+  t.points.reserve(t.pixels.size());
+  for (const std::uint32_t i : t.pixels) t.points.emplace_back(cloud.x[i], cloud.y[i], cloud.z[i]);
+  for (const auto& p : t.points) t.aabb.extend(p.cast<double>());
   t.obb = box_on_plane(t.points, ground.plane, BoxTrim{});
   t.shape = t.obb;
   t.cog = t.obb.center;
@@ -145,7 +150,7 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
   const ImageBorder border = find_image_border(cloud);
   const DepthJump jump = jump_of(noise, c);
   std::vector<std::uint8_t> mask = raised_pixels(cloud, ground, noise, c);
-  const std::vector<Plane> walls = find_walls(cloud, blocks, ground, border, noise, c.walls);
+  const std::vector<Wall> walls = find_walls(cloud, blocks, ground, border, noise, c.walls);
   const std::size_t wall_pixels = clear_walls(cloud, walls, noise, c.walls, mask);
   clear_flying_pixels(cloud, jump, c.min_neighbours, mask);
   const Components components = connected_components(cloud.depth_m, mask, cloud.width(), cloud.height(), jump);
@@ -154,7 +159,7 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
 
   TargetResult result;
   if (!walls.empty()) {
-    result.rejected.push_back({RejectedObject::Kind::Wall, walls.front().foot(cloud.X_WC.translation()), wall_pixels,
+    result.rejected.push_back({RejectedObject::Kind::Wall, walls.front().plane.foot(cloud.X_WC.translation()), wall_pixels,
                                fmt::format("{} upright plane(s) wider than {:.1f} m are walls", walls.size(), c.walls.min_width_m)});
   }
   const Fragment* chosen = nullptr;

@@ -13,57 +13,91 @@ constexpr double kUpright = 0.17;  // |cosine| between a wall's normal and up: 1
 constexpr double kLowest_m = 0.05; // blocks below are the ground's
 constexpr double kCovered = 0.15;  // part of its frame that a wall's blocks cover at least; much of it is hidden by things
 
+constexpr int kReach = 2;          // blocks; a wall goes on behind a thing that hides this much of it
+constexpr double kSlack_m = 0.1;   // a wall ends somewhere in its last block
+
+// the largest group of blocks that hang together in the image
+std::vector<const BlockPlane*> largest_group(std::vector<const BlockPlane*> blocks) {
+  std::vector<const BlockPlane*> best;
+  while (!blocks.empty()) {
+    std::vector<const BlockPlane*> group{blocks.back()};
+    blocks.pop_back();
+    for (std::size_t i = 0; i < group.size(); ++i) {
+      const auto near = [&](const BlockPlane* b) {
+        return std::abs(b->u - group[i]->u) <= kReach && std::abs(b->v - group[i]->v) <= kReach;
+      };
+      const auto rest = std::stable_partition(blocks.begin(), blocks.end(), [&](const auto* b) { return !near(b); });
+      group.insert(group.end(), rest, blocks.end());
+      blocks.erase(rest, blocks.end());
+    }
+    if (group.size() > best.size()) best = std::move(group);
+  }
+  return best;
+}
+
 }  // namespace
 
-std::vector<Plane> find_walls(const OrganisedCloud& cloud, const std::vector<BlockPlane>& blocks, const Ground& ground,
-                              const ImageBorder& border, const NoiseModel& noise, const WallConfig& config) {
+std::vector<Wall> find_walls(const OrganisedCloud& cloud, const std::vector<BlockPlane>& blocks, const Ground& ground,
+                             const ImageBorder& border, const NoiseModel& noise, const WallConfig& config) {
   const Vec3 up = ground.plane.normal;
   std::vector<BlockPlane> raised;
   for (const BlockPlane& b : blocks)
     if (ground.plane.height(b.center.cast<double>()) > kLowest_m) raised.push_back(b);
 
   const auto upright = [&](const Vec3& n) { return std::abs(n.dot(up)) < kUpright; };
-  std::vector<Plane> walls;
+  std::vector<const BlockPlane*> claimed;  // a block belongs to one wall: no plane grows from the rest of another
+  std::vector<Wall> walls;
   for (const VotedPlane& p : vote_planes(raised, upright, noise, {config.tolerance_m, 3.0})) {
+    std::vector<const BlockPlane*> own;
+    for (const BlockPlane* b : p.blocks)
+      if (std::find(claimed.begin(), claimed.end(), b) == claimed.end()) own.push_back(b);
+    own = largest_group(std::move(own));
+
     const Vec3 along = up.cross(p.plane.normal).normalized();
-    double lo = std::numeric_limits<double>::infinity(), hi = -lo, bottom = lo, top = -lo;
+    double lo = std::numeric_limits<double>::infinity(), hi = -lo, bottom = lo, top = -lo, area = 0.0;
     bool cut_top = false;
-    for (const BlockPlane* b : p.blocks) {
+    for (const BlockPlane* b : own) {
       const Vec3 c = b->center.cast<double>();
       const double half = 0.5 * kBlockPixels * b->depth_m / cloud.intrinsics.fx;
       lo = std::min(lo, along.dot(c) - half);
       hi = std::max(hi, along.dot(c) + half);
       bottom = std::min(bottom, ground.plane.height(c) - half);
       top = std::max(top, ground.plane.height(c) + half);
+      area += b->area_m2;
       const int column = std::min(b->u * kBlockPixels + kBlockPixels / 2, cloud.width() - 1);
       cut_top |= b->v * kBlockPixels <= border.top[static_cast<std::size_t>(column)] + kBlockPixels;
     }
-    if (hi - lo < config.min_width_m) continue;
+    if (own.empty() || hi - lo < config.min_width_m) continue;
     if (top < config.min_height_m && !cut_top) continue;
-    if (p.area_m2 < kCovered * (hi - lo) * (top - bottom)) continue;
-    walls.push_back(p.plane);
+    if (area < kCovered * (hi - lo) * (top - bottom)) continue;
+    walls.push_back({p.plane, along, lo - kSlack_m, hi + kSlack_m});
+    claimed.insert(claimed.end(), p.blocks.begin(), p.blocks.end());
   }
   return walls;
 }
 
-std::size_t clear_walls(const OrganisedCloud& cloud, const std::vector<Plane>& walls, const NoiseModel& noise,
+std::size_t clear_walls(const OrganisedCloud& cloud, const std::vector<Wall>& walls, const NoiseModel& noise,
                         const WallConfig& config, std::vector<std::uint8_t>& mask) {
   const float sigma0 = static_cast<float>(config.tolerance_m + 3.0 * noise.sigma0_m);
   const float sigma2 = static_cast<float>(3.0 * noise.sigma2_per_m);
-  struct Coefficients {
-    float x, y, z, offset;
+  struct Slab {
+    Eigen::Vector3f normal, along;
+    float offset, from, to;
   };
-  std::vector<Coefficients> planes;
-  for (const Plane& wall : walls) {
-    const Eigen::Vector3f n = wall.normal.cast<float>();
-    planes.push_back({n.x(), n.y(), n.z(), static_cast<float>(wall.offset)});
+  std::vector<Slab> slabs;
+  for (const Wall& w : walls) {
+    slabs.push_back({w.plane.normal.cast<float>(), w.along.cast<float>(), static_cast<float>(w.plane.offset),
+                     static_cast<float>(w.from_m), static_cast<float>(w.to_m)});
   }
   std::size_t cleared = 0;
-  for (std::size_t i = 0; i < cloud.size() && !planes.empty(); ++i) {
+  for (std::size_t i = 0; i < cloud.size() && !slabs.empty(); ++i) {
     if (!mask[i]) continue;
+    const Eigen::Vector3f p(cloud.x[i], cloud.y[i], cloud.z[i]);
     const float reach = sigma0 + sigma2 * cloud.depth_m[i] * cloud.depth_m[i];
-    for (const Coefficients& p : planes) {
-      if (std::abs(p.x * cloud.x[i] + p.y * cloud.y[i] + p.z * cloud.z[i] + p.offset) > reach) continue;
+    for (const Slab& s : slabs) {
+      if (std::abs(s.normal.dot(p) + s.offset) > reach) continue;
+      const float x = s.along.dot(p);
+      if (x < s.from || x > s.to) continue;
       mask[i] = 0;
       ++cleared;
       break;

@@ -25,14 +25,21 @@ struct WallConfig {
   }
 };
 
+/// An upright plane with the part of it that was seen.
+struct Wall {
+  Plane plane;
+  Vec3 along = Vec3::UnitX();      ///< Level unit vector in the plane.
+  double from_m = 0.0, to_m = 0.0; ///< Extent: along . p of its ends.
+};
+
 /// Upright planes that are too wide and too high to be carried: walls, partitions, cupboards. What stands before a wall
 /// and touches it is freed from it by taking the wall's pixels away.
-[[nodiscard]] std::vector<Plane> find_walls(const OrganisedCloud& cloud, const std::vector<BlockPlane>& blocks,
-                                            const Ground& ground, const ImageBorder& border, const NoiseModel& noise,
-                                            const WallConfig& config);
+[[nodiscard]] std::vector<Wall> find_walls(const OrganisedCloud& cloud, const std::vector<BlockPlane>& blocks,
+                                           const Ground& ground, const ImageBorder& border, const NoiseModel& noise,
+                                           const WallConfig& config);
 
 /// Clears the mask at pixels that lie on one of the walls. Returns how many were cleared.
-std::size_t clear_walls(const OrganisedCloud& cloud, const std::vector<Plane>& walls, const NoiseModel& noise,
+std::size_t clear_walls(const OrganisedCloud& cloud, const std::vector<Wall>& walls, const NoiseModel& noise,
                         const WallConfig& config, std::vector<std::uint8_t>& mask);
 
 }  // namespace colift::perception

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "perception/organised_cloud.hpp"
+#include "perception/scene.hpp"
+
+namespace colift::perception {
+
+/// Pixels that an object surrounds in the image and that lie over its footprint: the bottom of an open box, a seat behind
+/// the slats of a back rest. They belong to it although no path of equal depth leads there. `pixels` ascending, the
+/// object's own; the result is ascending and disjoint from it.
+[[nodiscard]] std::vector<std::uint32_t> enclosed_pixels(const OrganisedCloud& cloud, const Ground& ground,
+                                                         const std::vector<std::uint32_t>& pixels);
+
+}  // namespace colift::perception
