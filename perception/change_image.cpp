@@ -264,13 +264,16 @@ void ChangeImage::number_components() {
     const auto p = static_cast<std::size_t>(parent_[i]);
     if (p == i) {
       runs_[i].component = static_cast<std::int32_t>(components_.size());
-      components_.emplace_back();
+      components_.emplace_back().box = {runs_[i].u_begin, runs_[i].v, runs_[i].u_end, runs_[i].v + 1};
     } else {
       runs_[i].component = runs_[p].component;
     }
     auto& component = components_[static_cast<std::size_t>(runs_[i].component)];
     component.area_m2 += run_area_[i];
     component.pixels += runs_[i].u_end - runs_[i].u_begin;
+    component.box.u_begin = std::min(component.box.u_begin, runs_[i].u_begin);
+    component.box.u_end = std::max(component.box.u_end, runs_[i].u_end);
+    component.box.v_end = runs_[i].v + 1;
     blob_parent_[i] = blob_parent_[static_cast<std::size_t>(blob_parent_[i])];
     blob_area_[static_cast<std::size_t>(blob_parent_[i])] += run_area_[i];
   }

@@ -12,8 +12,8 @@ namespace colift::perception {
 
 /// When a pixel counts as changed, and which changed pixels belong together.
 struct ChangeConfig {
-  double sigmas = 3.0;     ///< Nearer than the reference by this many sigma ...
-  double steps = 0.5;      ///< ... plus this many quantisation steps ...
+  double sigmas = 2.0;     ///< Nearer than the reference by this many sigma ...
+  double steps = 0.25;     ///< ... plus this many quantisation steps ...
   double margin_m = 0.002; ///< ... plus this much: drift and radial distortion of the sensor.
   int edge_px = 2;         ///< Raggedness of edges: a pixel is compared with the nearest depth within this distance.
   double jump_m = 0.03;    ///< Neighbours farther apart in depth than this (plus noise) are different bodies.
@@ -46,6 +46,7 @@ struct ChangedComponent {
   /// Area of all components that hang together in the image, whatever their depths: fingers on the object and the arm
   /// behind its edge are two bodies to the camera, but one person (m^2).
   double blob_m2 = 0.0;
+  PixelWindow box;  ///< Smallest window that holds it.
 };
 
 /// Finds what stands before the reference image, inside a window. Keeps its buffers from frame to frame, so one object

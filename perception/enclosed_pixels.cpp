@@ -31,7 +31,8 @@ Window window_of(const OrganisedCloud& cloud, const std::vector<std::uint32_t>& 
 }  // namespace
 
 std::vector<std::uint32_t> enclosed_pixels(const OrganisedCloud& cloud, const Ground& ground,
-                                           const std::vector<std::uint32_t>& pixels) {
+                                           const std::vector<std::uint32_t>& pixels,
+                                           const std::vector<std::uint8_t>& barred) {
   if (pixels.empty()) return {};
   const Window win = window_of(cloud, pixels);
   const int w = win.width(), h = win.height();
@@ -71,14 +72,11 @@ std::vector<std::uint32_t> enclosed_pixels(const OrganisedCloud& cloud, const Gr
     const Vec3 p = cloud.point(pixels[i]);
     flat.emplace_back(s.dot(p), t.dot(p));
   }
-  const std::vector<Eigen::Vector2d> hull = convex_hull(flat);
+  // the least rectangle and not the hull: it has the corner that the view hides
+  const FlatRectangle r = minimum_area_rectangle(convex_hull(flat));
   const auto over_footprint = [&](const Vec3& p) {
-    const Eigen::Vector2d q(s.dot(p), t.dot(p));
-    for (std::size_t k = 0; k < hull.size(); ++k) {
-      const Eigen::Vector2d e = hull[(k + 1) % hull.size()] - hull[k], d = q - hull[k];
-      if (e.x() * d.y() - e.y() * d.x() < kShrink_m * e.norm()) return false;
-    }
-    return hull.size() > 2;
+    const Eigen::Vector2d d = Eigen::Vector2d(s.dot(p), t.dot(p)) - r.center;
+    return std::abs(r.u.dot(d)) <= 0.5 * r.size.x() - kShrink_m && std::abs(r.v().dot(d)) <= 0.5 * r.size.y() - kShrink_m;
   };
 
   std::vector<std::uint32_t> enclosed;
@@ -86,6 +84,7 @@ std::vector<std::uint32_t> enclosed_pixels(const OrganisedCloud& cloud, const Gr
     for (int u = 0; u < w; ++u) {
       if (state[static_cast<std::size_t>(v * w + u)] != kOpen) continue;
       const std::size_t i = static_cast<std::size_t>((v + win.v0) * cloud.width() + u + win.u0);
+      if (barred[i]) continue;
       const Vec3 p = cloud.point(i);
       if (ground.plane.height(p) > -kBelow_m && over_footprint(p)) enclosed.push_back(static_cast<std::uint32_t>(i));
     }

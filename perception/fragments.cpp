@@ -13,6 +13,8 @@ constexpr double kCell_m = 0.04;
 constexpr std::size_t kFootprintStride = 4;  // every fourth pixel still hits each cell several times
 constexpr double kFloating_m = 0.1;          // a part this far above the ground does not stand on it
 constexpr double kLegSide_m = 0.2;           // a leg is thinner than this, or higher than wide
+constexpr double kOverlap_m = 0.02;          // heights of two parts overlap by their noise
+constexpr double kStandsOn = 0.15;           // part of the smaller footprint over the other one
 constexpr double kSmallPart = 0.3;           // legs and struts: at most this part of the object they belong to
 
 struct GroundAxes {
@@ -33,29 +35,36 @@ struct GroundAxes {
   Vec3 s, t;
 };
 
-bool share_a_cell(const Fragment& a, const Fragment& b) {
+// part of the smaller footprint that both share
+double footprint_overlap(const Fragment& a, const Fragment& b) {
+  std::size_t shared = 0;
   auto i = a.cells.begin();
   auto j = b.cells.begin();
   while (i != a.cells.end() && j != b.cells.end()) {
-    if (*i == *j) return true;
-    if (*i < *j) ++i;
-    else ++j;
+    shared += *i == *j;
+    const bool first = *i <= *j, second = *j <= *i;
+    i += first;
+    j += second;
   }
-  return false;
+  const std::size_t smaller = std::min(a.cells.size(), b.cells.size());
+  return smaller ? static_cast<double>(shared) / static_cast<double>(smaller) : 0.0;
 }
 
-double fraction_under(const Fragment& small, const std::vector<Eigen::Vector2d>& hull) {
-  if (hull.size() < 3 || small.cells.empty()) return 0.0;
+// the least rectangle around a fragment's footprint: it has the corner that the view hides
+FlatRectangle footprint_rectangle(const Fragment& f) {
+  std::vector<Eigen::Vector2d> centers;
+  centers.reserve(f.cells.size());
+  for (const std::int64_t c : f.cells) centers.push_back(GroundAxes::center(c));
+  return minimum_area_rectangle(convex_hull(centers));
+}
+
+double fraction_under(const Fragment& small, const FlatRectangle& r) {
+  if (small.cells.empty()) return 0.0;
   std::size_t inside = 0;
   for (const std::int64_t cell : small.cells) {
-    const Eigen::Vector2d p = GroundAxes::center(cell);
-    bool in = true;
-    for (std::size_t k = 0; k < hull.size() && in; ++k) {
-      const Eigen::Vector2d a = hull[k], e = hull[(k + 1) % hull.size()] - a;
-      // a cell's width of slack: a leg stands flush with the plate's rim
-      in = e.x() * (p - a).y() - e.y() * (p - a).x() >= -kCell_m * e.norm();
-    }
-    inside += in;
+    const Eigen::Vector2d d = GroundAxes::center(cell) - r.center;
+    // a cell's width of slack: a leg stands flush with the plate's rim
+    inside += std::abs(r.u.dot(d)) <= 0.5 * r.size.x() + kCell_m && std::abs(r.v().dot(d)) <= 0.5 * r.size.y() + kCell_m;
   }
   return static_cast<double>(inside) / static_cast<double>(small.cells.size());
 }
@@ -133,13 +142,6 @@ Fragment joined(const Fragment& a, const Fragment& b) {
   return f;
 }
 
-std::vector<Eigen::Vector2d> footprint_hull(const Fragment& f) {
-  std::vector<Eigen::Vector2d> centers;
-  centers.reserve(f.cells.size());
-  for (const std::int64_t c : f.cells) centers.push_back(GroundAxes::center(c));
-  return convex_hull(centers);
-}
-
 // `gap_m`: distance between a and b along the image
 bool belong_together(const Fragment& a, const Fragment& b, double gap_m, const NoiseModel& noise,
                      const FragmentConfig& c) {
@@ -157,12 +159,12 @@ bool belong_together(const Fragment& a, const Fragment& b, double gap_m, const N
   const Fragment& upper = a.min_height_m > b.min_height_m ? a : b;
   const Fragment& lower = &upper == &a ? b : a;
   const double step = upper.min_height_m - lower.max_height_m;
-  if (step > -0.02 && step < c.standing_gap_m && share_a_cell(a, b)) return true;
+  if (step > -kOverlap_m && step < c.standing_gap_m && footprint_overlap(a, b) >= kStandsOn) return true;
 
   // a leg under its plate: thin, no higher, and within its footprint
   return minor && small.max_height_m < large.max_height_m &&
          footprint_span(small) < std::max(kLegSide_m, small.max_height_m - small.min_height_m) &&
-         fraction_under(small, footprint_hull(large)) >= c.under_fraction;
+         fraction_under(small, footprint_rectangle(large)) >= c.under_fraction;
 }
 
 // sums over the pixels of one region

@@ -25,15 +25,19 @@ constexpr double kFingertip_m2 = 0.0001;
 // More of the object's visible pixels than this showing what was behind it: it is not there any more.
 constexpr double kMovedPart = 0.25;
 constexpr int kMostHands = 4;
+constexpr int kBeside_px = 8;
 // Skin on the object that is interrupted by less than about this belongs to one hand.
 constexpr double kHandCell_m = 0.04;
 
 // The outline within this distance of a contact tells how the object's edge runs there (m).
 constexpr double kRimRadius_m = 0.08;
 constexpr int kFewestRimPoints = 10;
+// An edge whose points spread wider than this (standard deviation) is not one edge but the two sides of a bar (m).
+constexpr double kWidestRim_m = 0.018;
 
 struct Line {
   Vec3 middle, direction;
+  double length = 0.0, width = 0.0;  ///< Standard deviations along the line and across it (m).
   bool found = false;
 };
 
@@ -58,6 +62,8 @@ Line line_near(const std::vector<Eigen::Vector3f>& points, const Vec3& place, do
   solver.computeDirect(squares / n - mean * mean.transpose());
   line.middle = place + mean;
   line.direction = solver.eigenvectors().col(2);
+  line.length = std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
+  line.width = std::sqrt(std::max(0.0, solver.eigenvalues()[1]));
   line.found = true;
   return line;
 }
@@ -165,15 +171,13 @@ void PartnerFinder::find_rim(const ReferenceImage& reference) {
     if (open(-2, 0) || open(2, 0) || open(0, -2) || open(0, 2)) rim_.emplace_back(cloud.x[i], cloud.y[i], cloud.z[i]);
   }
 
-  std::vector<Eigen::Vector3f> patches = grid_.patches(), outline = rim_;
+  std::vector<Eigen::Vector3f> patches = grid_.patches();
   const auto lower = [](const Eigen::Vector3f& a, const Eigen::Vector3f& b) { return a.x() < b.x(); };
   std::sort(patches.begin(), patches.end(), lower);
-  std::sort(outline.begin(), outline.end(), lower);
   const Eigen::Vector3f eye = X_WC_.translation().cast<float>();
-  std::size_t first = 0, first_outline = 0;
+  std::size_t first = 0;
   for (const Eigen::Vector3f& p : patches) {
     while (patches[first].x() < p.x() - kCreaseRadius) ++first;
-    while (first_outline < outline.size() && outline[first_outline].x() < p.x() - kCreaseRadius) ++first_outline;
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     int n = 0;
     for (std::size_t i = first; i < patches.size() && patches[i].x() < p.x() + kCreaseRadius; ++i) {
@@ -184,11 +188,7 @@ void PartnerFinder::find_rim(const ReferenceImage& reference) {
     const Eigen::Vector3f inwards = sum / static_cast<float>(n);
     if (n < kFewestRimPoints || inwards.norm() < kCreaseOffset * kCreaseRadius) continue;
     if (inwards.dot(p - eye) < 0.5F * inwards.norm() * (p - eye).norm()) continue;
-    bool at_outline = false;
-    for (std::size_t i = first_outline; i < outline.size() && outline[i].x() < p.x() + kCreaseRadius; ++i) {
-      at_outline = at_outline || (outline[i] - p).squaredNorm() < kCreaseRadius * kCreaseRadius;
-    }
-    if (!at_outline) rim_.push_back(p);
+    rim_.push_back(p);
   }
 }
 
@@ -210,6 +210,24 @@ double PartnerFinder::moved_part(const OrganisedCloud& current) const {
   return static_cast<double>(behind) / static_cast<double>(looked);
 }
 
+// Bodies of a hand's size, and smaller parts beside one: the object's edge may cut the fingers on it from the arm behind.
+void PartnerFinder::choose_components() {
+  const auto& components = change_.components();
+  chosen_.assign(components.size(), 0);
+  for (std::size_t i = 0; i < components.size(); ++i) {
+    if (components[i].area_m2 < config_.smallest_part_m2) continue;
+    bool beside = components[i].blob_m2 >= config_.smallest_body_m2;
+    const PixelWindow& box = components[i].box;
+    for (std::size_t j = 0; j < components.size() && !beside; ++j) {
+      const PixelWindow& big = components[j].box;
+      beside = components[j].area_m2 >= config_.smallest_body_m2 && box.u_begin <= big.u_end + kBeside_px &&
+               box.u_end >= big.u_begin - kBeside_px && box.v_begin <= big.v_end + kBeside_px &&
+               box.v_end >= big.v_begin - kBeside_px;
+    }
+    chosen_[i] = beside ? 1 : 0;
+  }
+}
+
 void PartnerFinder::collect_skin(const OrganisedCloud& current, PartnerSighting& sighting) {
   skin_.clear();
   body_m2_ = 0.0;
@@ -217,12 +235,10 @@ void PartnerFinder::collect_skin(const OrganisedCloud& current, PartnerSighting&
   std::array<double, 64> histogram{};
   const auto& components = change_.components();
   const auto& patches = grid_.patches();
-  const auto of_a_body = [this](const ChangedComponent& c) {
-    return c.blob_m2 >= config_.smallest_body_m2 && c.area_m2 >= config_.smallest_part_m2;
-  };
-  for (const auto& component : components) body_m2_ += of_a_body(component) ? component.area_m2 : 0.0;
+  choose_components();
+  for (std::size_t i = 0; i < components.size(); ++i) body_m2_ += chosen_[i] != 0 ? components[i].area_m2 : 0.0;
   for (const ChangedRun& run : change_.runs()) {
-    if (!of_a_body(components[static_cast<std::size_t>(run.component)])) continue;
+    if (chosen_[static_cast<std::size_t>(run.component)] == 0) continue;
     const std::size_t row = static_cast<std::size_t>(run.v) * static_cast<std::size_t>(intrinsics_.width);
     for (std::size_t i = row + static_cast<std::size_t>(run.u_begin); i < row + static_cast<std::size_t>(run.u_end);
          ++i) {
@@ -322,7 +338,7 @@ void PartnerFinder::separate_hands() {
 std::optional<PartnerContact> PartnerFinder::contact(int hand) const {
   const auto& patches = grid_.patches();
   double area = 0.0, touching = 0.0, depth = 0.0;
-  Vec3 on_object = Vec3::Zero();
+  Vec3 on_object = Vec3::Zero(), skin_middle = Vec3::Zero();
   std::vector<Vec3> flesh;
   flesh.reserve(2000);
   for (const Skin& s : skin_) {
@@ -333,29 +349,38 @@ std::optional<PartnerContact> PartnerFinder::contact(int hand) const {
     on_object += s.area_m2 * patches[static_cast<std::size_t>(s.patch)].cast<double>();
     // only the camera's side of a finger is seen; its middle lies behind
     const Vec3 p = s.point.cast<double>();
+    skin_middle += s.area_m2 * p;
     flesh.push_back(p + config_.finger_radius_m * (p - X_WC_.translation()).normalized());
   }
   if (area < config_.smallest_touch_m2 || touching < kFingertip_m2) return std::nullopt;
   on_object /= area;
+  skin_middle /= area;
   depth /= area;
 
   PartnerContact contact;
   contact.points = flesh.size();
+  const auto on_surface = [&](const Vec3& p) {
+    const std::int32_t patch =
+        grid_.nearest(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()));
+    return patch == ObjectGrid::kNone ? on_object : Vec3(patches[static_cast<std::size_t>(patch)].cast<double>());
+  };
   const double sigma = noise_.sigma(depth);
   const double cross = std::hypot(config_.cross_sigma_m, sigma), along = std::hypot(config_.along_sigma_m, sigma);
-  const Line rim = line_near(rim_, on_object, kRimRadius_m);
-  if (!rim.found) {
-    // a hand flat on a surface: the middle of its patches is all there is to say
-    contact.position = on_object;
-    contact.covariance = (along * along + cross * cross) * Eigen::Matrix3d::Identity();
-    return contact;
+  Line rim = line_near(rim_, on_object, kRimRadius_m);
+  const bool bar = !rim.found || rim.width > kWidestRim_m;
+  if (bar) {
+    // no single edge: a bar with an outline on both sides, whose direction only a longer piece shows, or a bare face
+    rim = line_near(rim_, on_object, 2.0 * kRimRadius_m);
+    if (!rim.found || rim.length < 1.3 * rim.width) {
+      contact.position = on_surface(skin_middle);
+      contact.covariance = (along * along + 2.0 * cross * cross) * Eigen::Matrix3d::Identity();
+      return contact;
+    }
   }
-  const double t = middle_along(flesh, rim.direction, on_object);
-  const Vec3 on_patches = on_object + t * rim.direction;
-  const Vec3 on_rim = rim.middle + rim.direction.dot(on_patches - rim.middle) * rim.direction;
-  contact.position = 0.5 * (on_patches + on_rim);
-  contact.covariance = cross * cross * Eigen::Matrix3d::Identity() +
-                       (along * along - cross * cross) * rim.direction * rim.direction.transpose();
+  const Vec3 across = bar ? on_surface(skin_middle) : rim.middle;
+  contact.position = across + middle_along(flesh, rim.direction, across) * rim.direction;
+  contact.covariance = (bar ? 2.0 : 1.0) * cross * cross * Eigen::Matrix3d::Identity();
+  contact.covariance += (along * along - contact.covariance(0, 0)) * rim.direction * rim.direction.transpose();
   return contact;
 }
 

@@ -110,6 +110,7 @@ class PartnerFinder {
 
   [[nodiscard]] bool same_camera(const OrganisedCloud& current) const;
   [[nodiscard]] double moved_part(const OrganisedCloud& current) const;
+  void choose_components();
   void collect_skin(const OrganisedCloud& current, PartnerSighting& sighting);
   void separate_hands();
   [[nodiscard]] float touch_gap(float depth_m) const;
@@ -131,6 +132,7 @@ class PartnerFinder {
 
   // buffers of find(), kept between frames
   std::vector<Skin> skin_;
+  std::vector<std::uint8_t> chosen_;  ///< By component: 1 when it is part of a body.
   std::vector<std::int32_t> cell_of_patch_;  ///< Coarse cell in which a patch lies.
   std::array<int, 3> cells_{};               ///< Coarse cells along x, y, z.
   std::vector<std::int32_t> hand_of_cell_;   ///< -1 where no hand is.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "perception/enclosed_pixels.hpp"
@@ -14,6 +15,8 @@ namespace colift::perception {
 namespace {
 
 constexpr std::size_t kLeastPixels = 300;
+constexpr double kRoughness = 2.5;  // of the ground's residual
+constexpr double kHeadCut = 0.25;
 constexpr double kTopCutWeight = 0.4;  // a cut at the top takes height, a cut at a side takes the footprint
 
 DepthJump jump_of(const NoiseModel& noise, const TargetConfig& c) {
@@ -27,7 +30,8 @@ std::vector<std::uint8_t> raised_pixels(const OrganisedCloud& cloud, const Groun
   const Eigen::Vector3f n = ground.plane.normal.cast<float>();
   const float offset = static_cast<float>(ground.plane.offset);
   const float eye_height = static_cast<float>(std::max(1e-3, ground.plane.height(cloud.X_WC.translation())));
-  const float base = static_cast<float>(c.clearance_m);
+  // a floor that is uneven, or looks so through its lens, asks for more room
+  const float base = static_cast<float>(std::max(c.clearance_m, kRoughness * ground.rms_m));
   const float k0 = static_cast<float>(c.clearance_sigma * noise.sigma0_m);
   const float k2 = static_cast<float>(c.clearance_sigma * noise.sigma2_per_m);
   std::vector<std::uint8_t> mask(cloud.size());
@@ -97,6 +101,8 @@ std::optional<RejectedObject> objection(const Fragment& f, const TargetConfig& c
   // wider than high is a desk with things on it, not a person
   if (f.max_height_m > c.max_height_m && footprint_span(f) < f.max_height_m)
     return reject(Kind::Person, fmt::format("it is {:.2f} m tall, a person or furniture that is not carried (limit {:.2f} m)", f.max_height_m, c.max_height_m));
+  if (top_cut(f) > kHeadCut && f.max_height_m > footprint_span(f))
+    return reject(Kind::Person, fmt::format("it leaves the view at the top, {:.2f} m above the ground and taller than wide: a person or furniture that is not carried", f.max_height_m));
   const Cut cut = lateral_cut(f);
   if (cut.fraction + kTopCutWeight * top_cut(f) > c.max_cut)
     return reject(Kind::Cut, fmt::format("{:.0f} % of its {} side leave the view, so it is not known to stand free (limit {:.0f} %)", 100 * cut.fraction, cut.side, 100 * c.max_cut));
@@ -106,7 +112,8 @@ std::optional<RejectedObject> objection(const Fragment& f, const TargetConfig& c
 // visible area, less where the view cuts it: half an object in view is a worse bet than a smaller whole one
 double rank(const Fragment& f) { return f.area_m2 * (1.0 - lateral_cut(f).fraction); }
 
-Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Components& components, const Ground& ground) {
+Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Components& components, const Ground& ground,
+                   const std::vector<std::uint8_t>& on_wall) {
   Target t;
   t.pixels.reserve(f.pixels);
   for (int v = f.v_min; v <= f.v_max; ++v) {
@@ -116,7 +123,7 @@ Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Compone
       if (std::binary_search(f.labels.begin(), f.labels.end(), components.label[i])) t.pixels.push_back(static_cast<std::uint32_t>(i));
     }
   }
-  const std::vector<std::uint32_t> inside = enclosed_pixels(cloud, ground, t.pixels);
+  const std::vector<std::uint32_t> inside = enclosed_pixels(cloud, ground, t.pixels, on_wall);
   const auto own = static_cast<std::ptrdiff_t>(t.pixels.size());
   t.pixels.insert(t.pixels.end(), inside.begin(), inside.end());
   std::inplace_merge(t.pixels.begin(), t.pixels.begin() + own, t.pixels.end());
@@ -151,7 +158,9 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
   const DepthJump jump = jump_of(noise, c);
   std::vector<std::uint8_t> mask = raised_pixels(cloud, ground, noise, c);
   const std::vector<Wall> walls = find_walls(cloud, blocks, ground, border, noise, c.walls);
+  std::vector<std::uint8_t> on_wall = mask;
   const std::size_t wall_pixels = clear_walls(cloud, walls, noise, c.walls, mask);
+  std::transform(on_wall.begin(), on_wall.end(), mask.begin(), on_wall.begin(), std::minus<>());
   clear_flying_pixels(cloud, jump, c.min_neighbours, mask);
   const Components components = connected_components(cloud.depth_m, mask, cloud.width(), cloud.height(), jump);
   const std::vector<Fragment> objects = join_fragments(
@@ -207,7 +216,7 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
   }
   std::stable_sort(result.rejected.begin(), result.rejected.end(), [](const auto& a, const auto& b) { return a.pixels > b.pixels; });
   if (chosen) {
-    result.target = make_target(*chosen, cloud, components, ground);
+    result.target = make_target(*chosen, cloud, components, ground, on_wall);
     result.target->because = result.because;
   }
   return result;

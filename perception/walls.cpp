@@ -16,6 +16,16 @@ constexpr double kCovered = 0.15;  // part of its frame that a wall's blocks cov
 constexpr int kReach = 2;          // blocks; a wall goes on behind a thing that hides this much of it
 constexpr double kSlack_m = 0.1;   // a wall ends somewhere in its last block
 
+constexpr double kSameWall = 0.966;  // cosine of 15 degrees
+constexpr double kBend_m = 0.15;
+constexpr std::size_t kLeastBlocks = 8;
+
+Vec3 middle(const std::vector<const BlockPlane*>& blocks) {
+  Vec3 sum = Vec3::Zero();
+  for (const BlockPlane* b : blocks) sum += b->center.cast<double>();
+  return sum / static_cast<double>(std::max<std::size_t>(1, blocks.size()));
+}
+
 // the largest group of blocks that hang together in the image
 std::vector<const BlockPlane*> largest_group(std::vector<const BlockPlane*> blocks) {
   std::vector<const BlockPlane*> best;
@@ -48,15 +58,19 @@ std::vector<Wall> find_walls(const OrganisedCloud& cloud, const std::vector<Bloc
   std::vector<const BlockPlane*> claimed;  // a block belongs to one wall: no plane grows from the rest of another
   std::vector<Wall> walls;
   for (const VotedPlane& p : vote_planes(raised, upright, noise, {config.tolerance_m, 3.0})) {
+    // a long wall looks bent through a real lens: nearly the same plane again is more of the same wall
+    const bool more = std::any_of(walls.begin(), walls.end(), [&](const Wall& w) {
+      return w.plane.normal.dot(p.plane.normal) > kSameWall && std::abs(w.plane.height(middle(p.blocks))) < kBend_m;
+    });
     std::vector<const BlockPlane*> own;
     for (const BlockPlane* b : p.blocks)
-      if (std::find(claimed.begin(), claimed.end(), b) == claimed.end()) own.push_back(b);
-    own = largest_group(std::move(own));
+      if (more || std::find(claimed.begin(), claimed.end(), b) == claimed.end()) own.push_back(b);
+    const std::vector<const BlockPlane*> core = largest_group(own);
 
     const Vec3 along = up.cross(p.plane.normal).normalized();
     double lo = std::numeric_limits<double>::infinity(), hi = -lo, bottom = lo, top = -lo, area = 0.0;
     bool cut_top = false;
-    for (const BlockPlane* b : own) {
+    for (const BlockPlane* b : core) {
       const Vec3 c = b->center.cast<double>();
       const double half = 0.5 * kBlockPixels * b->depth_m / cloud.intrinsics.fx;
       lo = std::min(lo, along.dot(c) - half);
@@ -67,9 +81,17 @@ std::vector<Wall> find_walls(const OrganisedCloud& cloud, const std::vector<Bloc
       const int column = std::min(b->u * kBlockPixels + kBlockPixels / 2, cloud.width() - 1);
       cut_top |= b->v * kBlockPixels <= border.top[static_cast<std::size_t>(column)] + kBlockPixels;
     }
-    if (own.empty() || hi - lo < config.min_width_m) continue;
-    if (top < config.min_height_m && !cut_top) continue;
-    if (area < kCovered * (hi - lo) * (top - bottom)) continue;
+    if (core.size() < kLeastBlocks) continue;
+    if (!more) {
+      if (hi - lo < config.min_width_m) continue;
+      if (top < config.min_height_m && !cut_top) continue;
+      if (area < kCovered * (hi - lo) * (top - bottom)) continue;
+    }
+    // a thing in front may part a wall in two: it reaches to its last block
+    for (const BlockPlane* b : own) {
+      lo = std::min(lo, along.dot(b->center.cast<double>()));
+      hi = std::max(hi, along.dot(b->center.cast<double>()));
+    }
     walls.push_back({p.plane, along, lo - kSlack_m, hi + kSlack_m});
     claimed.insert(claimed.end(), p.blocks.begin(), p.blocks.end());
   }

@@ -31,8 +31,9 @@ TEST_CASE("the target's mask covers the truth on noisy frames", "[target]") {
     INFO(name << " seed " << seed << ": " << r.because);
     REQUIRE(r.target);
     ious.push_back(overlap(view, r.target->pixels));
-    // the camera's ragged edges alone take up to a pixel from either side of a thin pipe
-    CHECK(ious.back() >= (kind == ObjectKind::Pipe ? 0.93 : 0.95));
+    // the camera's ragged edges alone move up to a pixel on either side of a thin pipe or slat
+    const bool thin = kind == ObjectKind::Pipe || kind == ObjectKind::Chair;
+    CHECK(ious.back() >= (thin ? 0.94 : 0.95));
   }
   std::sort(ious.begin(), ious.end());
   fmt::print("target {}: IoU least {:.3f} median {:.3f}\n", name, ious.front(), ious[ious.size() / 2]);
@@ -81,13 +82,18 @@ TEST_CASE("a bare floor has no target, and says so", "[target]") {
 
 TEST_CASE("a person is not a target", "[target]") {
   using namespace sim_hal;
-  SyntheticScene scene = make_scene(ObjectKind::Box, 4);
-  World world = with_partner(scene.world, make_partner(scene, 4, false));
-  // without the object only the person is left above the ground
-  std::erase_if(world.shapes, [](const Shape& s) { return s.label == Label::Target || s.label == Label::Clutter || s.label == Label::Wall; });
-  const TargetResult r = target_of(deproject(measure(cast_rays(world, scene.intrinsics, scene.X_WC), {}, 4), scene.X_WC));
-  INFO(r.because);
-  CHECK_FALSE(r.target);
+  int seen = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const SyntheticScene scene = make_scene(ObjectKind::Box, seed);
+    World world = with_passer_by(scene, seed, false);
+    std::erase_if(world.shapes, [](const Shape& s) { return s.label != Label::Ground && s.label != Label::Partner; });
+    const Rendering truth = cast_rays(world, scene.intrinsics, scene.X_WC);
+    const TargetResult r = target_of(deproject(measure(truth, {}, seed), scene.X_WC));
+    INFO(seed << ": " << r.because);
+    CHECK_FALSE(r.target);
+    seen += std::any_of(r.rejected.begin(), r.rejected.end(), [](const auto& o) { return o.kind == RejectedObject::Kind::Person; });
+  }
+  CHECK(seen >= 3);
 }
 
 TEST_CASE("the same frame gives the same target, bit for bit", "[target]") {
