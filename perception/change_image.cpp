@@ -20,9 +20,9 @@ constexpr double kEdgeStep_m = 0.04;
 // Two sides of a hole that differ by more than this are an object and what is behind it (m).
 constexpr float kShadowJump = 0.08F;
 
-// Depth that a pixel without reference must stay before. A hole inside a surface (dark spot, grazing light) gets the
-// nearer of its two sides in the row. The projector's shadow beside an edge gets the farther one: a hand may well come
-// out there behind the object. Nothing on either side: whatever appears is new.
+// Depth that a pixel without reference must stay before. A hole inside a surface (dark spot, grazing light)
+// gets the nearer of its two sides in the row. The projector's shadow beside an edge gets the farther one: a
+// hand may well come out there behind the object. Nothing on either side: whatever appears is new.
 void fill_row(const float* near, float* filled, int width) {
   int u = 0;
   while (u < width) {
@@ -43,8 +43,8 @@ void fill_row(const float* near, float* filled, int width) {
 }
 
 // Smallest value within `reach` pixels, along one direction of the image.
-void slide_minimum(const std::vector<float>& in, std::vector<float>& out, int count, int reach, std::size_t step,
-                   std::size_t line) {
+void slide_minimum(const std::vector<float>& in, std::vector<float>& out, int count, int reach,
+                   std::size_t step, std::size_t line) {
   for (int i = 0; i < count; ++i) {
     const int low = std::max(0, i - reach), high = std::min(count - 1, i + reach);
     float* to = out.data() + static_cast<std::size_t>(i) * step;
@@ -92,7 +92,8 @@ ChangeImage::ChangeImage(const ReferenceImage& reference, const NoiseModel& nois
         limit_m_[pixel] = kFar;
         continue;
       }
-      // away from edges the typical depth is the sharper standard: fingers on a surface stand out by less than 2 cm
+      // away from edges the typical depth is the sharper standard: fingers on a surface stand out by less
+      // than 2 cm
       const float typical = reference.cloud.depth_m[pixel];
       const double slope = kEdgeStep_m + 4.0 * noise.sigma(z);
       if (typical == typical && typical - z < static_cast<float>(slope)) z = typical;
@@ -115,8 +116,8 @@ void ChangeImage::compare(const OrganisedCloud& current) {
   number_components();
 }
 
-// One bit for each pixel nearer than its limit. Row v of the image is row v + 1 of the mask, so that thin() may look
-// above the first and below the last. A NaN on either side compares false.
+// One bit for each pixel nearer than its limit. Row v of the image is row v + 1 of the mask, so that thin()
+// may look above the first and below the last. A NaN on either side compares false.
 void ChangeImage::mark(const float* depth_m) {
   const int first = window_.u_begin / 64, last = (window_.u_end - 1) / 64;
   for (int v = window_.v_begin; v < window_.v_end; ++v) {
@@ -132,8 +133,10 @@ void ChangeImage::mark(const float* depth_m) {
 #if defined(__SSE2__)
       for (; i + 16 <= count; i += 16) {
         const auto sixteen = [i](auto&& four) {
-          const __m128i low = _mm_packs_epi32(four(i), four(i + 4)), high = _mm_packs_epi32(four(i + 8), four(i + 12));
-          return static_cast<std::uint64_t>(static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_packs_epi16(low, high))))
+          const __m128i low = _mm_packs_epi32(four(i), four(i + 4)),
+                        high = _mm_packs_epi32(four(i + 8), four(i + 12));
+          return static_cast<std::uint64_t>(
+                     static_cast<std::uint32_t>(_mm_movemask_epi8(_mm_packs_epi16(low, high))))
                  << i;
         };
         word |= sixteen([&](int at) {
@@ -155,8 +158,9 @@ void ChangeImage::mark(const float* depth_m) {
   }
 }
 
-// Keeps a changed pixel when none of its four neighbours is seen unchanged: 64 pixels in a handful of instructions. A
-// neighbour without depth does not count against it, else every dropout would cost five pixels of a finger.
+// Keeps a changed pixel when none of its four neighbours is seen unchanged: 64 pixels in a handful of
+// instructions. A neighbour without depth does not count against it, else every dropout would cost five
+// pixels of a finger.
 void ChangeImage::thin() {
   const int first = window_.u_begin / 64, last = (window_.u_end - 1) / 64;
   for (int v = window_.v_begin; v < window_.v_end; ++v) {

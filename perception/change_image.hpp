@@ -12,11 +12,11 @@ namespace colift::perception {
 
 /// When a pixel counts as changed, and which changed pixels belong together.
 struct ChangeConfig {
-  double sigmas = 2.0;     ///< Nearer than the reference by this many sigma ...
-  double steps = 0.25;     ///< ... plus this many quantisation steps ...
-  double margin_m = 0.002; ///< ... plus this much: drift and radial distortion of the sensor.
-  int edge_px = 2;         ///< Raggedness of edges: a pixel is compared with the nearest depth within this distance.
-  double jump_m = 0.03;    ///< Neighbours farther apart in depth than this (plus noise) are different bodies.
+  double sigmas = 2.0;      ///< Nearer than the reference by this many sigma ...
+  double steps = 0.25;      ///< ... plus this many quantisation steps ...
+  double margin_m = 0.002;  ///< ... plus this much: drift and radial distortion of the sensor.
+  int edge_px = 2;  ///< Raggedness of edges: a pixel is compared with the nearest depth within this distance.
+  double jump_m = 0.03;  ///< Neighbours farther apart in depth than this (plus noise) are different bodies.
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -43,21 +43,22 @@ struct ChangedRun {
 struct ChangedComponent {
   double area_m2 = 0.0;  ///< As if every pixel faced the camera: a lower bound of the true area.
   std::int32_t pixels = 0;
-  /// Area of all components that hang together in the image, whatever their depths: fingers on the object and the arm
-  /// behind its edge are two bodies to the camera, but one person (m^2).
+  /// Area of all components that hang together in the image, whatever their depths: fingers on the object and
+  /// the arm behind its edge are two bodies to the camera, but one person (m^2).
   double blob_m2 = 0.0;
   PixelWindow box;  ///< Smallest window that holds it.
 };
 
-/// Finds what stands before the reference image, inside a window. Keeps its buffers from frame to frame, so one object
-/// belongs to one thread.
+/// Finds what stands before the reference image, inside a window. Keeps its buffers from frame to frame, so
+/// one object belongs to one thread.
 class ChangeImage {
  public:
   ChangeImage(const ReferenceImage& reference, const NoiseModel& noise, const ChangeConfig& config,
               const PixelWindow& window);
 
-  /// Compares a frame of the reference's size. Specks and slivers up to two pixels wide are gone from the answer, and
-  /// so is the outermost pixel of every body, where depths of two bodies mix. Pixels without depth neither add nor take.
+  /// Compares a frame of the reference's size. Specks and slivers up to two pixels wide are gone from the
+  /// answer, and so is the outermost pixel of every body, where depths of two bodies mix. Pixels without
+  /// depth neither add nor take.
   void compare(const OrganisedCloud& current);
 
   [[nodiscard]] const std::vector<ChangedRun>& runs() const { return runs_; }

@@ -10,7 +10,8 @@ constexpr double kMostCells = 2e6;
 
 }  // namespace
 
-ObjectGrid::ObjectGrid(std::span<const Eigen::Vector3f> points, double cell_m, double reach_m) : reach_m_(reach_m) {
+ObjectGrid::ObjectGrid(std::span<const Eigen::Vector3f> points, double cell_m, double reach_m)
+    : reach_m_(reach_m) {
   Eigen::AlignedBox3f box;
   for (const auto& p : points) {
     if (p.allFinite()) box.extend(p);
@@ -37,7 +38,8 @@ ObjectGrid::ObjectGrid(std::span<const Eigen::Vector3f> points, double cell_m, d
   for (const auto& p : points) {
     if (!p.allFinite()) continue;
     const Eigen::Vector3f at = (p - origin_) * per_cell_;
-    std::int32_t& patch = nearest_[cell(static_cast<int>(at.x()), static_cast<int>(at.y()), static_cast<int>(at.z()))];
+    std::int32_t& patch =
+        nearest_[cell(static_cast<int>(at.x()), static_cast<int>(at.y()), static_cast<int>(at.z()))];
     if (patch == kNone) {
       patch = static_cast<std::int32_t>(patches_.size());
       patches_.emplace_back(Eigen::Vector3f::Zero());
@@ -50,8 +52,9 @@ ObjectGrid::ObjectGrid(std::span<const Eigen::Vector3f> points, double cell_m, d
   spread_from_patches();
 }
 
-// A wave from the occupied cells outwards: each cell offers its patch to its six neighbours, which take it when it is
-// nearer than what they have. Not an exact distance transform, but wrong only by a fraction of a cell.
+// A wave from the occupied cells outwards: each cell offers its patch to its six neighbours, which take it
+// when it is nearer than what they have. Not an exact distance transform, but wrong only by a fraction of a
+// cell.
 void ObjectGrid::spread_from_patches() {
   const float cell_m = 1.0F / per_cell_;
   const auto reach_squared = static_cast<float>(reach_m_ * reach_m_);
@@ -65,7 +68,8 @@ void ObjectGrid::spread_from_patches() {
       for (int x = 0; x < size_[0]; ++x) {
         if (nearest_[cell(x, y, z)] == kNone) continue;
         squared[cell(x, y, z)] = 0.0F;
-        wave.push_back({static_cast<std::int16_t>(x), static_cast<std::int16_t>(y), static_cast<std::int16_t>(z)});
+        wave.push_back(
+            {static_cast<std::int16_t>(x), static_cast<std::int16_t>(y), static_cast<std::int16_t>(z)});
       }
     }
   }
@@ -86,7 +90,8 @@ void ObjectGrid::spread_from_patches() {
         if (d >= squared[to] || d > reach_squared) continue;
         squared[to] = d;
         nearest_[to] = patch;
-        next.push_back({static_cast<std::int16_t>(x), static_cast<std::int16_t>(y), static_cast<std::int16_t>(z)});
+        next.push_back(
+            {static_cast<std::int16_t>(x), static_cast<std::int16_t>(y), static_cast<std::int16_t>(z)});
       }
     }
     wave.swap(next);

@@ -10,15 +10,16 @@
 
 namespace colift::perception {
 
-/// Which part of the object is nearest to a point of space, answered by one look-up. The object's points are gathered
-/// into small cells ("patches", one mean point each); every cell of space within `reach_m` of the object knows its
-/// nearest patch. Built once for a reference (a few ms), read for every changed pixel of every frame (a few ns).
+/// Which part of the object is nearest to a point of space, answered by one look-up. The object's points are
+/// gathered into small cells ("patches", one mean point each); every cell of space within `reach_m` of the
+/// object knows its nearest patch. Built once for a reference (a few ms), read for every changed pixel of
+/// every frame (a few ns).
 class ObjectGrid {
  public:
   static constexpr std::int32_t kNone = std::numeric_limits<std::int32_t>::max();
 
-  /// Points in W (m), NaN ignored. The cell grows beyond `cell_m` when the object is so large that the grid would
-  /// exceed two million cells.
+  /// Points in W (m), NaN ignored. The cell grows beyond `cell_m` when the object is so large that the grid
+  /// would exceed two million cells.
   ObjectGrid(std::span<const Eigen::Vector3f> points, double cell_m, double reach_m);
 
   /// Patch nearest to a point; kNone when the object is farther than about reach_m, or the point is NaN.
@@ -37,7 +38,8 @@ class ObjectGrid {
 
  private:
   [[nodiscard]] std::size_t cell(int ix, int iy, int iz) const {
-    return (static_cast<std::size_t>(iz) * static_cast<std::size_t>(size_[1]) + static_cast<std::size_t>(iy)) *
+    return (static_cast<std::size_t>(iz) * static_cast<std::size_t>(size_[1]) +
+            static_cast<std::size_t>(iy)) *
                static_cast<std::size_t>(size_[0]) +
            static_cast<std::size_t>(ix);
   }

@@ -16,10 +16,12 @@ using hal::failure;
 
 // A depth step to what is behind that makes an object's pixel part of its outline (m).
 constexpr float kRimStep = 0.04F;
-// A patch on a convex edge of a box lies off the mean of its neighbours by 0.3 of their radius, one on a face not at all.
+// A patch on a convex edge of a box lies off the mean of its neighbours by 0.3 of their radius, one on a face
+// not at all.
 constexpr float kCreaseRadius = 0.04F;
 constexpr float kCreaseOffset = 0.18F;
-// Distances of bodies are read from a histogram of such bins, once this area is as near: single pixels say nothing.
+// Distances of bodies are read from a histogram of such bins, once this area is as near: single pixels say
+// nothing.
 constexpr double kBin_m = 0.005;
 constexpr double kFingertip_m2 = 0.0001;
 // More of the object's visible pixels than this showing what was behind it: it is not there any more.
@@ -32,7 +34,8 @@ constexpr double kHandCell_m = 0.04;
 // The outline within this distance of a contact tells how the object's edge runs there (m).
 constexpr double kRimRadius_m = 0.08;
 constexpr int kFewestRimPoints = 10;
-// An edge whose points spread wider than this (standard deviation) is not one edge but the two sides of a bar (m).
+// An edge whose points spread wider than this (standard deviation) is not one edge but the two sides of a bar
+// (m).
 constexpr double kWidestRim_m = 0.018;
 
 struct Line {
@@ -68,8 +71,8 @@ Line line_near(const std::vector<Eigen::Vector3f>& points, const Vec3& place, do
   return line;
 }
 
-// Middle of the extent of points along a direction, from `origin` (m). The extent, not the mean: the side of the hand
-// that faces the camera has more pixels, but not more hand.
+// Middle of the extent of points along a direction, from `origin` (m). The extent, not the mean: the side of
+// the hand that faces the camera has more pixels, but not more hand.
 double middle_along(const std::vector<Vec3>& points, const Vec3& direction, const Vec3& origin) {
   std::vector<double> along;
   along.reserve(points.size());
@@ -82,7 +85,8 @@ double middle_along(const std::vector<Vec3>& points, const Vec3& direction, cons
 }
 
 // Pixels in which the object, grown by the reach, can appear.
-PixelWindow window_around(const std::vector<Eigen::Vector3f>& points, double reach_m, const OrganisedCloud& cloud) {
+PixelWindow window_around(const std::vector<Eigen::Vector3f>& points, double reach_m,
+                          const OrganisedCloud& cloud) {
   hal::Aabb box;
   for (const auto& p : points) box.extend(p.cast<double>());
   box.min().array() -= reach_m;
@@ -147,15 +151,17 @@ PartnerFinder::PartnerFinder(const ReferenceImage& reference, const Ground& grou
   object_far_m_.reserve(object_pixels_.size());
   for (const std::uint32_t i : object_pixels_) {
     const double z = reference.cloud.depth_m[i];
-    object_far_m_.push_back(static_cast<float>(z + 4.0 * noise.sigma(z) + 2.0 * noise.step(z) + config.change.jump_m));
+    object_far_m_.push_back(
+        static_cast<float>(z + 4.0 * noise.sigma(z) + 2.0 * noise.step(z) + config.change.jump_m));
   }
   find_rim(reference);
   number_patch_cells();
   skin_.reserve(50000);
 }
 
-// Where a hand can reach around: the outline, which are the object's pixels with something farther, or nothing, beside
-// them; and inside of it the convex edges, which are the patches whose neighbours all lie behind them.
+// Where a hand can reach around: the outline, which are the object's pixels with something farther, or
+// nothing, beside them; and inside of it the convex edges, which are the patches whose neighbours all lie
+// behind them.
 void PartnerFinder::find_rim(const ReferenceImage& reference) {
   const OrganisedCloud& cloud = reference.cloud;
   const int width = cloud.width(), height = cloud.height();
@@ -168,7 +174,8 @@ void PartnerFinder::find_rim(const ReferenceImage& reference) {
                                          static_cast<std::size_t>(u + du)];
       return !(beside <= z + kRimStep);
     };
-    if (open(-2, 0) || open(2, 0) || open(0, -2) || open(0, 2)) rim_.emplace_back(cloud.x[i], cloud.y[i], cloud.z[i]);
+    if (open(-2, 0) || open(2, 0) || open(0, -2) || open(0, 2))
+      rim_.emplace_back(cloud.x[i], cloud.y[i], cloud.z[i]);
   }
 
   std::vector<Eigen::Vector3f> patches = grid_.patches();
@@ -194,7 +201,8 @@ void PartnerFinder::find_rim(const ReferenceImage& reference) {
 
 bool PartnerFinder::same_camera(const OrganisedCloud& current) const {
   return current.width() == intrinsics_.width && current.height() == intrinsics_.height &&
-         current.size() == static_cast<std::size_t>(intrinsics_.width) * static_cast<std::size_t>(intrinsics_.height) &&
+         current.size() ==
+             static_cast<std::size_t>(intrinsics_.width) * static_cast<std::size_t>(intrinsics_.height) &&
          current.x.size() == current.size() && current.X_WC.isApprox(X_WC_, 1e-6);
 }
 
@@ -210,7 +218,8 @@ double PartnerFinder::moved_part(const OrganisedCloud& current) const {
   return static_cast<double>(behind) / static_cast<double>(looked);
 }
 
-// Bodies of a hand's size, and smaller parts beside one: the object's edge may cut the fingers on it from the arm behind.
+// Bodies of a hand's size, and smaller parts beside one: the object's edge may cut the fingers on it from the
+// arm behind.
 void PartnerFinder::choose_components() {
   const auto& components = change_.components();
   chosen_.assign(components.size(), 0);
@@ -236,12 +245,13 @@ void PartnerFinder::collect_skin(const OrganisedCloud& current, PartnerSighting&
   const auto& components = change_.components();
   const auto& patches = grid_.patches();
   choose_components();
-  for (std::size_t i = 0; i < components.size(); ++i) body_m2_ += chosen_[i] != 0 ? components[i].area_m2 : 0.0;
+  for (std::size_t i = 0; i < components.size(); ++i)
+    body_m2_ += chosen_[i] != 0 ? components[i].area_m2 : 0.0;
   for (const ChangedRun& run : change_.runs()) {
     if (chosen_[static_cast<std::size_t>(run.component)] == 0) continue;
     const std::size_t row = static_cast<std::size_t>(run.v) * static_cast<std::size_t>(intrinsics_.width);
-    for (std::size_t i = row + static_cast<std::size_t>(run.u_begin); i < row + static_cast<std::size_t>(run.u_end);
-         ++i) {
+    for (std::size_t i = row + static_cast<std::size_t>(run.u_begin);
+         i < row + static_cast<std::size_t>(run.u_end); ++i) {
       const std::int32_t patch = grid_.nearest(current.x[i], current.y[i], current.z[i]);
       if (patch == ObjectGrid::kNone) continue;
       const Eigen::Vector3f p(current.x[i], current.y[i], current.z[i]);
@@ -264,7 +274,6 @@ void PartnerFinder::collect_skin(const OrganisedCloud& current, PartnerSighting&
     break;
   }
 }
-
 
 float PartnerFinder::touch_gap(float depth_m) const {
   return static_cast<float>(config_.touch_m + 2.0 * noise_.sigma(depth_m) + noise_.step(depth_m));
@@ -333,8 +342,8 @@ void PartnerFinder::separate_hands() {
   }
 }
 
-// The contact of one hand, or nothing when too little of it is near. See docs/decisions/0003 for where the bias of a
-// plain mean comes from and what each step takes away.
+// The contact of one hand, or nothing when too little of it is near. See docs/decisions/0003 for where the
+// bias of a plain mean comes from and what each step takes away.
 std::optional<PartnerContact> PartnerFinder::contact(int hand) const {
   const auto& patches = grid_.patches();
   double area = 0.0, touching = 0.0, depth = 0.0;
@@ -362,14 +371,17 @@ std::optional<PartnerContact> PartnerFinder::contact(int hand) const {
   const auto on_surface = [&](const Vec3& p) {
     const std::int32_t patch =
         grid_.nearest(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()));
-    return patch == ObjectGrid::kNone ? on_object : Vec3(patches[static_cast<std::size_t>(patch)].cast<double>());
+    return patch == ObjectGrid::kNone ? on_object
+                                      : Vec3(patches[static_cast<std::size_t>(patch)].cast<double>());
   };
   const double sigma = noise_.sigma(depth);
-  const double cross = std::hypot(config_.cross_sigma_m, sigma), along = std::hypot(config_.along_sigma_m, sigma);
+  const double cross = std::hypot(config_.cross_sigma_m, sigma),
+               along = std::hypot(config_.along_sigma_m, sigma);
   Line rim = line_near(rim_, on_object, kRimRadius_m);
   const bool bar = !rim.found || rim.width > kWidestRim_m;
   if (bar) {
-    // no single edge: a bar with an outline on both sides, whose direction only a longer piece shows, or a bare face
+    // no single edge: a bar with an outline on both sides, whose direction only a longer piece shows, or a
+    // bare face
     rim = line_near(rim_, on_object, 2.0 * kRimRadius_m);
     if (!rim.found || rim.length < 1.3 * rim.width) {
       contact.position = on_surface(skin_middle);
@@ -380,22 +392,25 @@ std::optional<PartnerContact> PartnerFinder::contact(int hand) const {
   const Vec3 across = bar ? on_surface(skin_middle) : rim.middle;
   contact.position = across + middle_along(flesh, rim.direction, across) * rim.direction;
   contact.covariance = (bar ? 2.0 : 1.0) * cross * cross * Eigen::Matrix3d::Identity();
-  contact.covariance += (along * along - contact.covariance(0, 0)) * rim.direction * rim.direction.transpose();
+  contact.covariance +=
+      (along * along - contact.covariance(0, 0)) * rim.direction * rim.direction.transpose();
   return contact;
 }
 
 hal::Result<PartnerSighting> PartnerFinder::find(const OrganisedCloud& current) {
   if (!same_camera(current)) {
-    return failure(ErrorCode::BadInput, "partner: frame",
-                   fmt::format("{} x {} pixels; the reference has {} x {}, and the camera must not have moved",
-                               current.width(), current.height(), intrinsics_.width, intrinsics_.height));
+    return failure(
+        ErrorCode::BadInput, "partner: frame",
+        fmt::format("{} x {} pixels; the reference has {} x {}, and the camera must not have moved",
+                    current.width(), current.height(), intrinsics_.width, intrinsics_.height));
   }
   PartnerSighting sighting;
   if (const double moved = moved_part(current); moved > kMovedPart) {
     sighting.kind = PartnerKind::ObjectMoved;
-    sighting.because = fmt::format("{:.0f} % of the object's pixels show what was behind it (at most {:.0f} %): it is no "
-                                   "longer where the reference shows it",
-                                   100.0 * moved, 100.0 * kMovedPart);
+    sighting.because = fmt::format(
+        "{:.0f} % of the object's pixels show what was behind it (at most {:.0f} %): it is no "
+        "longer where the reference shows it",
+        100.0 * moved, 100.0 * kMovedPart);
     return sighting;
   }
   change_.compare(current);
@@ -421,8 +436,9 @@ hal::Result<PartnerSighting> PartnerFinder::find(const OrganisedCloud& current) 
   if (sighting.contacts.size() > kMostHands) sighting.contacts.resize(kMostHands);
   if (sighting.contacts.empty()) {
     sighting.kind = PartnerKind::Near;
-    sighting.because = fmt::format("the nearest part of a body is {:.0f} mm from the object and does not touch it",
-                                   1000.0 * *sighting.nearest_m);
+    sighting.because =
+        fmt::format("the nearest part of a body is {:.0f} mm from the object and does not touch it",
+                    1000.0 * *sighting.nearest_m);
     return sighting;
   }
   sighting.kind = PartnerKind::Grasp;
@@ -437,8 +453,9 @@ hal::Result<PartnerSighting> PartnerFinder::find(const OrganisedCloud& current) 
   const double sigma = std::sqrt(grasp.covariance.trace() / 3.0);
   sighting.because =
       sighting.contacts.size() == 1
-          ? fmt::format("a hand touches the object at ({:.2f}, {:.2f}, {:.2f}) m, +- {:.0f} mm, seen in {} points",
-                        grasp.position.x(), grasp.position.y(), grasp.position.z(), 1000.0 * sigma, grasp.points)
+          ? fmt::format(
+                "a hand touches the object at ({:.2f}, {:.2f}, {:.2f}) m, +- {:.0f} mm, seen in {} points",
+                grasp.position.x(), grasp.position.y(), grasp.position.z(), 1000.0 * sigma, grasp.points)
           : fmt::format("{} hands touch the object; their middle is ({:.2f}, {:.2f}, {:.2f}) m, +- {:.0f} mm",
                         sighting.contacts.size(), grasp.position.x(), grasp.position.y(), grasp.position.z(),
                         1000.0 * sigma);

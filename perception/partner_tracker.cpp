@@ -8,7 +8,9 @@
 namespace colift::perception {
 namespace {
 
-std::string place(const Vec3& p) { return fmt::format("({:.2f}, {:.2f}, {:.2f}) m", p.x(), p.y(), p.z()); }
+std::string place(const Vec3& p) {
+  return fmt::format("({:.2f}, {:.2f}, {:.2f}) m", p.x(), p.y(), p.z());
+}
 
 // Standard deviation of the distance between two estimates, along the line between them (m).
 double sigma_along(const Eigen::Matrix3d& covariance, const Vec3& difference) {
@@ -53,7 +55,8 @@ bool PartnerTracker::elsewhere(const PartnerGrasp& seen) const {
   // what all frames share cannot move the hand; only the rest can look like a movement
   const Eigen::Matrix3d random =
       (1.0 - config_.common_error) * (seen.covariance + mean_covariance_ / std::max(1, samples_));
-  return difference.norm() > std::max(config_.moved_m, config_.moved_sigmas * sigma_along(random, difference));
+  return difference.norm() >
+         std::max(config_.moved_m, config_.moved_sigmas * sigma_along(random, difference));
 }
 
 std::optional<PartnerEvent> PartnerTracker::lose(hal::Timestamp at, const std::string& seen_instead) {
@@ -61,8 +64,8 @@ std::optional<PartnerEvent> PartnerTracker::lose(hal::Timestamp at, const std::s
   state_ = State::Away;
   if (!held) return std::nullopt;
   return PartnerEvent{PartnerEvent::Kind::LetGo, at,
-                      fmt::format("no contact for {:.2f} s (limit {:.2f} s): {}", hal::seconds(at - last_contact_),
-                                  config_.let_go_s, seen_instead)};
+                      fmt::format("no contact for {:.2f} s (limit {:.2f} s): {}",
+                                  hal::seconds(at - last_contact_), config_.let_go_s, seen_instead)};
 }
 
 std::optional<PartnerEvent> PartnerTracker::confirm(hal::Timestamp at) {
@@ -70,8 +73,8 @@ std::optional<PartnerEvent> PartnerTracker::confirm(hal::Timestamp at) {
   if (state_ != State::Touching || rested_s < config_.dwell_s) return std::nullopt;
   state_ = State::Holding;
   return PartnerEvent{PartnerEvent::Kind::Grasped, at,
-                      fmt::format("the hand rests at {} for {:.2f} s (dwell {:.2f} s, {} frames)", place(mean_), rested_s,
-                                  config_.dwell_s, samples_)};
+                      fmt::format("the hand rests at {} for {:.2f} s (dwell {:.2f} s, {} frames)",
+                                  place(mean_), rested_s, config_.dwell_s, samples_)};
 }
 
 std::optional<PartnerEvent> PartnerTracker::tick(hal::Timestamp now) {
@@ -107,10 +110,10 @@ std::optional<PartnerEvent> PartnerTracker::update(hal::Timestamp at, const Part
   const Vec3 before = mean_;
   start(at, *sighting.grasp);
   if (!held) return confirm(at);
-  return PartnerEvent{PartnerEvent::Kind::Moved, at,
-                      fmt::format("the hand moved {:.0f} mm (limit {:.0f} mm), from {} to {}",
-                                  1000.0 * (mean_ - before).norm(), 1000.0 * config_.moved_m, place(before),
-                                  place(mean_))};
+  return PartnerEvent{
+      PartnerEvent::Kind::Moved, at,
+      fmt::format("the hand moved {:.0f} mm (limit {:.0f} mm), from {} to {}",
+                  1000.0 * (mean_ - before).norm(), 1000.0 * config_.moved_m, place(before), place(mean_))};
 }
 
 }  // namespace colift::perception

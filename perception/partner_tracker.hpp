@@ -10,12 +10,13 @@
 namespace colift::perception {
 
 struct TrackerConfig {
-  double dwell_s = 0.3;      ///< A touch becomes a grasp when it stays this long at one place.
-  double let_go_s = 0.15;    ///< No contact for longer than this: let go. Shorter gaps are drop-outs.
-  double moved_m = 0.03;     ///< The hand is elsewhere when it is farther from its place than this ...
-  double moved_sigmas = 3.0; ///< ... and than this many standard deviations of the difference.
-  int moved_frames = 2;      ///< Frames in a row that have to say so.
-  double common_error = 0.6; ///< Part of the covariance that all frames share, so that averaging does not shrink it.
+  double dwell_s = 0.3;       ///< A touch becomes a grasp when it stays this long at one place.
+  double let_go_s = 0.15;     ///< No contact for longer than this: let go. Shorter gaps are drop-outs.
+  double moved_m = 0.03;      ///< The hand is elsewhere when it is farther from its place than this ...
+  double moved_sigmas = 3.0;  ///< ... and than this many standard deviations of the difference.
+  int moved_frames = 2;       ///< Frames in a row that have to say so.
+  double common_error =
+      0.6;  ///< Part of the covariance that all frames share, so that averaging does not shrink it.
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -24,7 +25,8 @@ struct TrackerConfig {
     v("moved_m", moved_m, hal::Range{0.0, 1.0}, "Smallest distance that counts as a moved hand.");
     v("moved_sigmas", moved_sigmas, hal::Range{0.0, 20.0}, "The same in standard deviations.");
     v("moved_frames", moved_frames, hal::Range{1, 100}, "Frames in a row that show the hand elsewhere.");
-    v("common_error", common_error, hal::kFraction, "Share of the covariance that is the same in every frame.");
+    v("common_error", common_error, hal::kFraction,
+      "Share of the covariance that is the same in every frame.");
   }
 };
 

@@ -17,23 +17,26 @@ using hal::failure;
 
 hal::Result<> check(std::span<const hal::DepthFrame> frames) {
   if (frames.empty()) {
-    return failure(ErrorCode::BadInput, "reference image", "no frame was given; one is needed, 10 to 30 are better");
+    return failure(ErrorCode::BadInput, "reference image",
+                   "no frame was given; one is needed, 10 to 30 are better");
   }
   if (frames.size() > std::numeric_limits<std::uint16_t>::max()) {
-    return failure(ErrorCode::BadInput, "reference image", fmt::format("{} frames, at most 65535", frames.size()));
+    return failure(ErrorCode::BadInput, "reference image",
+                   fmt::format("{} frames, at most 65535", frames.size()));
   }
   const auto& first = frames.front().intrinsics;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const auto& k = frames[i].intrinsics;
     if (k.width != first.width || k.height != first.height) {
       return failure(ErrorCode::BadInput, fmt::format("reference image: frame {}", i),
-                     fmt::format("{} x {} pixels, the first frame has {} x {}", k.width, k.height, first.width,
-                                 first.height));
+                     fmt::format("{} x {} pixels, the first frame has {} x {}", k.width, k.height,
+                                 first.width, first.height));
     }
     if (k.width <= 0 || k.height <= 0 ||
         frames[i].depth_m.size() != static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height)) {
-      return failure(ErrorCode::BadInput, fmt::format("reference image: frame {}", i),
-                     fmt::format("{} depth values for {} x {} pixels", frames[i].depth_m.size(), k.width, k.height));
+      return failure(
+          ErrorCode::BadInput, fmt::format("reference image: frame {}", i),
+          fmt::format("{} depth values for {} x {} pixels", frames[i].depth_m.size(), k.width, k.height));
     }
   }
   return {};
@@ -74,8 +77,8 @@ struct Typical {
   float mean, spread;
 };
 
-// Mean of the values within `gate` of the median: at an edge the frames see now the near side, now the far one, and
-// their mean would be a surface where there is none.
+// Mean of the values within `gate` of the median: at an edge the frames see now the near side, now the far
+// one, and their mean would be a surface where there is none.
 Typical majority(std::vector<float>& values, float gate) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -89,7 +92,8 @@ Typical majority(std::vector<float>& values, float gate) {
     ++n;
   }
   const double shift = sum / n;
-  return {static_cast<float>(median + shift), static_cast<float>(std::sqrt(std::max(0.0, squares / n - shift * shift)))};
+  return {static_cast<float>(median + shift),
+          static_cast<float>(std::sqrt(std::max(0.0, squares / n - shift * shift)))};
 }
 
 }  // namespace
@@ -143,15 +147,18 @@ hal::Result<ReferenceImage> build_reference(std::span<const hal::DepthFrame> fra
     }
   }
   if (seen == 0) {
-    return failure(ErrorCode::NotFound, "reference image",
-                   fmt::format("none of the {} pixels was seen in any of the {} frames", pixels, frames.size()));
+    return failure(
+        ErrorCode::NotFound, "reference image",
+        fmt::format("none of the {} pixels was seen in any of the {} frames", pixels, frames.size()));
   }
   reference.restless = static_cast<double>(restless) / static_cast<double>(seen);
   if (reference.restless > kMostRestless) {
-    return failure(ErrorCode::NotFound, "reference image",
-                   fmt::format("{:.0f} % of the pixels changed between the {} frames (at most {:.0f} %): something moved "
-                               "while the reference was taken",
-                               100.0 * reference.restless, frames.size(), 100.0 * kMostRestless));
+    return failure(
+        ErrorCode::NotFound, "reference image",
+        fmt::format(
+            "{:.0f} % of the pixels changed between the {} frames (at most {:.0f} %): something moved "
+            "while the reference was taken",
+            100.0 * reference.restless, frames.size(), 100.0 * kMostRestless));
   }
   reference.cloud = deproject(typical, X_WC);
   return reference;

@@ -11,28 +11,29 @@
 
 namespace colift::perception {
 
-/// What the fixed camera sees before the partner comes; later frames are compared with it pixel by pixel. One frame is
-/// enough, 10 to 30 are better: edges stop flickering, and pixels that one frame missed are known. All arrays are
-/// row-major, width * height.
+/// What the fixed camera sees before the partner comes; later frames are compared with it pixel by pixel. One
+/// frame is enough, 10 to 30 are better: edges stop flickering, and pixels that one frame missed are known.
+/// All arrays are row-major, width * height.
 struct ReferenceImage {
-  OrganisedCloud cloud;              ///< Typical depth of each pixel and its point in W; NaN where no frame saw one.
-  std::vector<float> near_m;         ///< Smallest depth that any frame measured; NaN where none.
-  std::vector<float> spread_m;       ///< Standard deviation over the frames that agree; 0 where one frame saw it.
+  OrganisedCloud cloud;       ///< Typical depth of each pixel and its point in W; NaN where no frame saw one.
+  std::vector<float> near_m;  ///< Smallest depth that any frame measured; NaN where none.
+  std::vector<float> spread_m;  ///< Standard deviation over the frames that agree; 0 where one frame saw it.
   std::vector<std::uint16_t> count;  ///< Frames that saw something there.
   int frames = 0;
 
-  /// Part of the seen pixels that changed between frames by more than the noise explains (0 to 1). Edges alone stay
-  /// below about 0.05; more means that somebody moved while the reference was taken.
+  /// Part of the seen pixels that changed between frames by more than the noise explains (0 to 1). Edges
+  /// alone stay below about 0.05; more means that somebody moved while the reference was taken.
   double restless = 0.0;
 };
 
 /// Largest share of restless pixels that still is a picture of a scene at rest.
 inline constexpr double kMostRestless = 0.10;
 
-/// Typical depth: mean of the frames, and where they disagree by more than the noise (edges between near and far), mean
-/// of those that agree with their median. A pixel of a frame that is NaN or not positive counts as not seen.
-/// Errors: BadInput (no frame; frames of different sizes; array and intrinsics disagree; more than 65535 frames),
-/// NotFound (no frame saw anything; or the scene was not at rest, with the share of restless pixels).
+/// Typical depth: mean of the frames, and where they disagree by more than the noise (edges between near and
+/// far), mean of those that agree with their median. A pixel of a frame that is NaN or not positive counts as
+/// not seen. Errors: BadInput (no frame; frames of different sizes; array and intrinsics disagree; more than
+/// 65535 frames), NotFound (no frame saw anything; or the scene was not at rest, with the share of restless
+/// pixels).
 [[nodiscard]] hal::Result<ReferenceImage> build_reference(std::span<const hal::DepthFrame> frames,
                                                           const hal::Pose& X_WC, const NoiseModel& noise);
 

@@ -27,9 +27,6 @@ void judge_geometry(GraspCandidate& c, const DecisionInput& in, const DecisionCo
       return refuse(c, Verdict::Unreachable, fmt::format("the wrist would be {:.2f} m from the shoulder, the arm reaches {:.2f} m", reach, config.arm_reach_m));
     }
   }
-  if (c.stability && *c.stability < config.min_stability) {
-    return refuse(c, Verdict::Unstable, fmt::format("its grip holds {:.2f} times what the lift asks for (least {:.2f})", *c.stability, config.min_stability));
-  }
 }
 
 // the torque that both hands together have to hold, beside their forces (N m)

@@ -18,7 +18,6 @@ struct DecisionConfig {
   SharingLimits limits;
   double mass_kg = 1.0;
   double near_partner_m = 0.15;
-  double min_stability = 1.0;
   bool check_reach = true;
   Vec3 shoulder_m{0.0, 0.0, 0.3105};
   double arm_reach_m = 0.79;
@@ -30,7 +29,6 @@ struct DecisionConfig {
     v("limits", limits, "What either agent can exert; without entries there is no limit.");
     v("mass_kg", mass_kg, hal::kPositive, "Mass that the limits are checked for; the choice without limits does not depend on it.");
     v("near_partner_m", near_partner_m, hal::kNotNegative, "Least distance between the partner's grasp and the robot's.");
-    v("min_stability", min_stability, hal::kNotNegative, "Least stability margin of a grasp; 1 just holds.");
     v("check_reach", check_reach, "Whether a grasp beyond the arm's reach is refused (needs the camera's pose).");
     v("shoulder_m", shoulder_m, "Where axes 1 to 3 of the arm meet, in the robot base frame.");
     v("arm_reach_m", arm_reach_m, hal::kPositive, "Largest distance of the wrist from the shoulder: upper arm and forearm in line.");
@@ -62,8 +60,7 @@ struct DecisionInput {
   bool base_frame_known = false;  ///< W is the robot base, so reach can be judged.
 };
 
-/// Scores every candidate that is still Ok, refuses those that are too near the partner, out of reach, unstable or over
-/// a limit, and marks the cheapest one Chosen (thesis eq. 4.8 for the lift, section 5.3.4). Ties go to the lower index.
+/// Scores every candidate that is still Ok, refuses those that are too near the partner, out of reach or over a limit, and marks the cheapest one Chosen (thesis eq. 4.8 for the lift, section 5.3.4). Ties go to the lower index.
 /// Errors: BadConfig when the weights or limits are not usable.
 [[nodiscard]] hal::Result<Decision> decide_grasp(std::vector<GraspCandidate>& candidates, const DecisionInput& input,
                                                  const DecisionConfig& config);

@@ -13,16 +13,17 @@ using hal::Vec3;
 /// What a pixel shows, as truth for tests.
 enum class Label : std::uint8_t { Nothing, Ground, Target, Partner, Clutter, Wall, Robot };
 
-/// A solid primitive in W. Sizes: box = full lengths x, y, z; cylinder and capsule = radius, length along Sz (the
-/// capsule's length without its caps), unused; sphere = radius, unused, unused; half space = unused, surface at Sz = 0,
-/// solid below.
+/// A solid primitive in W. Sizes: box = full lengths x, y, z; cylinder and capsule = radius, length along Sz
+/// (the capsule's length without its caps), unused; sphere = radius, unused, unused; half space = unused,
+/// surface at Sz = 0, solid below.
 struct Shape {
   enum class Kind : std::uint8_t { Box, Cylinder, Capsule, Sphere, HalfSpace };
   Kind kind = Kind::Box;
   Pose X_WS = Pose::Identity();
   Vec3 size = Vec3::Zero();
   Label label = Label::Clutter;
-  double reflectivity = 0.6;  ///< In the near infrared, 0 to 1; dark surfaces give no depth at grazing angles.
+  double reflectivity =
+      0.6;  ///< In the near infrared, 0 to 1; dark surfaces give no depth at grazing angles.
 };
 
 struct World {
@@ -34,5 +35,11 @@ struct World {
 [[nodiscard]] Shape capsule(const Vec3& from, const Vec3& to, double radius, Label label);
 [[nodiscard]] Shape sphere(const Vec3& center, double radius, Label label);
 [[nodiscard]] Shape half_space(const Vec3& point, const Vec3& normal, Label label);
+
+/// Signed distance of a point in W to the surface of a shape (m), negative inside.
+[[nodiscard]] double distance(const Shape& shape, const Vec3& p_W);
+
+/// Distance of a point to the nearest shape with this label (m); infinite where there is none.
+[[nodiscard]] double distance(const World& world, Label label, const Vec3& p_W);
 
 }  // namespace colift::sim_hal

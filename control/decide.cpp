@@ -1,0 +1,93 @@
+#include "control/decide.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "perception/partner_grasp.hpp"
+#include "perception/reference_image.hpp"
+#ifdef COLIFT_THESIS
+#include "perception/thesis/thesis_partner.hpp"
+#endif
+
+namespace colift::control {
+namespace {
+
+using perception::PartnerGrasp;
+
+hal::Result<> see_fast(const Look& look, const hal::DepthFrame& frame, const Config& c, Outcome& out) {
+  const auto reference = perception::build_reference(std::array{look.frame}, look.cloud.X_WC, c.noise);
+  if (!reference) return tl::unexpected(reference.error());
+  auto finder = perception::PartnerFinder::make(*reference, *look.scene.target, *look.scene.ground, c.noise, c.partner);
+  if (!finder) return tl::unexpected(finder.error());
+  auto seen = finder->find(perception::deproject(frame, look.cloud.X_WC));
+  if (!seen) return tl::unexpected(seen.error());
+  out.partner = seen->grasp;
+  out.partner_pixels = std::move(seen->pixels);
+  out.partner_because = std::move(seen->because);
+  return {};
+}
+
+hal::Result<> see_thesis([[maybe_unused]] const Look& look, [[maybe_unused]] const hal::DepthFrame& frame,
+                         [[maybe_unused]] const Config& c, [[maybe_unused]] Outcome& out) {
+#ifdef COLIFT_THESIS
+  const auto before = perception::thesis_cloud(look.cloud, c.thesis);
+  const auto now = perception::thesis_cloud(perception::deproject(frame, look.cloud.X_WC), c.thesis);
+  out.partner = perception::thesis_partner(before, now, look.scene.target->points, c.thesis, &out.partner_because);
+  return {};
+#else
+  return hal::failure(hal::ErrorCode::BadConfig, "method", "this build has no thesis method (COLIFT_THESIS=OFF)");
+#endif
+}
+
+hal::Result<> find_partner(const Look& look, const PartnerInput& input, const Config& c, Outcome& out) {
+  if (input.position_W) {
+    out.partner = PartnerGrasp{*input.position_W, Eigen::Matrix3d::Zero(), 0};
+    out.partner_because = "the partner's grasp was given";
+    return {};
+  }
+  if (!input.frame) return hal::failure(hal::ErrorCode::BadInput, "partner", "neither a position nor a frame was given");
+  if (input.frame->depth_m.size() != look.frame.depth_m.size()) {
+    return hal::failure(hal::ErrorCode::BadInput, "partner",
+                        fmt::format("the second frame has {} pixels, the first {}; both have to come from the same camera",
+                                    input.frame->depth_m.size(), look.frame.depth_m.size()));
+  }
+  return look.method == Method::Fast ? see_fast(look, *input.frame, c, out) : see_thesis(look, *input.frame, c, out);
+}
+
+}  // namespace
+
+hal::Result<Outcome> decide(const Look& look, const PartnerInput& partner, const Config& config, const hal::Clock& clock) {
+  Outcome out;
+  out.candidates = look.candidates;
+  if (!look.scene.target) {
+    out.decision.because = look.because;
+    out.partner_because = "without a target nobody holds it";
+    return out;
+  }
+  const hal::Timestamp start = clock.now();
+  if (auto seen = find_partner(look, partner, config, out); !seen) return tl::unexpected(seen.error());
+  const hal::Timestamp seen_at = clock.now();
+  out.partner_ms = 1e3 * hal::seconds(seen_at - start);
+  if (!out.partner) {
+    out.decision.because = "no decision without the partner's grasp: " + out.partner_because;
+    return out;
+  }
+
+  const planner::DecisionInput input{*out.partner, look.scene.target->cog, look.scene.ground->plane.normal,
+                                     look.base_frame_known};
+  if (look.method == Method::Fast) {
+    // the list is coarse; what matters lies around the closed-form optimum
+    const auto best = planner::best_robot_position(input, config.decision);
+    if (!best) return tl::unexpected(best.error());
+    const auto more = look.finder->near(*best, out.candidates);
+    out.candidates.insert(out.candidates.end(), more.begin(), more.end());
+  }
+  auto decision = planner::decide_grasp(out.candidates, input, config.decision);
+  if (!decision) return tl::unexpected(decision.error());
+  out.decision = std::move(*decision);
+  out.decision_ms = 1e3 * hal::seconds(clock.now() - seen_at);
+  return out;
+}
+
+}  // namespace colift::control

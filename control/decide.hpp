@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "control/look.hpp"
+#include "planner/grasp_decision.hpp"
+
+namespace colift::control {
+
+/// How the partner's grasp is known: given as a point, or seen in a second frame of the same fixed camera.
+struct PartnerInput {
+  std::optional<hal::Vec3> position_W;
+  std::optional<hal::DepthFrame> frame;
+};
+
+/// What was decided, with every candidate's verdict. Without a partner or a target nothing is chosen.
+struct Outcome {
+  std::optional<perception::PartnerGrasp> partner;
+  std::vector<std::uint32_t> partner_pixels;         ///< Changed pixels near the object, ascending.
+  std::string partner_because;
+  std::vector<planner::GraspCandidate> candidates;   ///< Those of the look, and some around the closed-form optimum.
+  planner::Decision decision;
+  double partner_ms = 0.0, decision_ms = 0.0;
+};
+
+/// Sees where the partner holds the object and decides where the robot takes hold of it.
+/// Errors: BadInput (second frame of another size), BadConfig (weights or limits), and look()'s.
+[[nodiscard]] hal::Result<Outcome> decide(const Look& look, const PartnerInput& partner, const Config& config,
+                                          const hal::Clock& clock);
+
+}  // namespace colift::control

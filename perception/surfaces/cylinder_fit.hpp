@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "perception/scene.hpp"
+#include "perception/surfaces/surface_config.hpp"
+
+namespace colift::perception {
+
+/// A point of the object with what its noise is.
+struct SightedPoint {
+  Vec3 p = Vec3::Zero();    ///< In W.
+  Vec3 ray = Vec3::Zero();  ///< By how much p moves for a metre of depth.
+  double sigma_m = 0.0;     ///< Standard deviation of the depth.
+};
+
+struct CylinderFit {
+  Cylinder cylinder;         ///< Without its length: center is somewhere on the axis.
+  double misfit = 0.0;       ///< Root mean square residual in standard deviations, outliers counted at three.
+  double arc_rad = 0.0;      ///< Arc that the points cover.
+  double other_misfit = 0.0; ///< The same for the better of one and two faces perpendicular to each other along the same axis.
+};
+
+/// Distance of a point to a cylinder's mantle (m), positive outside, and the standard deviation that depth noise gives
+/// to it.
+struct MantleDistance {
+  double value_m, sigma_m;
+};
+[[nodiscard]] MantleDistance distance_to(const Cylinder& cylinder, const SightedPoint& point);
+
+/// Best cylinder along one of the given unit axes, refined in all five parameters (Gauss-Newton with Huber weights on
+/// distances over their noise), and how well flat faces along the same axis would do. Nothing where no circle of an
+/// allowed radius fits within the allowed misfit over the least arc.
+[[nodiscard]] std::optional<CylinderFit> fit_cylinder(std::span<const SightedPoint> points, std::span<const Vec3> axes,
+                                                      const Vec3& eye, const SurfaceConfig& config);
+
+}  // namespace colift::perception

@@ -1,0 +1,240 @@
+#include "perception/surfaces/find_cylinders.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "perception/surfaces/cylinder_fit.hpp"
+
+namespace colift::perception {
+namespace {
+
+constexpr std::size_t kMostPoints = 900;
+constexpr std::size_t kLeastPart = 150;    // pixels
+constexpr double kJump_sigma = 3.0, kJump_step = 1.5, kJump_m = 0.012;
+constexpr double kInlier_sigma = 3.0;
+constexpr double kLeastInliers = 0.7;      // of a part's pixels, without its flat ends
+constexpr double kEndCos = 0.85;           // a face whose normal is the axis is an end of the cylinder
+constexpr double kLeastLength_radii = 1.0;
+
+using Part = std::vector<std::uint32_t>;
+
+class Search {
+ public:
+  Search(ObjectImage& image, std::vector<Face>& faces, const Ground& ground, const SurfaceConfig& config)
+      : image_(image), faces_(faces), up_(ground.plane.normal), config_(config) {}
+
+  std::vector<Cylinder> run(std::size_t first_edge) {
+    std::vector<bool> strip(faces_.size());
+    for (std::size_t k = 0; k < faces_.size(); ++k)
+      strip[k] = k < first_edge && extent_of(faces_[k], image_.geometry).narrow_m <
+                                       widest_strip(image_, faces_[k].inverse_depth(), config_);
+    std::vector<Cylinder> found;
+    for (const Part& part : parts(strip)) {
+      if (part.size() < kLeastPart) continue;
+      if (auto c = cylinder_of(part)) found.push_back(*c);
+    }
+    if (!found.empty()) drop_remains();
+    return found;
+  }
+
+ private:
+  std::vector<Part> parts(const std::vector<bool>& strip) {
+    part_.assign(image_.q.size(), 0);
+    for (const std::uint32_t k : image_.pixels) {
+      const std::int16_t l = image_.label[k];
+      if (l == ObjectImage::kFree || (l >= 0 && strip[static_cast<std::size_t>(l)])) part_[k] = kOpen;
+    }
+    std::vector<Part> result;
+    const auto w = static_cast<std::uint32_t>(image_.width);
+    std::int32_t id = 0;
+    for (const std::uint32_t first : image_.pixels) {
+      if (part_[first] != kOpen) continue;
+      Part part{first};
+      part_[first] = ++id;
+      for (std::size_t next = 0; next < part.size(); ++next) {
+        const std::uint32_t k = part[next];
+        const float q = image_.q[k];
+        // a jump of depth by so much is one of inverse depth by so much
+        const float jump = static_cast<float>(kJump_sigma * image_.noise.sigma2_per_m + kJump_step * image_.noise.step2_per_m +
+                                              kJump_m * static_cast<double>(q * q));
+        for (const std::uint32_t o : {k - 1, k + 1, k - w, k + w})
+          if (part_[o] == kOpen && std::abs(image_.q[o] - q) < jump) part_[o] = id, part.push_back(o);
+      }
+      result.push_back(std::move(part));
+    }
+    return result;
+  }
+
+  [[nodiscard]] SightedPoint sighted(std::uint32_t k) const {
+    const double U = image_.column(k), V = image_.row(k), q = static_cast<double>(image_.q[k]);
+    const Vec3 ray = image_.geometry.ray_W(U, V);
+    const double sigma = image_.noise.sigma(1.0 / q);
+    return {image_.geometry.eye() + ray / q, ray, std::hypot(sigma, 0.5 * image_.tolerance_m)};
+  }
+
+  // ragged rims carry the depth of the body to where the body is not
+  [[nodiscard]] bool inner(std::uint32_t k) const {
+    const auto w = static_cast<std::uint32_t>(image_.width);
+    const std::int32_t id = part_[k];
+    return part_[k - 1] == id && part_[k + 1] == id && part_[k - w] == id && part_[k + w] == id;
+  }
+
+  std::optional<Cylinder> cylinder_of(const Part& part) {
+    std::vector<std::uint32_t> body;
+    for (const std::uint32_t k : part)
+      if (inner(k)) body.push_back(k);
+    if (body.size() < kLeastPart / 2) return std::nullopt;
+    const std::vector<SightedPoint> points = sample(body, kMostPoints / 3);
+    const std::vector<Vec3> axes = axes_of(part, points);
+
+    std::optional<CylinderFit> best;
+    double best_misfit = std::numeric_limits<double>::infinity();
+    for (const Vec3& axis : axes) {
+      // a flat end lies inside the circle
+      const std::vector<std::uint32_t> mantle = without_ends(body, axis);
+      if (mantle.size() < 0.4 * static_cast<double>(body.size())) continue;
+      const std::vector<SightedPoint> some = sample(mantle, kMostPoints);
+      const auto fit = fit_cylinder(some, std::span(&axis, 1), image_.geometry.eye(), config_);
+      if (fit && better_than_faces(*fit) && fit->misfit < best_misfit) best_misfit = fit->misfit, best = fit;
+    }
+    return best ? claim(part, *best) : std::nullopt;
+  }
+
+  [[nodiscard]] bool better_than_faces(const CylinderFit& fit) const {
+    return fit.misfit * fit.misfit <= config_.cylinder_advantage * fit.other_misfit * fit.other_misfit;
+  }
+
+  [[nodiscard]] std::vector<SightedPoint> sample(const std::vector<std::uint32_t>& pixels,
+                                                  std::size_t most) const {
+    std::vector<SightedPoint> points;
+    const std::size_t step = pixels.size() / most + 1;
+    for (std::size_t i = 0; i < pixels.size(); i += step) points.push_back(sighted(pixels[i]));
+    return points;
+  }
+
+  [[nodiscard]] std::vector<std::uint32_t> without_ends(const std::vector<std::uint32_t>& body, const Vec3& axis) const {
+    std::vector<bool> end(faces_.size());
+    bool any = false;
+    for (std::size_t k = 0; k < faces_.size(); ++k) {
+      end[k] = std::abs(image_.geometry.to_W(faces_[k].plane).normal.dot(axis)) > kEndCos;
+      any = any || end[k];
+    }
+    if (!any) return body;
+    std::vector<std::uint32_t> mantle;
+    for (const std::uint32_t k : body)
+      if (image_.label[k] < 0 || !end[static_cast<std::size_t>(image_.label[k])]) mantle.push_back(k);
+    return mantle;
+  }
+
+  // the long way of the part, upright, and what is perpendicular to its two largest strips
+  [[nodiscard]] std::vector<Vec3> axes_of(const Part& part, const std::vector<SightedPoint>& points) const {
+    std::vector<Vec3> axes;
+    Vec3 mean = Vec3::Zero();
+    for (const SightedPoint& s : points) mean += s.p;
+    mean /= static_cast<double>(points.size());
+    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+    for (const SightedPoint& s : points) spread += (s.p - mean) * (s.p - mean).transpose();
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    solver.computeDirect(spread);
+    if (solver.eigenvalues()[2] > 2.5 * solver.eigenvalues()[1]) axes.push_back(solver.eigenvectors().col(2).normalized());
+    axes.push_back(up_);
+
+    std::vector<int> count(faces_.size(), 0);
+    for (const std::uint32_t k : part)
+      if (image_.label[k] >= 0) ++count[static_cast<std::size_t>(image_.label[k])];
+    std::size_t first = 0, second = 0;
+    for (std::size_t k = 0; k < count.size(); ++k) {
+      if (count[k] > count[first]) second = first, first = k;
+      else if (k != first && (second == first || count[k] > count[second])) second = k;
+    }
+    if (first != second && count[second] > 30) {
+      const Vec3 cross = image_.geometry.to_W(faces_[first].plane).normal.cross(image_.geometry.to_W(faces_[second].plane).normal);
+      if (cross.norm() > 0.2) axes.push_back(cross.normalized());
+    }
+    return axes;
+  }
+
+  std::optional<Cylinder> claim(const Part& part, const CylinderFit& fit) {
+    Cylinder c = fit.cylinder;
+    const std::vector<std::uint32_t> mantle = without_ends(part, c.axis);
+    std::vector<std::uint32_t> mine;
+    const auto [e1, e2] = hal::tangents(c.axis);
+    constexpr int kBins = 48;
+    double low[kBins], high[kBins];
+    std::fill(low, low + kBins, std::numeric_limits<double>::infinity());
+    std::fill(high, high + kBins, -std::numeric_limits<double>::infinity());
+    for (const std::uint32_t k : part) {
+      const SightedPoint s = sighted(k);
+      const MantleDistance d = distance_to(c, s);
+      if (std::abs(d.value_m) > kInlier_sigma * d.sigma_m + config_.tolerance_m) continue;
+      mine.push_back(k);
+      const Vec3 p = s.p - c.center;
+      const double turn = std::atan2(e2.dot(p), e1.dot(p)) / (2 * std::numbers::pi) + 0.5;
+      const int bin = std::clamp(static_cast<int>(turn * kBins), 0, kBins - 1);
+      const double along = c.axis.dot(p);
+      low[bin] = std::min(low[bin], along), high[bin] = std::max(high[bin], along);
+    }
+    if (static_cast<double>(mine.size()) < kLeastInliers * static_cast<double>(mantle.size())) return std::nullopt;
+    std::vector<double> lows, highs;
+    for (int b = 0; b < kBins; ++b)
+      if (low[b] < high[b]) lows.push_back(low[b]), highs.push_back(high[b]);
+    if (lows.empty()) return std::nullopt;
+    const auto median = [](std::vector<double>& v) {
+      const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
+      std::nth_element(v.begin(), middle, v.end());
+      return *middle;
+    };
+    const double half_pixel = 0.5 * image_.pixel_m(static_cast<double>(image_.q[part[part.size() / 2]]));
+    const double first = median(lows) - half_pixel, last = median(highs) + half_pixel;
+    if (last - first < kLeastLength_radii * c.radius) return std::nullopt;
+    c.center += 0.5 * (first + last) * c.axis;
+    c.length = last - first;
+    // the axis points up, or along the world's axes where it lies
+    Vec3::Index largest;
+    c.axis.cwiseAbs().maxCoeff(&largest);
+    const double sign = std::abs(c.axis.dot(up_)) > 0.1 ? c.axis.dot(up_) : c.axis[largest];
+    if (sign < 0) c.axis = -c.axis;
+    for (const std::uint32_t k : mine) image_.label[k] = ObjectImage::kCylinder;
+    return c;
+  }
+
+  void drop_remains() {
+    constexpr double kLeast = 0.6;
+    std::vector<double> before(faces_.size());
+    for (std::size_t k = 0; k < faces_.size(); ++k) before[k] = faces_[k].moments.n;
+    refit_faces(image_, faces_);
+    std::vector<bool> dropped(faces_.size());
+    for (std::size_t k = 0; k < faces_.size(); ++k) {
+      dropped[k] = faces_[k].moments.n < kLeast * before[k];
+      if (dropped[k]) faces_[k].moments = {};
+    }
+    for (const std::uint32_t k : image_.pixels)
+      if (image_.label[k] >= 0 && dropped[static_cast<std::size_t>(image_.label[k])]) image_.label[k] = ObjectImage::kFree;
+  }
+
+  static constexpr std::int32_t kOpen = -1;
+
+  ObjectImage& image_;
+  std::vector<Face>& faces_;
+  Vec3 up_;
+  const SurfaceConfig& config_;
+  std::vector<std::int32_t> part_;
+};
+
+}  // namespace
+
+std::vector<Cylinder> find_cylinders(ObjectImage& image, std::vector<Face>& faces, std::size_t first_edge,
+                                     const Ground& ground, const SurfaceConfig& config) {
+  return Search(image, faces, ground, config).run(first_edge);
+}
+
+double widest_strip(const ObjectImage& image, double inverse_depth, const SurfaceConfig& config) {
+  constexpr double kSag_sigma = 3.0;
+  const double sag = kSag_sigma * image.noise.sigma(1.0 / inverse_depth);
+  return 2.0 * std::sqrt(2.0 * config.cylinder_max_radius_m * sag) + 2.0 * image.pixel_m(inverse_depth);
+}
+
+}  // namespace colift::perception

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "perception/noise_model.hpp"
+#include "perception/organised_cloud.hpp"
+#include "perception/surfaces/inverse_plane.hpp"
+
+namespace colift::perception {
+
+/// The part of the image that holds the object, as inverse depths. Pixel (i, j) is entry j * width + i; its coordinates
+/// U, V for planes are i and j themselves. Around the object is a rim of at least one pixel, and both sides are
+/// whole numbers of cells.
+struct ObjectImage {
+  static constexpr int kCell = 8;          ///< Side of a cell (pixels).
+  static constexpr std::int16_t kFree = -1;  ///< Label of object pixels that no surface has.
+  static constexpr std::int16_t kOutside = -2;
+  static constexpr std::int16_t kCylinder = -3;
+
+  ImageGeometry geometry;
+  int u0, v0, width, height;
+  std::vector<float> q;             ///< 1/z of the object's pixels; 0 elsewhere.
+  std::vector<std::int16_t> label;  ///< Index of the surface that a pixel lies on, kFree, kOutside or kCylinder.
+  std::vector<std::uint32_t> pixels;  ///< Entries of the object's pixels, ascending.
+  NoiseModel noise;
+  double tolerance_m = 0;           ///< Unevenness and lens distortion, added to the noise's tolerance.
+
+  ObjectImage(const OrganisedCloud& cloud, const std::vector<std::uint32_t>& target_pixels, const NoiseModel& noise,
+              double tolerance_m);
+
+  [[nodiscard]] std::size_t at(int i, int j) const {
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i);
+  }
+  [[nodiscard]] int column(std::uint32_t pixel) const { return static_cast<int>(pixel) % width; }
+  [[nodiscard]] int row(std::uint32_t pixel) const { return static_cast<int>(pixel) / width; }
+
+  /// Standard deviation of 1/z.
+  [[nodiscard]] double sigma(double inverse_depth) const {
+    return noise.sigma2_per_m + noise.sigma0_m * inverse_depth * inverse_depth;
+  }
+  /// Residual of 1/z up to which a pixel may lie on a surface, at a number of standard deviations.
+  [[nodiscard]] double tolerance(double inverse_depth, double sigmas) const {
+    return sigmas * sigma(inverse_depth) + tolerance_m * inverse_depth * inverse_depth;
+  }
+  /// Side of a pixel's footprint on a surface that faces the camera (m).
+  [[nodiscard]] double pixel_m(double inverse_depth) const { return 1.0 / (geometry.focal() * inverse_depth); }
+};
+
+}  // namespace colift::perception

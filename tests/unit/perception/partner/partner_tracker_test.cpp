@@ -1,0 +1,181 @@
+#include "perception/partner_tracker.hpp"
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <vector>
+
+namespace colift::perception {
+namespace {
+
+using namespace std::chrono_literals;
+using Kind = PartnerEvent::Kind;
+using State = PartnerTracker::State;
+
+constexpr hal::Duration kFrame = 33ms;
+const Vec3 kLeftEnd(0.4, 0.1, 0.45);
+
+PartnerSighting hand_at(const Vec3& position, double sigma_m = 0.006) {
+  PartnerSighting seen;
+  seen.kind = PartnerKind::Grasp;
+  seen.grasp = PartnerGrasp{position, Eigen::Matrix3d::Identity() * sigma_m * sigma_m, 500};
+  return seen;
+}
+
+PartnerSighting nobody() {
+  PartnerSighting seen;
+  seen.because = "nothing changed";
+  return seen;
+}
+
+// Hands frames to a tracker, one every 33 ms, and keeps the events.
+struct Story {
+  PartnerTracker tracker{TrackerConfig{}};
+  hal::Timestamp now{0};
+  std::vector<PartnerEvent> events;
+
+  Story& show(const PartnerSighting& seen, hal::Duration during) {
+    for (const hal::Timestamp end = now + during; now < end; now += kFrame) {
+      if (auto event = tracker.update(now, seen)) events.push_back(*event);
+    }
+    return *this;
+  }
+};
+
+TEST_CASE("a brief touch is not a grasp", "[partner][tracker]") {
+  Story story;
+  story.show(hand_at(kLeftEnd), 250ms);
+  CHECK(story.tracker.state() == State::Touching);
+  story.show(nobody(), 400ms);
+  CHECK(story.events.empty());
+  CHECK(story.tracker.state() == State::Away);
+  CHECK_FALSE(story.tracker.grasp());
+}
+
+TEST_CASE("a touch that stays for the dwell is a grasp, once", "[partner][tracker]") {
+  Story story;
+  story.show(nobody(), 200ms).show(hand_at(kLeftEnd), 2s);
+  REQUIRE(story.events.size() == 1);
+  CHECK(story.events[0].kind == Kind::Grasped);
+  CHECK(hal::seconds(story.events[0].at - story.tracker.since()) >= 0.3);
+  CHECK(hal::seconds(story.events[0].at - story.tracker.since()) < 0.3 + 0.034);
+  CHECK(story.events[0].because.find("(0.40, 0.10, 0.45) m") != std::string::npos);
+  REQUIRE(story.tracker.grasp());
+  CHECK((story.tracker.grasp()->position - kLeftEnd).norm() < 1e-9);
+}
+
+TEST_CASE("two brief touches do not add up to a grasp", "[partner][tracker]") {
+  Story story;
+  for (int i = 0; i < 5; ++i) story.show(hand_at(kLeftEnd), 200ms).show(nobody(), 250ms);
+  CHECK(story.events.empty());
+}
+
+TEST_CASE("a single frame without the hand neither delays nor ends a grasp", "[partner][tracker]") {
+  Story story;
+  for (int i = 0; i < 20; ++i) story.show(hand_at(kLeftEnd), 3 * kFrame).show(nobody(), kFrame);
+  REQUIRE(story.events.size() == 1);
+  CHECK(story.events[0].kind == Kind::Grasped);
+  CHECK(story.events[0].at <= 363ms);
+  CHECK(story.tracker.state() == State::Holding);
+}
+
+TEST_CASE("a hand that goes away has let go, with the reason of the frame", "[partner][tracker]") {
+  Story story;
+  story.show(hand_at(kLeftEnd), 600ms);
+  const auto last = story.now - kFrame;
+  story.show(nobody(), 1s);
+  REQUIRE(story.events.size() == 2);
+  CHECK(story.events[1].kind == Kind::LetGo);
+  CHECK(hal::seconds(story.events[1].at - last) > 0.15);
+  CHECK(hal::seconds(story.events[1].at - last) <= 0.15 + 0.034);
+  CHECK(story.events[1].because.find("nothing changed") != std::string::npos);
+  CHECK(story.tracker.state() == State::Away);
+}
+
+TEST_CASE("a hand that moves along the edge has to rest again", "[partner][tracker]") {
+  Story story;
+  const Vec3 elsewhere = kLeftEnd + Vec3(0.0, 0.08, 0.0);
+  story.show(hand_at(kLeftEnd), 600ms).show(hand_at(elsewhere), 200ms);
+  REQUIRE(story.events.size() == 2);
+  CHECK(story.events[1].kind == Kind::Moved);
+  CHECK(story.events[1].because.find("80 mm (limit 30 mm)") != std::string::npos);
+  CHECK(story.tracker.state() == State::Touching);
+  story.show(hand_at(elsewhere), 400ms);
+  REQUIRE(story.events.size() == 3);
+  CHECK(story.events[2].kind == Kind::Grasped);
+  CHECK((story.tracker.grasp()->position - elsewhere).norm() < 1e-9);
+}
+
+TEST_CASE("a hand that slides slowly does not creep away with the mean unnoticed", "[partner][tracker]") {
+  Story story;
+  story.show(hand_at(kLeftEnd), 1s);
+  for (int i = 1; i <= 60; ++i) story.show(hand_at(kLeftEnd + Vec3(0.0, 0.002 * i, 0.0)), kFrame);
+  REQUIRE(story.events.size() >= 2);
+  CHECK(story.events[1].kind == Kind::Moved);
+}
+
+TEST_CASE("one frame that sees the hand elsewhere does not move the grasp", "[partner][tracker]") {
+  Story story;
+  story.show(hand_at(kLeftEnd), 600ms)
+      .show(hand_at(kLeftEnd + Vec3(0.1, 0, 0)), kFrame)
+      .show(hand_at(kLeftEnd), 300ms);
+  CHECK(story.events.size() == 1);
+  CHECK(story.tracker.state() == State::Holding);
+  CHECK((story.tracker.grasp()->position - kLeftEnd).norm() < 1e-9);
+}
+
+TEST_CASE("an uncertain sighting needs more than three centimetres to be a movement", "[partner][tracker]") {
+  Story story;
+  story.show(hand_at(kLeftEnd, 0.03), 600ms).show(hand_at(kLeftEnd + Vec3(0.05, 0, 0), 0.03), 300ms);
+  REQUIRE(story.events.size() == 1);
+  CHECK(story.events[0].kind == Kind::Grasped);
+}
+
+TEST_CASE("a hand that never rests is never a grasp", "[partner][tracker]") {
+  Story story;
+  for (int i = 0; i < 60; ++i) story.show(hand_at(kLeftEnd + Vec3(0.02 * i, 0, 0)), kFrame);
+  CHECK(story.events.empty());
+}
+
+TEST_CASE("resting frames sharpen the position, but not beyond what they share", "[partner][tracker]") {
+  Story story;
+  const double one = 0.006 * 0.006;
+  for (int i = 0; i < 100; ++i) {
+    story.show(hand_at(kLeftEnd + Vec3(i % 2 == 0 ? 0.004 : -0.004, 0, 0)), kFrame);
+  }
+  const auto grasp = story.tracker.grasp();
+  REQUIRE(grasp);
+  CHECK((grasp->position - kLeftEnd).norm() < 0.0005);
+  CHECK(grasp->covariance(0, 0) < 0.7 * one);
+  CHECK(grasp->covariance(0, 0) > 0.5 * one);
+}
+
+TEST_CASE("a camera that fell silent does not keep a grasp alive", "[partner][tracker]") {
+  Story story;
+  story.show(hand_at(kLeftEnd), 600ms);
+  CHECK_FALSE(story.tracker.tick(story.now + 50ms));
+  const auto event = story.tracker.tick(story.now + 500ms);
+  REQUIRE(event);
+  CHECK(event->kind == Kind::LetGo);
+  CHECK_FALSE(story.tracker.tick(story.now + 600ms));
+}
+
+TEST_CASE("a contact after a gap in the frames has to rest again", "[partner][tracker]") {
+  Story story;
+  story.show(hand_at(kLeftEnd), 600ms);
+  story.now += 2s;
+  story.show(hand_at(kLeftEnd), 2 * kFrame);
+  REQUIRE(story.events.size() == 2);
+  CHECK(story.events[1].kind == Kind::LetGo);
+  CHECK(story.tracker.state() == State::Touching);
+}
+
+TEST_CASE("a frame that is not newer than the last one changes nothing", "[partner][tracker]") {
+  PartnerTracker tracker{TrackerConfig{}};
+  CHECK_FALSE(tracker.update(1s, hand_at(kLeftEnd)));
+  for (int i = 0; i < 50; ++i) CHECK_FALSE(tracker.update(1s, hand_at(kLeftEnd)));
+  CHECK_FALSE(tracker.update(500ms, nobody()));
+  CHECK(tracker.state() == State::Touching);
+}
+
+}  // namespace
+}  // namespace colift::perception

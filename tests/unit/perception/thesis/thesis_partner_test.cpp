@@ -1,0 +1,76 @@
+#include "perception/thesis/thesis_partner.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "sampled_shapes.hpp"
+
+using namespace colift::perception;
+using colift::test::SampledShapes;
+
+namespace {
+
+/// A board on the floor, seen before (reference) and with something else added.
+struct Board {
+  std::vector<Eigen::Vector3f> object = SampledShapes(0.01).box({0, 0, 0}, {0.8, 0.5, 0.4}).points;
+  std::vector<Eigen::Vector3f> reference =
+      SampledShapes(0.01).rectangle({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}).points;
+  ThesisConfig config;
+
+  Board() { reference.insert(reference.end(), object.begin(), object.end()); }
+
+  [[nodiscard]] std::optional<PartnerGrasp> with(const SampledShapes& added,
+                                                 std::string* because = nullptr) const {
+    std::vector<Eigen::Vector3f> current = reference;
+    current.insert(current.end(), added.points.begin(), added.points.end());
+    return thesis_partner(PclCloud{reference}, PclCloud{current}, object, config, because);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the partner's grasp is the mean of the 100 changed points nearest to the object",
+          "[thesis][partner]") {
+  const Board board;
+  // a palm of 9 x 9 cm that hangs down beside the edge at y = 0.5, with an arm that goes away from it
+  SampledShapes arm(0.01);
+  arm.rectangle({0.2, 0.54, 0.3}, {0.09, 0, 0}, {0, 0, 0.09});
+  arm.rectangle({0.2, 0.62, 0.35}, {0.09, 0, 0}, {0, 0.5, 0});
+  const auto grasp = board.with(arm);
+
+  REQUIRE(grasp);
+  CHECK(grasp->points == 100);
+  CHECK((grasp->position - Vec3{0.245, 0.54, 0.345}).norm() < 0.005);
+  CHECK(std::sqrt(grasp->covariance(0, 0)) == Approx(0.0287).epsilon(0.05));
+  CHECK(std::sqrt(grasp->covariance(1, 1)) < 0.005);
+}
+
+TEST_CASE("a passer-by a metre away is not a grasp", "[thesis][partner]") {
+  const Board board;
+  std::string because;
+  CHECK_FALSE(board.with(SampledShapes(0.01).rectangle({0, 1.5, 0.3}, {0.4, 0, 0}, {0, 0, 1.2}), &because));
+  CHECK(because.find("cm from the object") != std::string::npos);
+}
+
+TEST_CASE("an unchanged view, noise and a few stray points are not a grasp", "[thesis][partner]") {
+  const Board board;
+  std::string because;
+  CHECK_FALSE(board.with(SampledShapes{}, &because));
+  CHECK(because == "no partner's grasp: 0 points changed by more than 3.0 cm, a grasp needs 100");
+  CHECK_FALSE(
+      board.with(SampledShapes(0.01).rectangle({0.2, 0.54, 0.3}, {0.08, 0, 0}, {0, 0, 0.08}), &because));
+  CHECK(because == "no partner's grasp: 81 points changed by more than 3.0 cm, a grasp needs 100");
+
+  std::vector<Eigen::Vector3f> shaken = board.reference;
+  for (std::size_t i = 0; i < shaken.size(); ++i) shaken[i].z() += i % 2 ? 0.01f : -0.01f;
+  CHECK_FALSE(thesis_partner(PclCloud{board.reference}, PclCloud{shaken}, board.object, board.config));
+}
+
+TEST_CASE("without an object or without any points nobody holds anything", "[thesis][partner]") {
+  const Board board;
+  const PclCloud reference{board.reference};
+  std::string because;
+  CHECK_FALSE(thesis_partner(reference, reference, {}, board.config, &because));
+  CHECK(because == "no partner's grasp: there is no object to hold");
+  CHECK_FALSE(thesis_partner(reference, PclCloud{}, board.object, board.config));
+  CHECK_FALSE(thesis_partner(PclCloud{}, PclCloud{}, board.object, board.config));
+}

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "tools/colift/options.hpp"
+
+namespace colift::tools {
+
+// One function per command; each returns the exit code and prints its result to stdout, errors to stderr.
+
+/// Perception of one recorded frame. 0 a target was seen, 1 none, 2 bad input or configuration.
+[[nodiscard]] int cmd_look(const CommonOptions& common, const LookOptions& options);
+
+/// look, then the decision for a partner's grasp. 0 a grasp was chosen, 1 none, 2 bad input or configuration.
+[[nodiscard]] int cmd_decide(const CommonOptions& common, const DecideOptions& options);
+
+/// Reads configuration and hand and prints what would be used. 0 usable, 2 not.
+[[nodiscard]] int cmd_check(const CommonOptions& common, bool help);
+
+}  // namespace colift::tools

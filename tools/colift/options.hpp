@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace colift::tools {
+
+/// Exit codes of the program (what scripts rely on).
+enum Exit : int { kDone = 0, kNoGoal = 1, kBadInput = 2, kDeviceFailed = 3, kInternal = 4 };
+
+/// What every command takes.
+struct CommonOptions {
+  std::vector<std::string> config_files;
+  std::vector<std::string> settings;
+  bool json = false;
+  bool quiet = false;
+};
+
+/// What `look` and `decide` take. Texts are as typed; they are parsed where they are used, with their option's name.
+struct LookOptions {
+  std::filesystem::path cloud;
+  std::string method;       ///< Empty: as configured.
+  std::string camera_pose;  ///< "X,Y,Z,QX,QY,QZ,QW"; empty: unknown.
+  std::string at;           ///< "X,Y,Z"; empty: the largest object.
+  std::optional<std::filesystem::path> camera;
+  std::optional<std::filesystem::path> png;
+  std::optional<std::filesystem::path> report;
+};
+
+struct DecideOptions {
+  LookOptions look;
+  std::string partner;  ///< "X,Y,Z"; empty: seen in the second frame.
+  std::optional<std::filesystem::path> partner_cloud;
+  std::string share;    ///< Part of the load for the robot; empty: by epsilon.
+  std::string epsilon;  ///< Empty: as configured.
+};
+
+}  // namespace colift::tools

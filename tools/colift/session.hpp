@@ -1,0 +1,33 @@
+#pragma once
+
+#include "control/config.hpp"
+#include "control/decide.hpp"
+#include "control/look.hpp"
+#include "hal/recorded/frame_file.hpp"
+#include "hal/types/result.hpp"
+#include "planner/hand_model.hpp"
+#include "tools/colift/options.hpp"
+
+namespace colift::tools {
+
+/// Configuration and hand of one call of the program. Errors: BadConfig, with the place.
+struct Setup {
+  control::Config config;
+  planner::HandModel hand;
+};
+[[nodiscard]] hal::Result<Setup> load_setup(const CommonOptions& common);
+
+/// A frame that was looked at.
+struct Seen {
+  hal::RecordedFrame file;  ///< Its frame has moved into the look.
+  hal::Pose X_WF = hal::Pose::Identity();
+  control::Look look;
+};
+
+/// Reads and looks. Errors: BadInput and BadConfig.
+[[nodiscard]] hal::Result<Seen> look_at_file(const LookOptions& options, const Setup& setup);
+
+/// Prints an error to stderr and returns the exit code that belongs to it.
+int report_error(const char* command, const hal::Error& error);
+
+}  // namespace colift::tools

@@ -1,0 +1,96 @@
+#include "tools/colift/words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace colift::tools {
+namespace {
+
+std::string point(const hal::Vec3& p) { return fmt::format("({:.3f}, {:.3f}, {:.3f})", p.x(), p.y(), p.z()); }
+
+std::string surface_line(std::size_t i, const perception::Surface& s) {
+  if (const auto* r = std::get_if<perception::Rectangle>(&s)) {
+    return fmt::format("  {:2}  rectangle {:5.1f} x {:5.1f} cm  at {}  facing {}  {:3.0f} % filled\n", i, 100 * r->size.x(),
+                       100 * r->size.y(), point(r->center), point(r->normal), 100 * r->fill);
+  }
+  const auto& c = std::get<perception::Cylinder>(s);
+  return fmt::format("  {:2}  cylinder  radius {:.1f} cm, length {:.1f} cm  at {}  along {}\n", i, 100 * c.radius,
+                     100 * c.length, point(c.center), point(c.axis));
+}
+
+}  // namespace
+
+const char* word(planner::Verdict verdict) {
+  using planner::Verdict;
+  switch (verdict) {
+    case Verdict::Ok: return "ok";
+    case Verdict::Chosen: return "chosen";
+    case Verdict::Collision: return "collision";
+    case Verdict::Unreachable: return "unreachable";
+    case Verdict::TooWide: return "too-wide";
+    case Verdict::Unstable: return "unstable";
+    case Verdict::OverLimit: return "over-limit";
+    case Verdict::NearPartner: return "near-partner";
+  }
+  return "?";
+}
+
+const char* word(perception::RejectedObject::Kind kind) {
+  using Kind = perception::RejectedObject::Kind;
+  switch (kind) {
+    case Kind::Small: return "small";
+    case Kind::Flat: return "flat";
+    case Kind::Far: return "far";
+    case Kind::Person: return "person";
+    case Kind::Cut: return "cut";
+    case Kind::Wall: return "wall";
+    case Kind::Lesser: return "lesser";
+  }
+  return "?";
+}
+
+std::string look_text(const Seen& seen) {
+  const control::Look& l = seen.look;
+  std::string text = fmt::format("{} of {} points seen; {}\n", seen.file.valid_points, seen.file.points, seen.file.note);
+  if (l.scene.ground) {
+    const auto& g = *l.scene.ground;
+    text += fmt::format("ground    normal {}, offset {:.3f} m, {:.1f} mm rms\n", point(g.plane.normal), g.plane.offset, 1e3 * g.rms_m);
+  }
+  if (l.scene.target) {
+    const auto& t = *l.scene.target;
+    text += fmt::format("target    {:.1f} x {:.1f} x {:.1f} cm visible at {}, {} points\n", 100 * t.obb.size.x(), 100 * t.obb.size.y(),
+                        100 * t.obb.size.z(), point(t.obb.center), t.points.size());
+    text += fmt::format("          {}\n", t.because);
+    const hal::Vec3 s = t.cog_covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    text += fmt::format("centre of gravity {} +- ({:.0f}, {:.0f}, {:.0f}) mm\n", point(t.cog), 1e3 * s.x(), 1e3 * s.y(), 1e3 * s.z());
+    text += fmt::format("surfaces  {}\n", l.scene.surfaces.size());
+    for (std::size_t i = 0; i < l.scene.surfaces.size(); ++i) text += surface_line(i, l.scene.surfaces[i]);
+  }
+  text += l.because + "\n";
+  constexpr std::size_t kShown = 5;
+  for (std::size_t i = 0; i < std::min(kShown, l.rejected.size()); ++i) text += fmt::format("  not the target: {}\n", l.rejected[i].because);
+  text += fmt::format("took {:.1f} ms: ground {:.1f}, target {:.1f}, surfaces {:.1f}, candidates {:.1f}\n", l.ms.total, l.ms.ground,
+                      l.ms.target, l.ms.surfaces, l.ms.candidates);
+  return text;
+}
+
+std::string decide_text(const control::Outcome& o) {
+  std::string text;
+  if (o.partner) text += fmt::format("partner   holds the object at {}: {}\n", point(o.partner->position), o.partner_because);
+  else text += fmt::format("partner   {}\n", o.partner_because);
+  if (!o.decision.scores.empty()) {
+    text += fmt::format("{:>4}  {:5} {:>12}  {:>6} {:>11}  {}\n", "id", "kind", "verdict", "share", "cost", "position and reason");
+    for (std::size_t i = 0; i < o.candidates.size(); ++i) {
+      const auto& c = o.candidates[i];
+      const auto& s = o.decision.scores[i];
+      text += fmt::format("{:>4}  {:5} {:>12}  {:>5.0f}% {:>11.3f}  {}{}{}\n", c.id, planner::name_of(c.kind), word(c.verdict),
+                          s ? 100 * s->share : std::nan(""), s ? s->cost : std::nan(""), point(c.position),
+                          c.because.empty() ? "" : "  ", c.verdict == planner::Verdict::Chosen ? "<- chosen" : c.because);
+    }
+  }
+  return text + o.decision.because + "\n";
+}
+
+}  // namespace colift::tools

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "tools/colift/session.hpp"
+
+namespace colift::tools {
+
+/// The words of the JSON documents, the tables and the pictures alike.
+[[nodiscard]] const char* word(planner::Verdict verdict);
+[[nodiscard]] const char* word(perception::RejectedObject::Kind kind);
+
+/// What a look found, for a person.
+[[nodiscard]] std::string look_text(const Seen& seen);
+
+/// What was decided, for a person.
+[[nodiscard]] std::string decide_text(const control::Outcome& outcome);
+
+}  // namespace colift::tools
