@@ -48,9 +48,9 @@ void look_fast(Look& out, const LookInput& input, const Config& c, Stopwatch& wa
 
   Target& target = *found.target;
   out.scene.surfaces = find_surfaces(out.cloud, target, *ground.ground, c.noise, c.surfaces);
-  const CompletedShape shape = complete_shape(out.cloud, target, out.scene.surfaces, *ground.ground, c.completion);
+  const CompletedShape shape = complete_shape(out.cloud, target, out.scene.surfaces, *ground.ground, c.noise, c.completion);
   target.cog = shape.cog;
-  target.cog_covariance = shape.cog_covariance;
+  target.cog_covariance = shape.covariance;
   target.shape = shape.box;
   out.scene.target = std::move(target);
   out.ms.surfaces = watch.lap();

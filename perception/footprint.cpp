@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <tuple>
 
 namespace colift::perception {
@@ -134,6 +135,49 @@ hal::OrientedBox upright_box(const Flattened& points, const std::vector<Vector2d
   return box;
 }
 
+// one point for each cell that points lie in: a footprint counts by its area, not by how well it was seen
+std::vector<Vector2d> occupied_cells(const std::vector<Vector2d>& points, double cell_m) {
+  std::vector<std::pair<std::int32_t, std::int32_t>> cells;
+  cells.reserve(points.size());
+  for (const Vector2d& p : points)
+    cells.emplace_back(static_cast<std::int32_t>(std::floor(p.x() / cell_m)), static_cast<std::int32_t>(std::floor(p.y() / cell_m)));
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  std::vector<Vector2d> centers;
+  centers.reserve(cells.size());
+  for (const auto& [i, k] : cells) centers.emplace_back((i + 0.5) * cell_m, (k + 0.5) * cell_m);
+  return centers;
+}
+
+// draws the sides of a box in over tips that are a small part of its footprint
+void trim_sides(hal::OrientedBox& box, const Flattened& frame, const std::vector<Vector2d>& points, const BoxTrim& trim) {
+  const std::vector<Vector2d> cells = occupied_cells(points, trim.cell_m);
+  const auto skip = static_cast<std::ptrdiff_t>(trim.side_cells * static_cast<double>(cells.size()));
+  if (skip < 1) return;
+  const double slack = trim.cell_m * std::numbers::sqrt2 / 2;
+  for (int k = 0; k < 2; ++k) {
+    const hal::Vec3 axis = box.axes.col(k);
+    const Vector2d flat(frame.u.dot(axis), frame.v.dot(axis));
+    std::vector<double> along;
+    along.reserve(cells.size());
+    for (const Vector2d& c : cells) along.push_back(flat.dot(c));
+    std::nth_element(along.begin(), along.begin() + skip, along.end());
+    const double from = along[static_cast<std::size_t>(skip)] - slack;
+    const auto last = std::ssize(along) - 1 - skip;
+    std::nth_element(along.begin(), along.begin() + last, along.end());
+    const double to = along[static_cast<std::size_t>(last)] + slack;
+    const double middle = axis.dot(box.center);
+    const double low = std::max(from, middle - 0.5 * box.size[k]), high = std::min(to, middle + 0.5 * box.size[k]);
+    box.center += (0.5 * (low + high) - middle) * axis;
+    box.size[k] = high - low;
+  }
+  if (box.size.x() >= box.size.y()) return;
+  // the longer side leads
+  box.axes.col(0).swap(box.axes.col(1));
+  box.axes.col(1) = -box.axes.col(1);
+  std::swap(box.size.x(), box.size.y());
+}
+
 hal::OrientedBox no_box() {
   hal::OrientedBox box;
   box.center.setConstant(kNaN);
@@ -224,7 +268,10 @@ hal::OrientedBox box_on_plane(std::span<const Eigen::Vector3f> points, const hal
   std::nth_element(all.height.begin(), at_high, all.height.end());
   const double high = std::max(low, *at_high);
   const bool too_thin = 2 * dense.size() < all.flat.size();
-  return upright_box(all, too_thin ? all.flat : dense, low, high, ground);
+  const std::vector<Vector2d>& kept = too_thin ? all.flat : dense;
+  hal::OrientedBox box = upright_box(all, kept, low, high, ground);
+  if (!too_thin) trim_sides(box, all, kept, trim);
+  return box;
 }
 
 }  // namespace colift::perception

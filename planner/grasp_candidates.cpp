@@ -186,6 +186,12 @@ std::optional<double> CandidateFinder::raised_gap(const GraspCandidate& candidat
   return gap;
 }
 
+bool CandidateFinder::same_when_turned(const Collision& met) const {
+  if (hand_.cuboids.empty()) return false;
+  const HandCuboid& palm = hand_.cuboids.front();
+  return met.part == palm.part && palm.center_m.head<2>().norm() == 0.0;
+}
+
 void CandidateFinder::judge(GraspCandidate& candidate) const {
   auto met = collides(candidate);
   const GraspCandidate first = candidate;
@@ -202,7 +208,7 @@ void CandidateFinder::judge(GraspCandidate& candidate) const {
   if (met) {
     const auto raised = raised_gap(first, *met);
     if (raised) attempt(first.closing, raised);
-    if (config_.try_both_ways) {
+    if (config_.try_both_ways && !same_when_turned(*met)) {
       attempt(-first.closing, std::nullopt);
       if (raised) attempt(-first.closing, raised);
     }

@@ -101,6 +101,8 @@ class CandidateFinder {
  private:
   /// A gap that keeps the fingers off the ground, if there is one with which they still hold.
   [[nodiscard]] std::optional<double> raised_gap(const GraspCandidate& candidate, const Collision& met) const;
+  /// A palm in the middle of the hand meets the same when the hand is turned by half a turn.
+  [[nodiscard]] bool same_when_turned(const Collision& met) const;
   [[nodiscard]] std::optional<Collision> collides(const GraspCandidate& candidate) const;
 
   HandModel hand_;

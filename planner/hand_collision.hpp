@@ -69,7 +69,7 @@ struct Collision {
   /// By how much the hand would have to give way (m); for Unseen a quarter of a metre times the part that was
   /// not seen, so that a look from elsewhere counts as farther away than a few millimetres.
   [[nodiscard]] double miss_m() const {
-    return with == With::Unseen ? 0.25 * depth_m : std::max(0.0, depth_m);
+    return with == With::Unseen ? 0.25 * depth_m : std::max(0.001, depth_m);
   }
 
   /// "finger 2 meets the object 14 mm inside".

@@ -73,6 +73,10 @@ Vec3 point(const PointFile& file, std::size_t i) {
   return {file.x[i], file.y[i], file.z[i]};
 }
 
+std::size_t row_of(std::size_t i, std::size_t width) {
+  return i / width;
+}
+
 // Every n-th point that was seen, at most `most` of them.
 std::vector<std::size_t> sample(const PointFile& file, std::size_t most) {
   std::vector<std::size_t> seen;
@@ -99,7 +103,7 @@ std::optional<PinholeFit> fit_pinhole(const PointFile& file, const Pose& X_FC) {
     a.push_back(p.x() / p.z());
     b.push_back(p.y() / p.z());
     u.push_back(static_cast<double>(i % width));
-    v.push_back(static_cast<double>(i / width));
+    v.push_back(static_cast<double>(row_of(i, width)));
   }
   if (a.size() < kFewest) return std::nullopt;
   const auto column = fit_line(a, u);
@@ -119,7 +123,7 @@ std::optional<PinholeFit> fit_pinhole(const PointFile& file, const Pose& X_FC) {
     ++seen;
     const Vec3 p = X_CF * point(file, i);
     const double du = fx * p.x() / p.z() + fit.intrinsics.cx - static_cast<double>(i % width);
-    const double dv = fy * p.y() / p.z() + fit.intrinsics.cy - static_cast<double>(i / width);
+    const double dv = fy * p.y() / p.z() + fit.intrinsics.cy - static_cast<double>(row_of(i, width));
     if (p.z() > 0.0 && std::abs(du) < 1.0 && std::abs(dv) < 1.0) ++agreeing;
   }
   fit.agreeing = static_cast<double>(agreeing) / static_cast<double>(seen);
@@ -145,7 +149,7 @@ std::optional<PinholeFit> fit_projection(const PointFile& file) {
   Eigen::Matrix<double, 12, 12> normal = Eigen::Matrix<double, 12, 12>::Zero();
   for (const std::size_t i : samples) {
     const double u = (static_cast<double>(i % width) - half_width) / pixels;
-    const double v = (static_cast<double>(i / width) - half_height) / pixels;
+    const double v = (static_cast<double>(row_of(i, width)) - half_height) / pixels;
     Eigen::Vector4d p;
     p << (point(file, i) - centre) / size, 1.0;
     Eigen::Matrix<double, 12, 1> row_u = Eigen::Matrix<double, 12, 1>::Zero(), row_v = row_u;
@@ -161,7 +165,8 @@ std::optional<PinholeFit> fit_projection(const PointFile& file) {
   if (!(value[1] > 1e-9 * value[11]) || !(value[1] > 100.0 * std::abs(value[0]))) return std::nullopt;
 
   Eigen::Matrix<double, 3, 4> P;
-  for (int r = 0; r < 3; ++r) P.row(r) = solver.eigenvectors().col(0).segment<4>(4 * r).transpose();
+  for (int r = 0; r < 3; ++r)
+    P.row(r) = solver.eigenvectors().col(0).segment<4>(Eigen::Index{4} * r).transpose();
   Eigen::Matrix3d M = P.leftCols<3>();
   const double scale = M.row(2).norm();
   if (!(scale > 1e-12)) return std::nullopt;

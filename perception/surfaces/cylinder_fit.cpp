@@ -15,7 +15,8 @@ using Eigen::Vector2d;
 
 constexpr double kOutlier = 3.0;
 constexpr double kLeastSlant = 0.35;  // a ray along the surface moves its point sideways, which costs something too
-constexpr std::size_t kQuickPoints = 250;
+constexpr std::size_t kQuickPoints = 120;
+constexpr std::size_t kJudgePoints = 250;
 
 double capped(double residual) { return std::min(residual * residual, kOutlier * kOutlier); }
 
@@ -103,7 +104,7 @@ bool fit_circle(const std::vector<FlatPoint>& points, Circle& circle) {
     circle.center += step.head<2>();
     circle.radius += step[2];
     if (!(circle.radius > 0)) return false;
-    if (step.norm() < 1e-6) break;
+    if (step.norm() < 1e-5) break;
   }
   return true;
 }
@@ -180,7 +181,8 @@ bool refine(std::span<const SightedPoint> points, Cylinder& c) {
       Vector5 J;
       J << -n1, -n2, -n1 * along, -n2 * along, -1.0;
       J /= sigma;
-      H.selfadjointView<Eigen::Lower>().rankUpdate(J, w);
+      for (int i = 0; i < 5; ++i)
+        for (int k = 0; k <= i; ++k) H(i, k) += w * J[i] * J[k];
       g += w * e * J;
     }
     H.diagonal() *= 1.0 + 1e-6;
@@ -190,7 +192,7 @@ bool refine(std::span<const SightedPoint> points, Cylinder& c) {
     c.axis = (c.axis + step[2] * e1 + step[3] * e2).normalized();
     c.radius += step[4];
     if (!(c.radius > 0)) return false;
-    if (step.cwiseAbs().maxCoeff() < 1e-6) break;
+    if (step.cwiseAbs().maxCoeff() < 1e-5) break;
   }
   return true;
 }
@@ -256,13 +258,13 @@ std::optional<CylinderFit> fit_cylinder(std::span<const SightedPoint> points, st
   CylinderFit fit;
   fit.cylinder = *best;
   const auto [e1, e2] = hal::tangents(best->axis);
-  const std::vector<FlatPoint> flat = flatten(points, e1, e2, best->center, 2 * kQuickPoints);
+  const std::vector<FlatPoint> flat = flatten(points, e1, e2, best->center, 2 * kJudgePoints);
   const Circle circle{Vector2d::Zero(), best->radius};
   fit.misfit = std::sqrt(circle_cost(circle, flat));
   fit.arc_rad = covered_arc(flat, circle);
   if (fit.misfit > config.cylinder_max_misfit || fit.arc_rad < config.cylinder_min_arc_deg * std::numbers::pi / 180.0)
     return std::nullopt;
-  fit.other_misfit = std::sqrt(corner_cost(flatten(points, e1, e2, best->center, kQuickPoints)));
+  fit.other_misfit = std::sqrt(corner_cost(flatten(points, e1, e2, best->center, kJudgePoints)));
   return fit;
 }
 

@@ -11,7 +11,7 @@
 namespace colift::perception {
 namespace {
 
-constexpr std::size_t kMostPoints = 900;
+constexpr std::size_t kMostPoints = 500;
 constexpr std::size_t kLeastPart = 150;    // pixels
 constexpr double kJump_sigma = 3.0, kJump_step = 1.5, kJump_m = 0.012;
 constexpr double kInlier_sigma = 3.0;
@@ -164,6 +164,7 @@ class Search {
     const auto [e1, e2] = hal::tangents(c.axis);
     constexpr int kBins = 48;
     double low[kBins], high[kBins];
+    int count[kBins] = {};
     std::fill(low, low + kBins, std::numeric_limits<double>::infinity());
     std::fill(high, high + kBins, -std::numeric_limits<double>::infinity());
     for (const std::uint32_t k : part) {
@@ -175,12 +176,15 @@ class Search {
       const double turn = std::atan2(e2.dot(p), e1.dot(p)) / (2 * std::numbers::pi) + 0.5;
       const int bin = std::clamp(static_cast<int>(turn * kBins), 0, kBins - 1);
       const double along = c.axis.dot(p);
+      ++count[bin];
       low[bin] = std::min(low[bin], along), high[bin] = std::max(high[bin], along);
     }
     if (static_cast<double>(mine.size()) < kLeastInliers * static_cast<double>(mantle.size())) return std::nullopt;
+    // only lines along the cylinder that are well seen tell where it ends
+    const int most = *std::max_element(count, count + kBins);
     std::vector<double> lows, highs;
     for (int b = 0; b < kBins; ++b)
-      if (low[b] < high[b]) lows.push_back(low[b]), highs.push_back(high[b]);
+      if (3 * count[b] > most && low[b] < high[b]) lows.push_back(low[b]), highs.push_back(high[b]);
     if (lows.empty()) return std::nullopt;
     const auto median = [](std::vector<double>& v) {
       const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);

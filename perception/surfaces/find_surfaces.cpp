@@ -1,6 +1,8 @@
 #include "perception/surfaces/find_surfaces.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <limits>
 
 #include "perception/surfaces/edge_faces.hpp"
 #include "perception/surfaces/find_cylinders.hpp"
@@ -11,15 +13,26 @@
 namespace colift::perception {
 namespace {
 
+bool is_wide(const Face& face, const ObjectImage& image, const SurfaceConfig& config) {
+  const double strip_m = widest_strip(image, face.inverse_depth(), config);
+  return extent_of(face, image.geometry).narrow_m >= std::max(1.2 * config.max_edge_m, strip_m);
+}
+
+/// Covers the faces that are wide enough to have narrow ones beside them, or all. What is known from an earlier round
+/// holds on for faces that kept their pixels.
 std::vector<FaceRectangle> cover_faces(const OrganisedCloud& cloud, const ObjectImage& image,
-                                       const std::vector<Face>& faces, const SurfaceConfig& config, bool wide_only) {
+                                       const std::vector<Face>& faces, const SurfaceConfig& config, bool wide_only,
+                                       const std::vector<FaceRectangle>& known, const std::vector<double>& known_pixels) {
   std::vector<FaceRectangle> rectangles;
   const auto pixels = pixels_by_face(image, faces.size());
   for (std::size_t k = 0; k < faces.size(); ++k) {
     if (faces[k].moments.n < config.min_pixels) continue;
-    if (wide_only && extent_of(faces[k], image.geometry).narrow_m <
-                         std::max(1.2 * config.max_edge_m, widest_strip(image, faces[k].inverse_depth(), config)))
+    if (k < known_pixels.size() && known_pixels[k] == faces[k].moments.n) {
+      std::copy_if(known.begin(), known.end(), std::back_inserter(rectangles),
+                   [&](const FaceRectangle& r) { return r.face == static_cast<int>(k); });
       continue;
+    }
+    if (wide_only && !is_wide(faces[k], image, config)) continue;
     cover_face(cloud, image, faces[k], static_cast<int>(k), pixels[k], config, rectangles);
   }
   return rectangles;
@@ -40,9 +53,14 @@ std::vector<Surface> find_surfaces(const OrganisedCloud& cloud, const Target& ta
   std::vector<Face> faces;
   grow_faces(image, faces, config);
   const std::size_t first_edge = faces.size();
-  find_edge_faces(image, faces, cover_faces(cloud, image, faces, config, true), ground, config);
+  const std::vector<FaceRectangle> wide = cover_faces(cloud, image, faces, config, true, {}, {});
+  std::vector<double> covered;  // pixels of each wide face; NaN for the others, which equals nothing
+  for (const Face& f : faces)
+    covered.push_back(is_wide(f, image, config) ? f.moments.n : std::numeric_limits<double>::quiet_NaN());
+  find_edge_faces(image, faces, wide, ground, config);
   for (const Cylinder& c : find_cylinders(image, faces, first_edge, ground, config)) surfaces.emplace_back(c);
-  for (const FaceRectangle& r : cover_faces(cloud, image, faces, config, false)) surfaces.emplace_back(r.rectangle);
+  for (const FaceRectangle& r : cover_faces(cloud, image, faces, config, false, wide, covered))
+    surfaces.emplace_back(r.rectangle);
   std::stable_sort(surfaces.begin(), surfaces.end(), [](const Surface& a, const Surface& b) { return area(a) > area(b); });
   return surfaces;
 }

@@ -40,6 +40,7 @@ class Grower {
       for (const Seed& seed : seeds_of(window)) grow(seed, window);
       claim_pixels(before);
     }
+    refit_faces(image_, faces_);
   }
 
  private:
@@ -196,7 +197,6 @@ class Grower {
         const int count = faces_around(c, r, near);
         if (count > 0) claim_cell(c, r, near, count);
       }
-    refit_faces(image_, faces_);
   }
 
   int faces_around(int c, int r, int (&near)[9]) const {
@@ -292,10 +292,29 @@ void grow_faces(ObjectImage& image, std::vector<Face>& faces, const SurfaceConfi
 
 void refit_faces(const ObjectImage& image, std::vector<Face>& faces) {
   for (Face& f : faces) f.moments = {};
-  for (const std::uint32_t k : image.pixels) {
-    const std::int16_t label = image.label[k];
-    if (label < 0 || static_cast<std::size_t>(label) >= faces.size()) continue;
-    faces[static_cast<std::size_t>(label)].moments.add(image.column(k), image.row(k), static_cast<double>(image.q[k]));
+  // runs of one face along a row: what depends on the column only is summed, the rest follows for the whole run
+  for (int j = 0; j < image.height; ++j) {
+    const std::int16_t* label = image.label.data() + image.at(0, j);
+    const float* q = image.q.data() + image.at(0, j);
+    for (int i = 0; i < image.width;) {
+      const std::int16_t mine = label[i];
+      if (mine < 0) {
+        ++i;
+        continue;
+      }
+      const int first = i;
+      double sum = 0, sum_u = 0, squares = 0;
+      for (; i < image.width && label[i] == mine; ++i) {
+        const double d = static_cast<double>(q[i]);
+        sum += d, sum_u += d * i, squares += d * d;
+      }
+      InverseMoments& m = faces[static_cast<std::size_t>(mine)].moments;
+      const double n = i - first, middle = 0.5 * (first + i - 1), V = j;
+      const double u = n * middle;
+      m.n += n, m.u += u, m.v += n * V, m.q += sum;
+      m.uu += n * (middle * middle + (n * n - 1) / 12), m.uv += u * V, m.vv += n * V * V;
+      m.uq += sum_u, m.vq += sum * V, m.qq += squares;
+    }
   }
   for (Face& f : faces)
     if (f.moments.n >= 12) f.moments.fit(f.plane);

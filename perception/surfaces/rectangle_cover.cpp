@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int kMostCells = 40;       // along one side of the grid in which the covered part is counted
-constexpr double kMostOutside = 0.1;  // part of the pixels that may lie outside a rectangle
+constexpr double kMostOutside = 0.12;  // part of the rim that may lie outside a rectangle
 constexpr double kLeastKnown = 0.35;  // part of a rectangle that has to be covered, whatever is unknown
 
 struct FlatPoint {
@@ -60,11 +60,14 @@ class FaceCover {
   }
 
   void run(const std::vector<std::uint32_t>& pixels, std::vector<FaceRectangle>& out) {
-    std::vector<FlatPoint> points;
-    points.reserve(pixels.size());
-    for (const std::uint32_t k : pixels)
-      if (companions(k) >= 2) points.push_back(flat(image_.column(k), image_.row(k)));
-    cover(points, 0, out);
+    // the rim tells how far a face goes; what lies inside it is asked for only where the face has to be cut
+    pixels_ = &pixels;
+    std::vector<FlatPoint> rim;
+    for (const std::uint32_t k : pixels) {
+      const int n = companions(k);
+      if (n == 2 || n == 3) rim.push_back(flat(image_.column(k), image_.row(k)));
+    }
+    cover(rim, static_cast<int>(pixels.size()), 0, out);
   }
 
  private:
@@ -79,8 +82,8 @@ class FaceCover {
            (image_.label[k + w] == label_);
   }
 
-  void cover(const std::vector<FlatPoint>& points, int depth, std::vector<FaceRectangle>& out) {
-    if (points.size() < static_cast<std::size_t>(config_.min_pixels)) return;
+  void cover(const std::vector<FlatPoint>& points, int pixels, int depth, std::vector<FaceRectangle>& out) {
+    if (pixels < config_.min_pixels || points.size() < 8) return;
     const Frame outer = bounding_frame(points);
     if (!(outer.width() > 0 && outer.height() > 0)) return;
     const Frame inner = trimmed(outer, points);
@@ -88,10 +91,15 @@ class FaceCover {
     const bool whole = fill.ratio() >= config_.fill_threshold && outside(inner, points) <= kMostOutside;
     if (whole || depth >= config_.max_splits) {
       if (fill.ratio() >= (whole ? config_.fill_threshold : config_.least_fill) && fill.known() >= kLeastKnown)
-        add(inner, fill.ratio(), points.size(), out);
+        add(inner, fill.ratio(), pixels, out);
       return;
     }
-    split(outer, points, depth, out);
+    if (depth > 0) return split(outer, points, depth, out);
+    std::vector<FlatPoint> all;
+    all.reserve(pixels_->size());
+    for (const std::uint32_t k : *pixels_)
+      if (companions(k) >= 2) all.push_back(flat(image_.column(k), image_.row(k)));
+    split(outer, all, depth, out);
   }
 
   [[nodiscard]] Frame bounding_frame(const std::vector<FlatPoint>& points) const {
@@ -303,11 +311,11 @@ class FaceCover {
     for (const FlatPoint& p : points)
       (axis.x() * static_cast<double>(p.s) + axis.y() * static_cast<double>(p.t) < cut.at ? low : high).push_back(p);
     if (low.empty() || high.empty()) return;
-    cover(low, depth + 1, out);
-    cover(high, depth + 1, out);
+    cover(low, static_cast<int>(low.size()), depth + 1, out);
+    cover(high, static_cast<int>(high.size()), depth + 1, out);
   }
 
-  void add(const Frame& f, double fill, std::size_t pixels, std::vector<FaceRectangle>& out) const {
+  void add(const Frame& f, double fill, int pixels, std::vector<FaceRectangle>& out) const {
     if (std::min(f.width(), f.height()) < config_.min_width_m) return;
     const Vector2d v = f.v(), middle = 0.5 * (f.low_u + f.high_u) * f.u + 0.5 * (f.low_v + f.high_v) * v;
     FaceRectangle r;
@@ -320,7 +328,7 @@ class FaceCover {
     r.rectangle.size = wide ? Vector2d(f.width(), f.height()) : Vector2d(f.height(), f.width());
     r.rectangle.fill = fill;
     r.face = label_;
-    r.pixels = static_cast<int>(pixels);
+    r.pixels = pixels;
     out.push_back(r);
   }
 
@@ -333,6 +341,7 @@ class FaceCover {
   Vec3 e1_, e2_, origin_;
   double s0_, t0_;
   InversePlane s_, t_;
+  const std::vector<std::uint32_t>* pixels_ = nullptr;
   Vector2d step_u_, step_v_;  // by how much a pixel's step in the image moves on the face
   double pixel_m_;
 };

@@ -11,7 +11,8 @@ constexpr double kNear_m = 0.05;
 }  // namespace
 
 CameraView::CameraView(const perception::OrganisedCloud& cloud, int scale)
-    : k_(cloud.intrinsics),
+    : cloud_(cloud),
+      k_(cloud.intrinsics),
       X_WC_(cloud.X_WC),
       X_CW_(cloud.X_WC.inverse()),
       scale_(scale),
@@ -47,6 +48,14 @@ std::optional<Eigen::Matrix2d> CameraView::spread(const hal::Vec3& p_W, const Ei
       0, k_.fy / p.z(), -k_.fy * p.y() / (p.z() * p.z());
   const Eigen::Matrix<double, 2, 3> j = scale_ * jacobian * X_CW_.linear();
   return j * covariance * j.transpose();
+}
+
+bool CameraView::hidden(const hal::Vec3& p_W) const {
+  constexpr double kClearly_m = 0.04;
+  const auto at = cloud_.project(p_W);
+  if (!(at.depth_m > kNear_m) || !cloud_.contains(at.u, at.v)) return false;
+  const auto pixel = static_cast<std::size_t>(std::lround(at.v) * cloud_.width() + std::lround(at.u));
+  return cloud_.seen(pixel) && static_cast<double>(cloud_.depth_m[pixel]) < at.depth_m - kClearly_m;
 }
 
 double CameraView::pixels_per_metre(const hal::Vec3& p_W) const {

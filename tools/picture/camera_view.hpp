@@ -9,7 +9,8 @@
 
 namespace colift::picture {
 
-/// Where things in W come to lie in the picture of a frame, drawn `scale` times as large at the canvas's corner.
+/// Where things in W come to lie in the picture of a frame, drawn `scale` times as large at the canvas's corner. The
+/// cloud has to outlive it.
 class CameraView {
  public:
   CameraView(const perception::OrganisedCloud& cloud, int scale);
@@ -28,8 +29,10 @@ class CameraView {
   /// Length in the picture of one metre at a point, facing the camera (px/m); 0 behind the camera.
   [[nodiscard]] double pixels_per_metre(const hal::Vec3& p_W) const;
 
+  /// Whether the camera saw something clearly before the point.
+  [[nodiscard]] bool hidden(const hal::Vec3& p_W) const;
+
   [[nodiscard]] hal::Vec3 camera_W() const { return X_WC_.translation(); }
-  [[nodiscard]] const hal::Pose& X_WC() const { return X_WC_; }
 
   void line(Canvas& canvas, const hal::Vec3& from_W, const hal::Vec3& to_W, const Stroke& stroke) const;
   void polygon(Canvas& canvas, const std::vector<hal::Vec3>& corners_W, const Stroke& stroke) const;
@@ -37,6 +40,7 @@ class CameraView {
  private:
   [[nodiscard]] Px image_of(const hal::Vec3& p_C) const;
 
+  const perception::OrganisedCloud& cloud_;
   hal::CameraIntrinsics k_;
   hal::Pose X_WC_, X_CW_;
   double scale_, width_, height_;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "tools/picture/file_output.hpp"
+#include "tools/picture/utf8.hpp"
 
 namespace colift::picture {
 namespace {
@@ -61,33 +62,11 @@ void trace(cairo_t* c, const Box& b, double radius) {
   cairo_close_path(c);
 }
 
-bool continues(char byte) { return (static_cast<unsigned char>(byte) & 0xC0u) == 0x80u; }
-
-// cairo stops drawing for good at a byte that is no UTF-8; file names may hold such.
-std::string valid_utf8(const std::string& words) {
-  std::string out;
-  for (std::size_t i = 0; i < words.size();) {
-    const auto lead = static_cast<unsigned char>(words[i]);
-    const std::size_t length = lead < 0x80 ? 1 : lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
-    bool good = lead < 0x80 || (lead >= 0xC2 && lead < 0xF5);
-    for (std::size_t k = 1; k < length; ++k) good = good && i + k < words.size() && continues(words[i + k]);
-    if (good && length == 3) {
-      const auto second = static_cast<unsigned char>(words[i + 1]);
-      good = !(lead == 0xE0 && second < 0xA0) && !(lead == 0xED && second >= 0xA0);
-    }
-    if (good && length == 4) {
-      const auto second = static_cast<unsigned char>(words[i + 1]);
-      good = !(lead == 0xF0 && second < 0x90) && !(lead == 0xF4 && second >= 0x90);
-    }
-    if (!good || lead < 0x20) {
-      out += lead < 0x20 ? ' ' : '?';
-      ++i;
-    } else {
-      out.append(words, i, length);
-      i += length;
-    }
-  }
-  return out;
+// One line as cairo takes it: it stops drawing for good at a byte that is no UTF-8.
+std::string one_line(const std::string& words) {
+  std::string line = valid_utf8(words);
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  return line;
 }
 
 }  // namespace
@@ -173,7 +152,7 @@ void Canvas::ellipse(const Px& center, const Eigen::Matrix2d& half_axes, const C
 }
 
 void Canvas::text(const Px& at, const std::string& words, const TextStyle& style) {
-  const std::string safe = valid_utf8(words);
+  const std::string safe = one_line(words);
   cairo_t* c = state_->c();
   choose_font(c, style);
   const double width = style.align == Align::Left ? 0.0 : text_width(safe, style);
@@ -198,7 +177,7 @@ void Canvas::text(const Px& at, const std::string& words, const TextStyle& style
 double Canvas::text_width(const std::string& words, const TextStyle& style) const {
   choose_font(state_->c(), style);
   cairo_text_extents_t extents;
-  cairo_text_extents(state_->c(), valid_utf8(words).c_str(), &extents);
+  cairo_text_extents(state_->c(), one_line(words).c_str(), &extents);
   return extents.x_advance;
 }
 
@@ -221,10 +200,10 @@ std::vector<std::string> Canvas::wrap(const std::string& words, double width, co
     while (!fits(word)) {
       // at least one character per line, whatever the width, so that this ends
       std::size_t cut = 1;
-      while (cut < word.size() && continues(word[cut])) ++cut;
+      while (cut < word.size() && continues_character(word[cut])) ++cut;
       for (std::size_t next = cut; next < word.size(); cut = next) {
         ++next;
-        while (next < word.size() && continues(word[next])) ++next;
+        while (next < word.size() && continues_character(word[next])) ++next;
         if (!fits(word.substr(0, next))) break;
       }
       if (cut >= word.size()) break;

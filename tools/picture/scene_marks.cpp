@@ -113,7 +113,8 @@ void draw_candidates(Canvas& canvas, const CameraView& view, const std::vector<p
     if (!at || !view.frame().contains(*at)) return;
     const VerdictStyle& style = style_of(c.verdict);
     const bool ok = c.verdict == Verdict::Ok;
-    if (with_axes) {
+    const bool hidden = view.hidden(c.position);
+    if (with_axes && !hidden) {
       const double faint = ok ? 0.95 : 0.5;
       const double half = std::clamp(0.5 * c.width, 0.012, 0.06);
       const Stroke closing{.colour = style.colour.with_alpha(faint), .width = ok ? 2.2 : 1.6, .halo = kWhite.with_alpha(ok ? 0.6 : 0.0), .halo_width = 0.8};
@@ -121,7 +122,10 @@ void draw_candidates(Canvas& canvas, const CameraView& view, const std::vector<p
       view.line(canvas, c.position - 0.045 * c.approach, c.position, approach);
       view.line(canvas, c.position - half * c.closing, c.position + half * c.closing, closing);
     }
-    draw_mark(canvas, *at, ok ? radius : 0.85 * radius, style.shape, style.colour);
+    if (hidden)
+      canvas.disc(*at, 0.45 * radius, style.colour.with_alpha(0.6));
+    else
+      draw_mark(canvas, *at, ok ? radius : 0.85 * radius, style.shape, style.colour);
   };
   for (const bool possible : {false, true})
     for (const planner::GraspCandidate& c : candidates)
@@ -249,7 +253,18 @@ void draw_marks(Canvas& canvas, const CameraView& view, const ScenePicture& what
     if (const auto at = view.at(p); at && view.frame().contains(*at)) labels.place(*at, words, style, 18, true);
   };
   if (chosen) {
+    // words stay off the sketched hand
+    const Vec3 z = chosen->approach.normalized(), y = chosen->closing.normalized();
+    const Vec3 palm = chosen->position - what.palm_gap_m * z;
+    for (const double side : {-1.0, -0.5, 0.0, 0.5, 1.0})
+      for (const double ahead : {0.0, 0.5, 1.0}) {
+        if (std::abs(side) < 1.0 && ahead > 0.0) continue;
+        const auto at = view.at(palm + 0.5 * what.hand_opening_m * side * y + (what.palm_gap_m + 0.05) * ahead * z);
+        if (at) keep_ball(*at);
+      }
     if (const auto at = view.at(chosen->position)) keep_ball(*at);
+    for (const Vec3& tip : {Vec3(y.cross(z)), z})
+      if (const auto at = view.at(palm + 0.4 * what.hand_opening_m * tip)) keep_ball(*at);
     const std::string share = what.share ? fmt::format(", {:.0f} %", 100 * *what.share) : "";
     name(chosen->position - (what.palm_gap_m + 0.08) * chosen->approach.normalized(),
          fmt::format("robot #{}{}", chosen->id, share), kRobot.towards(kInk, 0.45));

@@ -19,7 +19,9 @@ constexpr double kPanelWidth = 460, kMargin = 24;
 constexpr double kTopViewLeast = 360, kTopViewHeading = 28;
 constexpr int kImageWidth = 1280, kEmptyHeight = 520;
 
-Canvas compose(const ScenePicture& what) {
+}  // namespace
+
+Canvas draw_scene_picture(const ScenePicture& what) {
   const bool image = what.cloud && what.cloud->size() > 0;
   const int scale = image ? picture_scale(*what.cloud) : 1;
   const int image_width = image ? scale * what.cloud->width() : kImageWidth;
@@ -50,20 +52,18 @@ Canvas compose(const ScenePicture& what) {
   if (top_view) {
     canvas.text({panel.x, y + 16}, "FROM ABOVE", {.size = 15, .colour = rgb(0x5A6573), .bold = true});
     y += kTopViewHeading;
-    const Box area{panel.x, y, panel.width, std::min(height - y - kMargin, 1.25 * panel.width)};
+    const Box area{panel.x, y, panel.width, std::min(height - y - kMargin, 1.45 * panel.width)};
     draw_top_view(canvas, area, what);
     canvas.outline(area, {.colour = kRule, .width = 1.2}, 6);
   }
   return canvas;
 }
 
-}  // namespace
-
 int picture_scale(const perception::OrganisedCloud& cloud) {
   return std::clamp(static_cast<int>(std::lround(static_cast<double>(kImageWidth) / std::max(1, cloud.width()))), 1, 16);
 }
 
-std::vector<std::uint8_t> scene_picture_png(const ScenePicture& what) { return compose(what).png(); }
+std::vector<std::uint8_t> scene_picture_png(const ScenePicture& what) { return draw_scene_picture(what).png(); }
 
 hal::Result<> write_scene_picture(const std::filesystem::path& png, const ScenePicture& what) {
   return write_file(png, scene_picture_png(what));

@@ -11,6 +11,7 @@
 #include "perception/organised_cloud.hpp"
 #include "perception/scene.hpp"
 #include "planner/grasp_candidate.hpp"
+#include "tools/picture/canvas.hpp"
 
 namespace colift::picture {
 
@@ -35,10 +36,13 @@ struct ScenePicture {
 };
 
 /// The frame as a shaded image with all that was found in it, a legend beneath, and a panel at the right with the
-/// reason, the load share, key figures and a top view. The bytes of a PNG, about 1740 pixels wide.
+/// reason, the load share, key figures and a top view. About 1740 pixels wide; as high as its text needs.
+[[nodiscard]] Canvas draw_scene_picture(const ScenePicture& what);
+
+/// The same as the bytes of a PNG file.
 [[nodiscard]] std::vector<std::uint8_t> scene_picture_png(const ScenePicture& what);
 
-/// The same as a file. Errors: BadInput when it cannot be written.
+/// The same written to a file. Errors: BadInput when it cannot be written.
 [[nodiscard]] hal::Result<> write_scene_picture(const std::filesystem::path& png, const ScenePicture& what);
 
 /// Where the image of the frame lies in the picture of a cloud: output pixels for each pixel of the frame. The image's

@@ -20,6 +20,12 @@ const TextStyle kSmall{.size = 16, .colour = kInk};
 const TextStyle kName{.size = 16, .colour = kSoftInk};
 const TextStyle kHeading{.size = 15, .colour = kSoftInk, .bold = true};
 
+// Reasons are parts of sentences; on their own they begin like one.
+std::string capitalised(std::string words) {
+  if (!words.empty() && words[0] >= 'a' && words[0] <= 'z') words[0] = static_cast<char>(words[0] - 'a' + 'A');
+  return words;
+}
+
 // Lines of text from y downwards; returns the y beneath them.
 double paragraph(Canvas& canvas, const Box& area, double y, const std::string& words, const TextStyle& style, bool draw) {
   const double pitch = 1.35 * style.size;
@@ -220,7 +226,7 @@ double item_grid(Canvas& canvas, const Box& area, double y, const std::vector<It
 double draw_panel(Canvas& canvas, const Box& area, const ScenePicture& what, bool draw) {
   double y = area.y;
   if (!what.title.empty()) y = paragraph(canvas, area, y, what.title, kTitle, draw) + 8;
-  if (!what.because.empty()) y = paragraph(canvas, area, y, what.because, kBody, draw) + 12;
+  if (!what.because.empty()) y = paragraph(canvas, area, y, capitalised(what.because), kBody, draw) + 12;
   if (what.share) {
     y = paragraph(canvas, area, y, "LOAD SHARE", kHeading, draw) + 4;
     y = share_bars(canvas, area, y, *what.share, draw) + 4;
@@ -241,7 +247,7 @@ double draw_legend(Canvas& canvas, const Box& area, const ScenePicture& what, bo
   y += 10;
   for (const std::string& note : what.notes) {
     if (draw) canvas.disc({area.x + 14, y + 11}, 2.6, kSoftInk);
-    y = paragraph(canvas, Box{area.x + 34, y, area.width - 34, 0}, y, note, kSmall, draw) + 2;
+    y = paragraph(canvas, Box{area.x + 34, y, area.width - 34, 0}, y, capitalised(note), kSmall, draw) + 2;
   }
   return y;
 }

@@ -237,7 +237,7 @@ void draw_top_view(Canvas& canvas, const Box& area, const ScenePicture& what) {
     const double radius = what.candidates->size() > 100 ? 2.8 : 4.0;
     for (const bool possible : {false, true})
       for (const planner::GraspCandidate& c : *what.candidates)
-        if (c.verdict != planner::Verdict::Chosen && (c.verdict == planner::Verdict::Ok) == possible)
+        if (finite(c.position) && c.verdict != planner::Verdict::Chosen && (c.verdict == planner::Verdict::Ok) == possible)
           draw_mark(canvas, map.at(c.position), possible ? radius : 0.8 * radius, style_of(c.verdict).shape,
                     style_of(c.verdict).colour);
   }

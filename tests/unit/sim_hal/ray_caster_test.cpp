@@ -37,7 +37,7 @@ Traced trace(const World& world, const Pose& X_WC, const Vec3& direction_C) {
   Traced result;
   double t = 0.0, before = std::numeric_limits<double>::infinity();
   bool approaching = true;
-  for (int i = 0; i < 2000 && t * length < 12.0; ++i) {
+  for (int i = 0; i < 20000 && t * length < 12.0; ++i) {
     result.at = X_WC.translation() + t * direction;
     const double d = nearest(world, result.at);
     if (d < 1e-9) {

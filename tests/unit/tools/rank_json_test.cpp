@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "reference.hpp"
+#include "tests/unit/planner/load_sharing/reference.hpp"
 #include "tools/colift/cmd_rank.hpp"
 
 using colift::hal::Error;
