@@ -18,6 +18,8 @@ constexpr double kUprightSin = 0.14;       // an upright face may lean by 8 degr
 constexpr double kCylinderPart = 0.5;      // of the surfaces' area that a cylinder has to make up
 constexpr double kAboveClearance_m = 0.05; // what stands higher over a top is something on it
 constexpr double kAbovePart = 0.06;        // part of the points that makes it a back
+constexpr double kTopPart = 0.12;          // of the footprint that a top has to cover; rims of open boxes cover less
+constexpr double kSameLevel_m = 0.02;
 constexpr double kEdgeWidth_m = 0.08;
 constexpr double kVerticalSigma_m = 0.002;
 
@@ -62,10 +64,11 @@ class Completion {
 
   CompletedShape run() {
     if (cylinder_ && 2 * cylinder_->radius * cylinder_->length > kCylinderPart * total_area_) return round();
-    if (const Rectangle* top = find_top()) {
-      if (part_above(*top) > kAbovePart) return chair(*top);
-      const double support = seen_support(*top);
-      return support < config_.closed_support ? plate(*top, support) : block(*top, support);
+    if (const Rectangle* found = find_top()) {
+      const Rectangle top = widened(*found);
+      if (part_above(top) > kAbovePart) return chair(top);
+      const double support = seen_support(top);
+      return support < config_.closed_support ? plate(top, support) : block(top, support);
     }
     if (auto open = open_box()) return *open;
     return mirrored();
@@ -75,15 +78,65 @@ class Completion {
   // ---- what is there
 
   [[nodiscard]] const Rectangle* find_top() const {
+    const double least = kTopPart * footprint_.size[0] * footprint_.size[1];
     const Rectangle* best = nullptr;
+    double best_area = least;
     for (const Rectangle* r : level_) {
-      // the bottom of an open box is level and wide too, but something stands around it
-      if (r->size.y() < 0.5 * config_.min_plate_m || ground_.height(r->center) < 0.4 * footprint_.size[2]) continue;
-      if (!best || r->size.prod() > best->size.prod()) best = r;
+      const double height = ground_.height(r->center);
+      // the bottom of an open box is level and wide too, but something stands around it; its rims are narrow
+      if (r->size.y() < 0.2 * config_.min_plate_m || height < 0.4 * footprint_.size[2]) continue;
+      // a dark top comes in pieces
+      double area = 0;
+      for (const Rectangle* other : level_)
+        if (std::abs(ground_.height(other->center) - height) < kSameLevel_m) area += other->size.prod();
+      if (area < least) continue;
+      area += 0.01 * r->size.prod();  // of the same pieces the largest stands for all
+      if (area > best_area) best = r, best_area = area;
     }
-    if (!best) return nullptr;
-    const double footprint_area = footprint_.size[0] * footprint_.size[1];
-    return best->size.prod() > 0.25 * footprint_area ? best : nullptr;
+    return best;
+  }
+
+  /// The top as far as the whole object goes: where part of it gave no data or is hidden by a back, the points below or
+  /// beside it still tell. Nothing of tables, boxes and chairs sticks out under their tops.
+  [[nodiscard]] Rectangle widened(const Rectangle& top) {
+    Rectangle r = top;
+    r.u = (top.u - up_ * up_.dot(top.u)).normalized();
+    r.v = up_.cross(r.u);
+    r.normal = up_;
+    // upright faces know the directions better than a scrap of the top does
+    const Rectangle* side = nullptr;
+    for (const Rectangle* x : upright_)
+      if (!side || x->size.prod() > side->size.prod()) side = x;
+    if (side && side->size.prod() > top.size.prod()) {
+      const Vec3 n = (side->normal - up_ * up_.dot(side->normal)).normalized(), m = up_.cross(n);
+      const bool along_n = std::abs(n.dot(r.u)) > std::abs(m.dot(r.u));
+      r.u = along_n ? n : m;
+      r.v = up_.cross(r.u);
+    }
+    const double margin = 2 * pixel_m_ + 2 * depth_sigma_m_;
+    for (const int axis : {0, 1}) {
+      const Vec3 e = axis == 0 ? r.u : r.v;
+      const std::array<double, 2> all = points_along(e);
+      const double middle = e.dot(r.center);
+      double low = middle - 0.5 * r.size[axis], high = middle + 0.5 * r.size[axis];
+      if (all[0] < low - margin) low = outer_face(-e, all[0]);
+      if (all[1] > high + margin) high = -outer_face(e, -all[1]);
+      r.center += (0.5 * (low + high) - middle) * e;
+      widened_m_[static_cast<std::size_t>(axis)] = high - low - r.size[axis];
+      r.size[axis] = high - low;
+    }
+    return r;
+  }
+
+  /// Coordinate against `out` of the outermost face that looks along it, when one is near the given end.
+  [[nodiscard]] double outer_face(const Vec3& out, double end) const {
+    double best = end, area = 0.01;
+    for (const Rectangle* x : upright_) {
+      const double place = -out.dot(x->center);
+      if (x->normal.dot(out) < 0.96 || x->size.prod() < area || std::abs(place - end) > 0.03 + 3 * depth_sigma_m_) continue;
+      best = place, area = x->size.prod();
+    }
+    return best;
   }
 
   [[nodiscard]] double part_above(const Rectangle& top) const {
@@ -146,7 +199,7 @@ class Completion {
     s.box.center = c.center;
     s.box.axes << c.axis, e1, e2;
     s.box.size = Vec3(c.length, 2 * c.radius, 2 * c.radius);
-    const double along = end_sigma(c.length), across = 0.06 * c.radius + 0.5 * depth_sigma_m_ / std::sqrt(10.0);
+    const double along = 2.0 * end_sigma(c.length), across = 0.05 * c.radius + 0.5 * depth_sigma_m_;
     s.covariance = spread(s.box.axes, Vec3(along, across, across));
     put_up_last(s.box);
     s.because = fmt::format("a cylinder of radius {:.0f} mm and length {:.2f} m, symmetric about its axis{}", 1000 * c.radius,
@@ -160,7 +213,7 @@ class Completion {
     const double height = ground_.height(top.center);
     s.box = upright_box(top, height);
     s.cog = s.box.center;
-    s.covariance = spread(s.box.axes, Vec3(end_sigma(top.size.x()), end_sigma(top.size.y()), level_sigma(0.5)));
+    s.covariance = spread(s.box.axes, Vec3(side_sigma(top, 0), side_sigma(top, 1), level_sigma(0.5)));
     // without a look at the sides it may as well be a plate
     if (!(support == support)) s.covariance += 0.04 * height * height * up_ * up_.transpose();
     s.because = support == support
@@ -188,7 +241,7 @@ class Completion {
     const double in_legs = 4 * a * a * (height - t) / m.mass;
     const double doubt = (thickness ? 0.12 : 0.3) + (leg ? 0.15 : 0.4);
     const double vertical = std::hypot(level_sigma(1.0), doubt * in_legs * (1 - in_legs) * 0.5 * height);
-    s.covariance = spread(s.box.axes, Vec3(end_sigma(top.size.x()), end_sigma(top.size.y()), vertical));
+    s.covariance = spread(s.box.axes, Vec3(side_sigma(top, 0), side_sigma(top, 1), vertical));
     s.because = fmt::format("a {:.2f} x {:.2f} m plate, {:.0f} mm thick{}, {:.2f} m over the ground on four legs of {:.0f} mm{}: {:.0f} % of the sides of a closed body would be there",
                             top.size.x(), top.size.y(), 1000 * t, thickness ? "" : " (assumed)", height, 1000 * a,
                             leg ? "" : " (assumed)", 100 * support);
@@ -274,8 +327,8 @@ class Completion {
     s.box.axes << e1, e2, up_;
     s.box.size = Vec3(w, d, h);
     s.box.center = floor + 0.5 * h * up_;
-    const double wall = std::hypot(end_sigma(std::max(w, d)), 0.3 * t);
-    s.covariance = spread(s.box.axes, Vec3(wall, wall, std::hypot(level_sigma(1.0), 0.04 * h)));
+    const double wall = std::hypot(0.7 * end_sigma(std::max(w, d)), 0.1 * t);
+    s.covariance = spread(s.box.axes, Vec3(wall, wall, std::hypot(level_sigma(1.0), 0.01 * h)));
     s.because = fmt::format("an open box, {:.2f} x {:.2f} x {:.2f} m: {:.0f} % of the upright faces look inwards; four walls and a bottom, all {:.0f} mm thick, were assumed",
                             w, d, h, 100 * inward / (inward + outward), 1000 * t);
     return s;
@@ -285,16 +338,7 @@ class Completion {
   /// the outermost points.
   [[nodiscard]] std::array<double, 2> sides_along(const Vec3& e) const {
     constexpr double kSame = 0.96;
-    std::vector<float> all;
-    all.reserve(target_.points.size());
-    const Eigen::Vector3f ef = e.cast<float>();
-    for (const Eigen::Vector3f& p : target_.points) all.push_back(ef.dot(p));
-    const auto at = [&](double part) {
-      const auto k = all.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(all.size() - 1));
-      std::nth_element(all.begin(), k, all.end());
-      return static_cast<double>(*k);
-    };
-    std::array<double, 2> sides{at(0.004), at(0.996)};
+    std::array<double, 2> sides = points_along(e);
     const double middle = 0.5 * (sides[0] + sides[1]);
     for (const int end : {0, 1}) {
       const double sign = end == 0 ? -1 : 1;
@@ -310,6 +354,21 @@ class Completion {
       if (best_area > 0.01) sides[static_cast<std::size_t>(end)] = wall;
     }
     return sides;
+  }
+
+  /// How far the points go along a direction, without strays.
+  [[nodiscard]] std::array<double, 2> points_along(const Vec3& e) const {
+    std::vector<float> all;
+    all.reserve(target_.points.size() / 2 + 1);
+    const Eigen::Vector3f ef = e.cast<float>();
+    for (std::size_t i = 0; i < target_.points.size(); i += 2) all.push_back(ef.dot(target_.points[i]));
+    if (all.empty()) return {0.0, 0.0};
+    const auto at = [&](double part) {
+      const auto k = all.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(all.size() - 1));
+      std::nth_element(all.begin(), k, all.end());
+      return static_cast<double>(*k);
+    };
+    return {at(0.004), at(0.996)};
   }
 
   CompletedShape mirrored() const {
@@ -361,6 +420,11 @@ class Completion {
   [[nodiscard]] double end_sigma(double length) const {
     return std::hypot(config_.edge_pixels * pixel_m_, 0.002 * length);
   }
+  /// The same for a top; where it had to be continued to points of other faces, by noise and rags of those.
+  [[nodiscard]] double side_sigma(const Rectangle& top, int axis) const {
+    const double added = widened_m_[static_cast<std::size_t>(axis)];
+    return end_sigma(top.size[axis]) + (added > 0 ? depth_sigma_m_ + std::min(0.05 * added, 0.03) : 0.0);
+  }
   /// Of a height that a plane of many pixels gives.
   [[nodiscard]] double level_sigma(double part) const { return part * std::hypot(kVerticalSigma_m, 0.2 * depth_sigma_m_); }
 
@@ -400,6 +464,7 @@ class Completion {
   const Cylinder* cylinder_ = nullptr;
   double total_area_ = 0, pixel_m_ = 0, depth_sigma_m_ = 0;
   OrientedBox footprint_;
+  std::array<double, 2> widened_m_{0.0, 0.0};  // by how much the top had to be continued along its sides
 };
 
 }  // namespace

@@ -87,8 +87,9 @@ std::vector<Wall> find_walls(const OrganisedCloud& cloud, const std::vector<Bloc
       if (top < config.min_height_m && !cut_top) continue;
       if (area < kCovered * (hi - lo) * (top - bottom)) continue;
     }
-    // a thing in front may part a wall in two: it reaches to its last block
-    for (const BlockPlane* b : own) {
+    // a thing in front may part a wall in two: it reaches to its last block. The plane of a wall's second part may run
+    // through an object, so that one ends where its blocks do.
+    for (const BlockPlane* b : more ? core : own) {
       lo = std::min(lo, along.dot(b->center.cast<double>()));
       hi = std::max(hi, along.dot(b->center.cast<double>()));
     }

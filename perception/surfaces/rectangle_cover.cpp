@@ -1,8 +1,10 @@
 #include "perception/surfaces/rectangle_cover.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "perception/footprint.hpp"
 
@@ -17,6 +19,7 @@ constexpr double kLeastKnown = 0.35;  // part of a rectangle that has to be cove
 
 struct FlatPoint {
   float s, t;
+  bool sure = true;  // the camera saw what lies beside it, so a side here is known to end
 };
 
 /// Rectangle in the face's own coordinates, around a middle and along a direction.
@@ -36,10 +39,10 @@ struct Fill {
   [[nodiscard]] double known() const { return covered / (covered + empty + unknown); }
 };
 
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+double quantile(std::vector<double>& values, double part) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
 }
 
 class FaceCover {
@@ -65,7 +68,7 @@ class FaceCover {
     std::vector<FlatPoint> rim;
     for (const std::uint32_t k : pixels) {
       const int n = companions(k);
-      if (n == 2 || n == 3) rim.push_back(flat(image_.column(k), image_.row(k)));
+      if (n == 2 || n == 3) rim.push_back(flat(k));
     }
     cover(rim, static_cast<int>(pixels.size()), 0, out);
   }
@@ -74,6 +77,19 @@ class FaceCover {
   [[nodiscard]] FlatPoint flat(double U, double V) const {
     const double z = 1.0 / face_.plane.at(U, V);
     return {static_cast<float>(s0_ + s_.at(U, V) * z), static_cast<float>(t0_ + t_.at(U, V) * z)};
+  }
+
+  [[nodiscard]] FlatPoint flat(std::uint32_t k) const {
+    const int i = image_.column(k), j = image_.row(k);
+    FlatPoint p = flat(i, j);
+    for (const auto& [di, dj] : {std::pair{-2, 0}, {2, 0}, {0, -2}, {0, 2}}) p.sure = p.sure && seen(i + di, j + dj);
+    return p;
+  }
+
+  [[nodiscard]] bool seen(int i, int j) const {
+    const int u = i + image_.u0, v = j + image_.v0;
+    if (u < 0 || v < 0 || u >= cloud_.width() || v >= cloud_.height()) return false;
+    return cloud_.seen(static_cast<std::size_t>(v) * static_cast<std::size_t>(cloud_.width()) + static_cast<std::size_t>(u));
   }
 
   [[nodiscard]] int companions(std::uint32_t k) const {
@@ -98,7 +114,7 @@ class FaceCover {
     std::vector<FlatPoint> all;
     all.reserve(pixels_->size());
     for (const std::uint32_t k : *pixels_)
-      if (companions(k) >= 2) all.push_back(flat(image_.column(k), image_.row(k)));
+      if (companions(k) >= 2) all.push_back(flat(k));
     split(outer, all, depth, out);
   }
 
@@ -124,46 +140,64 @@ class FaceCover {
     return f;
   }
 
-  /// Outermost coordinates across the lines along one axis, and where they lie along it.
-  struct Sides {
-    std::vector<double> along, low, high;
+  /// What lies outermost on both sides, in lines across one axis.
+  struct Side {
+    std::vector<double> along, across;  // across grows outwards
+    std::size_t sure = 0;               // the first so many are known ends
   };
-  [[nodiscard]] Sides outermost(const Frame& f, const std::vector<FlatPoint>& points, bool along_u) const {
-    const Vector2d a = along_u ? f.u : f.v(), c = along_u ? f.v() : -f.u;
+  [[nodiscard]] std::array<Side, 2> outermost(const Frame& f, const std::vector<FlatPoint>& points, bool along_u) const {
+    const Vector2d a = along_u ? f.u : f.v(), c = along_u ? f.v() : f.u;
     const double first = along_u ? f.low_u : f.low_v, length = along_u ? f.width() : f.height();
     const int bins = std::clamp(static_cast<int>(length / (1.5 * pixel_m_)), 4, 400);
     const double scale = bins / length;
-    constexpr double kNone = std::numeric_limits<double>::infinity();
-    std::vector<double> low(static_cast<std::size_t>(bins), kNone), high(static_cast<std::size_t>(bins), -kNone);
+    constexpr double kNone = -std::numeric_limits<double>::infinity();
+    struct End {
+      double across = kNone;
+      bool sure = false;
+    };
+    std::array<std::vector<End>, 2> ends;
+    for (auto& e : ends) e.resize(static_cast<std::size_t>(bins));
     for (const FlatPoint& p : points) {
       const double s = static_cast<double>(p.s), t = static_cast<double>(p.t);
       const auto k = static_cast<std::size_t>(
           std::clamp(static_cast<int>((a.x() * s + a.y() * t - first) * scale), 0, bins - 1));
       const double across = c.x() * s + c.y() * t;
-      low[k] = std::min(low[k], across);
-      high[k] = std::max(high[k], across);
+      if (-across > ends[0][k].across) ends[0][k] = {-across, p.sure};
+      if (across > ends[1][k].across) ends[1][k] = {across, p.sure};
     }
-    Sides sides;
+    std::array<Side, 2> sides;
     // the ends of a side are rounded by its neighbours
     const int margin = bins / 12;
-    for (int k = margin; k < bins - margin; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      if (low[i] == kNone) continue;
-      sides.along.push_back(first + (k + 0.5) / scale);
-      sides.low.push_back(low[i]);
-      sides.high.push_back(high[i]);
-    }
+    for (std::size_t end = 0; end < 2; ++end)
+      for (const bool sure : {true, false}) {
+        for (int k = margin; k < bins - margin; ++k) {
+          const End& e = ends[end][static_cast<std::size_t>(k)];
+          if (e.across == kNone || e.sure != sure) continue;
+          sides[end].along.push_back(first + (k + 0.5) / scale);
+          sides[end].across.push_back(e.across);
+        }
+        if (sure) sides[end].sure = sides[end].along.size();
+      }
     return sides;
   }
 
-  /// Slope of a side from the medians of its two halves' differences; robust against corners and notches.
-  static double slope(const std::vector<double>& along, const std::vector<double>& across) {
-    const std::size_t half = along.size() / 2;
+  /// Where a side is. Lines that run out into nothing do not tell; without better ones, most of them fall short.
+  static double place(Side& side) {
+    if (5 * side.sure >= side.across.size() && side.sure >= 4) {
+      side.across.resize(side.sure);
+      return quantile(side.across, 0.5);
+    }
+    return quantile(side.across, 0.75);
+  }
+
+  /// Slope of a side as the median over pairs of lines half of its length apart; robust against corners and notches.
+  static double slope(const Side& side) {
+    const std::size_t n = 5 * side.sure >= side.across.size() ? side.sure : side.across.size(), half = n / 2;
     if (half < 4) return 0.0;
     std::vector<double> slopes(half);
     for (std::size_t i = 0; i < half; ++i)
-      slopes[i] = (across[i + half] - across[i]) / (along[i + half] - along[i]);
-    return median(slopes);
+      slopes[i] = (side.across[i + half] - side.across[i]) / (side.along[i + half] - side.along[i]);
+    return quantile(slopes, 0.5);
   }
 
   [[nodiscard]] Frame trimmed(const Frame& outer, const std::vector<FlatPoint>& points) const {
@@ -172,12 +206,13 @@ class FaceCover {
     // sides turn the rectangle by how long they are: a corner that sticks out decides where the hull's edge lies
     double turn = 0, weight = 0;
     for (const bool along_u : {true, false}) {
-      Sides sides = outermost(outer, points, along_u);
       const double length = along_u ? outer.width() : outer.height();
       const double other = along_u ? outer.height() : outer.width();
       if (length < 0.3 * other) continue;
-      for (const auto* side : {&sides.low, &sides.high}) {
-        const double m = slope(sides.along, *side);
+      const auto sides = outermost(outer, points, along_u);
+      for (std::size_t end = 0; end < 2; ++end) {
+        // v grows to the left of u, u to the right of v
+        const double m = slope(sides[end]) * (end == 0 ? -1 : 1) * (along_u ? 1 : -1);
         if (std::abs(m) > kMostTurn) continue;
         turn += m * length * length;
         weight += length * length;
@@ -194,13 +229,13 @@ class FaceCover {
       f.low_u = std::min(f.low_u, a), f.high_u = std::max(f.high_u, a);
       f.low_v = std::min(f.low_v, b), f.high_v = std::max(f.high_v, b);
     }
-    Sides across_u = outermost(f, points, true), across_v = outermost(f, points, false);
-    if (across_u.low.empty() || across_v.low.empty()) return f;
+    auto across_u = outermost(f, points, true), across_v = outermost(f, points, false);
+    if (across_u[0].across.empty() || across_v[0].across.empty()) return f;
     // a pixel's value stands for its middle
     const double half_u = 0.5 * std::max(std::abs(f.u.dot(step_u_)), std::abs(f.u.dot(step_v_)));
     const double half_v = 0.5 * std::max(std::abs(v.dot(step_u_)), std::abs(v.dot(step_v_)));
-    f.low_v = median(across_u.low) - half_v, f.high_v = median(across_u.high) + half_v;
-    f.high_u = -median(across_v.low) + half_u, f.low_u = -median(across_v.high) - half_u;
+    f.low_v = -place(across_u[0]) - half_v, f.high_v = place(across_u[1]) + half_v;
+    f.low_u = -place(across_v[0]) - half_u, f.high_u = place(across_v[1]) + half_u;
     return f;
   }
 

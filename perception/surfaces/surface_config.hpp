@@ -18,7 +18,7 @@ struct SurfaceConfig {
   double cylinder_max_radius_m = 0.15;
   double cylinder_min_arc_deg = 90.0;
   double cylinder_max_misfit = 1.5;
-  double cylinder_advantage = 0.85;
+  double cylinder_advantage = 0.95;
 
   template <class Visitor>
   void visit(Visitor& v) {

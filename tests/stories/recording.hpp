@@ -53,7 +53,7 @@ struct Recording {
   }
 };
 
-inline Vec3 vec(const nlohmann::json& j) { return {j[0], j[1], j[2]}; }
+inline Vec3 vec(const nlohmann::json& j) { return Vec3(j[0].get<double>(), j[1].get<double>(), j[2].get<double>()); }
 
 inline double angle_deg(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / M_PI;

@@ -19,7 +19,7 @@ bool Labels::place(const Px& anchor, const std::string& words, const TextStyle& 
   constexpr std::array<std::array<double, 2>, 8> kSides{
       {{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {0.7, -0.7}, {-0.7, -0.7}, {0.7, 0.7}, {-0.7, 0.7}}};
   const std::array<double, 5> reach{clearance, clearance + 14, clearance + 34, clearance + 64, clearance + 110};
-  const std::size_t tries = must ? reach.size() : 2;
+  const std::size_t tries = must ? reach.size() : 3;
   for (std::size_t r = 0; r < tries; ++r)
     for (const auto& [sx, sy] : kSides) {
       const Px middle = anchor + Px(sx * (reach[r] + width / 2), sy * (reach[r] + height / 2));

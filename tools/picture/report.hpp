@@ -20,13 +20,13 @@ struct ReportPicture {
 /// A row of the decision table.
 struct ReportCandidate {
   int id = 0;
-  std::string kind;              ///< "ega5", "edge", "wrap".
+  std::string kind = {};         ///< "ega5", "edge", "wrap".
   planner::Verdict verdict = planner::Verdict::Ok;
-  std::optional<double> share;   ///< The robot's part of the load, 0 to 1.
-  std::optional<double> cost;
-  std::optional<double> stability;
+  std::optional<double> share = std::nullopt;  ///< The robot's part of the load, 0 to 1.
+  std::optional<double> cost = std::nullopt;
+  std::optional<double> stability = std::nullopt;
   double width_m = 0.0;
-  std::string because;
+  std::string because = {};
 };
 
 struct ReportTime {

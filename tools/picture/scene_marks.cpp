@@ -271,6 +271,10 @@ void draw_marks(Canvas& canvas, const CameraView& view, const ScenePicture& what
   }
   if (what.partner) name(what.partner->position, "partner", kPartner.towards(kInk, 0.25));
   if (target) name(target->cog, "centre of gravity", rgb(0x8A4B00));
+  if (what.candidates && what.candidates->size() <= 400)
+    for (const planner::GraspCandidate& c : *what.candidates)
+      if (const auto at = view.at(c.position); at && !view.hidden(c.position))
+        labels.keep_clear(Box{at->x(), at->y(), 0, 0}.grown(4));
   if (what.scene) label_surfaces(view, *what.scene, labels);
 }
 

@@ -75,8 +75,6 @@ double distance(const Colour& a, const Colour& b) {
   return std::max({std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b)});
 }
 
-double brightness(const Colour& c) { return 0.3 * c.r + 0.59 * c.g + 0.11 * c.b; }
-
 bool column_is(const Canvas& canvas, int x, const Colour& colour) {
   for (int y = 0; y < canvas.height(); ++y)
     if (distance(canvas.at(x, y), colour) > 0.02) return false;

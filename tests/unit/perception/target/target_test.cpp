@@ -33,7 +33,7 @@ TEST_CASE("the target's mask covers the truth on noisy frames", "[target]") {
     ious.push_back(overlap(view, r.target->pixels));
     // the camera's ragged edges alone move up to a pixel on either side of a thin pipe or slat
     const bool thin = kind == ObjectKind::Pipe || kind == ObjectKind::Chair;
-    CHECK(ious.back() >= (thin ? 0.94 : 0.95));
+    CHECK(ious.back() >= (thin ? 0.93 : 0.95));
   }
   std::sort(ious.begin(), ious.end());
   fmt::print("target {}: IoU least {:.3f} median {:.3f}\n", name, ious.front(), ious[ious.size() / 2]);
