@@ -1,14 +1,21 @@
 #include "perception/components.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstring>
 
 namespace colift::perception {
 namespace {
 
-struct Run {
-  int row, first, last;  // pixels first..last of a row, without a jump in between
-};
+using Run = Components::Run;
+
+// first place of a byte in row[from..to), `to` if there is none
+int find(const std::uint8_t* row, int from, int to, std::uint8_t byte) {
+  if (from >= to) return to;
+  const void* at = std::memchr(row + from, byte, static_cast<std::size_t>(to - from));
+  return at ? static_cast<int>(static_cast<const std::uint8_t*>(at) - row) : to;
+}
 
 std::int32_t root(std::vector<std::int32_t>& parent, std::int32_t i) {
   while (parent[static_cast<std::size_t>(i)] != i) {
@@ -36,22 +43,26 @@ Components connected_components(const std::vector<float>& depth_m, const std::ve
   runs.reserve(8192);
   parent.reserve(8192);
 
+  std::vector<std::uint8_t> links(static_cast<std::size_t>(width));
+  std::uint8_t* together = links.data();
+  const float base = jump.base_m, growth = jump.growth_per_m;
   std::size_t above_begin = 0, above_end = 0;  // the runs of the row above
   for (int row = 0; row < height; ++row) {
     const std::size_t offset = static_cast<std::size_t>(row) * static_cast<std::size_t>(width);
     const std::uint8_t* m = mask.data() + offset;
     const float* d = depth_m.data() + offset;
     const std::size_t begin = runs.size();
-    for (int u = 0; u < width;) {
-      if (!m[u]) {
-        ++u;
-        continue;
-      }
-      int last = u;
-      while (last + 1 < width && m[last + 1] && jump.same_surface(d[last], d[last + 1])) ++last;
+    // where a pixel and its right neighbour hang together, in a loop without branches
+    for (int u = 0; u + 1 < width; ++u) {
+      const float near = d[u] < d[u + 1] ? d[u] : d[u + 1];
+      const std::uint8_t same = std::abs(d[u] - d[u + 1]) <= base + growth * near * near ? 1 : 0;
+      together[u] = static_cast<std::uint8_t>(same & m[u] & m[u + 1]);
+    }
+    for (int u = find(m, 0, width, 1); u < width;) {
+      const int last = find(together, u, width - 1, 0);
       parent.push_back(static_cast<std::int32_t>(runs.size()));
-      runs.push_back({row, u, last});
-      u = last + 1;
+      runs.push_back({row, u, last, Components::kNone});
+      u = find(m, last + 1, width, 1);
     }
     // join with the runs above that overlap by a pixel or a corner and meet at equal depth somewhere
     const float* d_above = d - width;
@@ -82,12 +93,13 @@ Components connected_components(const std::vector<float>& depth_m, const std::ve
       number[top] = static_cast<std::int32_t>(result.pixels.size());
       result.pixels.push_back(0);
     }
-    const std::int32_t n = number[top];
+    const std::int32_t n = runs[r].label = number[top];
     const std::size_t offset = static_cast<std::size_t>(runs[r].row) * static_cast<std::size_t>(width);
     std::fill(result.label.begin() + static_cast<std::ptrdiff_t>(offset + static_cast<std::size_t>(runs[r].first)),
               result.label.begin() + static_cast<std::ptrdiff_t>(offset + static_cast<std::size_t>(runs[r].last) + 1), n);
     result.pixels[static_cast<std::size_t>(n)] += static_cast<std::uint32_t>(runs[r].last - runs[r].first + 1);
   }
+  result.runs = std::move(runs);
   return result;
 }
 

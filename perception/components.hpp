@@ -7,6 +7,12 @@ namespace colift::perception {
 
 /// Connected regions of a masked depth image.
 struct Components {
+  /// Pixels first..last of a row, all of one region; row by row, from left to right.
+  struct Run {
+    int row, first, last;
+    std::int32_t label;
+  };
+  std::vector<Run> runs;
   std::vector<std::int32_t> label;      ///< Per pixel: region, or kNone outside the mask.
   std::vector<std::uint32_t> pixels;    ///< Number of pixels of each region.
   static constexpr std::int32_t kNone = -1;

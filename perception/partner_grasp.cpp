@@ -16,10 +16,6 @@ using hal::failure;
 
 // A depth step to what is behind that makes an object's pixel part of its outline (m).
 constexpr float kRimStep = 0.04F;
-// A patch on a convex edge of a box lies off the mean of its neighbours by 0.3 of their radius, one on a face
-// not at all.
-constexpr float kCreaseRadius = 0.04F;
-constexpr float kCreaseOffset = 0.18F;
 // Distances of bodies are read from a histogram of such bins, once this area is as near: single pixels say
 // nothing.
 constexpr double kBin_m = 0.005;
@@ -30,59 +26,6 @@ constexpr int kMostHands = 4;
 constexpr int kBeside_px = 8;
 // Skin on the object that is interrupted by less than about this belongs to one hand.
 constexpr double kHandCell_m = 0.04;
-
-// The outline within this distance of a contact tells how the object's edge runs there (m).
-constexpr double kRimRadius_m = 0.08;
-constexpr int kFewestRimPoints = 10;
-// An edge whose points spread wider than this (standard deviation) is not one edge but the two sides of a bar
-// (m).
-constexpr double kWidestRim_m = 0.018;
-
-struct Line {
-  Vec3 middle, direction;
-  double length = 0.0, width = 0.0;  ///< Standard deviations along the line and across it (m).
-  bool found = false;
-};
-
-// Straight line through the points within a radius of a place.
-Line line_near(const std::vector<Eigen::Vector3f>& points, const Vec3& place, double radius_m) {
-  Vec3 sum = Vec3::Zero();
-  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-  int n = 0;
-  const Eigen::Vector3f at = place.cast<float>();
-  const auto radius_squared = static_cast<float>(radius_m * radius_m);
-  for (const auto& p : points) {
-    if ((p - at).squaredNorm() > radius_squared) continue;
-    const Vec3 e = (p - at).cast<double>();
-    sum += e;
-    squares += e * e.transpose();
-    ++n;
-  }
-  Line line;
-  if (n < kFewestRimPoints) return line;
-  const Vec3 mean = sum / n;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(squares / n - mean * mean.transpose());
-  line.middle = place + mean;
-  line.direction = solver.eigenvectors().col(2);
-  line.length = std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
-  line.width = std::sqrt(std::max(0.0, solver.eigenvalues()[1]));
-  line.found = true;
-  return line;
-}
-
-// Middle of the extent of points along a direction, from `origin` (m). The extent, not the mean: the side of
-// the hand that faces the camera has more pixels, but not more hand.
-double middle_along(const std::vector<Vec3>& points, const Vec3& direction, const Vec3& origin) {
-  std::vector<double> along;
-  along.reserve(points.size());
-  for (const Vec3& p : points) along.push_back(direction.dot(p - origin));
-  const auto cut = static_cast<std::ptrdiff_t>(along.size() / 50);
-  std::nth_element(along.begin(), along.begin() + cut, along.end());
-  const double low = along[static_cast<std::size_t>(cut)];
-  std::nth_element(along.begin(), along.end() - 1 - cut, along.end());
-  return 0.5 * (low + along[along.size() - 1 - static_cast<std::size_t>(cut)]);
-}
 
 // Pixels in which the object, grown by the reach, can appear.
 PixelWindow window_around(const std::vector<Eigen::Vector3f>& points, double reach_m,
@@ -176,26 +119,6 @@ void PartnerFinder::find_rim(const ReferenceImage& reference) {
     };
     if (open(-2, 0) || open(2, 0) || open(0, -2) || open(0, 2))
       rim_.emplace_back(cloud.x[i], cloud.y[i], cloud.z[i]);
-  }
-
-  std::vector<Eigen::Vector3f> patches = grid_.patches();
-  const auto lower = [](const Eigen::Vector3f& a, const Eigen::Vector3f& b) { return a.x() < b.x(); };
-  std::sort(patches.begin(), patches.end(), lower);
-  const Eigen::Vector3f eye = X_WC_.translation().cast<float>();
-  std::size_t first = 0;
-  for (const Eigen::Vector3f& p : patches) {
-    while (patches[first].x() < p.x() - kCreaseRadius) ++first;
-    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-    int n = 0;
-    for (std::size_t i = first; i < patches.size() && patches[i].x() < p.x() + kCreaseRadius; ++i) {
-      if ((patches[i] - p).squaredNorm() > kCreaseRadius * kCreaseRadius) continue;
-      sum += patches[i] - p;
-      ++n;
-    }
-    const Eigen::Vector3f inwards = sum / static_cast<float>(n);
-    if (n < kFewestRimPoints || inwards.norm() < kCreaseOffset * kCreaseRadius) continue;
-    if (inwards.dot(p - eye) < 0.5F * inwards.norm() * (p - eye).norm()) continue;
-    rim_.push_back(p);
   }
 }
 
@@ -342,59 +265,22 @@ void PartnerFinder::separate_hands() {
   }
 }
 
-// The contact of one hand, or nothing when too little of it is near. See docs/decisions/0003 for where the
-// bias of a plain mean comes from and what each step takes away.
-std::optional<PartnerContact> PartnerFinder::contact(int hand) const {
+// The contact of one hand, or nothing when too little of it is near.
+std::optional<PartnerContact> PartnerFinder::contact(int hand) {
   const auto& patches = grid_.patches();
   double area = 0.0, touching = 0.0, depth = 0.0;
-  Vec3 on_object = Vec3::Zero(), skin_middle = Vec3::Zero();
-  std::vector<Vec3> flesh;
-  flesh.reserve(2000);
+  hand_.clear();
   for (const Skin& s : skin_) {
     if (s.hand != hand) continue;
     area += s.area_m2;
     depth += s.area_m2 * s.depth_m;
     if (s.distance_m <= touch_gap(s.depth_m)) touching += s.area_m2;
-    on_object += s.area_m2 * patches[static_cast<std::size_t>(s.patch)].cast<double>();
-    // only the camera's side of a finger is seen; its middle lies behind
-    const Vec3 p = s.point.cast<double>();
-    skin_middle += s.area_m2 * p;
-    flesh.push_back(p + config_.finger_radius_m * (p - X_WC_.translation()).normalized());
+    hand_.push_back({s.point, patches[static_cast<std::size_t>(s.patch)], s.area_m2});
   }
   if (area < config_.smallest_touch_m2 || touching < kFingertip_m2) return std::nullopt;
-  on_object /= area;
-  skin_middle /= area;
-  depth /= area;
-
-  PartnerContact contact;
-  contact.points = flesh.size();
-  const auto on_surface = [&](const Vec3& p) {
-    const std::int32_t patch =
-        grid_.nearest(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()));
-    return patch == ObjectGrid::kNone ? on_object
-                                      : Vec3(patches[static_cast<std::size_t>(patch)].cast<double>());
-  };
-  const double sigma = noise_.sigma(depth);
-  const double cross = std::hypot(config_.cross_sigma_m, sigma),
-               along = std::hypot(config_.along_sigma_m, sigma);
-  Line rim = line_near(rim_, on_object, kRimRadius_m);
-  const bool bar = !rim.found || rim.width > kWidestRim_m;
-  if (bar) {
-    // no single edge: a bar with an outline on both sides, whose direction only a longer piece shows, or a
-    // bare face
-    rim = line_near(rim_, on_object, 2.0 * kRimRadius_m);
-    if (!rim.found || rim.length < 1.3 * rim.width) {
-      contact.position = on_surface(skin_middle);
-      contact.covariance = (along * along + 2.0 * cross * cross) * Eigen::Matrix3d::Identity();
-      return contact;
-    }
-  }
-  const Vec3 across = bar ? on_surface(skin_middle) : rim.middle;
-  contact.position = across + middle_along(flesh, rim.direction, across) * rim.direction;
-  contact.covariance = (bar ? 2.0 : 1.0) * cross * cross * Eigen::Matrix3d::Identity();
-  contact.covariance +=
-      (along * along - contact.covariance(0, 0)) * rim.direction * rim.direction.transpose();
-  return contact;
+  const ContactEstimate found = estimate_contact(
+      hand_, {patches, rim_, X_WC_.translation().cast<float>()}, noise_.sigma(depth / area));
+  return PartnerContact{found.position, found.covariance, hand_.size()};
 }
 
 hal::Result<PartnerSighting> PartnerFinder::find(const OrganisedCloud& current) {

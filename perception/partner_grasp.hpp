@@ -11,6 +11,7 @@
 #include "perception/noise_model.hpp"
 #include "perception/object_grid.hpp"
 #include "perception/organised_cloud.hpp"
+#include "perception/partner_contact.hpp"
 #include "perception/reference_image.hpp"
 #include "perception/scene.hpp"
 
@@ -123,7 +124,7 @@ class PartnerFinder {
   void separate_hands();
   [[nodiscard]] float touch_gap(float depth_m) const;
   [[nodiscard]] float hand_gap(float depth_m) const;
-  [[nodiscard]] std::optional<PartnerContact> contact(int hand) const;
+  [[nodiscard]] std::optional<PartnerContact> contact(int hand);
   void number_patch_cells();
   void find_rim(const ReferenceImage& reference);
 
@@ -141,6 +142,7 @@ class PartnerFinder {
 
   // buffers of find(), kept between frames
   std::vector<Skin> skin_;
+  std::vector<HandPoint> hand_;
   std::vector<std::uint8_t> chosen_;         ///< By component: 1 when it is part of a body.
   std::vector<std::int32_t> cell_of_patch_;  ///< Coarse cell in which a patch lies.
   std::array<int, 3> cells_{};               ///< Coarse cells along x, y, z.

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -35,37 +34,67 @@ std::vector<std::uint8_t> raised_pixels(const OrganisedCloud& cloud, const Groun
   const float k0 = static_cast<float>(c.clearance_sigma * noise.sigma0_m);
   const float k2 = static_cast<float>(c.clearance_sigma * noise.sigma2_per_m);
   std::vector<std::uint8_t> mask(cloud.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const float d = cloud.depth_m[i];
-    const float h = n.x() * cloud.x[i] + n.y() * cloud.y[i] + n.z() * cloud.z[i] + offset;
+  // plain pointers: a byte that is written may alias anything but them, and the loop would not be vectorised
+  const float *depth = cloud.depth_m.data(), *px = cloud.x.data(), *py = cloud.y.data(), *pz = cloud.z.data();
+  const float nx = n.x(), ny = n.y(), nz = n.z();
+  std::uint8_t* out = mask.data();
+  const std::size_t size = cloud.size();
+  for (std::size_t i = 0; i < size; ++i) {
+    const float d = depth[i];
+    const float h = nx * px[i] + ny * py[i] + nz * pz[i] + offset;
     // depth noise enters the height by the slope of the ray, at most one
-    const float reach = (k0 + k2 * d * d) * std::min(1.0f, eye_height / d);
-    mask[i] = h > base + reach ? 1 : 0;
+    const float slope = eye_height / d;
+    const float reach = (k0 + k2 * d * d) * (slope < 1.0f ? slope : 1.0f);
+    out[i] = h > base + reach ? 1 : 0;
   }
   return mask;
+}
+
+// 1 where pixels a[i] and b[i] are both in the mask and on one surface
+void link(const float* a, const float* b, const std::uint8_t* in_a, const std::uint8_t* in_b, const DepthJump& jump,
+          int count, std::uint8_t* out) {
+  const float base = jump.base_m, growth = jump.growth_per_m;
+  for (int i = 0; i < count; ++i) {
+    const float near = a[i] < b[i] ? a[i] : b[i];
+    const std::uint8_t same = std::abs(a[i] - b[i]) <= base + growth * near * near ? 1 : 0;
+    out[i] = static_cast<std::uint8_t>(same & in_a[i] & in_b[i]);
+  }
 }
 
 // takes away pixels with few neighbours at their own depth: flying pixels between an edge and its background, speckle
 void clear_flying_pixels(const OrganisedCloud& cloud, const DepthJump& jump, int min_neighbours,
                          std::vector<std::uint8_t>& mask) {
   const int w = cloud.width(), h = cloud.height();
-  const std::vector<std::uint8_t> before = mask;
-  const float* depth = cloud.depth_m.data();
-  // the four direct neighbours first: inside a surface three of them settle it
-  const std::array<std::pair<int, int>, 8> around{{{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}}};
+  const std::size_t stride = static_cast<std::size_t>(w);
+  // Links between a row and the one below, one column of margin on both sides: straight down, down right, down left.
+  // Each serves both of its rows; `above` is the row before.
+  using Row = std::vector<std::uint8_t>;
+  Row down(stride + 2), right_down(stride + 2), left_down(stride + 2), beside(stride + 2);
+  Row down_above = down, right_down_above = down, left_down_above = down;
+  Row before(stride);
   for (int v = 0; v < h; ++v) {
-    for (int u = 0; u < w; ++u) {
-      const int i = v * w + u;
-      if (!before[static_cast<std::size_t>(i)]) continue;
-      int missing = min_neighbours;
-      for (const auto& [du, dv] : around) {
-        if (missing == 0) break;
-        if (u + du < 0 || u + du >= w || v + dv < 0 || v + dv >= h) continue;
-        const int k = i + dv * w + du;
-        missing -= before[static_cast<std::size_t>(k)] && jump.same_surface(depth[i], depth[k]);
-      }
-      if (missing > 0) mask[static_cast<std::size_t>(i)] = 0;
+    const float* d = cloud.depth_m.data() + static_cast<std::size_t>(v) * stride;
+    std::uint8_t* m = mask.data() + static_cast<std::size_t>(v) * stride;
+    std::copy_n(m, w, before.begin());
+    const std::uint8_t* b = before.data();
+    link(d, d + 1, b, b + 1, jump, w - 1, beside.data() + 1);
+    if (v + 1 < h) {
+      const std::uint8_t* next = m + stride;
+      link(d, d + stride, b, next, jump, w, down.data() + 1);
+      link(d, d + stride + 1, b, next + 1, jump, w - 1, right_down.data() + 1);
+      link(d + 1, d + stride, b + 1, next, jump, w - 1, left_down.data() + 2);
+    } else {
+      for (Row* row : {&down, &right_down, &left_down}) std::fill(row->begin(), row->end(), std::uint8_t{0});
     }
+    const std::uint8_t *s = beside.data(), *n = down.data(), *se = right_down.data(), *sw = left_down.data(),
+                       *na = down_above.data(), *nw = right_down_above.data(), *ne = left_down_above.data();
+    for (int u = 0; u < w; ++u) {
+      const int neighbours = s[u] + s[u + 1] + n[u + 1] + se[u + 1] + sw[u + 1] + na[u + 1] + nw[u] + ne[u + 2];
+      m[u] = static_cast<std::uint8_t>(b[u] & (neighbours >= min_neighbours ? 1 : 0));
+    }
+    down.swap(down_above);
+    right_down.swap(right_down_above);
+    left_down.swap(left_down_above);
   }
 }
 
@@ -116,12 +145,12 @@ Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Compone
                    const std::vector<std::uint8_t>& on_wall) {
   Target t;
   t.pixels.reserve(f.pixels);
-  for (int v = f.v_min; v <= f.v_max; ++v) {
-    for (int u = f.u_min; u <= f.u_max; ++u) {
-      const std::size_t i = static_cast<std::size_t>(v) * static_cast<std::size_t>(cloud.width()) + static_cast<std::size_t>(u);
-      if (components.label[i] == Components::kNone) continue;
-      if (std::binary_search(f.labels.begin(), f.labels.end(), components.label[i])) t.pixels.push_back(static_cast<std::uint32_t>(i));
-    }
+  std::vector<std::uint8_t> own_label(components.pixels.size(), 0);
+  for (const std::int32_t l : f.labels) own_label[static_cast<std::size_t>(l)] = 1;
+  for (const Components::Run& run : components.runs) {
+    if (!own_label[static_cast<std::size_t>(run.label)]) continue;
+    const std::uint32_t row = static_cast<std::uint32_t>(run.row) * static_cast<std::uint32_t>(cloud.width());
+    for (int u = run.first; u <= run.last; ++u) t.pixels.push_back(row + static_cast<std::uint32_t>(u));
   }
   const std::vector<std::uint32_t> inside = enclosed_pixels(cloud, ground, t.pixels, on_wall);
   const auto own = static_cast<std::ptrdiff_t>(t.pixels.size());
@@ -130,7 +159,9 @@ Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Compone
 
   t.points.reserve(t.pixels.size());
   for (const std::uint32_t i : t.pixels) t.points.emplace_back(cloud.x[i], cloud.y[i], cloud.z[i]);
-  for (const auto& p : t.points) t.aabb.extend(p.cast<double>());
+  Eigen::AlignedBox3f box;
+  for (const auto& p : t.points) box.extend(p);
+  t.aabb = Aabb(box.min().cast<double>(), box.max().cast<double>());
   t.obb = box_on_plane(t.points, ground.plane, BoxTrim{});
   t.shape = t.obb;
   t.cog = t.obb.center;
@@ -139,13 +170,11 @@ Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Compone
 
 double distance(const Fragment& f, const OrganisedCloud& cloud, const Components& components, const Vec3& p) {
   double best = std::numeric_limits<double>::infinity();
-  for (int v = f.v_min; v <= f.v_max; ++v) {
-    for (int u = f.u_min; u <= f.u_max; ++u) {
-      const std::size_t i = static_cast<std::size_t>(v) * static_cast<std::size_t>(cloud.width()) + static_cast<std::size_t>(u);
-      if (components.label[i] == Components::kNone) continue;
-      if (!std::binary_search(f.labels.begin(), f.labels.end(), components.label[i])) continue;
-      best = std::min(best, (cloud.point(i) - p).squaredNorm());
-    }
+  for (const Components::Run& run : components.runs) {
+    if (!std::binary_search(f.labels.begin(), f.labels.end(), run.label)) continue;
+    const std::size_t row = static_cast<std::size_t>(run.row) * static_cast<std::size_t>(cloud.width());
+    for (int u = run.first; u <= run.last; ++u)
+      best = std::min(best, (cloud.point(row + static_cast<std::size_t>(u)) - p).squaredNorm());
   }
   return std::sqrt(best);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "perception/plane_vote.hpp"
@@ -112,19 +113,36 @@ std::size_t clear_walls(const OrganisedCloud& cloud, const std::vector<Wall>& wa
     slabs.push_back({w.plane.normal.cast<float>(), w.along.cast<float>(), static_cast<float>(w.plane.offset),
                      static_cast<float>(w.from_m), static_cast<float>(w.to_m)});
   }
+  if (slabs.empty()) return 0;
   std::size_t cleared = 0;
-  for (std::size_t i = 0; i < cloud.size() && !slabs.empty(); ++i) {
-    if (!mask[i]) continue;
-    const Eigen::Vector3f p(cloud.x[i], cloud.y[i], cloud.z[i]);
-    const float reach = sigma0 + sigma2 * cloud.depth_m[i] * cloud.depth_m[i];
+  const std::size_t w = static_cast<std::size_t>(cloud.width());
+  std::vector<std::int32_t> row_hit(w);
+  std::int32_t* hit = row_hit.data();
+  for (std::size_t row = 0; row < cloud.size(); row += w) {
+    const float *d = cloud.depth_m.data() + row, *x = cloud.x.data() + row, *y = cloud.y.data() + row,
+                *z = cloud.z.data() + row;
+    std::uint8_t* m = mask.data() + row;
+    if (!std::memchr(m, 1, w)) continue;
+    std::fill(row_hit.begin(), row_hit.end(), 0);
     for (const Slab& s : slabs) {
-      if (std::abs(s.normal.dot(p) + s.offset) > reach) continue;
-      const float x = s.along.dot(p);
-      if (x < s.from || x > s.to) continue;
-      mask[i] = 0;
-      ++cleared;
-      break;
+      const float nx = s.normal.x(), ny = s.normal.y(), nz = s.normal.z(), ax = s.along.x(), ay = s.along.y(),
+                  az = s.along.z(), offset = s.offset, from = s.from, to = s.to;
+      // every condition is evaluated, so that the loop has no branches
+      for (std::size_t u = 0; u < w; ++u) {
+        const float away = std::abs(nx * x[u] + ny * y[u] + nz * z[u] + offset);
+        const float along = ax * x[u] + ay * y[u] + az * z[u];
+        const std::int32_t near = away <= sigma0 + sigma2 * d[u] * d[u] ? 1 : 0;
+        const std::int32_t begun = along >= from ? 1 : 0, not_over = along <= to ? 1 : 0;
+        hit[u] |= near & begun & not_over;
+      }
     }
+    std::int32_t here = 0;
+    for (std::size_t u = 0; u < w; ++u) {
+      const std::int32_t clear = hit[u] & m[u];
+      here += clear;
+      m[u] = static_cast<std::uint8_t>(m[u] - clear);
+    }
+    cleared += static_cast<std::size_t>(here);
   }
   return cleared;
 }

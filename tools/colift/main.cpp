@@ -3,6 +3,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -44,6 +45,7 @@ int run(int argc, char** argv) {
   app.failure_message(CLI::FailureMessage::help);
 
   CommonOptions common;
+  for (int i = 0; i < argc; ++i) common.command += (i ? " " : "") + std::string(argv[i]);
   LookOptions look;
   colift::tools::DecideOptions decide;
   std::string problem;
@@ -74,7 +76,13 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& e) {
     return app.exit(e);  // --help, --version
   } catch (const CLI::ParseError& e) {
-    std::fprintf(stderr, "colift: %s; see colift --help\n", e.what());
+    const std::string first = argc > 1 ? argv[1] : "-";
+    const auto commands = app.get_subcommands({});
+    const bool known = std::any_of(commands.begin(), commands.end(), [&](const CLI::App* c) { return c->get_name() == first; });
+    if (first[0] != '-' && !known)
+      std::fprintf(stderr, "colift: \"%s\" is no command; there are look, decide, rank and check; see colift --help\n", first.c_str());
+    else
+      std::fprintf(stderr, "colift: %s; see colift --help\n", e.what());
     return colift::tools::kBadInput;
   }
   if (look_command->parsed()) return colift::tools::cmd_look(common, look);

@@ -16,6 +16,7 @@ struct CommonOptions {
   std::vector<std::string> settings;
   bool json = false;
   bool quiet = false;
+  std::string command;  ///< The whole command line, for the report.
 };
 
 /// What `look` and `decide` take. Texts are as typed; they are parsed where they are used, with their option's name.

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "tools/colift/words.hpp"
+#include "hal/config/config_file.hpp"
+#include "tools/picture/report.hpp"
 #include "tools/picture/scene_picture.hpp"
 
 namespace colift::tools {
@@ -35,6 +37,43 @@ picture::ScenePicture picture_of(const Seen& seen, const control::Outcome* outco
   return p;
 }
 
+picture::Report report_of(const Seen& seen, const control::Outcome* outcome, const CommonOptions& common,
+                          const picture::ScenePicture& picture) {
+  const control::Look& l = seen.look;
+  picture::Report r;
+  r.title = picture.title;
+  r.summary.push_back(picture.because);
+  r.notes = picture.notes;
+  r.pictures.push_back({picture::scene_picture_png(picture), "What was seen in the frame and what was decided."});
+  const auto& candidates = outcome ? outcome->candidates : l.candidates;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const auto& c = candidates[i];
+    picture::ReportCandidate row{c.id, planner::name_of(c.kind), c.verdict, {}, {}, c.stability, c.width, c.because};
+    if (outcome && i < outcome->decision.scores.size() && outcome->decision.scores[i]) {
+      row.share = outcome->decision.scores[i]->share;
+      row.cost = outcome->decision.scores[i]->cost;
+    }
+    r.candidates.push_back(std::move(row));
+  }
+  for (const auto& s : l.scene.surfaces) r.surfaces.push_back(surface_line(s));
+  r.timing = {{"ground", l.ms.ground}, {"target", l.ms.target}, {"surfaces", l.ms.surfaces}, {"candidates", l.ms.candidates}};
+  if (outcome) {
+    r.timing.push_back({"partner", outcome->partner_ms});
+    r.timing.push_back({"decision", outcome->decision_ms});
+  }
+  r.facts = picture.figures;
+  r.facts.emplace_back("points seen", fmt::format("{} of {}", seen.file.valid_points, seen.file.points));
+  r.command = common.command;
+
+  control::Config config;
+  hal::FieldTable table = hal::table_of(config);
+  if (hal::apply_command_line(table, common.config_files, common.settings)) {
+    for (const auto& field : table.fields())
+      if (field.origin != hal::kDefaultOrigin) r.config.emplace_back(field.path, field.origin);
+  }
+  return r;
+}
+
 }  // namespace
 
 hal::Result<> show(const Seen& seen, const control::Outcome* outcome, const LookOptions& options,
@@ -45,6 +84,10 @@ hal::Result<> show(const Seen& seen, const control::Outcome* outcome, const Look
   if (options.png) {
     if (auto written = picture::write_scene_picture(*options.png, picture); !written) return written;
     if (!common.quiet) fmt::print(stderr, "picture: {}\n", options.png->string());
+  }
+  if (options.report) {
+    if (auto written = picture::write_report(*options.report, report_of(seen, outcome, common, picture)); !written) return written;
+    if (!common.quiet) fmt::print(stderr, "report: {}\n", options.report->string());
   }
   return {};
 }

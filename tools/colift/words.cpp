@@ -10,16 +10,6 @@ namespace {
 
 std::string point(const hal::Vec3& p) { return fmt::format("({:.3f}, {:.3f}, {:.3f})", p.x(), p.y(), p.z()); }
 
-std::string surface_line(std::size_t i, const perception::Surface& s) {
-  if (const auto* r = std::get_if<perception::Rectangle>(&s)) {
-    return fmt::format("  {:2}  rectangle {:5.1f} x {:5.1f} cm  at {}  facing {}  {:3.0f} % filled\n", i, 100 * r->size.x(),
-                       100 * r->size.y(), point(r->center), point(r->normal), 100 * r->fill);
-  }
-  const auto& c = std::get<perception::Cylinder>(s);
-  return fmt::format("  {:2}  cylinder  radius {:.1f} cm, length {:.1f} cm  at {}  along {}\n", i, 100 * c.radius,
-                     100 * c.length, point(c.center), point(c.axis));
-}
-
 }  // namespace
 
 const char* word(planner::Verdict verdict) {
@@ -51,6 +41,15 @@ const char* word(perception::RejectedObject::Kind kind) {
   return "?";
 }
 
+std::string surface_line(const perception::Surface& s) {
+  if (const auto* r = std::get_if<perception::Rectangle>(&s)) {
+    return fmt::format("rectangle {:5.1f} x {:5.1f} cm  at {}  facing {}  {:3.0f} % filled", 100 * r->size.x(), 100 * r->size.y(),
+                       point(r->center), point(r->normal), 100 * r->fill);
+  }
+  const auto& c = std::get<perception::Cylinder>(s);
+  return fmt::format("cylinder  radius {:.1f} cm, length {:.1f} cm  at {}  along {}", 100 * c.radius, 100 * c.length, point(c.center), point(c.axis));
+}
+
 std::string look_text(const Seen& seen) {
   const control::Look& l = seen.look;
   std::string text = fmt::format("{} of {} points seen; {}\n", seen.file.valid_points, seen.file.points, seen.file.note);
@@ -66,7 +65,10 @@ std::string look_text(const Seen& seen) {
     const hal::Vec3 s = t.cog_covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     text += fmt::format("centre of gravity {} +- ({:.0f}, {:.0f}, {:.0f}) mm\n", point(t.cog), 1e3 * s.x(), 1e3 * s.y(), 1e3 * s.z());
     text += fmt::format("surfaces  {}\n", l.scene.surfaces.size());
-    for (std::size_t i = 0; i < l.scene.surfaces.size(); ++i) text += surface_line(i, l.scene.surfaces[i]);
+    constexpr std::size_t kLines = 12;
+    for (std::size_t i = 0; i < std::min(kLines, l.scene.surfaces.size()); ++i)
+      text += fmt::format("  {:2}  {}\n", i, surface_line(l.scene.surfaces[i]));
+    if (l.scene.surfaces.size() > kLines) text += fmt::format("  and {} smaller ones\n", l.scene.surfaces.size() - kLines);
   }
   text += l.because + "\n";
   constexpr std::size_t kShown = 5;

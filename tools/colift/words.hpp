@@ -10,6 +10,9 @@ namespace colift::tools {
 [[nodiscard]] const char* word(planner::Verdict verdict);
 [[nodiscard]] const char* word(perception::RejectedObject::Kind kind);
 
+/// One line on a surface.
+[[nodiscard]] std::string surface_line(const perception::Surface& surface);
+
 /// What a look found, for a person.
 [[nodiscard]] std::string look_text(const Seen& seen);
 

@@ -21,7 +21,8 @@ CameraView::CameraView(const perception::OrganisedCloud& cloud, int scale)
 
 // The centre of a frame's pixel is the middle of its square in the picture.
 Px CameraView::image_of(const hal::Vec3& p_C) const {
-  return {scale_ * (k_.fx * p_C.x() / p_C.z() + k_.cx + 0.5), scale_ * (k_.fy * p_C.y() / p_C.z() + k_.cy + 0.5)};
+  return {scale_ * (k_.fx * p_C.x() / p_C.z() + k_.cx + 0.5),
+          scale_ * (k_.fy * p_C.y() / p_C.z() + k_.cy + 0.5)};
 }
 
 std::optional<Px> CameraView::at(const hal::Vec3& p_W) const {
@@ -40,7 +41,8 @@ std::optional<std::pair<Px, Px>> CameraView::segment(const hal::Vec3& from_W, co
   return std::pair{image_of(a), image_of(b)};
 }
 
-std::optional<Eigen::Matrix2d> CameraView::spread(const hal::Vec3& p_W, const Eigen::Matrix3d& covariance) const {
+std::optional<Eigen::Matrix2d> CameraView::spread(const hal::Vec3& p_W,
+                                                  const Eigen::Matrix3d& covariance) const {
   const hal::Vec3 p = X_CW_ * p_W;
   if (!(p.z() > kNear_m) || !covariance.allFinite()) return std::nullopt;
   Eigen::Matrix<double, 2, 3> jacobian;
@@ -63,11 +65,13 @@ double CameraView::pixels_per_metre(const hal::Vec3& p_W) const {
   return z > kNear_m ? scale_ * k_.fx / z : 0.0;
 }
 
-void CameraView::line(Canvas& canvas, const hal::Vec3& from_W, const hal::Vec3& to_W, const Stroke& stroke) const {
+void CameraView::line(Canvas& canvas, const hal::Vec3& from_W, const hal::Vec3& to_W,
+                      const Stroke& stroke) const {
   if (const auto ends = segment(from_W, to_W)) canvas.line(ends->first, ends->second, stroke);
 }
 
-void CameraView::polygon(Canvas& canvas, const std::vector<hal::Vec3>& corners_W, const Stroke& stroke) const {
+void CameraView::polygon(Canvas& canvas, const std::vector<hal::Vec3>& corners_W,
+                         const Stroke& stroke) const {
   std::vector<Px> points;
   for (const hal::Vec3& p : corners_W) {
     const auto px = at(p);

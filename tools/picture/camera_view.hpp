@@ -9,8 +9,8 @@
 
 namespace colift::picture {
 
-/// Where things in W come to lie in the picture of a frame, drawn `scale` times as large at the canvas's corner. The
-/// cloud has to outlive it.
+/// Where things in W come to lie in the picture of a frame, drawn `scale` times as large at the canvas's
+/// corner. The cloud has to outlive it.
 class CameraView {
  public:
   CameraView(const perception::OrganisedCloud& cloud, int scale);
@@ -21,10 +21,12 @@ class CameraView {
   [[nodiscard]] std::optional<Px> at(const hal::Vec3& p_W) const;
 
   /// The part of a segment before the camera.
-  [[nodiscard]] std::optional<std::pair<Px, Px>> segment(const hal::Vec3& from_W, const hal::Vec3& to_W) const;
+  [[nodiscard]] std::optional<std::pair<Px, Px>> segment(const hal::Vec3& from_W,
+                                                         const hal::Vec3& to_W) const;
 
   /// 2-D covariance of the image of a point with the given covariance (px^2), to first order.
-  [[nodiscard]] std::optional<Eigen::Matrix2d> spread(const hal::Vec3& p_W, const Eigen::Matrix3d& covariance) const;
+  [[nodiscard]] std::optional<Eigen::Matrix2d> spread(const hal::Vec3& p_W,
+                                                      const Eigen::Matrix3d& covariance) const;
 
   /// Length in the picture of one metre at a point, facing the camera (px/m); 0 behind the camera.
   [[nodiscard]] double pixels_per_metre(const hal::Vec3& p_W) const;

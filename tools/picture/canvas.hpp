@@ -67,7 +67,7 @@ struct TextStyle {
 /// An image in memory that is drawn on with antialiased shapes. Needs neither window system nor GPU.
 class Canvas {
  public:
-  /// Sizes in pixels; each 1 to 32767.
+  /// Sizes in pixels; brought into 1 to 32767, the most that cairo can.
   Canvas(int width, int height, const Colour& background);
   ~Canvas();
   Canvas(Canvas&&) noexcept;
@@ -85,7 +85,8 @@ class Canvas {
   void circle(const Px& center, double radius, const Stroke& stroke);
 
   /// Ellipse with half axes `half_axes` (columns, px), for example from ellipse_of().
-  void ellipse(const Px& center, const Eigen::Matrix2d& half_axes, const Colour& inside, const Stroke& stroke);
+  void ellipse(const Px& center, const Eigen::Matrix2d& half_axes, const Colour& inside,
+               const Stroke& stroke);
 
   /// One line of text, UTF-8. `at` is the baseline's left end, middle or right end.
   void text(const Px& at, const std::string& words, const TextStyle& style);
@@ -93,9 +94,10 @@ class Canvas {
   /// Advance width of one line of text (px).
   [[nodiscard]] double text_width(const std::string& words, const TextStyle& style) const;
 
-  /// Breaks text into lines no wider than `width`: at spaces, at line ends of its own, and inside words that alone are
-  /// too wide.
-  [[nodiscard]] std::vector<std::string> wrap(const std::string& words, double width, const TextStyle& style) const;
+  /// Breaks text into lines no wider than `width`: at spaces, at line ends of its own, and inside words that
+  /// alone are too wide.
+  [[nodiscard]] std::vector<std::string> wrap(const std::string& words, double width,
+                                              const TextStyle& style) const;
 
   /// Copies an opaque image, 3 bytes for each pixel, without scaling.
   void image(int x, int y, int image_width, int image_height, const std::vector<std::uint8_t>& rgb_bytes);

@@ -30,8 +30,8 @@ hal::Result<> write_bytes(const fs::path& to, const fs::path& named, std::span<c
   const int reason = errno;
   const bool closed = std::fclose(out.release()) == 0;
   if (written != bytes.size() || !flushed || !closed)
-    return refused(named, fmt::format("{} after {} of {} bytes", std::strerror(reason ? reason : EIO), written,
-                                      bytes.size()));
+    return refused(named, fmt::format("{} after {} of {} bytes", std::strerror(reason ? reason : EIO),
+                                      written, bytes.size()));
   return {};
 }
 

@@ -67,7 +67,8 @@ std::vector<float> blurred(const std::vector<float>& q, int width, int height, i
       const auto box = [&](const std::vector<double>& s) {
         return s[bottom + right] - s[bottom + left] - s[top + right] + s[top + left];
       };
-      mean[static_cast<std::size_t>(v * width + u)] = static_cast<float>(box(sum) / std::max(1.0, box(count)));
+      mean[static_cast<std::size_t>(v * width + u)] =
+          static_cast<float>(box(sum) / std::max(1.0, box(count)));
     }
   return mean;
 }

@@ -97,7 +97,8 @@ class Grid {
     e2_ = normal_.cross(e1_);
   }
 
-  // How much of the pixel at (u, v) a line covers, 0 to 1; `pitch` is the size of an output pixel in frame pixels.
+  // How much of the pixel at (u, v) a line covers, 0 to 1; `pitch` is the size of an output pixel in frame
+  // pixels.
   [[nodiscard]] float cover(double u, double v, double pitch) const {
     const auto here = on_plane(u, v), right = on_plane(u + pitch, v), down = on_plane(u, v + pitch);
     if (!std::isfinite(here[0]) || !std::isfinite(right[0]) || !std::isfinite(down[0])) return 0.0f;
@@ -105,7 +106,8 @@ class Grid {
     for (std::size_t axis = 0; axis < 2; ++axis) {
       const double across = std::hypot(right[axis] - here[axis], down[axis] - here[axis]);
       const double spacing_px = step_ / std::max(1e-9, across);
-      const double off_px = std::abs(here[axis] - step_ * std::round(here[axis] / step_)) / std::max(1e-9, across);
+      const double off_px =
+          std::abs(here[axis] - step_ * std::round(here[axis] / step_)) / std::max(1e-9, across);
       const double fade = std::clamp((spacing_px - 5.0) / 10.0, 0.0, 1.0);
       cover = std::max(cover, static_cast<float>(fade * std::clamp(1.5 - off_px, 0.0, 1.0)));
     }
@@ -126,7 +128,8 @@ class Grid {
 };
 
 // Colours of the frame's own pixels.
-std::vector<Rgb> tinted(const ScenePicture& what, const Mask& ground, const Mask& target, const Mask& changed) {
+std::vector<Rgb> tinted(const ScenePicture& what, const Mask& ground, const Mask& target,
+                        const Mask& changed) {
   const perception::OrganisedCloud& cloud = *what.cloud;
   const std::vector<float> light = light_of(cloud);
   const bool coloured = what.rgb && what.rgb->size() == 3 * cloud.size();
@@ -156,8 +159,8 @@ std::vector<Rgb> tinted(const ScenePicture& what, const Mask& ground, const Mask
 }
 
 // How much of an output pixel the outline of a mask covers, 0 to 1.
-float outline_cover(const std::vector<float>& soft, double u, double v, double pitch, double half_width_px, int width,
-                    int height) {
+float outline_cover(const std::vector<float>& soft, double u, double v, double pitch, double half_width_px,
+                    int width, int height) {
   const Spot at = spot(u, v, width, height);
   const float low = std::min({soft[at.i00], soft[at.i10], soft[at.i01], soft[at.i11]});
   const float high = std::max({soft[at.i00], soft[at.i10], soft[at.i01], soft[at.i11]});
@@ -178,20 +181,24 @@ double grid_step_m(double camera_height_m) {
   return camera_height_m < 2.5 ? 0.25 : 0.5;
 }
 
-std::vector<std::uint8_t> target_mask(const perception::OrganisedCloud& cloud, const perception::Target& target) {
+std::vector<std::uint8_t> target_mask(const perception::OrganisedCloud& cloud,
+                                      const perception::Target& target) {
   if (!target.pixels.empty()) return pixel_mask(cloud.size(), target.pixels);
-  // the thesis method's points are the centres of voxels: each covers the pixels of about 1 cm, if they are as near
+  // the thesis method's points are the centres of voxels: each covers the pixels of about 1 cm, if they are
+  // as near
   constexpr double kReach_m = 0.006, kDepth_m = 0.03;
   std::vector<std::uint8_t> mask(cloud.size(), 0);
   for (const Eigen::Vector3f& p : target.points) {
     const auto at = cloud.project(p.cast<double>());
     if (!(at.depth_m > 0.05) || !cloud.contains(at.u, at.v)) continue;
-    const int radius = std::clamp(static_cast<int>(std::lround(kReach_m * cloud.intrinsics.fx / at.depth_m)), 0, 8);
+    const int radius =
+        std::clamp(static_cast<int>(std::lround(kReach_m * cloud.intrinsics.fx / at.depth_m)), 0, 8);
     const int u0 = static_cast<int>(std::lround(at.u)), v0 = static_cast<int>(std::lround(at.v));
     for (int v = std::max(0, v0 - radius); v <= std::min(cloud.height() - 1, v0 + radius); ++v)
       for (int u = std::max(0, u0 - radius); u <= std::min(cloud.width() - 1, u0 + radius); ++u) {
         const auto i = static_cast<std::size_t>(v * cloud.width() + u);
-        if (cloud.seen(i) && std::abs(static_cast<double>(cloud.depth_m[i]) - at.depth_m) < kDepth_m) mask[i] = 1;
+        if (cloud.seen(i) && std::abs(static_cast<double>(cloud.depth_m[i]) - at.depth_m) < kDepth_m)
+          mask[i] = 1;
       }
   }
   return mask;

@@ -9,16 +9,19 @@
 namespace colift::picture {
 
 bool Labels::free(const Box& box) const {
-  if (box.x < area_.x || box.y < area_.y || box.right() > area_.right() || box.bottom() > area_.bottom()) return false;
+  if (box.x < area_.x || box.y < area_.y || box.right() > area_.right() || box.bottom() > area_.bottom())
+    return false;
   return std::none_of(taken_.begin(), taken_.end(), [&](const Box& t) { return t.overlaps(box); });
 }
 
-bool Labels::place(const Px& anchor, const std::string& words, const TextStyle& style, double clearance, bool must) {
+bool Labels::place(const Px& anchor, const std::string& words, const TextStyle& style, double clearance,
+                   bool must) {
   const double width = canvas_.text_width(words, style), height = style.size;
   // right, left, above, below, then the corners
   constexpr std::array<std::array<double, 2>, 8> kSides{
       {{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {0.7, -0.7}, {-0.7, -0.7}, {0.7, 0.7}, {-0.7, 0.7}}};
-  const std::array<double, 5> reach{clearance, clearance + 14, clearance + 34, clearance + 64, clearance + 110};
+  const std::array<double, 5> reach{clearance, clearance + 14, clearance + 34, clearance + 64,
+                                    clearance + 110};
   const std::size_t tries = must ? reach.size() : 3;
   for (std::size_t r = 0; r < tries; ++r)
     for (const auto& [sx, sy] : kSides) {
@@ -26,8 +29,11 @@ bool Labels::place(const Px& anchor, const std::string& words, const TextStyle& 
       const Box box = Box{middle.x() - width / 2, middle.y() - height / 2, width, height}.grown(2);
       if (!free(box)) continue;
       if (r > 1) {
-        const Px near(std::clamp(anchor.x(), box.x, box.right()), std::clamp(anchor.y(), box.y, box.bottom()));
-        canvas_.line(near, anchor, {.colour = style.colour.with_alpha(0.8), .width = 1.2, .halo = style.halo, .halo_width = 1});
+        const Px near(std::clamp(anchor.x(), box.x, box.right()),
+                      std::clamp(anchor.y(), box.y, box.bottom()));
+        canvas_.line(
+            near, anchor,
+            {.colour = style.colour.with_alpha(0.8), .width = 1.2, .halo = style.halo, .halo_width = 1});
       }
       TextStyle middle_style = style;
       middle_style.align = Align::Middle;

@@ -7,8 +7,8 @@
 
 namespace colift::picture {
 
-/// Puts words beside the things they name without ever covering each other or leaving the area. Whoever comes first
-/// has the better place; what finds none is left out.
+/// Puts words beside the things they name without ever covering each other or leaving the area. Whoever comes
+/// first has the better place; what finds none is left out.
 class Labels {
  public:
   Labels(Canvas& canvas, const Box& area) : canvas_(canvas), area_(area) {}
@@ -16,9 +16,10 @@ class Labels {
   /// Keeps a place free of words.
   void keep_clear(const Box& box) { taken_.push_back(box); }
 
-  /// Writes words near an anchor, at least `clearance` pixels off. With `must`, the anchor's surroundings are searched far
-  /// and a thin line leads from the words to the anchor. Returns whether there was a place.
-  bool place(const Px& anchor, const std::string& words, const TextStyle& style, double clearance, bool must = false);
+  /// Writes words near an anchor, at least `clearance` pixels off. With `must`, the anchor's surroundings are
+  /// searched far and a thin line leads from the words to the anchor. Returns whether there was a place.
+  bool place(const Px& anchor, const std::string& words, const TextStyle& style, double clearance,
+             bool must = false);
 
  private:
   [[nodiscard]] bool free(const Box& box) const;

@@ -39,7 +39,8 @@ void draw_mark(Canvas& canvas, const Px& at, double radius, MarkShape shape, con
       return;
     }
     case MarkShape::Ring:
-      canvas.circle(at, 0.8 * radius, {.colour = colour, .width = 0.5 * radius, .halo = kWhite, .halo_width = 1.2});
+      canvas.circle(at, 0.8 * radius,
+                    {.colour = colour, .width = 0.5 * radius, .halo = kWhite, .halo_width = 1.2});
       return;
     case MarkShape::Square:
       filled(polygon(at, 1.25 * radius, 4, std::numbers::pi / 4));

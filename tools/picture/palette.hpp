@@ -8,8 +8,8 @@
 
 namespace colift::picture {
 
-// Hues of Okabe and Ito (2008, "Color Universal Design"), told apart with any common colour blindness. A verdict also
-// has a shape of its own, so that print in grey still says it.
+// Hues of Okabe and Ito (2008, "Color Universal Design"), told apart with any common colour blindness. A
+// verdict also has a shape of its own, so that print in grey still says it.
 inline constexpr Colour kInk = rgb(0x1D2530);
 inline constexpr Colour kSoftInk = rgb(0x5A6573);
 inline constexpr Colour kRule = rgb(0xD9DEE4);
@@ -17,7 +17,7 @@ inline constexpr Colour kPaper = rgb(0xFFFFFF);
 inline constexpr Colour kPanel = rgb(0xF6F7F9);
 inline constexpr Colour kWhite = rgb(0xFFFFFF);
 
-inline constexpr Colour kMissing = rgb(0x20262E);   ///< No depth.
+inline constexpr Colour kMissing = rgb(0x20262E);  ///< No depth.
 inline constexpr Colour kGround = rgb(0xA9C6CC);
 inline constexpr Colour kTarget = rgb(0xF2CC60);
 inline constexpr Colour kTargetRim = rgb(0x7A5500);

@@ -36,8 +36,8 @@ std::string chip(const VerdictStyle& style) {
   const Colour& c = style.colour;
   const double luminance = 0.2126 * linear(c.r) + 0.7152 * linear(c.g) + 0.0722 * linear(c.b);
   const auto byte = [](double value) { return std::lround(255 * value); };
-  return fmt::format(R"(<span class="chip" style="background:#{:02x}{:02x}{:02x};color:{}">{}</span>)", byte(c.r),
-                     byte(c.g), byte(c.b), luminance > 0.18 ? "#101418" : "#fff", style.name);
+  return fmt::format(R"(<span class="chip" style="background:#{:02x}{:02x}{:02x};color:{}">{}</span>)",
+                     byte(c.r), byte(c.g), byte(c.b), luminance > 0.18 ? "#101418" : "#fff", style.name);
 }
 
 std::string number(const std::optional<double>& value, const char* pattern) {
@@ -46,7 +46,8 @@ std::string number(const std::optional<double>& value, const char* pattern) {
 
 std::vector<ReportCandidate> in_order(std::vector<ReportCandidate> rows) {
   const auto rank = [](const ReportCandidate& c) {
-    return std::find_if(kVerdicts.begin(), kVerdicts.end(), [&](const VerdictStyle& s) { return s.verdict == c.verdict; }) -
+    return std::find_if(kVerdicts.begin(), kVerdicts.end(),
+                        [&](const VerdictStyle& s) { return s.verdict == c.verdict; }) -
            kVerdicts.begin();
   };
   const auto cost = [](const ReportCandidate& c) {
@@ -66,12 +67,14 @@ std::string decision_table(const Report& report) {
   for (const VerdictStyle& style : kVerdicts) {
     const auto count = std::count_if(report.candidates.begin(), report.candidates.end(),
                                      [&](const ReportCandidate& c) { return c.verdict == style.verdict; });
-    if (count) counts += fmt::format("{} {} {} ", count, chip(style), style.meaning);
+    if (count)
+      counts += fmt::format("{}{} {} {}", counts.empty() ? "" : " · ", count, chip(style), style.meaning);
   }
   out += fmt::format("<h2>Grasp candidates ({})</h2>\n<p>{}</p>\n", report.candidates.size(), counts);
-  out += "<div class=\"wide\"><table><thead><tr><th class=\"n\">id</th><th>kind</th><th>verdict</th>"
-         "<th class=\"n\">robot's share</th><th class=\"n\">cost</th><th class=\"n\">stability</th>"
-         "<th class=\"n\">width</th><th>reason</th></tr></thead><tbody>\n";
+  out +=
+      "<div class=\"wide\"><table><thead><tr><th class=\"n\">id</th><th>kind</th><th>verdict</th>"
+      "<th class=\"n\">robot's share</th><th class=\"n\">cost</th><th class=\"n\">stability</th>"
+      "<th class=\"n\">width</th><th>reason</th></tr></thead><tbody>\n";
   for (const ReportCandidate& c : in_order(report.candidates)) {
     const std::optional<double> percent = c.share ? std::optional(100 * *c.share) : std::nullopt;
     out += fmt::format(
@@ -106,8 +109,8 @@ std::string timing_bars(const std::vector<ReportTime>& timing) {
   std::string out = "<h2>Time</h2>\n<div class=\"bars\">\n";
   for (const ReportTime& t : timing) {
     const double part = longest > 0 && std::isfinite(t.ms) ? std::max(0.0, 100 * t.ms / longest) : 0.0;
-    out += fmt::format("<span>{}</span><div><i style=\"width:{:.1f}%\"></i></div><b>{}</b>\n", html_escaped(t.stage),
-                       part, number(t.ms, "{:.2f} ms"));
+    out += fmt::format("<span>{}</span><div><i style=\"width:{:.1f}%\"></i></div><b>{}</b>\n",
+                       html_escaped(t.stage), part, number(t.ms, "{:.2f} ms"));
   }
   return out + "</div>\n";
 }
@@ -118,12 +121,23 @@ std::string html_escaped(const std::string& text) {
   std::string out;
   for (const char ch : valid_utf8(text)) {
     switch (ch) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      case '\'': out += "&#39;"; break;
-      default: out += ch;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += ch;
     }
   }
   return out;
@@ -138,8 +152,9 @@ std::string report_html(const Report& report) {
   for (std::size_t i = 0; i < report.summary.size(); ++i)
     page += fmt::format("<p{}>{}</p>\n", i == 0 ? " class=\"lead\"" : "", html_escaped(report.summary[i]));
   for (const ReportPicture& picture : report.pictures)
-    page += fmt::format("<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
-                        html_escaped(picture.caption), base64(picture.png));
+    page += fmt::format(
+        "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
+        html_escaped(picture.caption), base64(picture.png));
   if (!report.candidates.empty()) page += decision_table(report);
   page += sentences("Surfaces", report.surfaces);
   page += sentences("Notes", report.notes);

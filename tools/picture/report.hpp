@@ -20,7 +20,7 @@ struct ReportPicture {
 /// A row of the decision table.
 struct ReportCandidate {
   int id = 0;
-  std::string kind = {};         ///< "ega5", "edge", "wrap".
+  std::string kind = {};  ///< "ega5", "edge", "wrap".
   planner::Verdict verdict = planner::Verdict::Ok;
   std::optional<double> share = std::nullopt;  ///< The robot's part of the load, 0 to 1.
   std::optional<double> cost = std::nullopt;
@@ -45,17 +45,18 @@ struct Report {
   std::vector<std::pair<std::string, std::string>> facts;   ///< File, method, version, ...
   std::vector<std::pair<std::string, std::string>> config;  ///< What differs from the defaults: key, value.
   std::vector<std::string> notes;
-  std::string command;               ///< The command line that makes this report again.
+  std::string command;  ///< The command line that makes this report again.
 };
 
-/// The report as one HTML page that needs nothing else: pictures and style are inside, there is no script. Candidates
-/// come in the order chosen, possible by cost, refused by reason.
+/// The report as one HTML page that needs nothing else: pictures and style are inside, there is no script.
+/// Candidates come in the order chosen, possible by cost, refused by reason.
 [[nodiscard]] std::string report_html(const Report& report);
 
 /// The same as a file. Errors: BadInput when it cannot be written.
 [[nodiscard]] hal::Result<> write_report(const std::filesystem::path& html, const Report& report);
 
-/// Text as it stands in HTML: &, <, >, " and ' are escaped, control characters and bytes that are no UTF-8 replaced.
+/// Text as it stands in HTML: &, <, >, " and ' are escaped, control characters and bytes that are no UTF-8
+/// replaced.
 [[nodiscard]] std::string html_escaped(const std::string& text);
 
 }  // namespace colift::picture

@@ -15,14 +15,27 @@ constexpr double kSigmas = 2.0;
 const TextStyle kNameText{.size = 18, .colour = kInk, .bold = true, .halo = kWhite.with_alpha(0.9)};
 const TextStyle kSizeText{.size = 15, .colour = kSurface, .halo = kWhite.with_alpha(0.8)};
 
-// ---- surfaces ----------------------------------------------------------------------------------------------------
+// ---- surfaces
+// ----------------------------------------------------------------------------------------------------
+
+bool in_sight(const CameraView& view, const perception::Rectangle& face) {
+  return face.normal.dot(view.camera_W() - face.center) > 0 && !view.hidden(face.center);
+}
+
+// What lies behind something is drawn like the hidden edges of a technical drawing.
+void hide(Stroke& stroke) {
+  stroke.colour.a = 0.5;
+  stroke.dashes = {3, 4};
+}
 
 void draw_rectangle(Canvas& canvas, const CameraView& view, const perception::Rectangle& face) {
   const Vec3 u = 0.5 * face.size.x() * face.u, v = 0.5 * face.size.y() * face.v;
-  const std::array<Vec3, 4> corner{face.center - u - v, face.center + u - v, face.center + u + v, face.center - u + v};
-  const bool seen = face.normal.dot(view.camera_W() - face.center) > 0;
-  Stroke side{.colour = kSurface.with_alpha(seen ? 0.9 : 0.5), .width = 1.4, .halo = kWhite.with_alpha(0.45), .halo_width = 1.0};
-  if (!seen) side.dashes = {3, 4};
+  const std::array<Vec3, 4> corner{face.center - u - v, face.center + u - v, face.center + u + v,
+                                   face.center - u + v};
+  const bool seen = in_sight(view, face);
+  Stroke side{
+      .colour = kSurface.with_alpha(0.9), .width = 1.4, .halo = kWhite.with_alpha(0.45), .halo_width = 1.0};
+  if (!seen) hide(side);
   view.polygon(canvas, {corner.begin(), corner.end()}, side);
   if (!seen) return;
   const Stroke mark{.colour = kSurface, .width = 3.2};
@@ -34,7 +47,8 @@ void draw_rectangle(Canvas& canvas, const CameraView& view, const perception::Re
 
 void draw_cylinder(Canvas& canvas, const CameraView& view, const perception::Cylinder& bar) {
   const Vec3 axis = bar.axis.normalized(), half = 0.5 * bar.length * axis;
-  const Stroke side{.colour = kSurface, .width = 1.8, .halo = kWhite.with_alpha(0.5), .halo_width = 1.0};
+  Stroke side{.colour = kSurface, .width = 1.8, .halo = kWhite.with_alpha(0.5), .halo_width = 1.0};
+  if (view.hidden(bar.center)) hide(side);
   for (const Vec3& end : {Vec3(bar.center - half), Vec3(bar.center + half)})
     view.polygon(canvas, ring(end, axis, bar.radius), side);
   // the two generators at which the rays of the camera touch the cylinder
@@ -62,7 +76,8 @@ std::vector<const perception::Surface*> by_size(const std::vector<perception::Su
   };
   std::vector<const perception::Surface*> order;
   for (const perception::Surface& s : surfaces) order.push_back(&s);
-  std::stable_sort(order.begin(), order.end(), [&](const auto* a, const auto* b) { return area(*a) > area(*b); });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](const auto* a, const auto* b) { return area(*a) > area(*b); });
   return order;
 }
 
@@ -76,23 +91,30 @@ void label_surfaces(const CameraView& view, const perception::Scene& scene, Labe
     Vec3 center;
     double longest;
     if (const auto* face = std::get_if<perception::Rectangle>(s)) {
-      if (face->normal.dot(view.camera_W() - face->center) <= 0) continue;
+      if (!in_sight(view, *face)) continue;
       center = face->center;
       longest = face->size.maxCoeff();
-      words = fmt::format("{} × {} cm", centimetres(face->size.maxCoeff()), centimetres(face->size.minCoeff()));
+      words =
+          fmt::format("{} × {} cm", centimetres(face->size.maxCoeff()), centimetres(face->size.minCoeff()));
     } else {
       const auto& bar = std::get<perception::Cylinder>(*s);
+      if (view.hidden(bar.center)) continue;
       center = bar.center;
       longest = bar.length;
       words = fmt::format("Ø {} × {} cm", centimetres(2 * bar.radius), centimetres(bar.length));
     }
     const auto at = view.at(center);
-    if (at && longest * view.pixels_per_metre(center) > kLeast_px && labels.place(*at, words, kSizeText, 8)) ++written;
+    if (at && longest * view.pixels_per_metre(center) > kLeast_px && labels.place(*at, words, kSizeText, 8))
+      ++written;
   }
 }
 
 void draw_shape(Canvas& canvas, const CameraView& view, const hal::OrientedBox& box) {
-  const Stroke edge{.colour = kTargetRim.with_alpha(0.9), .width = 1.3, .dashes = {6, 5}, .halo = kWhite.with_alpha(0.25), .halo_width = 0.8};
+  const Stroke edge{.colour = kTargetRim.with_alpha(0.9),
+                    .width = 1.3,
+                    .dashes = {6, 5},
+                    .halo = kWhite.with_alpha(0.25),
+                    .halo_width = 0.8};
   const auto corner = [&](int i) {
     const Vec3 sign((i & 1) ? 0.5 : -0.5, (i & 2) ? 0.5 : -0.5, (i & 4) ? 0.5 : -0.5);
     return Vec3(box.center + box.axes * sign.cwiseProduct(box.size));
@@ -102,9 +124,11 @@ void draw_shape(Canvas& canvas, const CameraView& view, const hal::OrientedBox& 
       if (!(i & bit)) view.line(canvas, corner(i), corner(i | bit), edge);
 }
 
-// ---- candidates --------------------------------------------------------------------------------------------------
+// ---- candidates
+// --------------------------------------------------------------------------------------------------
 
-void draw_candidates(Canvas& canvas, const CameraView& view, const std::vector<planner::GraspCandidate>& candidates) {
+void draw_candidates(Canvas& canvas, const CameraView& view,
+                     const std::vector<planner::GraspCandidate>& candidates) {
   using planner::Verdict;
   const double radius = candidates.size() > 150 ? 3.2 : candidates.size() > 60 ? 4.2 : 5.2;
   const bool with_axes = candidates.size() <= 300;
@@ -117,7 +141,10 @@ void draw_candidates(Canvas& canvas, const CameraView& view, const std::vector<p
     if (with_axes && !hidden) {
       const double faint = ok ? 0.95 : 0.5;
       const double half = std::clamp(0.5 * c.width, 0.012, 0.06);
-      const Stroke closing{.colour = style.colour.with_alpha(faint), .width = ok ? 2.2 : 1.6, .halo = kWhite.with_alpha(ok ? 0.6 : 0.0), .halo_width = 0.8};
+      const Stroke closing{.colour = style.colour.with_alpha(faint),
+                           .width = ok ? 2.2 : 1.6,
+                           .halo = kWhite.with_alpha(ok ? 0.6 : 0.0),
+                           .halo_width = 0.8};
       const Stroke approach{.colour = style.colour.with_alpha(faint), .width = 1.2};
       view.line(canvas, c.position - 0.045 * c.approach, c.position, approach);
       view.line(canvas, c.position - half * c.closing, c.position + half * c.closing, closing);
@@ -145,13 +172,15 @@ void arrow(Canvas& canvas, const CameraView& view, const Vec3& from, const Vec3&
   canvas.fill({tip, ends->second - 2 * e + 6.5 * f, ends->second - 2 * e - 6.5 * f}, colour);
 }
 
-void draw_gripper(Canvas& canvas, const CameraView& view, const planner::GraspCandidate& c, const ScenePicture& what) {
+void draw_gripper(Canvas& canvas, const CameraView& view, const planner::GraspCandidate& c,
+                  const ScenePicture& what) {
   const Vec3 z = c.approach.normalized(), y = c.closing.normalized(), x = y.cross(z);
   const Vec3 palm = c.position - what.palm_gap_m * z;
   const double half = 0.5 * what.hand_opening_m;
   const double finger = what.palm_gap_m + 0.05;
   const Stroke limb{.colour = kInk, .width = 5.0, .halo = kWhite, .halo_width = 1.8};
-  const std::vector<Vec3> outline{palm + half * y + finger * z, palm + half * y, palm - half * y, palm - half * y + finger * z};
+  const std::vector<Vec3> outline{palm + half * y + finger * z, palm + half * y, palm - half * y,
+                                  palm - half * y + finger * z};
   std::vector<Px> points;
   for (const Vec3& p : outline)
     if (const auto at = view.at(p)) points.push_back(*at);
@@ -173,10 +202,11 @@ void draw_gripper(Canvas& canvas, const CameraView& view, const planner::GraspCa
   for (const Axis& axis : axes) arrow(canvas, view, palm, palm + 0.75 * length * axis.direction, axis.colour);
 }
 
-// ---- load sharing ------------------------------------------------------------------------------------------------
+// ---- load sharing
+// ------------------------------------------------------------------------------------------------
 
-void draw_uncertainty(Canvas& canvas, const CameraView& view, const Vec3& p, const Eigen::Matrix3d& covariance,
-                      const Colour& colour) {
+void draw_uncertainty(Canvas& canvas, const CameraView& view, const Vec3& p,
+                      const Eigen::Matrix3d& covariance, const Colour& colour) {
   const auto at = view.at(p);
   const auto spread = view.spread(p, covariance);
   if (!at || !spread || !(spread->trace() > 1e-6)) return;
@@ -186,11 +216,16 @@ void draw_uncertainty(Canvas& canvas, const CameraView& view, const Vec3& p, con
 
 void draw_plumb_line(Canvas& canvas, const CameraView& view, const Vec3& p, const hal::Plane& ground) {
   const Vec3 foot = ground.foot(p);
-  const Stroke line{.colour = kInk.with_alpha(0.85), .width = 1.6, .dashes = {3, 4}, .halo = kWhite.with_alpha(0.6), .halo_width = 1.0};
+  const Stroke line{.colour = kInk.with_alpha(0.85),
+                    .width = 1.6,
+                    .dashes = {3, 4},
+                    .halo = kWhite.with_alpha(0.6),
+                    .halo_width = 1.0};
   view.line(canvas, p, foot, line);
   const double radius = std::clamp(0.05 * std::abs(ground.height(p)), 0.006, 0.025);
-  view.polygon(canvas, ring(foot, ground.normal, radius),
-               {.colour = kInk.with_alpha(0.85), .width = 1.6, .halo = kWhite.with_alpha(0.6), .halo_width = 1.0});
+  view.polygon(
+      canvas, ring(foot, ground.normal, radius),
+      {.colour = kInk.with_alpha(0.85), .width = 1.6, .halo = kWhite.with_alpha(0.6), .halo_width = 1.0});
 }
 
 }  // namespace
@@ -218,7 +253,8 @@ void draw_marks(Canvas& canvas, const CameraView& view, const ScenePicture& what
   const planner::GraspCandidate* chosen = chosen_of(what);
   constexpr double kBall = 10.0;
 
-  if (target && (target->shape.size - target->obb.size).norm() > 0.005) draw_shape(canvas, view, target->shape);
+  if (target && (target->shape.size - target->obb.size).norm() > 0.005)
+    draw_shape(canvas, view, target->shape);
   if (what.scene)
     for (const perception::Surface& surface : what.scene->surfaces) {
       if (const auto* face = std::get_if<perception::Rectangle>(&surface))
@@ -230,7 +266,8 @@ void draw_marks(Canvas& canvas, const CameraView& view, const ScenePicture& what
 
   if (target && what.scene->ground) draw_plumb_line(canvas, view, target->cog, what.scene->ground->plane);
   if (target && what.partner) {
-    const Stroke lever{.colour = kInk, .width = 2.0, .dashes = {9, 6}, .halo = kWhite.with_alpha(0.75), .halo_width = 1.4};
+    const Stroke lever{
+        .colour = kInk, .width = 2.0, .dashes = {9, 6}, .halo = kWhite.with_alpha(0.75), .halo_width = 1.4};
     view.line(canvas, what.partner->position, target->cog, lever);
     if (what.optimum) view.line(canvas, target->cog, *what.optimum, lever);
   }
@@ -242,7 +279,8 @@ void draw_marks(Canvas& canvas, const CameraView& view, const ScenePicture& what
   }
   if (what.partner) {
     draw_uncertainty(canvas, view, what.partner->position, what.partner->covariance, kPartner);
-    if (const auto at = view.at(what.partner->position)) draw_ball(canvas, *at, kBall, kPartner), keep_ball(*at);
+    if (const auto at = view.at(what.partner->position))
+      draw_ball(canvas, *at, kBall, kPartner), keep_ball(*at);
   }
   if (what.optimum)
     if (const auto at = view.at(*what.optimum)) draw_optimum(canvas, *at, 9), keep_ball(*at);
@@ -250,7 +288,8 @@ void draw_marks(Canvas& canvas, const CameraView& view, const ScenePicture& what
   const auto name = [&](const Vec3& p, const std::string& words, const Colour& colour) {
     TextStyle style = kNameText;
     style.colour = colour;
-    if (const auto at = view.at(p); at && view.frame().contains(*at)) labels.place(*at, words, style, 18, true);
+    if (const auto at = view.at(p); at && view.frame().contains(*at))
+      labels.place(*at, words, style, 18, true);
   };
   if (chosen) {
     // words stay off the sketched hand
@@ -259,7 +298,8 @@ void draw_marks(Canvas& canvas, const CameraView& view, const ScenePicture& what
     for (const double side : {-1.0, -0.5, 0.0, 0.5, 1.0})
       for (const double ahead : {0.0, 0.5, 1.0}) {
         if (std::abs(side) < 1.0 && ahead > 0.0) continue;
-        const auto at = view.at(palm + 0.5 * what.hand_opening_m * side * y + (what.palm_gap_m + 0.05) * ahead * z);
+        const auto at =
+            view.at(palm + 0.5 * what.hand_opening_m * side * y + (what.palm_gap_m + 0.05) * ahead * z);
         if (at) keep_ball(*at);
       }
     if (const auto at = view.at(chosen->position)) keep_ball(*at);

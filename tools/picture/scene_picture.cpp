@@ -60,10 +60,13 @@ Canvas draw_scene_picture(const ScenePicture& what) {
 }
 
 int picture_scale(const perception::OrganisedCloud& cloud) {
-  return std::clamp(static_cast<int>(std::lround(static_cast<double>(kImageWidth) / std::max(1, cloud.width()))), 1, 16);
+  return std::clamp(
+      static_cast<int>(std::lround(static_cast<double>(kImageWidth) / std::max(1, cloud.width()))), 1, 16);
 }
 
-std::vector<std::uint8_t> scene_picture_png(const ScenePicture& what) { return draw_scene_picture(what).png(); }
+std::vector<std::uint8_t> scene_picture_png(const ScenePicture& what) {
+  return draw_scene_picture(what).png();
+}
 
 hal::Result<> write_scene_picture(const std::filesystem::path& png, const ScenePicture& what) {
   return write_file(png, scene_picture_png(what));

@@ -22,12 +22,14 @@ const TextStyle kHeading{.size = 15, .colour = kSoftInk, .bold = true};
 
 // Reasons are parts of sentences; on their own they begin like one.
 std::string capitalised(std::string words) {
-  if (!words.empty() && words[0] >= 'a' && words[0] <= 'z') words[0] = static_cast<char>(words[0] - 'a' + 'A');
+  if (!words.empty() && words[0] >= 'a' && words[0] <= 'z')
+    words[0] = static_cast<char>(words[0] - 'a' + 'A');
   return words;
 }
 
 // Lines of text from y downwards; returns the y beneath them.
-double paragraph(Canvas& canvas, const Box& area, double y, const std::string& words, const TextStyle& style, bool draw) {
+double paragraph(Canvas& canvas, const Box& area, double y, const std::string& words, const TextStyle& style,
+                 bool draw) {
   const double pitch = 1.35 * style.size;
   for (const std::string& line : canvas.wrap(words, area.width, style)) {
     if (draw) canvas.text({area.x, y + style.size}, line, style);
@@ -49,7 +51,8 @@ double share_bars(Canvas& canvas, const Box& area, double y, double robot, bool 
     canvas.text({area.x, y + 17}, bar.name, kSmall);
     canvas.fill(Box{area.x + kNameWidth, y, length, kHeight}, kRule, 4);
     const double part = std::clamp(bar.part, 0.0, 1.0);
-    if (part > 0.001) canvas.fill(Box{area.x + kNameWidth, y, std::max(3.0, part * length), kHeight}, bar.colour, 4);
+    if (part > 0.001)
+      canvas.fill(Box{area.x + kNameWidth, y, std::max(3.0, part * length), kHeight}, bar.colour, 4);
     TextStyle number = kBody;
     number.bold = true;
     number.align = Align::Right;
@@ -74,19 +77,21 @@ Rows key_figures(const ScenePicture& what) {
   Rows rows;
   const bool ground = what.scene && what.scene->ground;
   if (ground && what.cloud)
-    rows.emplace_back("camera", length_text(what.scene->ground->plane.height(what.cloud->X_WC.translation())) +
-                                    " above the ground");
+    rows.emplace_back(
+        "camera",
+        length_text(what.scene->ground->plane.height(what.cloud->X_WC.translation())) + " above the ground");
   const perception::Target* target = target_of(what);
   if (target) {
     const Vec3& size = target->obb.size;
     rows.emplace_back("target", fmt::format("{} × {} × {} cm", centimetres(size.x()), centimetres(size.y()),
                                             centimetres(size.z())));
-    rows.emplace_back("seen", plural(target->points.empty() ? target->pixels.size() : target->points.size(), "point",
-                                     "points"));
+    rows.emplace_back("seen", plural(target->points.empty() ? target->pixels.size() : target->points.size(),
+                                     "point", "points"));
   }
   if (what.scene && !what.scene->surfaces.empty()) {
     std::size_t faces = 0;
-    for (const perception::Surface& s : what.scene->surfaces) faces += std::holds_alternative<perception::Rectangle>(s);
+    for (const perception::Surface& s : what.scene->surfaces)
+      faces += std::holds_alternative<perception::Rectangle>(s);
     const std::size_t bars = what.scene->surfaces.size() - faces;
     std::string words = faces ? plural(faces, "rectangle", "rectangles") : "";
     if (bars) words += (faces ? ", " : "") + plural(bars, "cylinder", "cylinders");
@@ -97,8 +102,9 @@ Rows key_figures(const ScenePicture& what) {
                       (ground ? length_text(what.scene->ground->plane.height(target->cog)) + " high" : "") +
                           two_sigma(target->cog_covariance));
   if (what.partner)
-    rows.emplace_back("partner", (what.partner->points ? plural(what.partner->points, "point", "points") : "given") +
-                                     two_sigma(what.partner->covariance));
+    rows.emplace_back("partner",
+                      (what.partner->points ? plural(what.partner->points, "point", "points") : "given") +
+                          two_sigma(what.partner->covariance));
   if (const planner::GraspCandidate* chosen = chosen_of(what))
     rows.emplace_back("grasp width", length_text(chosen->width));
   rows.insert(rows.end(), what.figures.begin(), what.figures.end());
@@ -109,12 +115,15 @@ double figure_rows(Canvas& canvas, const Box& area, double y, const Rows& rows, 
   constexpr double kNameWidth = 160;
   for (const auto& [name, value] : rows) {
     const Box left{area.x, y, kNameWidth - 10, 0}, right{area.x + kNameWidth, y, area.width - kNameWidth, 0};
-    y = std::max(paragraph(canvas, left, y, name, kName, draw), paragraph(canvas, right, y, value, kSmall, draw)) + 3;
+    y = std::max(paragraph(canvas, left, y, name, kName, draw),
+                 paragraph(canvas, right, y, value, kSmall, draw)) +
+        3;
   }
   return y;
 }
 
-// ---- legend ------------------------------------------------------------------------------------------------------
+// ---- legend
+// ------------------------------------------------------------------------------------------------------
 
 struct Item {
   std::string words;
@@ -146,21 +155,20 @@ std::vector<Item> verdict_items(const ScenePicture& what) {
     if (style.verdict == planner::Verdict::Chosen)
       items.push_back({fmt::format("{} chosen", count), gripper_icon});
     else
-      items.push_back({fmt::format("{} {}", count_text(count), style.meaning), [&style](Canvas& c, const Px& at) {
-                         draw_mark(c, at, 6, style.shape, style.colour);
-                       }});
+      items.push_back(
+          {fmt::format("{} {}", count_text(count), style.meaning),
+           [&style](Canvas& c, const Px& at) { draw_mark(c, at, 6, style.shape, style.colour); }});
   }
   if (items.empty())
-    items.push_back({"no grasp candidates", [](Canvas& c, const Px& at) {
-                       draw_mark(c, at, 6, MarkShape::Ring, kSoftInk);
-                     }});
+    items.push_back({"no grasp candidates",
+                     [](Canvas& c, const Px& at) { draw_mark(c, at, 6, MarkShape::Ring, kSoftInk); }});
   return items;
 }
 
 std::vector<Item> scene_items(const ScenePicture& what) {
   std::vector<Item> items;
   const perception::Target* target = target_of(what);
-  if (chosen_of(what)) {
+  if (what.cloud && chosen_of(what)) {
     items.push_back({"hand: x, y closing, z approach", [](Canvas& c, const Px& at) {
                        c.line(at + Px(-11, -6), at + Px(11, -6), {.colour = kAxisX, .width = 3.4});
                        c.line(at + Px(-11, 0), at + Px(11, 0), {.colour = kAxisY, .width = 3.4});
@@ -169,7 +177,8 @@ std::vector<Item> scene_items(const ScenePicture& what) {
   }
   if (what.partner)
     items.push_back({"partner's grasp", [](Canvas& c, const Px& at) { draw_ball(c, at, 7, kPartner); }});
-  if (!what.partner_pixels.empty()) items.push_back(swatch("changed since the reference", rgb(0x7DB8E8), rgb(0x0B4F86)));
+  if (what.cloud && !what.partner_pixels.empty())
+    items.push_back(swatch("changed since the reference", rgb(0x7DB8E8), rgb(0x0B4F86)));
   if (target)
     items.push_back({"centre of gravity, 2σ", [](Canvas& c, const Px& at) {
                        Eigen::Matrix2d half;
@@ -194,11 +203,12 @@ std::vector<Item> scene_items(const ScenePicture& what) {
                      }});
   if (what.scene && what.scene->ground) {
     const double height = what.cloud ? what.scene->ground->plane.height(what.cloud->X_WC.translation()) : 1.0;
-    items.push_back({fmt::format("ground, grid {:.0f} cm", 100 * grid_step_m(height)), [](Canvas& c, const Px& at) {
-                       c.fill(Box{at.x() - 11, at.y() - 8, 22, 16}, kGround, 2);
-                       c.line(at + Px(-11, 1), at + Px(11, 1), {.colour = kWhite, .width = 1.4});
-                       c.line(at + Px(2, -8), at + Px(2, 8), {.colour = kWhite, .width = 1.4});
-                     }});
+    items.push_back(
+        {fmt::format("ground, grid {:.0f} cm", 100 * grid_step_m(height)), [](Canvas& c, const Px& at) {
+           c.fill(Box{at.x() - 11, at.y() - 8, 22, 16}, kGround, 2);
+           c.line(at + Px(-11, 1), at + Px(11, 1), {.colour = kWhite, .width = 1.4});
+           c.line(at + Px(2, -8), at + Px(2, 8), {.colour = kWhite, .width = 1.4});
+         }});
   }
   if (what.cloud) items.push_back(swatch("no depth", kMissing, kMissing));
   return items;
@@ -213,7 +223,8 @@ double item_grid(Canvas& canvas, const Box& area, double y, const std::vector<It
   const double column = std::min(area.width, kIcon + widest + kGap);
   const auto columns = std::max<std::size_t>(1, static_cast<std::size_t>((area.width + kGap) / column));
   for (std::size_t i = 0; i < items.size(); ++i) {
-    const Px at(area.x + column * static_cast<double>(i % columns), y + kPitch * static_cast<double>(i / columns));
+    const Px at(area.x + column * static_cast<double>(i % columns),
+                y + kPitch * static_cast<double>(i / columns));
     if (!draw) continue;
     items[i].draw(canvas, at + Px(14, kPitch / 2));
     canvas.text(at + Px(kIcon, kPitch / 2 + 5.5), items[i].words, kSmall);

@@ -69,12 +69,15 @@ class GroundMap {
 
 std::vector<Vec3> base_of(const hal::OrientedBox& box) {
   std::vector<Vec3> corners;
-  for (const auto& [x, y] : std::array<std::array<double, 2>, 4>{{{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}})
+  for (const auto& [x, y] :
+       std::array<std::array<double, 2>, 4>{{{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}})
     corners.push_back(box.center + box.axes * Vec3(x * box.size.x(), y * box.size.y(), 0));
   return corners;
 }
 
-bool finite(const Vec3& p) { return p.allFinite(); }
+bool finite(const Vec3& p) {
+  return p.allFinite();
+}
 
 std::vector<Vec3> all_points(const ScenePicture& what) {
   std::vector<Vec3> points;
@@ -96,9 +99,11 @@ void draw_grid(Canvas& canvas, const Box& area, const GroundMap& map, double ste
   if (step < 6) return;
   const Px origin = map.on(Px(0, 0));
   const Stroke line{.colour = rgb(0xE3EAED), .width = 1.0};
-  for (double x = area.x + std::fmod(std::fmod(origin.x() - area.x, step) + step, step); x < area.right(); x += step)
+  for (double x = area.x + std::fmod(std::fmod(origin.x() - area.x, step) + step, step); x < area.right();
+       x += step)
     canvas.line({x, area.y}, {x, area.bottom()}, line);
-  for (double y = area.y + std::fmod(std::fmod(origin.y() - area.y, step) + step, step); y < area.bottom(); y += step)
+  for (double y = area.y + std::fmod(std::fmod(origin.y() - area.y, step) + step, step); y < area.bottom();
+       y += step)
     canvas.line({area.x, y}, {area.right(), y}, line);
 }
 
@@ -117,12 +122,15 @@ void draw_scale_bar(Canvas& canvas, const Box& area, double pixels_per_metre, La
   const Stroke bar{.colour = kInk, .width = 2.4};
   canvas.line(left, right, bar);
   for (const Px& end : {left, right}) canvas.line(end - Px(0, 5), end + Px(0, 5), bar);
-  const std::string words = metres < 0.995 ? fmt::format("{:g} cm", 100 * metres) : fmt::format("{:g} m", metres);
-  canvas.text((left + right) / 2 - Px(0, 9), words, {.size = 15, .colour = kInk, .align = Align::Middle, .halo = kWhite});
+  const std::string words =
+      metres < 0.995 ? fmt::format("{:g} cm", 100 * metres) : fmt::format("{:g} m", metres);
+  canvas.text((left + right) / 2 - Px(0, 9), words,
+              {.size = 15, .colour = kInk, .align = Align::Middle, .halo = kWhite});
   labels.keep_clear(Box{left.x(), left.y() - 28, std::max(length, 60.0), 36});
 }
 
-void draw_camera(Canvas& canvas, const Box& area, const GroundMap& map, const ScenePicture& what, Labels& labels) {
+void draw_camera(Canvas& canvas, const Box& area, const GroundMap& map, const ScenePicture& what,
+                 Labels& labels) {
   if (!what.cloud) return;
   // at its place if that is in view, else on the rim in its direction
   const Px place = map.at(what.cloud->X_WC.translation());
@@ -152,36 +160,41 @@ void draw_footprint(Canvas& canvas, const GroundMap& map, const perception::Targ
   }
 }
 
-void draw_ball_with_spread(Canvas& canvas, const GroundMap& map, const Vec3& p, const Eigen::Matrix3d& covariance,
-                           const Colour& colour) {
+void draw_ball_with_spread(Canvas& canvas, const GroundMap& map, const Vec3& p,
+                           const Eigen::Matrix3d& covariance, const Colour& colour) {
   const Eigen::Matrix2d spread = map.spread(covariance);
   if (spread.allFinite() && spread.trace() > 1e-6)
-    canvas.ellipse(map.at(p), ellipse_of(spread, kSigmas), colour.with_alpha(0.25), {.colour = colour, .width = 1.6});
+    canvas.ellipse(map.at(p), ellipse_of(spread, kSigmas), colour.with_alpha(0.25),
+                   {.colour = colour, .width = 1.6});
   draw_ball(canvas, map.at(p), 8, colour);
 }
 
-void draw_hand(Canvas& canvas, const GroundMap& map, const planner::GraspCandidate& c, const ScenePicture& what) {
+void draw_hand(Canvas& canvas, const GroundMap& map, const planner::GraspCandidate& c,
+               const ScenePicture& what) {
   const Vec3 palm = c.position - what.palm_gap_m * c.approach, half = 0.5 * what.hand_opening_m * c.closing;
   const Vec3 reach = (what.palm_gap_m + 0.05) * c.approach;
   const Stroke limb{.colour = kInk, .width = 3.4, .halo = kWhite, .halo_width = 1.4};
   canvas.line(map.at(palm - 0.08 * c.approach), map.at(palm), limb);
-  canvas.polyline({map.at(palm + half + reach), map.at(palm + half), map.at(palm - half), map.at(palm - half + reach)},
-                  false, limb);
+  canvas.polyline(
+      {map.at(palm + half + reach), map.at(palm + half), map.at(palm - half), map.at(palm - half + reach)},
+      false, limb);
   draw_mark(canvas, map.at(c.position), 7, MarkShape::Disc, kRobot);
 }
 
 // Line between both grasps with the foot of the centre of gravity on it: its two parts are the levers.
-void draw_levers(Canvas& canvas, const GroundMap& map, const Vec3& partner, const Vec3& robot, const Vec3& cog,
-                 Labels& labels) {
+void draw_levers(Canvas& canvas, const GroundMap& map, const Vec3& partner, const Vec3& robot,
+                 const Vec3& cog, Labels& labels) {
   const Px a = map.metres(partner), b = map.metres(robot), g = map.metres(cog);
   const Px ab = b - a;
   const double length = ab.norm();
   if (length < 0.02) return;
   const double t = (g - a).dot(ab) / (length * length);
   const Px foot = a + t * ab, e = ab / length;
-  canvas.line(map.on(a), map.on(b), {.colour = kInk, .width = 2.4, .halo = kWhite.with_alpha(0.8), .halo_width = 1.4});
+  canvas.line(map.on(a), map.on(b),
+              {.colour = kInk, .width = 2.4, .halo = kWhite.with_alpha(0.8), .halo_width = 1.4});
   if ((g - foot).norm() * map.scale() > 4)
-    canvas.line(map.on(g), map.on(foot), {.colour = kInk, .width = 1.4, .dashes = {3, 3}, .halo = kWhite, .halo_width = 1.0});
+    canvas.line(map.on(g), map.on(foot),
+                {.colour = kInk, .width = 1.4, .dashes = {3, 3}, .halo = kWhite, .halo_width = 1.0});
   const Px tick = 6.0 / map.scale() * Px(-e.y(), e.x());
   canvas.line(map.on(Px(foot + tick)), map.on(Px(foot - tick)), {.colour = kInk, .width = 2.0});
   if (t <= 0.02 || t >= 0.98) return;
@@ -191,8 +204,10 @@ void draw_levers(Canvas& canvas, const GroundMap& map, const Vec3& partner, cons
                {.size = 16, .colour = kRobot.towards(kInk, 0.3), .bold = true, .halo = kWhite}, 8, true);
 }
 
-void draw_optimum_line(Canvas& canvas, const Box& area, const GroundMap& map, const ScenePicture& what, const Vec3& cog) {
-  const Stroke dashed{.colour = kInk, .width = 1.6, .dashes = {7, 5}, .halo = kWhite.with_alpha(0.8), .halo_width = 1.2};
+void draw_optimum_line(Canvas& canvas, const Box& area, const GroundMap& map, const ScenePicture& what,
+                       const Vec3& cog) {
+  const Stroke dashed{
+      .colour = kInk, .width = 1.6, .dashes = {7, 5}, .halo = kWhite.with_alpha(0.8), .halo_width = 1.2};
   canvas.line(map.at(what.partner->position), map.at(cog), dashed);
   if (!what.optimum || !finite(*what.optimum)) return;
   canvas.line(map.at(cog), map.at(*what.optimum), dashed);
@@ -201,14 +216,17 @@ void draw_optimum_line(Canvas& canvas, const Box& area, const GroundMap& map, co
 
 }  // namespace
 
-bool has_top_view(const ScenePicture& what) { return !all_points(what).empty(); }
+bool has_top_view(const ScenePicture& what) {
+  return !all_points(what).empty();
+}
 
 void draw_top_view(Canvas& canvas, const Box& area, const ScenePicture& what) {
   const Canvas::Clip inside(canvas, area);
   canvas.fill(area, kPaper, 6);
   std::vector<Vec3> points = all_points(what);
   if (points.empty()) {
-    canvas.text(area.center(), "nothing to see from above", {.size = 16, .colour = kSoftInk, .align = Align::Middle});
+    canvas.text(area.center(), "nothing to see from above",
+                {.size = 16, .colour = kSoftInk, .align = Align::Middle});
     return;
   }
   GroundMap map(what, area);
@@ -237,14 +255,17 @@ void draw_top_view(Canvas& canvas, const Box& area, const ScenePicture& what) {
     const double radius = what.candidates->size() > 100 ? 2.8 : 4.0;
     for (const bool possible : {false, true})
       for (const planner::GraspCandidate& c : *what.candidates)
-        if (finite(c.position) && c.verdict != planner::Verdict::Chosen && (c.verdict == planner::Verdict::Ok) == possible)
+        if (finite(c.position) && c.verdict != planner::Verdict::Chosen &&
+            (c.verdict == planner::Verdict::Ok) == possible)
           draw_mark(canvas, map.at(c.position), possible ? radius : 0.8 * radius, style_of(c.verdict).shape,
                     style_of(c.verdict).colour);
   }
   const planner::GraspCandidate* chosen = chosen_of(what);
   if (target && what.partner) draw_optimum_line(canvas, area, map, what, target->cog);
   if (chosen) draw_hand(canvas, map, *chosen, what);
-  const auto keep = [&](const Vec3& p) { labels.keep_clear(Box{map.at(p).x(), map.at(p).y(), 0, 0}.grown(11)); };
+  const auto keep = [&](const Vec3& p) {
+    labels.keep_clear(Box{map.at(p).x(), map.at(p).y(), 0, 0}.grown(11));
+  };
   if (chosen) keep(chosen->position);
   if (target) keep(target->cog);
   if (what.partner) keep(what.partner->position);
@@ -252,7 +273,8 @@ void draw_top_view(Canvas& canvas, const Box& area, const ScenePicture& what) {
     draw_levers(canvas, map, what.partner->position, chosen->position, target->cog, labels);
   if (chosen) draw_mark(canvas, map.at(chosen->position), 7, MarkShape::Disc, kRobot);
   if (target) draw_ball_with_spread(canvas, map, target->cog, target->cog_covariance, kCog);
-  if (what.partner) draw_ball_with_spread(canvas, map, what.partner->position, what.partner->covariance, kPartner);
+  if (what.partner)
+    draw_ball_with_spread(canvas, map, what.partner->position, what.partner->covariance, kPartner);
 }
 
 hal::Result<> write_top_view(const std::filesystem::path& png, const ScenePicture& what, int side_px) {

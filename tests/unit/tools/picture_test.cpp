@@ -6,8 +6,8 @@
 #include <limits>
 #include <string>
 
-#include "sim_hal/mock/ray_caster.hpp"
 #include "sim_hal/mock/kinect_noise.hpp"
+#include "sim_hal/mock/ray_caster.hpp"
 #include "sim_hal/mock/shapes.hpp"
 #include "tools/picture/canvas.hpp"
 #include "tools/picture/frame_raster.hpp"
@@ -52,8 +52,8 @@ struct Example {
     target.cog = {0, 0, 0.15};
     target.cog_covariance = 1e-4 * Eigen::Matrix3d::Identity();
     scene.target = target;
-    scene.surfaces.push_back(perception::Rectangle{{-0.15, 0, 0.15}, -hal::Vec3::UnitX(), -hal::Vec3::UnitY(),
-                                                   hal::Vec3::UnitZ(), {0.5, 0.3}, 1.0});
+    scene.surfaces.push_back(perception::Rectangle{
+        {-0.15, 0, 0.15}, -hal::Vec3::UnitX(), -hal::Vec3::UnitY(), hal::Vec3::UnitZ(), {0.5, 0.3}, 1.0});
     what.cloud = &cloud;
     what.scene = &scene;
     what.candidates = &candidates;
@@ -82,8 +82,8 @@ bool column_is(const Canvas& canvas, int x, const Colour& colour) {
 }
 
 std::uint32_t big_endian(const std::vector<std::uint8_t>& bytes, std::size_t at) {
-  return (std::uint32_t{bytes[at]} << 24) | (std::uint32_t{bytes[at + 1]} << 16) | (std::uint32_t{bytes[at + 2]} << 8) |
-         bytes[at + 3];
+  return (std::uint32_t{bytes[at]} << 24) | (std::uint32_t{bytes[at + 1]} << 16) |
+         (std::uint32_t{bytes[at + 2]} << 8) | bytes[at + 3];
 }
 
 }  // namespace
@@ -114,7 +114,9 @@ TEST_CASE("the picture shows the frame where the camera saw it") {
   CHECK(on_top.r > on_top.b + 0.1);
   CHECK(on_floor.b > on_floor.r + 0.02);
 
-  SECTION("the same input gives the same bits") { CHECK(canvas.png() == draw_scene_picture(e.what).png()); }
+  SECTION("the same input gives the same bits") {
+    CHECK(canvas.png() == draw_scene_picture(e.what).png());
+  }
 }
 
 TEST_CASE("the grid on the ground has lines at whole multiples of its step") {
@@ -123,7 +125,8 @@ TEST_CASE("the grid on the ground has lines at whole multiples of its step") {
   const std::vector<std::uint8_t> raster = frame_raster(e.what, scale);
   const auto bright = [&](const hal::Vec3& p) {
     const auto px = e.cloud.project(p);
-    const auto x = static_cast<std::size_t>(scale * (px.u + 0.5)), y = static_cast<std::size_t>(scale * (px.v + 0.5));
+    const auto x = static_cast<std::size_t>(scale * (px.u + 0.5)),
+               y = static_cast<std::size_t>(scale * (px.v + 0.5));
     const std::uint8_t* c = raster.data() + 3 * (y * 160 * scale + x);
     return c[0] + c[1] + c[2];
   };
@@ -146,7 +149,8 @@ TEST_CASE("points of a method that knows no pixels still mark the target") {
   no_pixels.pixels.clear();
   const std::vector<std::uint8_t> by_points = target_mask(e.cloud, no_pixels);
   std::size_t both = 0, either = 0;
-  for (std::size_t i = 0; i < by_pixels.size(); ++i) both += by_pixels[i] && by_points[i], either += by_pixels[i] || by_points[i];
+  for (std::size_t i = 0; i < by_pixels.size(); ++i)
+    both += by_pixels[i] && by_points[i], either += by_pixels[i] || by_points[i];
   CHECK(static_cast<double>(both) > 0.85 * static_cast<double>(either));
 }
 
@@ -154,7 +158,8 @@ TEST_CASE("a frame without a target shows the reason, whole, however long it is"
   Example e;
   e.scene.target.reset();
   e.scene.surfaces.clear();
-  for (int i = 0; i < 60; ++i) e.what.because += " and nothing that stands free on the ground was larger than 50 cm2";
+  for (int i = 0; i < 60; ++i)
+    e.what.because += " and nothing that stands free on the ground was larger than 50 cm2";
   e.what.because += " " + std::string(200, 'W');
   e.what.notes.assign(3, std::string(400, 'n'));
   const Canvas canvas = draw_scene_picture(e.what);
@@ -173,7 +178,8 @@ TEST_CASE("places that cannot be drawn are left out and do no harm") {
   behind.verdict = planner::Verdict::Chosen;
   e.candidates = {lost, behind};
   e.scene.target->cog_covariance.setConstant(nan);
-  e.what.partner = perception::PartnerGrasp{{-1.4, 0, 1.0}, Eigen::Matrix3d::Zero(), 0};  // in the camera's centre
+  e.what.partner =
+      perception::PartnerGrasp{{-1.4, 0, 1.0}, Eigen::Matrix3d::Zero(), 0};  // in the camera's centre
   e.what.optimum = hal::Vec3(1e6, 0, 0);
   e.what.partner_pixels = {4'000'000'000u};
   e.what.share = 1.7;
@@ -243,7 +249,8 @@ TEST_CASE("the uncertainty ellipse has the covariance it was made from") {
 
 TEST_CASE("bytes that are no UTF-8 become question marks") {
   CHECK(valid_utf8("Höhe 1 m") == "Höhe 1 m");
-  CHECK(valid_utf8("a\xFF" "b\xC3") == "a?b?");
+  CHECK(valid_utf8("a\xFF"
+                   "b\xC3") == "a?b?");
   CHECK(valid_utf8("\xED\xA0\x80") == "???");  // half of a surrogate pair
   CHECK(valid_utf8("a\x01\x7F") == "a  ");
 }
@@ -273,7 +280,8 @@ TEST_CASE("a report holds its pictures and puts the best candidates first") {
   report.candidates.push_back({.id = 1, .verdict = Verdict::Collision, .because = "row one"});
   report.candidates.push_back({.id = 2, .verdict = Verdict::Ok, .cost = 9.0, .because = "row two"});
   report.candidates.push_back({.id = 3, .verdict = Verdict::Ok, .cost = 2.0, .because = "row three"});
-  report.candidates.push_back({.id = 4, .verdict = Verdict::Chosen, .share = 0.525, .cost = 1.0, .because = "row four"});
+  report.candidates.push_back(
+      {.id = 4, .verdict = Verdict::Chosen, .share = 0.525, .cost = 1.0, .because = "row four"});
   report.timing = {{"ground", 1.25}, {"target", 0.0}};
   const std::string page = report_html(report);
   for (const char* part : {"base64,TWFu\"", "base64,TWE=\"", "base64,TQ==\"", "52.5 %", "1.25 ms"}) {

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "hal/types/geometry.hpp"
+
+namespace colift::perception {
+
+/// A straight edge of an object: point + t direction with t from begin to end (m).
+struct EdgeLine {
+  Eigen::Vector3f point = Eigen::Vector3f::Zero();
+  Eigen::Vector3f direction = Eigen::Vector3f::UnitX();
+  float begin = 0.0F, end = 0.0F;
+  bool corner = false;  ///< Two faces are seen to meet here; else a face just ends.
+};
+
+/// Axis and radius of a round bar (m).
+struct RoundBar {
+  Eigen::Vector3f point = Eigen::Vector3f::Zero(), direction = Eigen::Vector3f::UnitX();
+  float radius = 0.0F;
+};
+
+/// A flat part: normal towards the camera.
+struct Face {
+  Eigen::Vector3f point = Eigen::Vector3f::Zero(), normal = Eigen::Vector3f::UnitZ();
+  int points = 0;
+};
+
+/// What an object looks like within a radius of a place: its faces, straight edges, or the round bar that it is. Read
+/// from a surface thinned to some hundred points, so that it can be asked for every frame (some 10 us).
+class LocalShape {
+ public:
+  LocalShape(std::span<const Eigen::Vector3f> surface, std::span<const Eigen::Vector3f> outline,
+             const Eigen::Vector3f& eye, const Eigen::Vector3f& place, float radius_m);
+
+  [[nodiscard]] const std::vector<Face>& faces() const { return faces_; }
+  [[nodiscard]] const std::vector<EdgeLine>& edges() const { return edges_; }
+  [[nodiscard]] const std::optional<RoundBar>& round_bar() const { return bar_; }
+
+ private:
+  void find_faces();
+  void find_corners();
+  void find_rims();
+  void find_bar();
+
+  Eigen::Vector3f eye_;
+  float radius_;
+  std::vector<Eigen::Vector3f> surface_, outline_;  ///< Within the radius, about the place.
+  Eigen::Vector3f place_;
+  std::vector<std::int8_t> face_of_;
+  std::vector<Face> faces_;
+  std::vector<EdgeLine> edges_;
+  std::optional<RoundBar> bar_;
+};
+
+}  // namespace colift::perception

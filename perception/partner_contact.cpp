@@ -1,0 +1,162 @@
+#include "perception/partner_contact.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "perception/local_shape.hpp"
+
+namespace colift::perception {
+namespace {
+
+// Breadth of a palm with four fingers (m): hand breadth of adults at the metacarpals.
+constexpr float kHandBreadth_m = 0.082F;
+// Only the camera's side of a finger is seen; its middle lies one radius behind.
+constexpr float kFingerRadius_m = 0.010F;
+constexpr float kLocal_m = 0.16F;
+constexpr float kFromEnd_m = 0.03F;
+// Half the thickness of a board that people carry (m).
+constexpr float kHalfBoard_m = 0.012F;
+
+struct Along {
+  float middle = 0.0F, extent = 0.0F;
+  float end_on = 0.0F;  ///< 0: seen from the side; 1: one end of the hand hides the other.
+};
+
+// Where along a line the hand is: the window of a hand's breadth that holds most of it. Thumb and wrist stick out of
+// it. When less than a breadth is seen, the window can be pushed to and fro: its middle place, or, when the line runs
+// away from the camera, the farther one, as the near end of the hand hides the far one.
+Along place_along(std::span<const HandPoint> hand, const EdgeLine& line, const Eigen::Vector3f& eye, float near_m,
+                  float far_m) {
+  constexpr int kBins = 240;
+  constexpr float kBin_m = 0.002F;
+  std::array<float, kBins> bins{};
+  const Eigen::Vector3f d = line.direction;
+  const Eigen::Vector3f at = hand.front().on_object;
+  const float origin = d.dot(at - line.point) - 0.5F * kBins * kBin_m;
+  float total = 0.0F;
+  for (const HandPoint& h : hand) {
+    const Eigen::Vector3f p = h.point + kFingerRadius_m * (h.point - eye).normalized() - line.point;
+    const float t = d.dot(p);
+    const float off = (p - t * d).norm();
+    const float weight = h.area_m2 * std::clamp((far_m - off) / (far_m - near_m), 0.0F, 1.0F);
+    const int bin = static_cast<int>((t - origin) / kBin_m);
+    if (bin < 0 || bin >= kBins) continue;
+    bins[static_cast<std::size_t>(bin)] += weight;
+    total += weight;
+  }
+  Along along;
+  if (total <= 0.0F) {
+    along.middle = d.dot(at - line.point);
+    return along;
+  }
+  // the side that faces the camera has more pixels, but not more hand: what a bin counts is bounded
+  const float cap = 1.5F * total / (kHandBreadth_m / kBin_m);
+  std::array<float, kBins + 1> sum{};
+  for (std::size_t i = 0; i < kBins; ++i) sum[i + 1] = sum[i] + std::min(bins[i], cap);
+  constexpr int kWindow = static_cast<int>(kHandBreadth_m / kBin_m + 0.5F);
+  float best = 0.0F;
+  for (int i = 0; i + kWindow <= kBins; ++i)
+    best = std::max(best, sum[static_cast<std::size_t>(i + kWindow)] - sum[static_cast<std::size_t>(i)]);
+  int first = -1, last = -1;
+  for (int i = 0; i + kWindow <= kBins; ++i) {
+    const float in = sum[static_cast<std::size_t>(i + kWindow)] - sum[static_cast<std::size_t>(i)];
+    if (in < 0.97F * best) continue;
+    if (first < 0) first = i;
+    last = i;
+  }
+  const float slack = static_cast<float>(last - first) * kBin_m;
+  along.extent = std::max(0.0F, kHandBreadth_m - slack);
+  const Eigen::Vector3f sight = (at - eye).normalized();
+  const float away = d.dot(sight);
+  along.end_on = std::clamp((std::abs(away) - 0.3F) / 0.5F, 0.0F, 1.0F);
+  along.middle = origin + (0.5F * static_cast<float>(first + last) + 0.5F * kWindow) * kBin_m;
+  along.middle += 0.5F * slack * along.end_on * (away > 0.0F ? 1.0F : -1.0F);
+  return along;
+}
+
+// How tightly a hand encloses a line: mean distance of its points, bounded, in m.
+float tightness(std::span<const HandPoint> hand, const EdgeLine& line) {
+  constexpr float kFar_m = 0.10F;
+  float sum = 0.0F, area = 0.0F;
+  for (const HandPoint& h : hand) {
+    const Eigen::Vector3f p = h.point - line.point;
+    const float off = std::sqrt(std::max(0.0F, p.squaredNorm() - std::pow(line.direction.dot(p), 2.0F)));
+    sum += h.area_m2 * std::min(off, kFar_m);
+    area += h.area_m2;
+  }
+  return sum / area;
+}
+
+Eigen::Matrix3d spread(const Eigen::Vector3f& direction, double along_m, double across_m) {
+  const Vec3 d = direction.cast<double>();
+  return across_m * across_m * Eigen::Matrix3d::Identity() +
+         (along_m * along_m - across_m * across_m) * d * d.transpose();
+}
+
+ContactEstimate on_bar(std::span<const HandPoint> hand, const RoundBar& bar, const Eigen::Vector3f& eye, double sigma) {
+  const EdgeLine axis{bar.point, bar.direction, -1.0F, 1.0F};
+  const Along along = place_along(hand, axis, eye, bar.radius + 0.03F, bar.radius + 0.05F);
+  // the palm is what stands off farthest; fingers and thumb lie on both sides of it
+  const Eigen::Vector3f middle = bar.point + along.middle * bar.direction;
+  Eigen::Vector3f palm = Eigen::Vector3f::Zero();
+  for (const HandPoint& h : hand) {
+    const Eigen::Vector3f p = h.point - bar.point;
+    const float t = bar.direction.dot(p);
+    if (std::abs(t - along.middle) > 0.5F * kHandBreadth_m) continue;
+    const Eigen::Vector3f radial = p - t * bar.direction;
+    const float high = radial.norm() - bar.radius;
+    if (high < 0.0F || high > 0.042F) continue;
+    palm += h.area_m2 * std::clamp((high - 0.016F) / 0.010F, 0.03F, 1.0F) * radial.normalized();
+  }
+  if (palm.norm() < 1e-9F) palm = eye - middle;
+  ContactEstimate e;
+  e.part = HeldPart::Bar;
+  e.position = (middle + bar.radius * palm.normalized()).cast<double>();
+  e.covariance = spread(bar.direction, std::hypot(0.012, sigma), std::hypot(0.3 * bar.radius, sigma));
+  return e;
+}
+
+}  // namespace
+
+ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedObject& object, double depth_sigma_m) {
+  Eigen::Vector3f on_object = Eigen::Vector3f::Zero();
+  float area = 0.0F;
+  for (const HandPoint& h : hand) {
+    on_object += h.area_m2 * h.on_object;
+    area += h.area_m2;
+  }
+  on_object /= area;
+
+  LocalShape shape(object.surface, object.outline, object.eye, on_object, kLocal_m);
+  if (const auto bar = shape.round_bar()) return on_bar(hand, *bar, object.eye, depth_sigma_m);
+
+  ContactEstimate e;
+  const EdgeLine* best = nullptr;
+  float tightest = 0.085F;
+  for (const EdgeLine& line : shape.edges()) {
+    const Along here = place_along(hand, line, object.eye, 0.03F, 0.07F);
+    // half a hand does not fit beside the end of an edge
+    const float beyond = std::max(line.begin + kFromEnd_m - here.middle, here.middle - line.end + kFromEnd_m);
+    const float tight = tightness(hand, line) + std::max(0.0F, beyond);
+    const float t = here.middle;
+    if (getenv("DBG")) printf("   edge %d at %.3f %.3f %.3f dir %.2f %.2f %.2f  %.3f..%.3f t %.3f tight %.1f\n", line.corner, line.point.x(), line.point.y(), line.point.z(), line.direction.x(), line.direction.y(), line.direction.z(), line.begin, line.end, t, 1e3*tight);
+    if (tight >= tightest) continue;
+    tightest = tight;
+    best = &line;
+  }
+  if (best == nullptr) {
+    e.position = on_object.cast<double>();
+    e.covariance = spread(Eigen::Vector3f::UnitX(), 0.03, 0.03);
+    return e;
+  }
+  const Along along = place_along(hand, *best, object.eye, 0.03F, 0.07F);
+  e.part = best->corner ? HeldPart::Corner : HeldPart::Rim;
+  e.position = (best->point + along.middle * best->direction).cast<double>();
+  e.covariance = spread(best->direction, std::hypot(0.012, depth_sigma_m), std::hypot(0.006, depth_sigma_m));
+  return e;
+}
+
+}  // namespace colift::perception

@@ -1,0 +1,214 @@
+// The program as a user starts it: exit codes, one JSON document on stdout, one sentence on stderr.
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace {
+
+using Json = nlohmann::json;
+
+struct Run {
+  int code = -1;
+  std::string out, err;
+};
+
+std::filesystem::path scratch() {
+  static const std::filesystem::path dir = [] {
+    auto d = std::filesystem::temp_directory_path() / ("colift-program-" + std::to_string(::getpid()));
+    std::filesystem::create_directories(d);
+    return d;
+  }();
+  return dir;
+}
+
+std::string slurp(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+Run colift(const std::string& arguments) {
+  const auto out = scratch() / "out", err = scratch() / "err";
+  const std::string command = std::string(COLIFT_PROGRAM) + " " + arguments + " >" + out.string() + " 2>" + err.string();
+  const int status = std::system(command.c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), slurp(out), slurp(err)};
+}
+
+const std::string kReal = std::string(COLIFT_TEST_DATA) + "/real/";
+const std::string kCan = kReal + "05_can_on_table/depth.png";
+const std::string kLaptop = kReal + "02_laptop_and_box/depth_0.png";
+
+bool unit(const Json& v) {
+  double square = 0;
+  for (const auto& x : v) square += x.get<double>() * x.get<double>();
+  return std::abs(square - 1.0) < 1e-6;
+}
+
+}  // namespace
+
+TEST_CASE("look prints one JSON document of the agreed form", "[program]") {
+  const Run r = colift("look " + kLaptop + " --json --quiet");
+  CHECK(r.code == 0);
+  const Json j = Json::parse(r.out);
+  CHECK(j["schema"] == "colift.look/1");
+  CHECK(j["method"] == "fast");
+  CHECK(j["points"] == 307200);
+  CHECK(unit(j["ground"]["normal"]));
+  for (const char* key : {"points", "aabb", "obb", "cog", "cog_sigma", "shape"}) CHECK(j["target"].contains(key));
+  CHECK(j["target"]["obb"]["axes"].size() == 3);
+  CHECK_FALSE(j["surfaces"].empty());
+  CHECK_FALSE(j["candidates"].empty());
+  int id = 0;
+  for (const auto& c : j["candidates"]) {
+    CHECK(c["id"] == id++);
+    CHECK(unit(c["approach"]));
+    CHECK(unit(c["closing"]));
+    CHECK((c["verdict"] == "ok" || c.contains("because")));
+  }
+  for (const char* key : {"ground", "target", "surfaces", "candidates", "total"}) CHECK(j["timing_ms"][key].is_number());
+}
+
+TEST_CASE("a frame without a target is a finding, exit code 1", "[program]") {
+  const Run r = colift("look " + kReal + "04_five_people/depth.png --json");
+  CHECK(r.code == 1);
+  const Json j = Json::parse(r.out);
+  CHECK(j["target"].is_null());
+  CHECK(j["candidates"].empty());
+  CHECK(j["because"].get<std::string>().find("no target") == 0);
+}
+
+TEST_CASE("results are in the robot's frame when the camera's pose is known", "[program]") {
+  // the camera one metre above the floor, looking along the base's x axis and 35 degrees down
+  const Run r = colift("look " + kLaptop + " --json --camera-pose 0,0,1,-0.64086,0.64086,-0.29884,0.29884");
+  INFO(r.err);
+  REQUIRE((r.code == 0 || r.code == 1));
+  const Json j = Json::parse(r.out);
+  if (!j["ground"].is_null()) CHECK(j["ground"]["normal"][2].get<double>() > 0.9);
+}
+
+TEST_CASE("decide names the chosen candidate and says why", "[program]") {
+  const Run r = colift("decide " + kLaptop + " --partner -0.27,-0.03,0.78 --json");
+  CHECK(r.code == 0);
+  const Json j = Json::parse(r.out);
+  CHECK(j["schema"] == "colift.decide/1");
+  const int chosen = j["decision"]["candidate"];
+  int marked = 0;
+  for (const auto& c : j["candidates"]) {
+    if (c["verdict"] != "chosen") continue;
+    ++marked;
+    CHECK(c["id"] == chosen);
+  }
+  CHECK(marked == 1);
+  CHECK(j["decision"]["because"].get<std::string>().size() > 40);
+  for (const auto& c : j["candidates"])
+    if (c["verdict"] == "ok") CHECK(c["cost"].get<double>() >= j["decision"]["cost"].get<double>());
+}
+
+TEST_CASE("a larger wanted share moves the choice towards the centre of gravity", "[program]") {
+  const auto share = [](const char* s) {
+    const Run r = colift("decide " + kLaptop + " --partner -0.27,-0.03,0.78 --json --share " + s);
+    REQUIRE(r.code == 0);
+    return Json::parse(r.out)["decision"]["share"].get<double>();
+  };
+  CHECK(share("0.7") > share("0.3"));
+}
+
+TEST_CASE("the same frame gives the same decision, but for the times", "[program]") {
+  const auto once = [] {
+    Json j = Json::parse(colift("decide " + kLaptop + " --partner -0.27,-0.03,0.78 --json").out);
+    j.erase("timing_ms");
+    return j;
+  };
+  CHECK(once() == once());
+}
+
+TEST_CASE("picture and report are written", "[program]") {
+  const auto png = scratch() / "p.png", html = scratch() / "r.html";
+  const Run r = colift("decide " + kLaptop + " --partner -0.27,-0.03,0.78 --quiet --png " + png.string() + " --report " + html.string());
+  CHECK(r.code == 0);
+  CHECK(slurp(png).substr(1, 3) == "PNG");
+  CHECK(slurp(html).find("<html") != std::string::npos);
+}
+
+TEST_CASE("what is wrong is said in one line with the place, exit code 2", "[program]") {
+  const auto [arguments, words] = GENERATE(table<std::string, std::string>({
+      {"", "see colift --help"},
+      {"frobnicate", "\"frobnicate\" is no command"},
+      {"look", "CLOUD is required"},
+      {"look /no/such.pcd", "/no/such.pcd: there is no such file"},
+      {"look " + kReal, "directory"},
+      {"look " + kCan + " --method quick", "--method"},
+      {"look " + kCan + " --camera-pose 1,2,3", "--camera-pose: \"1,2,3\" has 3 numbers, 7 were expected"},
+      {"look " + kCan + " --camera-pose 0,0,0,0,0,0,2", "length 2"},
+      {"look " + kCan + " --at 1,2,inf", "--at"},
+      {"look " + kCan + " --png /no/such/dir/x.png", "/no/such/dir"},
+      {"look " + kCan + " --set ground.max_tlit_deg=3", "max_tilt_deg"},
+      {"look " + kCan + " --config /no/such.yaml", "/no/such.yaml"},
+      {"decide " + kCan, "--partner"},
+      {"decide " + kCan + " --partner 1,2", "2 numbers"},
+      {"decide " + kCan + " --partner 0,0,0.6 --share 1", "--share"},
+      {"decide " + kCan + " --partner 0,0,0.6 --share 0.5 --epsilon 1", "--epsilon"},
+      {"decide " + kCan + " --partner 0,0,0.6 --epsilon 0", "--epsilon"},
+      {"decide " + kCan + " --partner-cloud /no/such.pcd", "/no/such.pcd"},
+      {"rank /no/such.json", "/no/such.json"},
+      {"check --set a.b=1", "--set a.b=1"},
+  }));
+  const Run r = colift(arguments);
+  INFO(arguments << "\n" << r.err);
+  CHECK(r.code == 2);
+  CHECK(r.err.find(words) != std::string::npos);
+  CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+}
+
+TEST_CASE("every broken file is refused in one line", "[program]") {
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(std::string(COLIFT_TEST_DATA) + "/bad")) {
+    if (!entry.is_regular_file() || entry.path().extension() == ".json" || entry.path().extension() == ".md") continue;
+    const Run r = colift("look '" + entry.path().string() + "' --json");
+    INFO(entry.path() << "\n" << r.err);
+    CHECK(r.code == 2);
+    CHECK(r.out.empty());
+    CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+    ++files;
+  }
+  CHECK(files > 20);
+}
+
+TEST_CASE("rank answers the documented example", "[program]") {
+  const auto problem = scratch() / "problem.json";
+  std::ofstream(problem) << R"({"cog":[0,0,0],"partner":[-0.4,0,0],"candidates":[[0.4,0,0],[0.2,0,0]],"wrenches":[[0,0,40,0,0,0]],
+    "weights":{"epsilon":1,"omega1":1,"omega2":1}})";
+  const Run r = colift("rank " + problem.string() + " --json");
+  CHECK(r.code == 0);
+  const Json j = Json::parse(r.out);
+  CHECK(j["best"] == 0);
+  CHECK(j["ranking"][0]["cost"].get<double>() == Approx(800.0).epsilon(1e-9));
+  CHECK(j["ranking"][0]["share"].get<double>() == Approx(0.5).epsilon(1e-9));
+}
+
+TEST_CASE("check prints a configuration that loads back", "[program]") {
+  const Run first = colift("check --set decision.near_partner_m=0.2");
+  REQUIRE(first.code == 0);
+  const auto file = scratch() / "effective.yaml";
+  std::ofstream(file) << first.out;
+  const Run second = colift("check --config " + file.string() + " --json");
+  INFO(second.err);
+  REQUIRE(second.code == 0);
+  CHECK(Json::parse(second.out)["config"].get<std::string>().find("near_partner_m: 0.2") != std::string::npos);
+}
+
+TEST_CASE("--version and --help are not errors", "[program]") {
+  CHECK(colift("--version").out.find("colift 0.") == 0);
+  for (const char* help : {"--help", "look --help", "decide --help", "rank --help", "check --help"}) {
+    const Run r = colift(help);
+    CHECK(r.code == 0);
+    CHECK(r.out.size() > 200);
+  }
+}

@@ -1,0 +1,76 @@
+#include <catch2/catch.hpp>
+
+#include "views.hpp"
+
+using namespace colift;
+using namespace colift::perception;
+using sim_hal::Label;
+using sim_hal::ObjectKind;
+
+TEST_CASE("the radius of pipes on the floor is right to 5 mm", "[surfaces][cylinder]") {
+  std::vector<double> radius, length, axis;
+  int found = 0;
+  constexpr int kScenes = 30;
+  for (std::uint64_t seed = 1; seed <= kScenes; ++seed) {
+    const View view(ObjectKind::Pipe, seed);
+    const sim_hal::TrueCylinder& truth = view.scene.cylinders[0];
+    const auto cylinders = cylinders_of(view.surfaces());
+    if (cylinders.empty()) continue;
+    ++found;
+    CHECK(cylinders.size() == 1);
+    radius.push_back(std::abs(cylinders[0].radius - truth.radius));
+    length.push_back(std::abs(cylinders[0].length - truth.length));
+    axis.push_back(std::min(angle_deg(cylinders[0].axis, truth.axis), angle_deg(-cylinders[0].axis, truth.axis)));
+  }
+  CHECK(found >= 28);
+  CHECK(quantile(radius, 0.95) <= 0.005);
+  CHECK(quantile(radius, 0.5) <= 0.003);
+  CHECK(quantile(axis, 0.9) < 0.6);
+  CHECK(quantile(length, 0.5) < 0.01);
+}
+
+TEST_CASE("a cylinder is found however it lies, with its true radius at 1.5 m", "[surfaces][cylinder]") {
+  struct Case {
+    Vec3 center, axis;
+    double radius, length;
+  };
+  for (const Case& c : {Case{{0, 0, 0.25}, {0, 0, 1}, 0.04, 0.5}, Case{{0, 0, 0.3}, {0, 0, 1}, 0.12, 0.6},
+                        Case{{0, 0, 0.4}, {0.2, 0.8, 0.5}, 0.05, 0.8}, Case{{0, 0, 0.05}, {0.3, 1, 0}, 0.05, 0.9},
+                        Case{{0, 0, 0.3}, {0.3, 0.3, 1}, 0.06, 0.6}, Case{{0, 0, 0.15}, {0, 1, 0}, 0.14, 0.6}}) {
+    const Vec3 axis = c.axis.normalized();
+    const View view(scene_of({sim_hal::cylinder(c.center, axis, c.radius, c.length, Label::Target)}, {1.25, 0.3, 1.1}, c.center), 1);
+    const auto cylinders = cylinders_of(view.surfaces());
+    INFO("radius " << c.radius << " axis " << axis.transpose());
+    REQUIRE(cylinders.size() == 1);
+    CHECK(std::abs(cylinders[0].radius - c.radius) <= 0.005);
+    CHECK(std::abs(cylinders[0].axis.dot(axis)) > std::cos(1.0 * kDegrees));
+    CHECK(std::abs(cylinders[0].length - c.length) < 0.03);
+    const Vec3 d = cylinders[0].center - c.center;
+    CHECK((d - axis * axis.dot(d)).norm() < 0.006);
+  }
+}
+
+TEST_CASE("square legs, box edges and slats are no cylinders", "[surfaces][cylinder]") {
+  for (const ObjectKind kind : {ObjectKind::Box, ObjectKind::OpenBox, ObjectKind::Chair, ObjectKind::Table})
+    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+      const View view(kind, seed);
+      if (!view.scene.cylinders.empty()) continue;
+      INFO(view.scene.name);
+      CHECK(cylinders_of(view.surfaces()).empty());
+    }
+}
+
+TEST_CASE("a square post is no cylinder from any side", "[surfaces][cylinder]") {
+  for (int yaw_deg = 0; yaw_deg < 90; yaw_deg += 11) {
+    const View view(scene_of({sim_hal::box({0, 0, 0.3}, {0.04, 0.04, 0.6}, yaw_deg * kDegrees, Label::Target)}, {1.4, 0, 0.9}, {0, 0, 0.3}), 1);
+    INFO("turned by " << yaw_deg << " degrees");
+    CHECK(cylinders_of(view.surfaces()).empty());
+  }
+}
+
+TEST_CASE("the lid of an upright can is a face, its mantle is none", "[surfaces][cylinder]") {
+  const View view(scene_of({sim_hal::cylinder({0, 0, 0.2}, Vec3::UnitZ(), 0.12, 0.4, Label::Target)}, {1.0, 0.2, 1.2}, {0, 0, 0.2}), 1);
+  const auto surfaces = view.surfaces();
+  REQUIRE(cylinders_of(surfaces).size() == 1);
+  for (const Rectangle& r : rectangles_of(surfaces)) CHECK(r.normal.z() > 0.95);
+}
