@@ -59,7 +59,7 @@ void look_fast(Look& out, const LookInput& input, const Config& c, Stopwatch& wa
 }  // namespace
 
 hal::Result<Look> look(LookInput input, Method method, const Config& c, const planner::HandModel& hand,
-                       const hal::Clock& clock) {
+                       const hal::Clock& clock, const std::shared_ptr<const planner::HandCollision>& hand_tables) {
   Look out;
   out.method = method;
   out.base_frame_known = input.base_frame_known;
@@ -78,7 +78,8 @@ hal::Result<Look> look(LookInput input, Method method, const Config& c, const pl
   if (out.scene.target) {
     const bool fast = method == Method::Fast;
     const planner::CandidateConfig candidates = fast ? c.candidates : planner::thesis_candidates();
-    out.finder = std::make_shared<planner::CandidateFinder>(out.scene, fast ? &out.cloud : nullptr, hand, candidates);
+    out.finder = std::make_shared<planner::CandidateFinder>(out.scene, fast ? &out.cloud : nullptr, hand, candidates,
+                                                            fast ? hand_tables : nullptr);
     out.candidates = out.finder->find();
     out.ms.candidates = watch.lap();
     out.because = planner::explain(out.candidates);

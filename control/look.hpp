@@ -48,7 +48,9 @@ struct Look {
 
 /// Frame in, scene and grasp candidates out. No ground or no target is a finding, not an error.
 /// Errors: BadConfig when the thesis method was asked for in a build without it. `clock` times the stages.
-[[nodiscard]] hal::Result<Look> look(LookInput input, Method method, const Config& config,
-                                     const planner::HandModel& hand, const hal::Clock& clock);
+/// `hand_tables` are HandCollision(hand, config.candidates.collision), made once for many looks; null makes them anew.
+[[nodiscard]] hal::Result<Look> look(LookInput input, Method method, const Config& config, const planner::HandModel& hand,
+                                     const hal::Clock& clock,
+                                     const std::shared_ptr<const planner::HandCollision>& hand_tables = nullptr);
 
 }  // namespace colift::control

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "perception/footprint.hpp"
 
@@ -18,15 +19,84 @@ struct Window {
   [[nodiscard]] int height() const { return v1 - v0 + 1; }
 };
 
+// the pixels are ascending
 Window window_of(const OrganisedCloud& cloud, const std::vector<std::uint32_t>& pixels) {
-  Window b{1 << 20, 1 << 20, -1, -1};
+  const std::uint32_t w = static_cast<std::uint32_t>(cloud.width());
+  const int top = static_cast<int>(pixels.front() / w), bottom = static_cast<int>(pixels.back() / w);
+  std::uint32_t least = w, most = 0, row = static_cast<std::uint32_t>(top) * w;
   for (const std::uint32_t p : pixels) {
-    const int u = static_cast<int>(p) % cloud.width(), v = static_cast<int>(p) / cloud.width();
-    b = {std::min(b.u0, u), std::min(b.v0, v), std::max(b.u1, u), std::max(b.v1, v)};
+    while (p >= row + w) row += w;
+    least = std::min(least, p - row);
+    most = std::max(most, p - row);
   }
-  return {std::max(0, b.u0 - 1), std::max(0, b.v0 - 1), std::min(cloud.width() - 1, b.u1 + 1),
-          std::min(cloud.height() - 1, b.v1 + 1)};
+  return {std::max(0, static_cast<int>(least) - 1), std::max(0, top - 1),
+          std::min(cloud.width() - 1, static_cast<int>(most) + 1), std::min(cloud.height() - 1, bottom + 1)};
 }
+
+// Stretches of neighbouring open pixels in the rows of a window, which hang together over their sides. A barrier is a
+// pixel of the object, or a missing one: a shadow beside the rim is no door.
+class OpenRuns {
+ public:
+  struct Run {
+    int row, first, last;  // in the window
+  };
+
+  OpenRuns(const OrganisedCloud& cloud, const Window& win, const std::vector<std::uint32_t>& pixels)
+      : outside_{0}, parent_{0} {
+    const std::size_t w = static_cast<std::size_t>(win.width()), width = static_cast<std::size_t>(cloud.width());
+    std::vector<std::uint8_t> barrier(w);
+    std::size_t next = 0, above = 0, above_end = 0;
+    for (int v = 0; v < win.height(); ++v) {
+      const std::size_t begin = static_cast<std::size_t>(v + win.v0) * width + static_cast<std::size_t>(win.u0);
+      const float* d = cloud.depth_m.data() + begin;
+      std::uint8_t* b = barrier.data();
+      for (std::size_t u = 0; u < w; ++u) b[u] = d[u] == d[u] ? 0 : 1;
+      for (; next < pixels.size() && pixels[next] < begin + w; ++next) b[pixels[next] - begin] = 1;
+
+      const std::size_t row_begin = runs_.size();
+      for (int u = find(b, 0, win.width(), 0); u < win.width();) {
+        const int end = find(b, u, win.width(), 1);
+        runs_.push_back({v, u, end - 1});
+        // the window's margin is outside
+        const bool rim = v == 0 || v == win.height() - 1 || u == 0 || end == win.width();
+        parent_.push_back(rim ? outside_ : static_cast<std::int32_t>(runs_.size()));
+        u = find(b, end, win.width(), 0);
+      }
+      for (std::size_t r = row_begin; r < runs_.size(); ++r) {
+        while (above < above_end && runs_[above].last < runs_[r].first) ++above;
+        for (std::size_t k = above; k < above_end && runs_[k].first <= runs_[r].last; ++k) unite(r + 1, k + 1);
+      }
+      above = row_begin;
+      above_end = runs_.size();
+    }
+  }
+
+  [[nodiscard]] const std::vector<Run>& runs() const { return runs_; }
+  [[nodiscard]] bool enclosed(std::size_t run) { return root(static_cast<std::int32_t>(run + 1)) != outside_; }
+
+ private:
+  static int find(const std::uint8_t* row, int from, int to, std::uint8_t byte) {
+    if (from >= to) return to;
+    const void* at = std::memchr(row + from, byte, static_cast<std::size_t>(to - from));
+    return at ? static_cast<int>(static_cast<const std::uint8_t*>(at) - row) : to;
+  }
+  std::int32_t root(std::int32_t i) {
+    while (parent_[static_cast<std::size_t>(i)] != i) {
+      const std::int32_t up = parent_[static_cast<std::size_t>(i)];
+      parent_[static_cast<std::size_t>(i)] = parent_[static_cast<std::size_t>(up)];
+      i = up;
+    }
+    return i;
+  }
+  void unite(std::size_t a, std::size_t b) {
+    const std::int32_t i = root(static_cast<std::int32_t>(a)), k = root(static_cast<std::int32_t>(b));
+    parent_[static_cast<std::size_t>(std::max(i, k))] = std::min(i, k);
+  }
+
+  std::int32_t outside_;
+  std::vector<Run> runs_;
+  std::vector<std::int32_t> parent_;  // union-find; entry 0 is the outside, entry i + 1 is run i
+};
 
 }  // namespace
 
@@ -35,36 +105,7 @@ std::vector<std::uint32_t> enclosed_pixels(const OrganisedCloud& cloud, const Gr
                                            const std::vector<std::uint8_t>& barred) {
   if (pixels.empty()) return {};
   const Window win = window_of(cloud, pixels);
-  const int w = win.width(), h = win.height();
-  // a missing pixel stops the flood too: a shadow beside the rim is no door
-  enum : std::uint8_t { kOpen, kBarrier, kOutside };
-  std::vector<std::uint8_t> state(static_cast<std::size_t>(w * h), kOpen);
-  for (int v = 0; v < h; ++v)
-    for (int u = 0; u < w; ++u)
-      if (!cloud.seen(static_cast<std::size_t>((v + win.v0) * cloud.width() + u + win.u0)))
-        state[static_cast<std::size_t>(v * w + u)] = kBarrier;
-  for (const std::uint32_t p : pixels) {
-    const int u = static_cast<int>(p) % cloud.width() - win.u0, v = static_cast<int>(p) / cloud.width() - win.v0;
-    state[static_cast<std::size_t>(v * w + u)] = kBarrier;
-  }
-
-  std::vector<int> open;
-  const auto visit = [&](int u, int v) {
-    std::uint8_t& s = state[static_cast<std::size_t>(v * w + u)];
-    if (s != kOpen) return;
-    s = kOutside;
-    open.push_back(v * w + u);
-  };
-  for (int u = 0; u < w; ++u) visit(u, 0), visit(u, h - 1);
-  for (int v = 0; v < h; ++v) visit(0, v), visit(w - 1, v);
-  while (!open.empty()) {
-    const int u = open.back() % w, v = open.back() / w;
-    open.pop_back();
-    if (u > 0) visit(u - 1, v);
-    if (u + 1 < w) visit(u + 1, v);
-    if (v > 0) visit(u, v - 1);
-    if (v + 1 < h) visit(u, v + 1);
-  }
+  OpenRuns open(cloud, win, pixels);
 
   const auto [s, t] = hal::tangents(ground.plane.normal);
   std::vector<Eigen::Vector2d> flat;
@@ -80,10 +121,11 @@ std::vector<std::uint32_t> enclosed_pixels(const OrganisedCloud& cloud, const Gr
   };
 
   std::vector<std::uint32_t> enclosed;
-  for (int v = 0; v < h; ++v) {
-    for (int u = 0; u < w; ++u) {
-      if (state[static_cast<std::size_t>(v * w + u)] != kOpen) continue;
-      const std::size_t i = static_cast<std::size_t>((v + win.v0) * cloud.width() + u + win.u0);
+  for (std::size_t r = 0; r < open.runs().size(); ++r) {
+    if (!open.enclosed(r)) continue;
+    const OpenRuns::Run& run = open.runs()[r];
+    for (int u = run.first; u <= run.last; ++u) {
+      const std::size_t i = static_cast<std::size_t>((run.row + win.v0) * cloud.width() + u + win.u0);
       if (barred[i]) continue;
       const Vec3 p = cloud.point(i);
       if (ground.plane.height(p) > -kBelow_m && over_footprint(p)) enclosed.push_back(static_cast<std::uint32_t>(i));

@@ -17,13 +17,18 @@ constexpr double kOverlap_m = 0.02;          // heights of two parts overlap by 
 constexpr double kStandsOn = 0.15;           // part of the smaller footprint over the other one
 constexpr double kSmallPart = 0.3;           // legs and struts: at most this part of the object they belong to
 
+// std::floor is a library call on plain x86-64
+std::int64_t floor_of(double x) {
+  const auto whole = static_cast<std::int64_t>(x);
+  return whole - (x < static_cast<double>(whole) ? 1 : 0);
+}
+
 struct GroundAxes {
   explicit GroundAxes(const Ground& ground) : plane(ground.plane) {
     std::tie(s, t) = hal::tangents(plane.normal);
   }
   [[nodiscard]] std::int64_t cell(const Vec3& p) const {
-    const auto i = static_cast<std::int64_t>(std::floor(s.dot(p) / kCell_m));
-    const auto j = static_cast<std::int64_t>(std::floor(t.dot(p) / kCell_m));
+    const std::int64_t i = floor_of(s.dot(p) / kCell_m), j = floor_of(t.dot(p) / kCell_m);
     return (i << 32) + (j + (std::int64_t{1} << 31));
   }
   [[nodiscard]] static Eigen::Vector2d center(std::int64_t cell) {
@@ -75,9 +80,29 @@ class Gaps {
  public:
   Gaps(const OrganisedCloud& cloud, const Components& components, const std::vector<std::int32_t>& slot, std::size_t n)
       : n_(n), square_(n * n, std::numeric_limits<float>::infinity()) {
-    const int w = cloud.width(), h = cloud.height();
-    for (int v = 0; v < h; ++v) scan(cloud, components, slot, v * w, 1, w);
-    for (int u = 0; u < w; ++u) scan(cloud, components, slot, u, w, h);
+    // the image is walked row by row; what each column saw last is kept beside it
+    const std::size_t w = static_cast<std::size_t>(cloud.width());
+    std::vector<std::int32_t> slot_above(w, -1), row_above(w, 0);
+    int row = -1;
+    std::int32_t last_slot = -1;
+    std::size_t last = 0;
+    for (const Components::Run& run : components.runs) {
+      const std::int32_t s = slot[static_cast<std::size_t>(run.label)];
+      if (s < 0) continue;
+      const std::size_t line = static_cast<std::size_t>(run.row) * w;
+      if (run.row != row) last_slot = -1;
+      row = run.row;
+      if (last_slot >= 0 && last_slot != s) near(cloud, s, line + static_cast<std::size_t>(run.first), last_slot, last);
+      last_slot = s;
+      last = line + static_cast<std::size_t>(run.last);
+      for (std::size_t u = static_cast<std::size_t>(run.first); u <= static_cast<std::size_t>(run.last); ++u) {
+        if (slot_above[u] != s) {
+          if (slot_above[u] >= 0) near(cloud, s, line + u, slot_above[u], static_cast<std::size_t>(row_above[u]) * w + u);
+          slot_above[u] = s;
+        }
+        row_above[u] = run.row;
+      }
+    }
   }
 
   [[nodiscard]] double between(std::size_t a, std::size_t b) const { return std::sqrt(square_[a * n_ + b]); }
@@ -91,26 +116,12 @@ class Gaps {
   }
 
  private:
-  void scan(const OrganisedCloud& cloud, const Components& components, const std::vector<std::int32_t>& slot, int first,
-            int stride, int count) {
-    std::int32_t last_slot = -1;
-    std::size_t last = 0;
-    for (int k = 0, i = first; k < count; ++k, i += stride) {
-      const std::int32_t label = components.label[static_cast<std::size_t>(i)];
-      if (label == Components::kNone) continue;
-      const std::int32_t s = slot[static_cast<std::size_t>(label)];
-      if (s < 0) continue;
-      const std::size_t pixel = static_cast<std::size_t>(i);
-      if (last_slot >= 0 && s != last_slot) {
-        const float dx = cloud.x[pixel] - cloud.x[last], dy = cloud.y[pixel] - cloud.y[last],
-                    dz = cloud.z[pixel] - cloud.z[last];
-        const float d = dx * dx + dy * dy + dz * dz;
-        const std::size_t a = static_cast<std::size_t>(s), b = static_cast<std::size_t>(last_slot);
-        if (d < square_[a * n_ + b]) square_[a * n_ + b] = square_[b * n_ + a] = d;
-      }
-      last_slot = s;
-      last = pixel;
-    }
+  // two pixels that follow one another, and the fragments that they belong to
+  void near(const OrganisedCloud& cloud, std::int32_t slot_a, std::size_t a, std::int32_t slot_b, std::size_t b) {
+    const float dx = cloud.x[a] - cloud.x[b], dy = cloud.y[a] - cloud.y[b], dz = cloud.z[a] - cloud.z[b];
+    const float d = dx * dx + dy * dy + dz * dz;
+    const std::size_t i = static_cast<std::size_t>(slot_a), k = static_cast<std::size_t>(slot_b);
+    if (d < square_[i * n_ + k]) square_[i * n_ + k] = square_[k * n_ + i] = d;
   }
 
   std::size_t n_;
@@ -175,16 +186,27 @@ struct Tally {
   Eigen::Array3f least = Eigen::Array3f::Constant(std::numeric_limits<float>::infinity());
   Eigen::Array3f most = -least;
 
-  void add(const Eigen::Vector3f& p, float height, float depth_m) {
-    ++pixels;
-    depth += depth_m;
-    depth_squared += depth_m * depth_m;
-    lowest = std::min(lowest, height);
-    highest = std::max(highest, height);
-    least = least.min(p.array());
-    most = most.max(p.array());
+  // `count` pixels from `first` on; `height` is room for as many numbers
+  void add(const OrganisedCloud& cloud, std::size_t first, Eigen::Index count, const Eigen::Vector3f& up, float offset,
+           Eigen::ArrayXf& height) {
+    using Values = Eigen::Map<const Eigen::ArrayXf>;
+    const Values d(cloud.depth_m.data() + first, count), x(cloud.x.data() + first, count),
+        y(cloud.y.data() + first, count), z(cloud.z.data() + first, count);
+    pixels += static_cast<std::size_t>(count);
+    depth += static_cast<double>(d.sum());
+    depth_squared += static_cast<double>(d.square().sum());
+    auto h = height.head(count);
+    h = up.x() * x + up.y() * y + up.z() * z + offset;
+    lowest = std::min(lowest, h.minCoeff());
+    highest = std::max(highest, h.maxCoeff());
+    least = least.min(Eigen::Array3f(x.minCoeff(), y.minCoeff(), z.minCoeff()));
+    most = most.max(Eigen::Array3f(x.maxCoeff(), y.maxCoeff(), z.maxCoeff()));
   }
 };
+
+// how many of first..last are at most, at least
+int up_to(int first, int last, int limit) { return std::max(0, std::min(last, limit) - first + 1); }
+int from_on(int first, int last, int limit) { return std::max(0, last - std::max(first, limit) + 1); }
 
 // where each region of the image stands among the fragments; -1 for speckle
 std::vector<std::int32_t> slots_of(const std::vector<Fragment>& fragments, std::size_t regions) {
@@ -218,27 +240,33 @@ std::vector<Fragment> describe_fragments(const OrganisedCloud& cloud, const Comp
   const Eigen::Vector3f up = ground.plane.normal.cast<float>();
   const float offset = static_cast<float>(ground.plane.offset);
   std::vector<Tally> tallies(fragments.size());
-  const int w = cloud.width();
-  for (int v = 0; v < cloud.height(); ++v) {
-    const std::size_t row = static_cast<std::size_t>(v);
-    for (int u = 0; u < w; ++u) {
-      const std::size_t i = row * static_cast<std::size_t>(w) + static_cast<std::size_t>(u);
-      const std::int32_t label = components.label[i];
-      if (label == Components::kNone || slot[static_cast<std::size_t>(label)] < 0) continue;
-      const std::size_t k = static_cast<std::size_t>(slot[static_cast<std::size_t>(label)]);
-      Fragment& f = fragments[k];
-      Tally& t = tallies[k];
-      const Eigen::Vector3f p(cloud.x[i], cloud.y[i], cloud.z[i]);
-      t.add(p, up.dot(p) + offset, cloud.depth_m[i]);
-      f.u_min = std::min(f.u_min, u);
-      f.u_max = std::max(f.u_max, u);
-      f.v_min = std::min(f.v_min, v);
-      f.v_max = v;
-      f.cut_left += u <= border.left[row] + 1;
-      f.cut_right += u >= border.right[row] - 1;
+  const int lowest_top = *std::max_element(border.top.begin(), border.top.end());
+  const int highest_bottom = *std::min_element(border.bottom.begin(), border.bottom.end());
+  Eigen::ArrayXf heights(cloud.width());
+  for (const Components::Run& run : components.runs) {
+    const std::int32_t k = slot[static_cast<std::size_t>(run.label)];
+    if (k < 0) continue;
+    Fragment& f = fragments[static_cast<std::size_t>(k)];
+    Tally& t = tallies[static_cast<std::size_t>(k)];
+    const int v = run.row;
+    const std::size_t row = static_cast<std::size_t>(v) * static_cast<std::size_t>(cloud.width());
+    const std::size_t before = t.pixels;
+    t.add(cloud, row + static_cast<std::size_t>(run.first), run.last - run.first + 1, up, offset, heights);
+    f.u_min = std::min(f.u_min, run.first);
+    f.u_max = std::max(f.u_max, run.last);
+    f.v_min = std::min(f.v_min, v);
+    f.v_max = v;
+    f.cut_left += up_to(run.first, run.last, border.left[static_cast<std::size_t>(v)] + 1);
+    f.cut_right += from_on(run.first, run.last, border.right[static_cast<std::size_t>(v)] - 1);
+    for (int u = run.first; u <= run.last && v <= lowest_top + 1; ++u)
       f.cut_top += v <= border.top[static_cast<std::size_t>(u)] + 1;
+    for (int u = run.first; u <= run.last && v >= highest_bottom - 1; ++u)
       f.cut_bottom += v >= border.bottom[static_cast<std::size_t>(u)] - 1;
-      if (t.pixels % kFootprintStride == 1) f.cells.push_back(axes.cell(p.cast<double>()));
+    const std::size_t skip = (kFootprintStride - before % kFootprintStride) % kFootprintStride;
+    for (std::size_t u = static_cast<std::size_t>(run.first) + skip; u <= static_cast<std::size_t>(run.last);
+         u += kFootprintStride) {
+      const std::int64_t cell = axes.cell(cloud.point(row + u));
+      if (f.cells.empty() || f.cells.back() != cell) f.cells.push_back(cell);
     }
   }
   for (std::size_t k = 0; k < fragments.size(); ++k) {

@@ -13,6 +13,7 @@ using Eigen::Vector3f;
 
 constexpr float kOnFace_m = 0.010F, kOnLine_m = 0.010F;
 constexpr float kNeighbours_m = 0.045F;
+constexpr float kBroad_m = 0.05F;  // what is narrower is no face but the side of a board
 constexpr int kFewestOnFace = 15, kFewestOnLine = 8, kMostFaces = 3, kMostRims = 5, kSeeds = 16;
 
 struct Moments {
@@ -114,6 +115,7 @@ void LocalShape::find_corners() {
       // each face must reach the edge, and lie behind the other one, else they meet in an inner corner
       EdgeLine line{point + place_, d, std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest(), true};
       int near[2] = {0, 0}, before = 0, behind = 0;
+      float farthest[2] = {0.0F, 0.0F};
       for (std::size_t i = 0; i < surface_.size(); ++i) {
         if (face_of_[i] != static_cast<int>(a) && face_of_[i] != static_cast<int>(b)) continue;
         const bool of_a = face_of_[i] == static_cast<int>(a);
@@ -121,11 +123,13 @@ void LocalShape::find_corners() {
         height > 0.015F ? ++before : ++behind;
         const Vector3f p = surface_[i] - point;
         const float t = d.dot(p);
+        farthest[of_a ? 0 : 1] = std::max(farthest[of_a ? 0 : 1], (p - t * d).squaredNorm());
         if ((p - t * d).squaredNorm() > 0.035F * 0.035F) continue;
         ++near[of_a ? 0 : 1];
         line.begin = std::min(line.begin, t);
         line.end = std::max(line.end, t);
       }
+      if (std::min(farthest[0], farthest[1]) < kBroad_m * kBroad_m) continue;
       if (near[0] < 4 || near[1] < 4 || before * 4 > behind) continue;
       edges_.push_back(line);
     }
@@ -189,7 +193,7 @@ void LocalShape::find_bar() {
   Matrix3f v;
   Vector3f e;
   if (m.n < kFewestOnFace || !m.axes(v, e)) return;
-  if (e[2] < 4.0F * e[1]) return;
+  if (e[2] < 2.5F * e[1]) return;
   const Vector3f d = v.col(2), middle = m.mean();
   const Vector3f a = v.col(1), b = v.col(0);
   // circle: Kasa's linear fit, then Gauss-Newton on the distances

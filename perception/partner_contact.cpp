@@ -17,6 +17,7 @@ constexpr float kHandBreadth_m = 0.082F;
 constexpr float kFingerRadius_m = 0.010F;
 constexpr float kLocal_m = 0.16F;
 constexpr float kFromEnd_m = 0.03F;
+constexpr float kThickestBoard_m = 0.05F;
 // Half the thickness of a board that people carry (m).
 constexpr float kHalfBoard_m = 0.012F;
 
@@ -119,6 +120,20 @@ ContactEstimate on_bar(std::span<const HandPoint> hand, const RoundBar& bar, con
   return e;
 }
 
+// Whether nothing but legs is behind a face: the object's visible length at a few cm behind it is short against the
+// face's size.
+bool is_board(const Face& face, std::span<const Eigen::Vector3f> surface) {
+  int on = 0, behind = 0;
+  for (const Eigen::Vector3f& p : surface) {
+    const float deep = face.normal.dot(face.point - p);
+    on += std::abs(deep) < 0.012F ? 1 : 0;
+    behind += deep > 0.045F && deep < 0.090F ? 1 : 0;
+  }
+  // three rows of points lie in that band
+  if (getenv("DBG")) printf("    board: on %d behind %d ratio %.2f\n", on, behind, behind / 3.0F / std::sqrt(float(on)));
+  return static_cast<float>(behind) / 3.0F < 0.6F * std::sqrt(static_cast<float>(on));
+}
+
 }  // namespace
 
 ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedObject& object, double depth_sigma_m) {
@@ -135,26 +150,48 @@ ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedO
 
   ContactEstimate e;
   const EdgeLine* best = nullptr;
-  float tightest = 0.085F;
+  Along along;
+  float tightest = 0.12F;
   for (const EdgeLine& line : shape.edges()) {
-    const Along here = place_along(hand, line, object.eye, 0.03F, 0.07F);
+    Along here = place_along(hand, line, object.eye, 0.03F, 0.07F);
+    const float wanted = here.middle;
     // half a hand does not fit beside the end of an edge
-    const float beyond = std::max(line.begin + kFromEnd_m - here.middle, here.middle - line.end + kFromEnd_m);
-    const float tight = tightness(hand, line) + std::max(0.0F, beyond);
+    if (line.end - line.begin > 2.0F * kFromEnd_m)
+      here.middle = std::clamp(here.middle, line.begin + kFromEnd_m, line.end - kFromEnd_m);
+    else
+      here.middle = 0.5F * (line.begin + line.end);
+    const float tight = tightness(hand, line) + 0.7F*std::abs(wanted - here.middle);
     const float t = here.middle;
     if (getenv("DBG")) printf("   edge %d at %.3f %.3f %.3f dir %.2f %.2f %.2f  %.3f..%.3f t %.3f tight %.1f\n", line.corner, line.point.x(), line.point.y(), line.point.z(), line.direction.x(), line.direction.y(), line.direction.z(), line.begin, line.end, t, 1e3*tight);
     if (tight >= tightest) continue;
     tightest = tight;
     best = &line;
+    along = here;
   }
   if (best == nullptr) {
     e.position = on_object.cast<double>();
     e.covariance = spread(Eigen::Vector3f::UnitX(), 0.03, 0.03);
     return e;
   }
-  const Along along = place_along(hand, *best, object.eye, 0.03F, 0.07F);
   e.part = best->corner ? HeldPart::Corner : HeldPart::Rim;
-  e.position = (best->point + along.middle * best->direction).cast<double>();
+  Eigen::Vector3f place = best->point + along.middle * best->direction;
+  if (!best->corner) {
+    const Face* ending = nullptr;
+    for (const Face& f : shape.faces())
+      if (std::abs(f.normal.dot(place - f.point)) < kThickestBoard_m && (!ending || f.points > ending->points)) ending = &f;
+    if (ending != nullptr) {
+      const float below = ending->normal.dot(ending->point - place);
+      if (below > 0.006F) {
+        // the camera sees the board's side, and the outline is its lower edge
+        place += 0.5F * below * ending->normal;
+        e.part = HeldPart::Plate;
+      } else if (is_board(*ending, object.surface)) {
+        place -= (kHalfBoard_m - std::max(0.0F, below)) * ending->normal;
+        e.part = HeldPart::Plate;
+      }
+    }
+  }
+  e.position = place.cast<double>();
   e.covariance = spread(best->direction, std::hypot(0.012, depth_sigma_m), std::hypot(0.006, depth_sigma_m));
   return e;
 }

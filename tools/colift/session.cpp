@@ -19,6 +19,7 @@ hal::Result<Setup> load_setup(const CommonOptions& common) {
     if (!hand) return tl::unexpected(hand.error());
     setup.hand = std::move(*hand);
   }
+  setup.hand_tables = std::make_shared<planner::HandCollision>(setup.hand, setup.config.candidates.collision);
   return setup;
 }
 
@@ -47,7 +48,7 @@ hal::Result<Seen> look_at_file(const LookOptions& options, const Setup& setup) {
   input.frame = std::move(seen.file.frame);
 
   auto look = control::look(std::move(input), method == "fast" ? control::Method::Fast : control::Method::Thesis,
-                            setup.config, setup.hand, hal::SteadyClock());
+                            setup.config, setup.hand, hal::SteadyClock(), setup.hand_tables);
   if (!look) return tl::unexpected(look.error());
   seen.look = std::move(*look);
   return seen;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "control/config.hpp"
 #include "control/decide.hpp"
 #include "control/look.hpp"
@@ -14,6 +16,7 @@ namespace colift::tools {
 struct Setup {
   control::Config config;
   planner::HandModel hand;
+  std::shared_ptr<const planner::HandCollision> hand_tables;  ///< Made once, for every look.
 };
 [[nodiscard]] hal::Result<Setup> load_setup(const CommonOptions& common);
 
