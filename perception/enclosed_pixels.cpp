@@ -121,9 +121,9 @@ std::vector<std::uint32_t> enclosed_pixels(const OrganisedCloud& cloud, const Gr
   };
 
   std::vector<std::uint32_t> enclosed;
-  for (std::size_t r = 0; r < open.runs().size(); ++r) {
-    if (!open.enclosed(r)) continue;
-    const OpenRuns::Run& run = open.runs()[r];
+  for (std::size_t k = 0; k < open.runs().size(); ++k) {
+    if (!open.enclosed(k)) continue;
+    const OpenRuns::Run& run = open.runs()[k];
     for (int u = run.first; u <= run.last; ++u) {
       const std::size_t i = static_cast<std::size_t>((run.row + win.v0) * cloud.width() + u + win.u0);
       if (barred[i]) continue;

@@ -74,33 +74,140 @@ std::vector<Vector2d> outer_points(std::span<const Vector2d> points) {
   return outer;
 }
 
-/// Points of a plane's cells that hold enough of them.
-std::vector<Vector2d> without_sparse_cells(const std::vector<Vector2d>& flat, const BoxTrim& trim) {
-  Vector2d low = flat.front(), high = flat.front();
-  for (const Vector2d& p : flat) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const double cell_m = std::max(trim.cell_m, (high - low).maxCoeff() / (kMaxCells - 2));
-  // cells keep their place in the plane when the object's extent changes by a stray
-  const double u0 = std::floor(low.x() / cell_m), v0 = std::floor(low.y() / cell_m);
-  const auto columns = static_cast<std::size_t>(std::floor(high.x() / cell_m) - u0) + 1;
-  const auto rows = static_cast<std::size_t>(std::floor(high.y() / cell_m) - v0) + 1;
-
-  std::vector<std::uint32_t> cell_of(flat.size());
-  std::vector<int> count(columns * rows, 0);
-  for (std::size_t i = 0; i < flat.size(); ++i) {
-    const auto column = static_cast<std::size_t>(std::floor(flat[i].x() / cell_m) - u0);
-    const auto row = static_cast<std::size_t>(std::floor(flat[i].y() / cell_m) - v0);
-    cell_of[i] = static_cast<std::uint32_t>(row * columns + column);
-    ++count[cell_of[i]];
-  }
-  std::vector<Vector2d> kept;
-  kept.reserve(flat.size());
-  for (std::size_t i = 0; i < flat.size(); ++i)
-    if (count[cell_of[i]] >= trim.cell_points) kept.push_back(flat[i]);
-  return kept;
+// std::floor is a library call on plain x86-64
+std::int64_t floor_of(double x) {
+  const auto whole = static_cast<std::int64_t>(x);
+  return whole - (x < static_cast<double>(whole) ? 1 : 0);
 }
+
+/// Square cells of a plane, and how many points lie in each.
+class CellGrid {
+ public:
+  CellGrid(const std::vector<Vector2d>& points, const BoxTrim& trim) : dense_(trim.cell_points) {
+    Vector2d low = points.front(), high = points.front();
+    for (const Vector2d& p : points) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    cell_m_ = std::max(trim.cell_m, (high - low).maxCoeff() / (kMaxCells - 2));
+    // cells keep their place in the plane when the object's extent changes by a stray
+    u0_ = floor_of(low.x() / cell_m_);
+    v0_ = floor_of(low.y() / cell_m_);
+    columns_ = static_cast<std::size_t>(floor_of(high.x() / cell_m_) - u0_) + 1;
+    rows_ = static_cast<std::size_t>(floor_of(high.y() / cell_m_) - v0_) + 1;
+    count_.assign(columns_ * rows_, 0);
+    cell_of_.resize(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto column = static_cast<std::size_t>(floor_of(points[i].x() / cell_m_) - u0_);
+      const auto row = static_cast<std::size_t>(floor_of(points[i].y() / cell_m_) - v0_);
+      cell_of_[i] = static_cast<std::uint32_t>(row * columns_ + column);
+      ++count_[cell_of_[i]];
+    }
+  }
+
+  [[nodiscard]] double cell_m() const { return cell_m_; }
+
+  /// Points in dense cells.
+  [[nodiscard]] std::size_t dense_points() const {
+    std::size_t n = 0;
+    for (const int c : count_) n += c >= dense_ ? static_cast<std::size_t>(c) : 0;
+    return n;
+  }
+
+  /// Middles of the dense cells.
+  [[nodiscard]] std::vector<Vector2d> dense_cells() const {
+    std::vector<Vector2d> centers;
+    for (std::size_t row = 0; row < rows_; ++row)
+      for (std::size_t column = 0; column < columns_; ++column)
+        if (count_[row * columns_ + column] >= dense_)
+          centers.emplace_back((static_cast<double>(u0_ + static_cast<std::int64_t>(column)) + 0.5) * cell_m_,
+                               (static_cast<double>(v0_ + static_cast<std::int64_t>(row)) + 0.5) * cell_m_);
+    return centers;
+  }
+
+  /// Points in dense cells that can be corners of their hull. With a point in each of the four quadrants around it
+  /// a point is inside, and for whole cells that takes no more than the first and the last dense cell of each row.
+  [[nodiscard]] std::vector<Vector2d> outer_points(const std::vector<Vector2d>& points) const {
+    const auto columns = static_cast<std::int64_t>(columns_);
+    std::vector<std::int64_t> first(rows_, columns), last(rows_, -1);
+    for (std::size_t row = 0; row < rows_; ++row) {
+      for (std::size_t column = 0; column < columns_; ++column) {
+        if (count_[row * columns_ + column] < dense_) continue;
+        first[row] = std::min(first[row], static_cast<std::int64_t>(column));
+        last[row] = static_cast<std::int64_t>(column);
+      }
+    }
+    // strictly between these columns a cell has dense ones on both sides, in rows below and in rows above
+    std::vector<std::int64_t> from(rows_), to(rows_);
+    std::int64_t least = columns, most = -1;
+    for (std::size_t row = 0; row < rows_; ++row) {
+      from[row] = least;
+      to[row] = most;
+      least = std::min(least, first[row]);
+      most = std::max(most, last[row]);
+    }
+    least = columns;
+    most = -1;
+    for (std::size_t row = rows_; row-- > 0;) {
+      from[row] = std::max(from[row], least);
+      to[row] = std::min(to[row], most);
+      least = std::min(least, first[row]);
+      most = std::max(most, last[row]);
+    }
+    std::vector<std::uint8_t> wanted(count_.size());
+    for (std::size_t row = 0; row < rows_; ++row) {
+      for (std::size_t column = 0; column < columns_; ++column) {
+        const auto c = static_cast<std::int64_t>(column);
+        const bool inside = c > from[row] && c < to[row];
+        wanted[row * columns_ + column] = !inside && count_[row * columns_ + column] >= dense_ ? 1 : 0;
+      }
+    }
+    std::vector<Vector2d> outer;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (wanted[cell_of_[i]]) outer.push_back(points[i]);
+    return outer;
+  }
+
+ private:
+  int dense_;
+  double cell_m_ = 0.0;
+  std::int64_t u0_ = 0, v0_ = 0;
+  std::size_t columns_ = 0, rows_ = 0;
+  std::vector<int> count_;
+  std::vector<std::uint32_t> cell_of_;
+};
+
+/// Order statistics of numbers: sorted into bins once, then only one bin has to be looked into.
+class Ranking {
+ public:
+  explicit Ranking(const std::vector<double>& values) : values_(values) {
+    const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    low_ = *low;
+    scale_ = *high > *low ? (kBins - 1) / (*high - *low) : 0.0;
+    for (const double v : values) ++count_[bin(v)];
+  }
+
+  /// The value that stands at place k of the sorted ones.
+  [[nodiscard]] double at(std::size_t k) const {
+    std::size_t b = 0;
+    for (; k >= count_[b]; ++b) k -= count_[b];
+    std::vector<double> in_bin;
+    in_bin.reserve(count_[b]);
+    for (const double v : values_)
+      if (bin(v) == b) in_bin.push_back(v);
+    std::nth_element(in_bin.begin(), in_bin.begin() + static_cast<std::ptrdiff_t>(k), in_bin.end());
+    return in_bin[k];
+  }
+
+ private:
+  static constexpr std::size_t kBins = 256;
+  [[nodiscard]] std::size_t bin(double v) const {
+    return std::min(kBins - 1, static_cast<std::size_t>(static_cast<std::int64_t>((v - low_) * scale_)));
+  }
+  const std::vector<double>& values_;
+  double low_ = 0.0, scale_ = 0.0;
+  std::array<std::size_t, kBins> count_{};
+};
 
 /// Points as coordinates along two axes of the plane, and their heights above it.
 struct Flattened {
@@ -112,12 +219,12 @@ struct Flattened {
 Flattened flatten(std::span<const Eigen::Vector3f> points, const hal::Plane& ground) {
   Flattened out;
   std::tie(out.u, out.v) = hal::tangents(ground.normal);
-  out.flat.reserve(points.size());
-  out.height.reserve(points.size());
-  for (const Eigen::Vector3f& point : points) {
-    const Vector3d p = point.cast<double>();
-    out.flat.emplace_back(out.u.dot(p), out.v.dot(p));
-    out.height.push_back(ground.height(p));
+  out.flat.resize(points.size());
+  out.height.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vector3d p = points[i].cast<double>();
+    out.flat[i] = {out.u.dot(p), out.v.dot(p)};
+    out.height[i] = ground.height(p);
   }
   return out;
 }
@@ -135,26 +242,13 @@ hal::OrientedBox upright_box(const Flattened& points, const std::vector<Vector2d
   return box;
 }
 
-// one point for each cell that points lie in: a footprint counts by its area, not by how well it was seen
-std::vector<Vector2d> occupied_cells(const std::vector<Vector2d>& points, double cell_m) {
-  std::vector<std::pair<std::int32_t, std::int32_t>> cells;
-  cells.reserve(points.size());
-  for (const Vector2d& p : points)
-    cells.emplace_back(static_cast<std::int32_t>(std::floor(p.x() / cell_m)), static_cast<std::int32_t>(std::floor(p.y() / cell_m)));
-  std::sort(cells.begin(), cells.end());
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  std::vector<Vector2d> centers;
-  centers.reserve(cells.size());
-  for (const auto& [i, k] : cells) centers.emplace_back((i + 0.5) * cell_m, (k + 0.5) * cell_m);
-  return centers;
-}
-
 // draws the sides of a box in over tips that are a small part of its footprint
-void trim_sides(hal::OrientedBox& box, const Flattened& frame, const std::vector<Vector2d>& points, const BoxTrim& trim) {
-  const std::vector<Vector2d> cells = occupied_cells(points, trim.cell_m);
+void trim_sides(hal::OrientedBox& box, const Flattened& frame, const CellGrid& grid, const BoxTrim& trim) {
+  // a footprint counts by its area, not by how well it was seen
+  const std::vector<Vector2d> cells = grid.dense_cells();
   const auto skip = static_cast<std::ptrdiff_t>(trim.side_cells * static_cast<double>(cells.size()));
   if (skip < 1) return;
-  const double slack = trim.cell_m * std::numbers::sqrt2 / 2;
+  const double slack = grid.cell_m() * std::numbers::sqrt2 / 2;
   for (int k = 0; k < 2; ++k) {
     const hal::Vec3 axis = box.axes.col(k);
     const Vector2d flat(frame.u.dot(axis), frame.v.dot(axis));
@@ -257,20 +351,15 @@ hal::OrientedBox box_on_plane(std::span<const Eigen::Vector3f> points, const hal
 hal::OrientedBox box_on_plane(std::span<const Eigen::Vector3f> points, const hal::Plane& ground,
                               const BoxTrim& trim) {
   if (points.empty()) return no_box();
-  Flattened all = flatten(points, ground);
-  const std::vector<Vector2d> dense = without_sparse_cells(all.flat, trim);
-
-  const auto skip = static_cast<std::ptrdiff_t>(trim.quantile * static_cast<double>(points.size()));
-  const auto at_low = all.height.begin() + std::min(skip, std::ssize(all.height) - 1);
-  std::nth_element(all.height.begin(), at_low, all.height.end());
-  const double low = *at_low;
-  const auto at_high = all.height.begin() + std::max<std::ptrdiff_t>(std::ssize(all.height) - 1 - skip, 0);
-  std::nth_element(all.height.begin(), at_high, all.height.end());
-  const double high = std::max(low, *at_high);
-  const bool too_thin = 2 * dense.size() < all.flat.size();
-  const std::vector<Vector2d>& kept = too_thin ? all.flat : dense;
-  hal::OrientedBox box = upright_box(all, kept, low, high, ground);
-  if (!too_thin) trim_sides(box, all, kept, trim);
+  const Flattened all = flatten(points, ground);
+  const CellGrid grid(all.flat, trim);
+  const std::size_t last = points.size() - 1;
+  const std::size_t skip = std::min(last, static_cast<std::size_t>(trim.quantile * static_cast<double>(points.size())));
+  const Ranking heights(all.height);
+  const double low = heights.at(skip), high = std::max(low, heights.at(last - skip));
+  const bool too_thin = 2 * grid.dense_points() < points.size();
+  hal::OrientedBox box = upright_box(all, too_thin ? all.flat : grid.outer_points(all.flat), low, high, ground);
+  if (!too_thin) trim_sides(box, all, grid, trim);
   return box;
 }
 

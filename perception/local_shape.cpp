@@ -12,8 +12,9 @@ using Eigen::Matrix3f;
 using Eigen::Vector3f;
 
 constexpr float kOnFace_m = 0.010F, kOnLine_m = 0.010F;
+constexpr float kRound_m = 0.007F;  // largest root mean square distance from a circle
 constexpr float kNeighbours_m = 0.045F;
-constexpr float kBroad_m = 0.05F;  // what is narrower is no face but the side of a board
+constexpr int kFewestBroad = 14;  // what has fewer points at 3 to 8 cm from its edge is but the side of a board
 constexpr int kFewestOnFace = 15, kFewestOnLine = 8, kMostFaces = 3, kMostRims = 5, kSeeds = 16;
 
 struct Moments {
@@ -44,11 +45,15 @@ LocalShape::LocalShape(std::span<const Vector3f> surface, std::span<const Vector
                        const Vector3f& place, float radius_m)
     : eye_(eye - place), radius_(radius_m), place_(place) {
   const float squared = radius_m * radius_m;
-  for (const Vector3f& p : surface)
-    if ((p - place).squaredNorm() < squared) surface_.push_back(p - place);
+  std::vector<Vector3f> wider;
+  for (const Vector3f& p : surface) {
+    const float off = (p - place).squaredNorm();
+    if (off < squared) surface_.push_back(p - place);
+    if (off < 2.25F * squared) wider.push_back(p - place);
+  }
   for (const Vector3f& p : outline)
     if ((p - place).squaredNorm() < squared) outline_.push_back(p - place);
-  find_bar();
+  find_bar(wider);
   if (bar_) return;
   find_faces();
   find_corners();
@@ -115,7 +120,7 @@ void LocalShape::find_corners() {
       // each face must reach the edge, and lie behind the other one, else they meet in an inner corner
       EdgeLine line{point + place_, d, std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest(), true};
       int near[2] = {0, 0}, before = 0, behind = 0;
-      float farthest[2] = {0.0F, 0.0F};
+      int broad[2] = {0, 0};
       for (std::size_t i = 0; i < surface_.size(); ++i) {
         if (face_of_[i] != static_cast<int>(a) && face_of_[i] != static_cast<int>(b)) continue;
         const bool of_a = face_of_[i] == static_cast<int>(a);
@@ -123,13 +128,14 @@ void LocalShape::find_corners() {
         height > 0.015F ? ++before : ++behind;
         const Vector3f p = surface_[i] - point;
         const float t = d.dot(p);
-        farthest[of_a ? 0 : 1] = std::max(farthest[of_a ? 0 : 1], (p - t * d).squaredNorm());
-        if ((p - t * d).squaredNorm() > 0.035F * 0.035F) continue;
+        const float off = (p - t * d).norm();
+        if (off > 0.03F && off < 0.08F && std::abs(d.dot(surface_[i])) < 0.08F) ++broad[of_a ? 0 : 1];
+        if (off > 0.035F) continue;
         ++near[of_a ? 0 : 1];
         line.begin = std::min(line.begin, t);
         line.end = std::max(line.end, t);
       }
-      if (std::min(farthest[0], farthest[1]) < kBroad_m * kBroad_m) continue;
+      if (std::min(broad[0], broad[1]) < kFewestBroad) continue;
       if (near[0] < 4 || near[1] < 4 || before * 4 > behind) continue;
       edges_.push_back(line);
     }
@@ -187,19 +193,19 @@ void LocalShape::find_rims() {
 }
 
 // A round bar is long, and a circle fits its section clearly better than one or two straight lines could.
-void LocalShape::find_bar() {
+void LocalShape::find_bar(const std::vector<Eigen::Vector3f>& surface) {
   Moments m;
-  for (const Vector3f& p : surface_) m.add(p);
+  for (const Vector3f& p : surface) m.add(p);
   Matrix3f v;
   Vector3f e;
   if (m.n < kFewestOnFace || !m.axes(v, e)) return;
-  if (e[2] < 2.5F * e[1]) return;
+  if (e[2] < 4.0F * e[1]) return;
   const Vector3f d = v.col(2), middle = m.mean();
   const Vector3f a = v.col(1), b = v.col(0);
   // circle: Kasa's linear fit, then Gauss-Newton on the distances
   Matrix3f normal = Matrix3f::Zero();
   Vector3f right = Vector3f::Zero();
-  for (const Vector3f& p : surface_) {
+  for (const Vector3f& p : surface) {
     const Vector3f row(a.dot(p - middle), b.dot(p - middle), 1.0F);
     normal += row * row.transpose();
     right += row * (row.x() * row.x() + row.y() * row.y());
@@ -212,13 +218,15 @@ void LocalShape::find_bar() {
     normal.setZero();
     right.setZero();
     rms = 0.0F;
-    for (const Vector3f& p : surface_) {
+    for (const Vector3f& p : surface) {
       const float x = a.dot(p - middle) - cx, y = b.dot(p - middle) - cy, away = std::max(1e-4F, std::hypot(x, y));
       const Vector3f row(x / away, y / away, 1.0F);
       const float error = away - r;
-      normal += row * row.transpose();
-      right += row * error;
-      rms += error * error;
+      // ragged edges leave points off the bar
+      const float weight = 1.0F / (1.0F + error * error / (kOnLine_m * kOnLine_m));
+      normal += weight * row * row.transpose();
+      right += weight * error * row;
+      rms += weight * error * error;
     }
     const Vector3f step = (normal + 1e-3F * Matrix3f::Identity()).ldlt().solve(right);
     cx += step.x();
@@ -228,7 +236,7 @@ void LocalShape::find_bar() {
   rms = std::sqrt(rms / static_cast<float>(m.n));
   if (getenv("DBGBAR")) printf("bar e %g %g %g  r %.1f mm rms %.1f mm flat %.1f n %d\n", e[0], e[1], e[2], r * 1e3, rms * 1e3, std::sqrt(e[0]) * 1e3, m.n);
   if (!(r > 0.010F && r < 0.10F)) return;
-  if (rms > 0.75F * std::sqrt(e[0])) return;
+  if (rms > kRound_m || rms > 0.5F * std::sqrt(e[0])) return;
   RoundBar bar{middle + cx * a + cy * b + place_, d, r};
   // its axis lies behind its surface
   if ((bar.point - (middle + place_)).dot(middle - eye_) < 0.0F) return;

@@ -43,7 +43,7 @@ class LocalShape {
   void find_faces();
   void find_corners();
   void find_rims();
-  void find_bar();
+  void find_bar(const std::vector<Eigen::Vector3f>& surface);
 
   Eigen::Vector3f eye_;
   float radius_;

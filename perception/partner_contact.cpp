@@ -42,7 +42,9 @@ Along place_along(std::span<const HandPoint> hand, const EdgeLine& line, const E
     const Eigen::Vector3f p = h.point + kFingerRadius_m * (h.point - eye).normalized() - line.point;
     const float t = d.dot(p);
     const float off = (p - t * d).norm();
-    const float weight = h.area_m2 * std::clamp((far_m - off) / (far_m - near_m), 0.0F, 1.0F);
+    const float high = (h.point - h.on_object).norm();
+    const float weight = h.area_m2 * std::clamp((far_m - off) / (far_m - near_m), 0.0F, 1.0F) *
+                         std::clamp((0.045F - high) / 0.015F, 0.1F, 1.0F);
     const int bin = static_cast<int>((t - origin) / kBin_m);
     if (bin < 0 || bin >= kBins) continue;
     bins[static_cast<std::size_t>(bin)] += weight;
@@ -131,7 +133,7 @@ bool is_board(const Face& face, std::span<const Eigen::Vector3f> surface) {
   }
   // three rows of points lie in that band
   if (getenv("DBG")) printf("    board: on %d behind %d ratio %.2f\n", on, behind, behind / 3.0F / std::sqrt(float(on)));
-  return static_cast<float>(behind) / 3.0F < 0.6F * std::sqrt(static_cast<float>(on));
+  return static_cast<float>(behind) / 3.0F < 0.8F * std::sqrt(static_cast<float>(on));
 }
 
 }  // namespace

@@ -378,11 +378,18 @@ class Completion {
     double height = 0;
     for (const Eigen::Vector3f& p : target_.points) height += ground_.height(p.cast<double>());
     height /= static_cast<double>(std::max<std::size_t>(1, target_.points.size()));
-    s.cog = ground_.foot(footprint_.center) + height * up_;
-    s.covariance = spread(footprint_.axes, 2 * config_.shape_sigma * footprint_.size +
-                                               Vec3::Constant(pixel_m_));
-    s.because = fmt::format("no known shape: what was seen is mirrored about the middle of its {:.2f} x {:.2f} m footprint",
-                            footprint_.size[0], footprint_.size[1]);
+    // the camera sees the near side only: between as deep as seen and as deep as wide, the middle is the best guess
+    const Vec3 to_object = footprint_.center - cloud_.X_WC.translation();
+    const Vec3 ahead = (to_object - up_ * up_.dot(to_object)).normalized(), across = up_.cross(ahead);
+    const auto deep = points_along(ahead), wide = points_along(across);
+    const double hidden = std::max(0.0, (wide[1] - wide[0]) - (deep[1] - deep[0]));
+    const double pushed = 0.25 * hidden;
+    s.cog = ground_.foot(footprint_.center) + pushed * ahead + height * up_;
+    s.box.center += pushed * ahead;
+    s.covariance = spread(footprint_.axes, 2 * config_.shape_sigma * footprint_.size + Vec3::Constant(pixel_m_)) +
+                   pushed * pushed * ahead * ahead.transpose();
+    s.because = fmt::format("no known shape: what was seen is mirrored about the middle of its {:.2f} x {:.2f} m footprint, moved {:.0f} mm away from the camera for its hidden side",
+                            footprint_.size[0], footprint_.size[1], 1000 * pushed);
     return s;
   }
 

@@ -10,14 +10,14 @@
 namespace colift::planner {
 namespace {
 
-/// A collision's sentence without its numbers; the part of the hand may carry one, so the verb comes first.
-std::string without_numbers(const std::string& because) {
-  std::size_t verb = std::string::npos;
-  for (const char* word : {" meets", " would", " passes"}) verb = std::min(verb, because.find(word));
-  if (verb == std::string::npos) return because;
-  std::string text = because.substr(0, because.find_first_of("0123456789", verb));
-  while (!text.empty() && (text.back() == ' ' || text.back() == ':')) text.pop_back();
-  return text;
+/// What a collision is with. Which finger it is says the candidate's own reason; here it would only make the list long.
+std::string obstacle_of(const std::string& because) {
+  const auto speaks_of = [&](const char* words) { return because.find(words) != std::string::npos; };
+  if (speaks_of("not seen")) return "would move through unseen space";
+  if (speaks_of("the ground")) return "would meet the ground";
+  if (speaks_of("beside the object")) return "would meet something beside the object";
+  if (speaks_of("the object")) return "would meet the object";
+  return "would collide";
 }
 
 /// What a refusal is counted under.
@@ -34,7 +34,7 @@ std::string group_of(const GraspCandidate& c) {
     case Verdict::NearPartner:
       return "too near the partner";
     case Verdict::Collision:
-      return without_numbers(c.because);
+      return obstacle_of(c.because);
     case Verdict::Ok:
     case Verdict::Chosen:
       break;

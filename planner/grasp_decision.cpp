@@ -113,6 +113,10 @@ hal::Result<Decision> decide_grasp(std::vector<GraspCandidate>& candidates, cons
     if (!wrenches) wrenches = sharing->wrenches(partner, robot, lift);
     const double share = wrenches->robot.force.dot(lift.force) / lift.force.squaredNorm();
     d.scores[i] = ScoredCandidate{sharing->price(*wrenches), share, *wrenches};
+    const double sideways = (wrenches->partner.force - wrenches->partner.force.dot(input.up) * input.up).norm() / lift.force.norm();
+    if (c.verdict == Verdict::Ok && sideways > config.max_sideways) {
+      refuse(c, Verdict::OverLimit, fmt::format("the partner would have to push sideways with {:.0f} % of the weight (limit {:.0f} %)", 100 * sideways, 100 * config.max_sideways));
+    }
     if (c.verdict == Verdict::Ok && (!d.chosen || d.scores[i]->cost < d.cost)) {
       d.chosen = i;
       d.cost = d.scores[i]->cost;

@@ -18,6 +18,7 @@ struct DecisionConfig {
   SharingLimits limits;
   double mass_kg = 1.0;
   double near_partner_m = 0.15;
+  double max_sideways = 0.2;
   bool check_reach = true;
   Vec3 shoulder_m{0.0, 0.0, 0.3105};
   double arm_reach_m = 0.79;
@@ -29,6 +30,8 @@ struct DecisionConfig {
     v("limits", limits, "What either agent can exert; without entries there is no limit.");
     v("mass_kg", mass_kg, hal::kPositive, "Mass that the limits are checked for; the choice without limits does not depend on it.");
     v("near_partner_m", near_partner_m, hal::kNotNegative, "Least distance between the partner's grasp and the robot's.");
+    v("max_sideways", max_sideways, hal::kNotNegative,
+      "Sideways force that the partner may be asked for, as a part of the weight; a person who lifts does not push.");
     v("check_reach", check_reach, "Whether a grasp beyond the arm's reach is refused (needs the camera's pose).");
     v("shoulder_m", shoulder_m, "Where axes 1 to 3 of the arm meet, in the robot base frame.");
     v("arm_reach_m", arm_reach_m, hal::kPositive, "Largest distance of the wrist from the shoulder: upper arm and forearm in line.");

@@ -15,7 +15,7 @@ using Eigen::Vector2d;
 
 constexpr double kOutlier = 3.0;
 constexpr double kLeastSlant = 0.35;  // a ray along the surface moves its point sideways, which costs something too
-constexpr std::size_t kQuickPoints = 120;
+constexpr std::size_t kQuickPoints = 100;
 constexpr std::size_t kJudgePoints = 250;
 
 double capped(double residual) { return std::min(residual * residual, kOutlier * kOutlier); }
@@ -111,14 +111,13 @@ bool fit_circle(const std::vector<FlatPoint>& points, Circle& circle) {
 
 /// Mean cost of two perpendicular lines, whose outer sides the camera sees, or of one, over all directions. A corner of a
 /// box or a leg looks so along its length.
-double corner_cost(const std::vector<FlatPoint>& points) {
+double corner_cost(const std::vector<FlatPoint>& some, const std::vector<FlatPoint>& all) {
   constexpr int kDirections = 15;
-  const double n = static_cast<double>(points.size());
   double best = std::numeric_limits<double>::infinity();
   Vector2d rays = Vector2d::Zero();
   double mean_sigma = 0;
-  for (const FlatPoint& f : points) rays += f.ray, mean_sigma += f.sigma_m / n;
-  const auto cost_at = [&](double angle) {
+  for (const FlatPoint& f : some) rays += f.ray, mean_sigma += f.sigma_m / static_cast<double>(some.size());
+  const auto cost_at = [&](double angle, const std::vector<FlatPoint>& points) {
     const Vector2d a(std::cos(angle), std::sin(angle)), b(-a.y(), a.x());
     // the visible sides face the rays
     const Vector2d na = a.dot(rays) < 0 ? a : Vector2d(-a), nb = b.dot(rays) < 0 ? b : Vector2d(-b);
@@ -147,15 +146,16 @@ double corner_cost(const std::vector<FlatPoint>& points) {
       if (weight_a > 0) da = sum_a / weight_a;
       if (weight_b > 0) db = sum_b / weight_b;
     }
-    return cost / n;
+    return cost / static_cast<double>(points.size());
   };
   double best_angle = 0;
   for (int k = 0; k < kDirections; ++k) {
     const double angle = 0.5 * std::numbers::pi * k / kDirections;
-    const double cost = cost_at(angle);
+    const double cost = cost_at(angle, some);
     if (cost < best) best = cost, best_angle = angle;
   }
-  for (const double turn : {-0.035, 0.035, -0.07, 0.07}) best = std::min(best, cost_at(best_angle + turn));
+  best = std::numeric_limits<double>::infinity();
+  for (const double turn : {0.0, -0.035, 0.035, -0.07, 0.07}) best = std::min(best, cost_at(best_angle + turn, all));
   return best;
 }
 
@@ -246,7 +246,7 @@ std::optional<CylinderFit> fit_cylinder(std::span<const SightedPoint> points, st
     }
   }
   // far off already: the last steps would not make a cylinder of it
-  if (!best || best_cost > 2.5 * config.cylinder_max_misfit * config.cylinder_max_misfit) return std::nullopt;
+  if (!best || best_cost > 1.6 * config.cylinder_max_misfit * config.cylinder_max_misfit) return std::nullopt;
   if (!refine(points, *best)) return std::nullopt;
   if (best->radius < config.cylinder_min_radius_m || best->radius > config.cylinder_max_radius_m) return std::nullopt;
   // the camera sees the outside: a hollow seen from within is none
@@ -264,8 +264,13 @@ std::optional<CylinderFit> fit_cylinder(std::span<const SightedPoint> points, st
   fit.arc_rad = covered_arc(flat, circle);
   if (fit.misfit > config.cylinder_max_misfit || fit.arc_rad < config.cylinder_min_arc_deg * std::numbers::pi / 180.0)
     return std::nullopt;
-  fit.other_misfit = std::sqrt(corner_cost(flatten(points, e1, e2, best->center, kJudgePoints)));
   return fit;
+}
+
+double corner_misfit(std::span<const SightedPoint> points, const Cylinder& cylinder) {
+  const auto [e1, e2] = hal::tangents(cylinder.axis);
+  return std::sqrt(corner_cost(flatten(points, e1, e2, cylinder.center, kQuickPoints),
+                               flatten(points, e1, e2, cylinder.center, 2 * kJudgePoints)));
 }
 
 }  // namespace colift::perception

@@ -20,7 +20,6 @@ struct CylinderFit {
   Cylinder cylinder;         ///< Without its length: center is somewhere on the axis.
   double misfit = 0.0;       ///< Root mean square residual in standard deviations, outliers counted at three.
   double arc_rad = 0.0;      ///< Arc that the points cover.
-  double other_misfit = 0.0; ///< The same for the better of one and two faces perpendicular to each other along the same axis.
 };
 
 /// Distance of a point to a cylinder's mantle (m), positive outside, and the standard deviation that depth noise gives
@@ -31,9 +30,13 @@ struct MantleDistance {
 [[nodiscard]] MantleDistance distance_to(const Cylinder& cylinder, const SightedPoint& point);
 
 /// Best cylinder along one of the given unit axes, refined in all five parameters (Gauss-Newton with Huber weights on
-/// distances over their noise), and how well flat faces along the same axis would do. Nothing where no circle of an
-/// allowed radius fits within the allowed misfit over the least arc.
+/// distances over their noise). Nothing where no circle of an allowed radius fits within the allowed misfit over the least
+/// arc.
 [[nodiscard]] std::optional<CylinderFit> fit_cylinder(std::span<const SightedPoint> points, std::span<const Vec3> axes,
                                                       const Vec3& eye, const SurfaceConfig& config);
+
+/// Misfit of the best two perpendicular faces along a cylinder's axis, or of one, to the same points: what the corner of a
+/// box or a square leg leaves.
+[[nodiscard]] double corner_misfit(std::span<const SightedPoint> points, const Cylinder& cylinder);
 
 }  // namespace colift::perception

@@ -98,13 +98,12 @@ class Search {
       if (mantle.size() < 0.4 * static_cast<double>(body.size())) continue;
       const std::vector<SightedPoint> some = sample(mantle, kMostPoints);
       const auto fit = fit_cylinder(some, std::span(&axis, 1), image_.geometry.eye(), config_);
-      if (fit && better_than_faces(*fit) && fit->misfit < best_misfit) best_misfit = fit->misfit, best = fit;
+      if (fit && fit->misfit < best_misfit) best_misfit = fit->misfit, best = fit;
     }
-    return best ? claim(part, *best) : std::nullopt;
-  }
-
-  [[nodiscard]] bool better_than_faces(const CylinderFit& fit) const {
-    return fit.misfit * fit.misfit <= config_.cylinder_advantage * fit.other_misfit * fit.other_misfit;
+    if (!best) return std::nullopt;
+    const double corner = corner_misfit(sample(without_ends(body, best->cylinder.axis), kMostPoints), best->cylinder);
+    if (best_misfit * best_misfit > config_.cylinder_advantage * corner * corner) return std::nullopt;
+    return claim(part, *best);
   }
 
   [[nodiscard]] std::vector<SightedPoint> sample(const std::vector<std::uint32_t>& pixels,
@@ -202,6 +201,13 @@ class Search {
     const double sign = std::abs(c.axis.dot(up_)) > 0.1 ? c.axis.dot(up_) : c.axis[largest];
     if (sign < 0) c.axis = -c.axis;
     for (const std::uint32_t k : mine) image_.label[k] = ObjectImage::kCylinder;
+    // strips of the mantle that ragged rims and shadows have bent away
+    constexpr double kNear_sigma = 8.0;
+    for (const std::uint32_t k : mantle) {
+      if (image_.label[k] < 0) continue;
+      const MantleDistance d = distance_to(c, sighted(k));
+      if (std::abs(d.value_m) < kNear_sigma * d.sigma_m + config_.tolerance_m) image_.label[k] = ObjectImage::kFree;
+    }
     return c;
   }
 
@@ -237,7 +243,7 @@ std::vector<Cylinder> find_cylinders(ObjectImage& image, std::vector<Face>& face
 
 double widest_strip(const ObjectImage& image, double inverse_depth, const SurfaceConfig& config) {
   constexpr double kSag_sigma = 3.0;
-  const double sag = kSag_sigma * image.noise.sigma(1.0 / inverse_depth);
+  const double sag = kSag_sigma * image.noise.sigma(1.0 / inverse_depth) + image.tolerance_m;
   return 2.0 * std::sqrt(2.0 * config.cylinder_max_radius_m * sag) + 2.0 * image.pixel_m(inverse_depth);
 }
 

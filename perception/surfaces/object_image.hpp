@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -35,13 +36,16 @@ struct ObjectImage {
   [[nodiscard]] int column(std::uint32_t pixel) const { return static_cast<int>(pixel) % width; }
   [[nodiscard]] int row(std::uint32_t pixel) const { return static_cast<int>(pixel) / width; }
 
-  /// Standard deviation of 1/z.
+  /// Standard deviation of 1/z of a pixel on an even surface: noise and half of the unevenness.
   [[nodiscard]] double sigma(double inverse_depth) const {
-    return noise.sigma2_per_m + noise.sigma0_m * inverse_depth * inverse_depth;
+    const double square = inverse_depth * inverse_depth;
+    return std::hypot(noise.sigma2_per_m + noise.sigma0_m * square, 0.5 * tolerance_m * square);
   }
-  /// Residual of 1/z up to which a pixel may lie on a surface, at a number of standard deviations.
-  [[nodiscard]] double tolerance(double inverse_depth, double sigmas) const {
-    return sigmas * sigma(inverse_depth) + tolerance_m * inverse_depth * inverse_depth;
+  /// Residual of 1/z up to which a pixel may lie on a surface, at a number of standard deviations. Unevenness lies along
+  /// the surface's normal: `slant` is how far a point moves along that for a metre of depth.
+  [[nodiscard]] double tolerance(double inverse_depth, double sigmas, double slant = 1.0) const {
+    const double square = inverse_depth * inverse_depth;
+    return sigmas * (noise.sigma2_per_m + noise.sigma0_m * square) + tolerance_m / slant * square;
   }
   /// Side of a pixel's footprint on a surface that faces the camera (m).
   [[nodiscard]] double pixel_m(double inverse_depth) const { return 1.0 / (geometry.focal() * inverse_depth); }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace colift::perception {
 namespace {
@@ -13,6 +14,8 @@ constexpr double kCellMisfit = 2.6;  // of a cell that joins
 constexpr double kCellOffset = 1.1;  // mean residual of a cell that joins, in standard deviations
 constexpr double kLeastCellPixels = 12;
 constexpr double kMergeMisfit = 1.25;
+constexpr double kBowCos = 0.985;      // pieces of a bowed face differ by less than 10 degrees
+constexpr double kBowTolerance = 1.3;  // root mean square of a bowed face's residual, in tolerances
 
 struct Window {
   int cells;           // side of the seed window
@@ -191,6 +194,9 @@ class Grower {
   void claim_pixels(std::size_t first_face) {
     if (faces_.size() == first_face) return;
     merge_alike(first_face);
+    uneven_.clear();
+    for (const Face& f : faces_)
+      uneven_.push_back(static_cast<float>(image_.tolerance_m / slant_of(f, image_.geometry)));
     for (int r = 0; r < rows_; ++r)
       for (int c = 0; c < columns_; ++c) {
         int near[9];
@@ -212,17 +218,20 @@ class Grower {
 
   void claim_cell(int c, int r, const int* near, int count) {
     const float k2 = static_cast<float>(config_.tolerance_sigma * image_.noise.sigma2_per_m);
-    const float k0 = static_cast<float>(config_.tolerance_sigma * image_.noise.sigma0_m + image_.tolerance_m);
+    const float k0 = static_cast<float>(config_.tolerance_sigma * image_.noise.sigma0_m);
+    float uneven[9];
+    for (int f = 0; f < count; ++f) uneven[f] = uneven_[static_cast<std::size_t>(near[f])];
     for (int j = r * kCell; j < (r + 1) * kCell; ++j)
       for (int i = c * kCell; i < (c + 1) * kCell; ++i) {
         const std::size_t k = image_.at(i, j);
         if (image_.label[k] != ObjectImage::kFree) continue;
         const float q = image_.q[k];
-        float best = k2 + k0 * q * q;
+        const float noise = k2 + k0 * q * q;
+        float best = std::numeric_limits<float>::max();
         for (int f = 0; f < count; ++f) {
           const InversePlane& p = faces_[static_cast<std::size_t>(near[f])].plane;
           const float d = std::abs(q - static_cast<float>(p.at(i, j)));
-          if (d < best) best = d, image_.label[k] = static_cast<std::int16_t>(near[f]);
+          if (d < noise + uneven[f] * q * q && d < best) best = d, image_.label[k] = static_cast<std::int16_t>(near[f]);
         }
       }
   }
@@ -243,7 +252,8 @@ class Grower {
         const double worse = both.squares(plane) - apart;
         // the smaller piece must not be bent away from where it lies
         const double smaller = std::min(faces_[a].moments.n, faces_[b].moments.n);
-        if (both.squares(plane) > kMergeMisfit * std::max(apart, both.n * s2) || worse > 0.4 * smaller * s2) continue;
+        const bool same = both.squares(plane) <= kMergeMisfit * std::max(apart, both.n * s2) && worse <= 0.4 * smaller * s2;
+        if (!same && !bowed(faces_[a], faces_[b], both, plane)) continue;
         if (!touching(static_cast<int>(a), static_cast<int>(b))) continue;
         faces_[a].plane = plane;
         faces_[a].moments = both;
@@ -264,6 +274,17 @@ class Grower {
       if (o >= 0) o = index[static_cast<std::size_t>(o)];
   }
 
+  // cardboard and cheap depth both bend faces by some millimetres; nobody would call that two faces
+  [[nodiscard]] bool bowed(const Face& a, const Face& b, const InverseMoments& both, const InversePlane& plane) const {
+    const ImageGeometry& g = image_.geometry;
+    if (g.to_W(a.plane).normal.dot(g.to_W(b.plane).normal) < kBowCos) return false;
+    const Face joined{plane, both};
+    const double q = both.q / both.n, slant = slant_of(joined, g);
+    const double rms_m = std::sqrt(both.squares(plane) / both.n) / (q * q) * slant;
+    const double noise_m = image_.noise.sigma(1.0 / q) * slant;
+    return rms_m < std::hypot(noise_m, kBowTolerance * image_.tolerance_m);
+  }
+
   [[nodiscard]] bool touching(int a, int b) const {
     for (int r = 0; r < rows_; ++r)
       for (int c = 0; c < columns_; ++c) {
@@ -282,6 +303,7 @@ class Grower {
   std::vector<InverseMoments> cells_;
   std::vector<int> owner_;  // face of each cell, -1 for none; of the present window only
   std::vector<std::size_t> members_;
+  std::vector<float> uneven_;  // tolerance of each face in depth (m)
 };
 
 }  // namespace
@@ -318,6 +340,13 @@ void refit_faces(const ObjectImage& image, std::vector<Face>& faces) {
   }
   for (Face& f : faces)
     if (f.moments.n >= 12) f.moments.fit(f.plane);
+}
+
+double slant_of(const Face& face, const ImageGeometry& geometry) {
+  constexpr double kLeast = 0.25;
+  if (face.moments.n < 1) return 1.0;
+  const hal::Vec3 ray = geometry.ray_W(face.moments.u / face.moments.n, face.moments.v / face.moments.n);
+  return std::max(std::abs(geometry.to_W(face.plane).normal.dot(ray)), kLeast);
 }
 
 FaceExtent extent_of(const Face& face, const ImageGeometry& geometry) {

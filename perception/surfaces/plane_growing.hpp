@@ -24,6 +24,9 @@ void grow_faces(ObjectImage& image, std::vector<Face>& faces, const SurfaceConfi
 /// plane.
 void refit_faces(const ObjectImage& image, std::vector<Face>& faces);
 
+/// How far a point moves along a face's normal for a metre of depth, 0.25 at least.
+[[nodiscard]] double slant_of(const Face& face, const ImageGeometry& geometry);
+
 /// Smaller and larger extent (m) of a face, from the spread of its pixels: exact for a filled rectangle.
 struct FaceExtent {
   double narrow_m = 0, wide_m = 0;

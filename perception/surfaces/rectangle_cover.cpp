@@ -56,6 +56,7 @@ class FaceCover {
     const Vec3 from_eye = image.geometry.eye() - origin_;
     s0_ = e1_.dot(from_eye), t0_ = e2_.dot(from_eye);
     s_ = image.geometry.linear(e1_), t_ = image.geometry.linear(e2_);
+    slant_ = slant_of(face, image.geometry);
     const FlatPoint a = flat(U, V), b = flat(U + 1, V), c = flat(U, V + 1);
     step_u_ = Vector2d(static_cast<double>(b.s - a.s), static_cast<double>(b.t - a.t));
     step_v_ = Vector2d(static_cast<double>(c.s - a.s), static_cast<double>(c.t - a.t));
@@ -264,7 +265,7 @@ class FaceCover {
     const std::size_t k = static_cast<std::size_t>(v) * static_cast<std::size_t>(cloud_.width()) + static_cast<std::size_t>(u);
     if (!cloud_.seen(k)) return Cell::Unknown;
     const double q = 1.0 / static_cast<double>(cloud_.depth_m[k]), here = 1.0 / pixel.depth_m;
-    const double tolerance = image_.tolerance(here, config_.tolerance_sigma);
+    const double tolerance = image_.tolerance(here, config_.tolerance_sigma, slant_);
     if (q > here + tolerance) return Cell::Unknown;
     if (q < here - tolerance) return Cell::Empty;
     return label == ObjectImage::kOutside ? Cell::Unknown : Cell::Covered;
@@ -300,39 +301,57 @@ class FaceCover {
   struct Cut {
     bool along_u = true;
     double at = 0;
-    double area = std::numeric_limits<double>::infinity();
+    double cost = std::numeric_limits<double>::infinity();
   };
 
-  // cells that two boxes around the covered cells on both sides of a cut would take
+  /// Cost of the box around the covered cells on one side of each cut: how mixed it is, with a little for its area, so
+  /// that of two cuts the tighter one wins. Entry i: the first i lines.
+  [[nodiscard]] static std::vector<double> costs(const Grid& g, bool along_u, bool backwards) {
+    constexpr double kTightness = 0.02;
+    const int n = along_u ? g.columns : g.rows, m = along_u ? g.rows : g.columns;
+    std::vector<double> result(static_cast<std::size_t>(n + 1), 0.0);
+    std::vector<int> empty(static_cast<std::size_t>(m), 0), waiting(static_cast<std::size_t>(m), 0);
+    int covered = 0, low = m, high = -1, lines = 0, pending = 0;
+    for (int step = 0; step < n; ++step) {
+      const int i = backwards ? n - 1 - step : step;
+      bool any = false;
+      for (int k = 0; k < m; ++k) {
+        const Cell c = along_u ? g.at(i, k) : g.at(k, i);
+        if (c == Cell::Covered) {
+          ++covered;
+          any = true;
+          low = std::min(low, k), high = std::max(high, k);
+        } else if (c == Cell::Empty) {
+          ++waiting[static_cast<std::size_t>(k)];
+        }
+      }
+      // lines before the first and after the last covered cell are not in the box
+      if (covered == 0) std::fill(waiting.begin(), waiting.end(), 0);
+      if (covered > 0) ++pending;
+      if (any) {
+        lines += pending;
+        pending = 0;
+        for (std::size_t k = 0; k < empty.size(); ++k) empty[k] += waiting[k], waiting[k] = 0;
+      }
+      double hollow = 0;
+      for (int k = low; k <= high; ++k) hollow += empty[static_cast<std::size_t>(k)];
+      if (covered > 0)
+        result[static_cast<std::size_t>(step + 1)] =
+            covered * hollow / (covered + hollow) + kTightness * lines * (high - low + 1.0);
+    }
+    return result;
+  }
+
   [[nodiscard]] static Cut best_cut(const Grid& g, const Frame& f) {
     Cut best;
     for (const bool along_u : {true, false}) {
-      const int n = along_u ? g.columns : g.rows, m = along_u ? g.rows : g.columns;
-      const auto covered = [&](int i, int k) {
-        return (along_u ? g.at(i, k) : g.at(k, i)) == Cell::Covered;
-      };
-      // box around the covered cells of lines [from, to), grown one line at a time
-      const auto areas = [&](bool backwards) {
-        std::vector<double> area(static_cast<std::size_t>(n + 1), 0.0);
-        int first = -1, last = -1, low = m, high = -1;
-        for (int step = 0; step < n; ++step) {
-          const int i = backwards ? n - 1 - step : step;
-          for (int k = 0; k < m; ++k)
-            if (covered(i, k)) {
-              low = std::min(low, k), high = std::max(high, k);
-              if (first < 0) first = step;
-              last = step;
-            }
-          area[static_cast<std::size_t>(step + 1)] = first < 0 ? 0.0 : (last - first + 1.0) * (high - low + 1.0);
-        }
-        return area;
-      };
-      const std::vector<double> before = areas(false), after = areas(true);
+      const int n = along_u ? g.columns : g.rows;
+      const std::vector<double> before = costs(g, along_u, false), after = costs(g, along_u, true);
       for (int i = 1; i < n; ++i) {
-        const double area = before[static_cast<std::size_t>(i)] + after[static_cast<std::size_t>(n - i)];
-        if (area < best.area) {
+        const double cost = before[static_cast<std::size_t>(i)] + after[static_cast<std::size_t>(n - i)];
+        if (cost < best.cost) {
           const double length = along_u ? f.width() : f.height();
-          best = {along_u, (along_u ? f.low_u : f.low_v) + length * i / n, area};
+          best = {along_u, (along_u ? f.low_u : f.low_v) + length * i / n, cost};
         }
       }
     }
@@ -378,7 +397,7 @@ class FaceCover {
   InversePlane s_, t_;
   const std::vector<std::uint32_t>* pixels_ = nullptr;
   Vector2d step_u_, step_v_;  // by how much a pixel's step in the image moves on the face
-  double pixel_m_;
+  double pixel_m_, slant_;
 };
 
 }  // namespace

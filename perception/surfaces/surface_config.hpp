@@ -6,12 +6,12 @@ namespace colift::perception {
 
 struct SurfaceConfig {
   double tolerance_sigma = 2.5;
-  double tolerance_m = 0.002;
+  double tolerance_m = 0.003;
   int min_pixels = 40;
   double min_width_m = 0.010;
   double fill_threshold = 0.80;
   double least_fill = 0.60;
-  int max_splits = 4;
+  int max_splits = 6;
   double max_edge_m = 0.08;
   double min_edge_view_deg = 8.0;
   double cylinder_min_radius_m = 0.015;

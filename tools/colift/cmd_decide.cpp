@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <limits>
 
 #include "tools/colift/commands.hpp"
 #include "tools/colift/look_json.hpp"
@@ -13,7 +14,10 @@ namespace {
 
 hal::Result<> set_weights(const DecideOptions& options, const control::Look& look, control::Config& config) {
   // the thesis sets all weights to one (sections 4.3 and 5.3.4)
-  if (look.method == control::Method::Thesis) config.decision.weights = planner::SharingWeights::thesis();
+  if (look.method == control::Method::Thesis) {
+    config.decision.weights = planner::SharingWeights::thesis();
+    config.decision.max_sideways = std::numeric_limits<double>::infinity();
+  }
   if (!options.share.empty() && !options.epsilon.empty())
     return hal::failure(hal::ErrorCode::BadInput, "--share", "goes without --epsilon: either one says how the load is shared");
   if (!options.epsilon.empty()) {

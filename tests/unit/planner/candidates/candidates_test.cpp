@@ -284,7 +284,7 @@ TEST_CASE("when nothing is free the summary counts the reasons and names the nea
                                          refused(1, "finger 2 meets the object 3 mm inside", 0.003),
                                          refused(2, "palm meets the ground 8 mm deep", 0.008)};
   CHECK(planner::explain(list) ==
-        "0 of 3 candidates are free: 2 finger 2 meets the object, 1 palm meets the ground; nearest miss: "
+        "0 of 3 candidates are free: 2 would meet the object, 1 would meet the ground; nearest miss: "
         "candidate 1, "
         "finger 2 meets the object 3 mm inside");
 }
