@@ -14,6 +14,9 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kFar = std::numeric_limits<float>::max();
 
+// Noise is not squared beyond this, to stay finite (m).
+constexpr float kFarSide = 100.0F;
+
 // A depth step within the raggedness of edges that no sloping surface makes (m).
 constexpr double kEdgeStep_m = 0.04;
 
@@ -42,20 +45,6 @@ void fill_row(const float* near, float* filled, int width) {
   }
 }
 
-// Smallest value within `reach` pixels, along one direction of the image.
-void slide_minimum(const std::vector<float>& in, std::vector<float>& out, int count, int reach,
-                   std::size_t step, std::size_t line) {
-  for (int i = 0; i < count; ++i) {
-    const int low = std::max(0, i - reach), high = std::min(count - 1, i + reach);
-    float* to = out.data() + static_cast<std::size_t>(i) * step;
-    for (std::size_t j = 0; j < line; ++j) to[j] = in[static_cast<std::size_t>(i) * step + j];
-    for (int k = low; k <= high; ++k) {
-      const float* from = in.data() + static_cast<std::size_t>(k) * step;
-      for (std::size_t j = 0; j < line; ++j) to[j] = from[j] < to[j] ? from[j] : to[j];
-    }
-  }
-}
-
 }  // namespace
 
 ChangeImage::ChangeImage(const ReferenceImage& reference, const NoiseModel& noise, const ChangeConfig& config,
@@ -72,33 +61,45 @@ ChangeImage::ChangeImage(const ReferenceImage& reference, const NoiseModel& nois
   unseen_.assign(mask_.size(), 0);
   thinned_.assign(mask_.size(), 0);
 
-  std::vector<float> filled(reference.near_m.size()), wide(reference.near_m.size());
-  for (int v = 0; v < height; ++v) {
-    const std::size_t row = static_cast<std::size_t>(v) * width;
-    fill_row(reference.near_m.data() + row, filled.data() + row, width_);
+  limit_m_.assign(reference.near_m.size(), kNan);
+  if (window.empty()) return;
+
+  // smallest depth within edge_px: down the columns, then along the row, in padded buffers
+  const int edge = config.edge_px;
+  const auto pad = static_cast<std::size_t>(edge);
+  const int top = std::max(0, window.v_begin - edge), bottom = std::min(height, window.v_end + edge);
+  std::vector<float> filled(width * static_cast<std::size_t>(bottom - top));
+  for (int v = top; v < bottom; ++v) {
+    fill_row(reference.near_m.data() + static_cast<std::size_t>(v) * width,
+             filled.data() + static_cast<std::size_t>(v - top) * width, width_);
   }
-  slide_minimum(filled, wide, height, config.edge_px, width, width);
-  limit_m_.assign(filled.size(), kNan);
+  std::vector<float> down(width + 2 * pad, kFar), nearest(width);
+  const auto margin0 = static_cast<float>(config.sigmas * noise.sigma0_m + config.margin_m);
+  const auto margin2 = static_cast<float>(config.sigmas * noise.sigma2_per_m + config.steps * noise.step2_per_m);
+  const auto slope0 = static_cast<float>(kEdgeStep_m + 4.0 * noise.sigma0_m);
+  const auto slope2 = static_cast<float>(4.0 * noise.sigma2_per_m);
   for (int v = window.v_begin; v < window.v_end; ++v) {
+    std::fill(down.begin(), down.end(), kFar);
+    float* low = down.data() + pad;
+    for (int k = std::max(top, v - edge); k <= std::min(bottom - 1, v + edge); ++k) {
+      const float* from = filled.data() + static_cast<std::size_t>(k - top) * width;
+      for (std::size_t u = 0; u < width; ++u) low[u] = from[u] < low[u] ? from[u] : low[u];
+    }
+    std::fill(nearest.begin(), nearest.end(), kFar);
+    for (std::size_t k = 0; k <= 2 * pad; ++k) {
+      const float* from = down.data() + k;
+      for (std::size_t u = 0; u < width; ++u) nearest[u] = from[u] < nearest[u] ? from[u] : nearest[u];
+    }
     const std::size_t row = static_cast<std::size_t>(v) * width;
-    for (int u = window.u_begin; u < window.u_end; ++u) {
-      float z = kFar;
-      for (int k = std::max(0, u - config.edge_px); k <= std::min(width_ - 1, u + config.edge_px); ++k) {
-        z = std::min(z, wide[row + static_cast<std::size_t>(k)]);
-      }
-      // noise at a missing background is nobody's: any depth that appears there is new
-      const std::size_t pixel = row + static_cast<std::size_t>(u);
-      if (z >= kFar) {
-        limit_m_[pixel] = kFar;
-        continue;
-      }
+    const float* typical = reference.cloud.depth_m.data() + row;
+    float* limit = limit_m_.data() + row;
+    for (auto u = static_cast<std::size_t>(window.u_begin); u < static_cast<std::size_t>(window.u_end); ++u) {
       // away from edges the typical depth is the sharper standard: fingers on a surface stand out by less
-      // than 2 cm
-      const float typical = reference.cloud.depth_m[pixel];
-      const double slope = kEdgeStep_m + 4.0 * noise.sigma(z);
-      if (typical == typical && typical - z < static_cast<float>(slope)) z = typical;
-      limit_m_[pixel] = z - static_cast<float>(config.sigmas * noise.sigma(z) + config.steps * noise.step(z) +
-                                               config.margin_m);
+      // than 2 cm; a NaN compares false
+      const float z = nearest[u], squared = std::min(z, kFarSide) * std::min(z, kFarSide);
+      const float standard = typical[u] - z < slope0 + slope2 * squared ? typical[u] : z;
+      // noise at a missing background is nobody's: any depth that appears there is new
+      limit[u] = z >= kFar ? kFar : standard - (margin0 + margin2 * squared);
     }
   }
 }

@@ -36,6 +36,15 @@ void unite(std::vector<std::int32_t>& parent, std::int32_t a, std::int32_t b) {
 
 }  // namespace
 
+std::vector<std::int32_t> Components::labels(int width, int height) const {
+  std::vector<std::int32_t> out(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), kNone);
+  for (const Run& run : runs) {
+    const auto row = out.begin() + static_cast<std::ptrdiff_t>(run.row) * width;
+    std::fill(row + run.first, row + run.last + 1, run.label);
+  }
+  return out;
+}
+
 Components connected_components(const std::vector<float>& depth_m, const std::vector<std::uint8_t>& mask, int width,
                                 int height, const DepthJump& jump) {
   std::vector<Run> runs;
@@ -85,7 +94,6 @@ Components connected_components(const std::vector<float>& depth_m, const std::ve
   }
 
   Components result;
-  result.label.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), Components::kNone);
   std::vector<std::int32_t> number(runs.size(), Components::kNone);
   for (std::size_t r = 0; r < runs.size(); ++r) {
     const std::size_t top = static_cast<std::size_t>(root(parent, static_cast<std::int32_t>(r)));
@@ -94,9 +102,6 @@ Components connected_components(const std::vector<float>& depth_m, const std::ve
       result.pixels.push_back(0);
     }
     const std::int32_t n = runs[r].label = number[top];
-    const std::size_t offset = static_cast<std::size_t>(runs[r].row) * static_cast<std::size_t>(width);
-    std::fill(result.label.begin() + static_cast<std::ptrdiff_t>(offset + static_cast<std::size_t>(runs[r].first)),
-              result.label.begin() + static_cast<std::ptrdiff_t>(offset + static_cast<std::size_t>(runs[r].last) + 1), n);
     result.pixels[static_cast<std::size_t>(n)] += static_cast<std::uint32_t>(runs[r].last - runs[r].first + 1);
   }
   result.runs = std::move(runs);

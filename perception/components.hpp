@@ -13,9 +13,11 @@ struct Components {
     std::int32_t label;
   };
   std::vector<Run> runs;
-  std::vector<std::int32_t> label;      ///< Per pixel: region, or kNone outside the mask.
-  std::vector<std::uint32_t> pixels;    ///< Number of pixels of each region.
+  std::vector<std::uint32_t> pixels;  ///< Number of pixels of each region.
   static constexpr std::int32_t kNone = -1;
+
+  /// Region of every pixel, kNone outside the mask.
+  [[nodiscard]] std::vector<std::int32_t> labels(int width, int height) const;
 };
 
 /// Depth difference up to which two neighbouring pixels may lie on one surface: base + growth * depth^2 (m).
@@ -30,7 +32,7 @@ struct DepthJump {
   }
 };
 
-/// Regions of pixels with mask != 0 that hang together over 8-neighbours without a depth jump. One pass over runs with
+/// Regions of pixels whose mask is 1 (and not 0) that hang together over 8-neighbours without a depth jump. One pass over runs with
 /// union-find; regions are numbered by their first pixel, row by row.
 [[nodiscard]] Components connected_components(const std::vector<float>& depth_m, const std::vector<std::uint8_t>& mask,
                                               int width, int height, const DepthJump& jump);

@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -19,6 +20,8 @@ constexpr double kSameLevel_m = 0.02;
 constexpr float kWidest = 2.0f;              // first tolerance of the pixel fit, relative to the last
 constexpr int kFitStride = 2;                // every second pixel of every second row: 75 000 are plenty for three numbers
 constexpr std::size_t kLeastInliers = 50;
+constexpr std::size_t kLanes = 4;            // floats in a register of plain x86-64
+
 // The pixels that may lie on a plane, kept close together for several rounds of fitting.
 struct Samples {
   std::vector<float> s, t, h, slack;  ///< In the plane, above it; one sigma of the height's noise.
@@ -31,26 +34,89 @@ Samples gather(const OrganisedCloud& cloud, const Eigen::Matrix3f& axes, const E
   const float base = kWidest * static_cast<float>(c.tolerance_m);
   const float factor = kWidest * static_cast<float>(c.tolerance_sigma);
   const std::size_t w = static_cast<std::size_t>(cloud.width());
-  const std::size_t most = cloud.size() / static_cast<std::size_t>(stride * stride) + w;
-  Samples out;
-  for (auto* v : {&out.s, &out.t, &out.h, &out.slack}) v->resize(most);
-  std::size_t n = 0;
   const Eigen::Vector3f es = axes.col(0), et = axes.col(1), en = axes.col(2);
+  Samples out;
+  const std::array<std::vector<float>*, 4> arrays{&out.s, &out.t, &out.h, &out.slack};
+  for (auto* v : arrays) v->reserve(cloud.size() / static_cast<std::size_t>(stride * stride) + w + kLanes);
+  Eigen::ArrayXf height(cloud.width()), noise_of(cloud.width()), beyond(cloud.width());
+  std::vector<std::size_t> found(w);
+  using Row = Eigen::Map<const Eigen::ArrayXf>;
   for (std::size_t row = 0; row < cloud.size(); row += w * static_cast<std::size_t>(stride)) {
-    for (std::size_t i = row; i < row + w; i += static_cast<std::size_t>(stride)) {
+    const Row d(cloud.depth_m.data() + row, cloud.width()), x(cloud.x.data() + row, cloud.width()),
+        y(cloud.y.data() + row, cloud.width()), z(cloud.z.data() + row, cloud.width());
+    height = en.x() * (x - origin.x()) + en.y() * (y - origin.y()) + en.z() * (z - origin.z());
+    // depth noise enters the height by the slope of the ray: eye height over depth
+    noise_of = (sigma0 + sigma2 * d * d) * (eye_height / d).min(1.0f);
+    beyond = height.abs() - (base + factor * noise_of);
+    std::size_t n = 0;
+    for (std::size_t u = 0; u < w; u += static_cast<std::size_t>(stride)) {
+      found[n] = u;
+      n += beyond[static_cast<Eigen::Index>(u)] <= 0.0f ? 1 : 0;  // false for a missing pixel
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::size_t u = found[k], i = row + u;
       const float dx = cloud.x[i] - origin.x(), dy = cloud.y[i] - origin.y(), dz = cloud.z[i] - origin.z();
-      const float d = cloud.depth_m[i];
-      const float h = en.x() * dx + en.y() * dy + en.z() * dz;
-      // depth noise enters the height by the slope of the ray: eye height over depth
-      const float sigma = (sigma0 + sigma2 * d * d) * std::min(1.0f, eye_height / d);
-      out.s[n] = es.x() * dx + es.y() * dy + es.z() * dz;
-      out.t[n] = et.x() * dx + et.y() * dy + et.z() * dz;
-      out.h[n] = h;
-      out.slack[n] = sigma;
-      n += std::abs(h) <= base + factor * sigma ? 1 : 0;  // false for a missing pixel
+      out.s.push_back(es.x() * dx + es.y() * dy + es.z() * dz);
+      out.t.push_back(et.x() * dx + et.y() * dy + et.z() * dz);
+      out.h.push_back(height[static_cast<Eigen::Index>(u)]);
+      out.slack.push_back(noise_of[static_cast<Eigen::Index>(u)]);
     }
   }
-  for (auto* v : {&out.s, &out.t, &out.h, &out.slack}) v->resize(n);
+  // up to whole lanes with samples that are far from every plane
+  while (out.s.size() % kLanes != 0) {
+    out.s.push_back(0.0f);
+    out.t.push_back(0.0f);
+    out.h.push_back(1e6f);
+    out.slack.push_back(1.0f);
+  }
+  return out;
+}
+
+// Sums of weighted least squares for a plane h = a + b s + c t over the samples near the last one.
+struct FitSums {
+  std::array<double, 9> sum{};  // w, ws, wt, wss, wst, wtt, wh, wsh, wth
+  double square = 0.0;          // of the distances
+  std::size_t inliers = 0;
+};
+
+FitSums fit_sums(const Samples& p, const Eigen::Vector3f& last, float base, float factor) {
+  // in single precision over a few samples at a time, so that the compiler can keep four sums in a register
+  constexpr std::size_t kBatch = 16 * kLanes;
+  using Lane = Eigen::Array<float, kLanes, 1>;
+  FitSums out;
+  std::array<float, kBatch> weight{}, inside{}, squared{};
+  for (std::size_t begin = 0; begin < p.h.size(); begin += kBatch) {
+    const std::size_t n = std::min(kBatch, p.h.size() - begin);
+    const float *s = p.s.data() + begin, *t = p.t.data() + begin, *h = p.h.data() + begin, *sigma = p.slack.data() + begin;
+    const float a = last[0], b = last[1], c = last[2];
+    for (std::size_t i = 0; i < n; ++i) {
+      const float rest = h[i] - a - b * s[i] - c * t[i];
+      inside[i] = std::abs(rest) <= base + factor * sigma[i] ? 1.0f : 0.0f;
+      weight[i] = inside[i] * (1e-6f / (sigma[i] * sigma[i] + 1e-7f));
+      squared[i] = inside[i] * rest * rest;
+    }
+    std::array<Lane, 9> sums;
+    sums.fill(Lane::Zero());
+    Lane count = Lane::Zero(), square = Lane::Zero();
+    for (std::size_t i = 0; i < n; i += kLanes) {
+      const Eigen::Map<const Lane> lane_s(s + i), lane_t(t + i), lane_h(h + i), w(weight.data() + i);
+      const Lane ws = w * lane_s, wt = w * lane_t;
+      sums[0] += w;
+      sums[1] += ws;
+      sums[2] += wt;
+      sums[3] += ws * lane_s;
+      sums[4] += ws * lane_t;
+      sums[5] += wt * lane_t;
+      sums[6] += w * lane_h;
+      sums[7] += ws * lane_h;
+      sums[8] += wt * lane_h;
+      count += Eigen::Map<const Lane>(inside.data() + i);
+      square += Eigen::Map<const Lane>(squared.data() + i);
+    }
+    for (std::size_t k = 0; k < sums.size(); ++k) out.sum[k] += static_cast<double>(sums[k].sum());
+    out.square += static_cast<double>(square.sum());
+    out.inliers += static_cast<std::size_t>(count.sum());
+  }
   return out;
 }
 
@@ -72,26 +138,10 @@ Ground refine(const Plane& start, const OrganisedCloud& cloud, const NoiseModel&
   for (const float width : {kWidest, 1.5f, 1.2f}) {
     const float factor = width * static_cast<float>(c.tolerance_sigma);
     const float base = width * static_cast<float>(c.tolerance_m);
-    double sums[9] = {};  // w, ws, wt, wss, wst, wtt, wh, wsh, wth
-    inliers = 0;
-    square = 0.0;
-    for (std::size_t i = 0; i < p.h.size(); ++i) {
-      const float s = p.s[i], t = p.t[i], h = p.h[i], sigma = p.slack[i];
-      const float rest = h - height[0] - height[1] * s - height[2] * t;
-      const bool in = std::abs(rest) <= base + factor * sigma;
-      const float w = in ? 1e-6f / (sigma * sigma + 1e-7f) : 0.0f;
-      inliers += in;
-      square += in ? rest * rest : 0.0f;
-      sums[0] += w;
-      sums[1] += w * s;
-      sums[2] += w * t;
-      sums[3] += w * s * s;
-      sums[4] += w * s * t;
-      sums[5] += w * t * t;
-      sums[6] += w * h;
-      sums[7] += w * s * h;
-      sums[8] += w * t * h;
-    }
+    const FitSums fit = fit_sums(p, height, base, factor);
+    const auto& sums = fit.sum;
+    inliers = fit.inliers;
+    square = fit.square;
     if (inliers < kLeastInliers) break;
     Eigen::Matrix3d A;
     A << sums[0], sums[1], sums[2], sums[1], sums[3], sums[4], sums[2], sums[4], sums[5];
@@ -108,8 +158,8 @@ Ground refine(const Plane& start, const OrganisedCloud& cloud, const NoiseModel&
 
 GroundResult find_ground(const OrganisedCloud& cloud, const std::vector<BlockPlane>& blocks,
                          const std::optional<Vec3>& up_W, const NoiseModel& noise, const GroundConfig& c) {
-  const std::size_t seen = static_cast<std::size_t>(
-      std::count_if(cloud.depth_m.begin(), cloud.depth_m.end(), [](float d) { return d == d; }));
+  std::uint32_t seen = 0;  // narrow, so that the loop counts four at a time
+  for (const float d : cloud.depth_m) seen += d == d ? 1U : 0U;
   const Vec3 up = up_W.value_or(-cloud.X_WC.linear().col(1));
   const double max_tilt_deg = up_W ? c.max_tilt_deg : c.max_tilt_unknown_deg;
   const auto faces_up = [&](const Vec3& n) { return n.dot(up) > std::cos(max_tilt_deg * kRad); };

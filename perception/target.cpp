@@ -34,18 +34,17 @@ std::vector<std::uint8_t> raised_pixels(const OrganisedCloud& cloud, const Groun
   const float k0 = static_cast<float>(c.clearance_sigma * noise.sigma0_m);
   const float k2 = static_cast<float>(c.clearance_sigma * noise.sigma2_per_m);
   std::vector<std::uint8_t> mask(cloud.size());
-  // plain pointers: a byte that is written may alias anything but them, and the loop would not be vectorised
-  const float *depth = cloud.depth_m.data(), *px = cloud.x.data(), *py = cloud.y.data(), *pz = cloud.z.data();
-  const float nx = n.x(), ny = n.y(), nz = n.z();
-  std::uint8_t* out = mask.data();
-  const std::size_t size = cloud.size();
-  for (std::size_t i = 0; i < size; ++i) {
-    const float d = depth[i];
-    const float h = nx * px[i] + ny * py[i] + nz * pz[i] + offset;
+  const Eigen::Index w = cloud.width();
+  Eigen::ArrayXf above(w);
+  using Row = Eigen::Map<const Eigen::ArrayXf>;
+  for (std::size_t row = 0; row < cloud.size(); row += static_cast<std::size_t>(w)) {
+    const Row d(cloud.depth_m.data() + row, w), x(cloud.x.data() + row, w), y(cloud.y.data() + row, w),
+        z(cloud.z.data() + row, w);
     // depth noise enters the height by the slope of the ray, at most one
-    const float slope = eye_height / d;
-    const float reach = (k0 + k2 * d * d) * (slope < 1.0f ? slope : 1.0f);
-    out[i] = h > base + reach ? 1 : 0;
+    above = (n.x() * x + n.y() * y + n.z() * z + offset) - (base + (k0 + k2 * d * d) * (eye_height / d).min(1.0f));
+    std::uint8_t* out = mask.data() + row;
+    const float* a = above.data();
+    for (Eigen::Index u = 0; u < w; ++u) out[u] = a[u] > 0.0f ? 1 : 0;
   }
   return mask;
 }

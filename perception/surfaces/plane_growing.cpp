@@ -15,6 +15,7 @@ constexpr double kCellOffset = 1.1;  // mean residual of a cell that joins, in s
 constexpr double kLeastCellPixels = 12;
 constexpr double kMergeMisfit = 1.25;
 constexpr double kBowCos = 0.985;      // pieces of a bowed face differ by less than 10 degrees
+constexpr double kBowWidth_m = 0.04;
 constexpr double kBowTolerance = 1.3;  // root mean square of a bowed face's residual, in tolerances
 
 struct Window {
@@ -256,6 +257,7 @@ class Grower {
         if (!same && !bowed(faces_[a], faces_[b], both, plane)) continue;
         if (!touching(static_cast<int>(a), static_cast<int>(b))) continue;
         faces_[a].plane = plane;
+        faces_[a].bowed = !same || faces_[a].bowed || faces_[b].bowed;
         faces_[a].moments = both;
         renamed[b] = static_cast<int>(a);
         for (int& o : owner_)
@@ -278,10 +280,13 @@ class Grower {
   [[nodiscard]] bool bowed(const Face& a, const Face& b, const InverseMoments& both, const InversePlane& plane) const {
     const ImageGeometry& g = image_.geometry;
     if (g.to_W(a.plane).normal.dot(g.to_W(b.plane).normal) < kBowCos) return false;
-    const Face joined{plane, both};
+    const Face joined{plane, both, true};
     const double q = both.q / both.n, slant = slant_of(joined, g);
     const double rms_m = std::sqrt(both.squares(plane) / both.n) / (q * q) * slant;
     const double noise_m = image_.noise.sigma(1.0 / q) * slant;
+    // where noise is as large as the bow, pieces do not part because of it; strips of cylinders and edges do
+    if (image_.noise.sigma(1.0 / q) > 0.5 * image_.tolerance_m) return false;
+    if (std::min(extent_of(a, g).narrow_m, extent_of(b, g).narrow_m) < kBowWidth_m) return false;
     return rms_m < std::hypot(noise_m, kBowTolerance * image_.tolerance_m);
   }
 
@@ -344,7 +349,7 @@ void refit_faces(const ObjectImage& image, std::vector<Face>& faces) {
 
 double slant_of(const Face& face, const ImageGeometry& geometry) {
   constexpr double kLeast = 0.25;
-  if (face.moments.n < 1) return 1.0;
+  if (!face.bowed || face.moments.n < 1) return 1.0;
   const hal::Vec3 ray = geometry.ray_W(face.moments.u / face.moments.n, face.moments.v / face.moments.n);
   return std::max(std::abs(geometry.to_W(face.plane).normal.dot(ray)), kLeast);
 }

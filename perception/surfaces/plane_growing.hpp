@@ -11,6 +11,7 @@ namespace colift::perception {
 struct Face {
   InversePlane plane;
   InverseMoments moments;  ///< Of its pixels.
+  bool bowed = false;      ///< Joined from pieces that lean towards each other by a few degrees.
 
   [[nodiscard]] double inverse_depth() const { return moments.n > 0 ? moments.q / moments.n : 0.0; }
 };
@@ -24,7 +25,7 @@ void grow_faces(ObjectImage& image, std::vector<Face>& faces, const SurfaceConfi
 /// plane.
 void refit_faces(const ObjectImage& image, std::vector<Face>& faces);
 
-/// How far a point moves along a face's normal for a metre of depth, 0.25 at least.
+/// How far a point moves along a bowed face's normal for a metre of depth, 0.25 at least; 1 for even faces.
 [[nodiscard]] double slant_of(const Face& face, const ImageGeometry& geometry);
 
 /// Smaller and larger extent (m) of a face, from the spread of its pixels: exact for a filled rectangle.

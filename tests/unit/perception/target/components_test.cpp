@@ -58,7 +58,7 @@ TEST_CASE("regions equal a flood fill on random images", "[components]") {
     }
     const DepthJump jump{0.06f, 0.001f};
     const Components c = connected_components(depth, mask, w, h, jump);
-    CHECK(c.label == flood(depth, mask, w, h, jump));
+    CHECK(c.labels(w, h) == flood(depth, mask, w, h, jump));
     std::size_t total = 0;
     for (const std::uint32_t n : c.pixels) total += n;
     CHECK(total == static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1)));
