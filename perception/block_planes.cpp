@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace colift::perception {
@@ -19,7 +20,10 @@ struct Moments {
 
 // sums relative to a point of the block, so that single precision keeps tenths of a millimetre
 Moments moments_of(const OrganisedCloud& cloud, int u0, int v0, const Eigen::Vector3f& origin) {
-  Moments m;
+  using Lane = Eigen::Array4f;
+  Lane n = Lane::Zero(), depth = n, sx = n, sy = n, sz = n, xx = n, xy = n, xz = n, yy = n, yz = n, zz = n;
+  const float ox = origin.x(), oy = origin.y(), oz = origin.z();
+  std::array<float, kBlockPixels> is_seen{}, d{}, x{}, y{}, z{};
   for (int row = 0; row < kBlockPixels; row += kRowStride) {
     const std::size_t first = static_cast<std::size_t>(v0 + row) * static_cast<std::size_t>(cloud.width()) +
                               static_cast<std::size_t>(u0);
@@ -27,25 +31,30 @@ Moments moments_of(const OrganisedCloud& cloud, int u0, int v0, const Eigen::Vec
     const float* py = cloud.y.data() + first;
     const float* pz = cloud.z.data() + first;
     const float* pd = cloud.depth_m.data() + first;
-    for (int i = 0; i < kBlockPixels; ++i) {
+    for (std::size_t i = 0; i < kBlockPixels; ++i) {
       const bool seen = pd[i] == pd[i];
-      const float x = seen ? px[i] - origin.x() : 0.0f;
-      const float y = seen ? py[i] - origin.y() : 0.0f;
-      const float z = seen ? pz[i] - origin.z() : 0.0f;
-      m.n += seen ? 1.0f : 0.0f;
-      m.depth += seen ? pd[i] : 0.0f;
-      m.x += x;
-      m.y += y;
-      m.z += z;
-      m.xx += x * x;
-      m.xy += x * y;
-      m.xz += x * z;
-      m.yy += y * y;
-      m.yz += y * z;
-      m.zz += z * z;
+      is_seen[i] = seen ? 1.0f : 0.0f;
+      d[i] = seen ? pd[i] : 0.0f;
+      x[i] = seen ? px[i] - ox : 0.0f;
+      y[i] = seen ? py[i] - oy : 0.0f;
+      z[i] = seen ? pz[i] - oz : 0.0f;
+    }
+    for (std::size_t i = 0; i < kBlockPixels; i += 4) {
+      const Lane lx(x.data() + i), ly(y.data() + i), lz(z.data() + i);
+      n += Lane(is_seen.data() + i);
+      depth += Lane(d.data() + i);
+      sx += lx;
+      sy += ly;
+      sz += lz;
+      xx += lx * lx;
+      xy += lx * ly;
+      xz += lx * lz;
+      yy += ly * ly;
+      yz += ly * lz;
+      zz += lz * lz;
     }
   }
-  return m;
+  return {n.sum(), depth.sum(), sx.sum(), sy.sum(), sz.sum(), xx.sum(), xy.sum(), xz.sum(), yy.sum(), yz.sum(), zz.sum()};
 }
 
 }  // namespace

@@ -90,16 +90,17 @@ class CellGrid {
       high = high.cwiseMax(p);
     }
     cell_m_ = std::max(trim.cell_m, (high - low).maxCoeff() / (kMaxCells - 2));
+    const double per_m = 1.0 / cell_m_;
     // cells keep their place in the plane when the object's extent changes by a stray
-    u0_ = floor_of(low.x() / cell_m_);
-    v0_ = floor_of(low.y() / cell_m_);
-    columns_ = static_cast<std::size_t>(floor_of(high.x() / cell_m_) - u0_) + 1;
-    rows_ = static_cast<std::size_t>(floor_of(high.y() / cell_m_) - v0_) + 1;
+    u0_ = floor_of(low.x() * per_m);
+    v0_ = floor_of(low.y() * per_m);
+    columns_ = static_cast<std::size_t>(floor_of(high.x() * per_m) - u0_) + 1;
+    rows_ = static_cast<std::size_t>(floor_of(high.y() * per_m) - v0_) + 1;
     count_.assign(columns_ * rows_, 0);
     cell_of_.resize(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const auto column = static_cast<std::size_t>(floor_of(points[i].x() / cell_m_) - u0_);
-      const auto row = static_cast<std::size_t>(floor_of(points[i].y() / cell_m_) - v0_);
+      const auto column = static_cast<std::size_t>(floor_of(points[i].x() * per_m) - u0_);
+      const auto row = static_cast<std::size_t>(floor_of(points[i].y() * per_m) - v0_);
       cell_of_[i] = static_cast<std::uint32_t>(row * columns_ + column);
       ++count_[cell_of_[i]];
     }

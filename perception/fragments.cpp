@@ -1,6 +1,7 @@
 #include "perception/fragments.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -10,6 +11,7 @@ namespace colift::perception {
 namespace {
 
 constexpr double kCell_m = 0.04;
+constexpr double kCellsPerMeter = 1.0 / kCell_m;
 constexpr std::size_t kFootprintStride = 4;  // every fourth pixel still hits each cell several times
 constexpr double kFloating_m = 0.1;          // a part this far above the ground does not stand on it
 constexpr double kLegSide_m = 0.2;           // a leg is thinner than this, or higher than wide
@@ -28,7 +30,7 @@ struct GroundAxes {
     std::tie(s, t) = hal::tangents(plane.normal);
   }
   [[nodiscard]] std::int64_t cell(const Vec3& p) const {
-    const std::int64_t i = floor_of(s.dot(p) / kCell_m), j = floor_of(t.dot(p) / kCell_m);
+    const std::int64_t i = floor_of(s.dot(p) * kCellsPerMeter), j = floor_of(t.dot(p) * kCellsPerMeter);
     return (i << 32) + (j + (std::int64_t{1} << 31));
   }
   [[nodiscard]] static Eigen::Vector2d center(std::int64_t cell) {
@@ -186,6 +188,16 @@ struct Tally {
   Eigen::Array3f least = Eigen::Array3f::Constant(std::numeric_limits<float>::infinity());
   Eigen::Array3f most = -least;
 
+  // false if the cell was met lately; most are met many times, and sorting them all would cost more than the rest
+  bool is_new(std::int64_t cell) {
+    const auto c = static_cast<std::uint64_t>(cell);
+    std::int64_t& met = recent[((c >> 32) * 8 + (c & 7)) % recent.size()];
+    if (met == cell) return false;
+    met = cell;
+    return true;
+  }
+  std::array<std::int64_t, 128> recent{};
+
   // `count` pixels from `first` on; `height` is room for as many numbers
   void add(const OrganisedCloud& cloud, std::size_t first, Eigen::Index count, const Eigen::Vector3f& up, float offset,
            Eigen::ArrayXf& height) {
@@ -266,7 +278,7 @@ std::vector<Fragment> describe_fragments(const OrganisedCloud& cloud, const Comp
     for (std::size_t u = static_cast<std::size_t>(run.first) + skip; u <= static_cast<std::size_t>(run.last);
          u += kFootprintStride) {
       const std::int64_t cell = axes.cell(cloud.point(row + u));
-      if (f.cells.empty() || f.cells.back() != cell) f.cells.push_back(cell);
+      if (t.is_new(cell)) f.cells.push_back(cell);
     }
   }
   for (std::size_t k = 0; k < fragments.size(); ++k) {

@@ -40,6 +40,11 @@ Samples gather(const OrganisedCloud& cloud, const Eigen::Matrix3f& axes, const E
   for (auto* v : arrays) v->reserve(cloud.size() / static_cast<std::size_t>(stride * stride) + w + kLanes);
   Eigen::ArrayXf height(cloud.width()), noise_of(cloud.width()), beyond(cloud.width());
   std::vector<std::size_t> found(w);
+  std::vector<float> rows(4 * w);
+  float *row_s = rows.data(), *row_t = row_s + w, *row_h = row_t + w, *row_slack = row_h + w;
+  const float *px = cloud.x.data(), *py = cloud.y.data(), *pz = cloud.z.data();
+  const float ox = origin.x(), oy = origin.y(), oz = origin.z(), sx = es.x(), sy = es.y(), sz = es.z(), tx = et.x(),
+              ty = et.y(), tz = et.z();
   using Row = Eigen::Map<const Eigen::ArrayXf>;
   for (std::size_t row = 0; row < cloud.size(); row += w * static_cast<std::size_t>(stride)) {
     const Row d(cloud.depth_m.data() + row, cloud.width()), x(cloud.x.data() + row, cloud.width()),
@@ -55,12 +60,16 @@ Samples gather(const OrganisedCloud& cloud, const Eigen::Matrix3f& axes, const E
     }
     for (std::size_t k = 0; k < n; ++k) {
       const std::size_t u = found[k], i = row + u;
-      const float dx = cloud.x[i] - origin.x(), dy = cloud.y[i] - origin.y(), dz = cloud.z[i] - origin.z();
-      out.s.push_back(es.x() * dx + es.y() * dy + es.z() * dz);
-      out.t.push_back(et.x() * dx + et.y() * dy + et.z() * dz);
-      out.h.push_back(height[static_cast<Eigen::Index>(u)]);
-      out.slack.push_back(noise_of[static_cast<Eigen::Index>(u)]);
+      const float dx = px[i] - ox, dy = py[i] - oy, dz = pz[i] - oz;
+      row_s[k] = sx * dx + sy * dy + sz * dz;
+      row_t[k] = tx * dx + ty * dy + tz * dz;
+      row_h[k] = height[static_cast<Eigen::Index>(u)];
+      row_slack[k] = noise_of[static_cast<Eigen::Index>(u)];
     }
+    out.s.insert(out.s.end(), row_s, row_s + n);
+    out.t.insert(out.t.end(), row_t, row_t + n);
+    out.h.insert(out.h.end(), row_h, row_h + n);
+    out.slack.insert(out.slack.end(), row_slack, row_slack + n);
   }
   // up to whole lanes with samples that are far from every plane
   while (out.s.size() % kLanes != 0) {

@@ -234,7 +234,6 @@ void LocalShape::find_bar(const std::vector<Eigen::Vector3f>& surface) {
     r += step.z();
   }
   rms = std::sqrt(rms / static_cast<float>(m.n));
-  if (getenv("DBGBAR")) printf("bar e %g %g %g  r %.1f mm rms %.1f mm flat %.1f n %d\n", e[0], e[1], e[2], r * 1e3, rms * 1e3, std::sqrt(e[0]) * 1e3, m.n);
   if (!(r > 0.010F && r < 0.10F)) return;
   if (rms > kRound_m || rms > 0.5F * std::sqrt(e[0])) return;
   RoundBar bar{middle + cx * a + cy * b + place_, d, r};

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace colift::perception {
 namespace {
@@ -52,14 +51,14 @@ ObjectGrid::ObjectGrid(std::span<const Eigen::Vector3f> points, double cell_m, d
     weight[static_cast<std::size_t>(patch)] += 1.0F;
   }
   for (std::size_t i = 0; i < patches_.size(); ++i) patches_[i] = patches_[i] / weight[i] + origin_;
-  spread_from_patches(std::move(occupied));
+  spread_from_patches(occupied);
 }
 
 // A wave from the occupied cells outwards: each cell offers its patch to its six neighbours, which take it
 // when it is nearer than what they have. Not an exact distance transform, but wrong only by a fraction of a
 // cell. `first` holds the occupied cells; a cell at the grid's border has no neighbours to offer to, as the
 // object is farther than the reach from there.
-void ObjectGrid::spread_from_patches(std::vector<std::uint32_t> first) {
+void ObjectGrid::spread_from_patches(const std::vector<std::uint32_t>& first) {
   const float per_cell = per_cell_;
   const float reach = static_cast<float>(reach_m_) * per_cell;
   const float reach_squared = reach * reach;
@@ -67,36 +66,45 @@ void ObjectGrid::spread_from_patches(std::vector<std::uint32_t> first) {
   for (std::size_t i = 0; i < patches_.size(); ++i)
     in_cells[i] = (patches_[i] - origin_) * per_cell - Eigen::Vector3f::Constant(0.5F);
   std::vector<float> squared(nearest_.size(), reach_squared);
-  for (const std::uint32_t c : first) squared[c] = 0.0F;
+  struct At {
+    std::uint32_t cell;
+    std::uint16_t x, y, z;
+  };
   const auto row = static_cast<std::uint32_t>(size_[0]);
   const std::uint32_t layer = row * static_cast<std::uint32_t>(size_[1]);
-  std::vector<std::uint32_t> next;
-  while (!first.empty()) {
+  const auto last_x = static_cast<std::uint16_t>(size_[0] - 1), last_y = static_cast<std::uint16_t>(size_[1] - 1),
+             last_z = static_cast<std::uint16_t>(size_[2] - 1);
+  std::vector<At> wave, next;
+  wave.reserve(4 * first.size());
+  next.reserve(4 * first.size());
+  for (const std::uint32_t c : first) {
+    squared[c] = 0.0F;
+    wave.push_back({c, static_cast<std::uint16_t>(c % row), static_cast<std::uint16_t>(c % layer / row),
+                    static_cast<std::uint16_t>(c / layer)});
+  }
+  while (!wave.empty()) {
     next.clear();
-    for (const std::uint32_t from : first) {
-      const std::uint32_t z = from / layer, in_layer = from - z * layer, y = in_layer / row, x = in_layer - y * row;
-      if (x == 0 || y == 0 || z == 0 || x + 1 >= row || y + 1 >= static_cast<std::uint32_t>(size_[1]) ||
-          z + 1 >= static_cast<std::uint32_t>(size_[2]))
-        continue;
-      const std::int32_t patch = nearest_[from];
-      const Eigen::Vector3f off = Eigen::Vector3f(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)) -
-                                  in_cells[static_cast<std::size_t>(patch)];
+    for (const At& at : wave) {
+      if (at.x == 0 || at.y == 0 || at.z == 0 || at.x == last_x || at.y == last_y || at.z == last_z) continue;
+      const std::int32_t patch = nearest_[at.cell];
+      const Eigen::Vector3f off = Eigen::Vector3f(at.x, at.y, at.z) - in_cells[static_cast<std::size_t>(patch)];
       const float here = off.squaredNorm() + 1.0F;
-      // (a +- 1)^2 = a^2 +- 2 a + 1
-      const auto offer = [&](std::uint32_t to, float d) {
+      const auto offer = [&](std::uint32_t to, float d, int dx, int dy, int dz) {
         if (d >= squared[to]) return;
         squared[to] = d;
         nearest_[to] = patch;
-        next.push_back(to);
+        next.push_back({to, static_cast<std::uint16_t>(at.x + dx), static_cast<std::uint16_t>(at.y + dy),
+                        static_cast<std::uint16_t>(at.z + dz)});
       };
-      offer(from - 1, here - 2.0F * off.x());
-      offer(from + 1, here + 2.0F * off.x());
-      offer(from - row, here - 2.0F * off.y());
-      offer(from + row, here + 2.0F * off.y());
-      offer(from - layer, here - 2.0F * off.z());
-      offer(from + layer, here + 2.0F * off.z());
+      // (a +- 1)^2 = a^2 +- 2 a + 1
+      offer(at.cell - 1, here - 2.0F * off.x(), -1, 0, 0);
+      offer(at.cell + 1, here + 2.0F * off.x(), 1, 0, 0);
+      offer(at.cell - row, here - 2.0F * off.y(), 0, -1, 0);
+      offer(at.cell + row, here + 2.0F * off.y(), 0, 1, 0);
+      offer(at.cell - layer, here - 2.0F * off.z(), 0, 0, -1);
+      offer(at.cell + layer, here + 2.0F * off.z(), 0, 0, 1);
     }
-    first.swap(next);
+    wave.swap(next);
   }
 }
 

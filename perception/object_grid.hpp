@@ -43,7 +43,7 @@ class ObjectGrid {
                static_cast<std::size_t>(size_[0]) +
            static_cast<std::size_t>(ix);
   }
-  void spread_from_patches(std::vector<std::uint32_t> first);
+  void spread_from_patches(const std::vector<std::uint32_t>& first);
 
   double reach_m_;
   float per_cell_ = 0.0F;

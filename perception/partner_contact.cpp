@@ -17,6 +17,8 @@ constexpr float kHandBreadth_m = 0.082F;
 constexpr float kFingerRadius_m = 0.010F;
 constexpr float kLocal_m = 0.16F;
 constexpr float kFromEnd_m = 0.03F;
+constexpr float kClearlyBetter_m = 0.02F;
+constexpr double kAround_rad = 0.25;
 constexpr float kThickestBoard_m = 0.05F;
 // Half the thickness of a board that people carry (m).
 constexpr float kHalfBoard_m = 0.012F;
@@ -99,7 +101,7 @@ Eigen::Matrix3d spread(const Eigen::Vector3f& direction, double along_m, double 
          (along_m * along_m - across_m * across_m) * d * d.transpose();
 }
 
-ContactEstimate on_bar(std::span<const HandPoint> hand, const RoundBar& bar, const Eigen::Vector3f& eye, double sigma) {
+ContactEstimate on_bar(std::span<const HandPoint> hand, const RoundBar& bar, const Eigen::Vector3f& eye, const ContactNoise& noise) {
   const EdgeLine axis{bar.point, bar.direction, -1.0F, 1.0F};
   const Along along = place_along(hand, axis, eye, bar.radius + 0.03F, bar.radius + 0.05F);
   // the palm is what stands off farthest; fingers and thumb lie on both sides of it
@@ -118,7 +120,9 @@ ContactEstimate on_bar(std::span<const HandPoint> hand, const RoundBar& bar, con
   ContactEstimate e;
   e.part = HeldPart::Bar;
   e.position = (middle + bar.radius * palm.normalized()).cast<double>();
-  e.covariance = spread(bar.direction, std::hypot(0.012, sigma), std::hypot(0.3 * bar.radius, sigma));
+  // how far around the bar the palm lies is less certain than where along it
+  const double around = kAround_rad * bar.radius;
+  e.covariance = spread(bar.direction, std::hypot(noise.along_m, noise.depth_m), std::hypot(noise.cross_m, noise.depth_m, around));
   return e;
 }
 
@@ -132,13 +136,12 @@ bool is_board(const Face& face, std::span<const Eigen::Vector3f> surface) {
     behind += deep > 0.045F && deep < 0.090F ? 1 : 0;
   }
   // three rows of points lie in that band
-  if (getenv("DBG")) printf("    board: on %d behind %d ratio %.2f\n", on, behind, behind / 3.0F / std::sqrt(float(on)));
   return static_cast<float>(behind) / 3.0F < 0.8F * std::sqrt(static_cast<float>(on));
 }
 
 }  // namespace
 
-ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedObject& object, double depth_sigma_m) {
+ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedObject& object, const ContactNoise& noise) {
   Eigen::Vector3f on_object = Eigen::Vector3f::Zero();
   float area = 0.0F;
   for (const HandPoint& h : hand) {
@@ -148,12 +151,12 @@ ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedO
   on_object /= area;
 
   LocalShape shape(object.surface, object.outline, object.eye, on_object, kLocal_m);
-  if (const auto bar = shape.round_bar()) return on_bar(hand, *bar, object.eye, depth_sigma_m);
+  if (const auto bar = shape.round_bar()) return on_bar(hand, *bar, object.eye, noise);
 
   ContactEstimate e;
   const EdgeLine* best = nullptr;
   Along along;
-  float tightest = 0.12F;
+  float tightest = 0.12F, second = 0.12F, displaced = 0.0F;
   for (const EdgeLine& line : shape.edges()) {
     Along here = place_along(hand, line, object.eye, 0.03F, 0.07F);
     const float wanted = here.middle;
@@ -163,10 +166,13 @@ ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedO
     else
       here.middle = 0.5F * (line.begin + line.end);
     const float tight = tightness(hand, line) + 0.7F*std::abs(wanted - here.middle);
-    const float t = here.middle;
-    if (getenv("DBG")) printf("   edge %d at %.3f %.3f %.3f dir %.2f %.2f %.2f  %.3f..%.3f t %.3f tight %.1f\n", line.corner, line.point.x(), line.point.y(), line.point.z(), line.direction.x(), line.direction.y(), line.direction.z(), line.begin, line.end, t, 1e3*tight);
-    if (tight >= tightest) continue;
+    if (tight >= tightest) {
+      second = std::min(second, tight);
+      continue;
+    }
+    second = tightest;
     tightest = tight;
+    displaced = std::abs(wanted - here.middle);
     best = &line;
     along = here;
   }
@@ -194,7 +200,11 @@ ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedO
     }
   }
   e.position = place.cast<double>();
-  e.covariance = spread(best->direction, std::hypot(0.012, depth_sigma_m), std::hypot(0.006, depth_sigma_m));
+  // a hand that fits nearly as well elsewhere, or that reaches past the end of its edge, may be misread
+  const double doubt = std::max(0.0F, kClearlyBetter_m - (second - tightest)) + 0.5F * displaced;
+  const double hidden = 0.15 * (kHandBreadth_m - along.extent);
+  e.covariance = spread(best->direction, std::hypot(noise.along_m, noise.depth_m, std::hypot(doubt, hidden)),
+                        std::hypot(noise.cross_m, noise.depth_m, doubt));
   return e;
 }
 

@@ -33,6 +33,13 @@ enum class HeldPart {
   Face,    ///< A face without an end near the hand, or nothing that a shape could be read from.
 };
 
+/// Standard deviations of a contact (m).
+struct ContactNoise {
+  double along_m = 0.005;  ///< Along the edge or bar ...
+  double cross_m = 0.005;  ///< ... and across it.
+  double depth_m = 0.002;  ///< Part of the sensor's noise that averaging leaves.
+};
+
 struct ContactEstimate {
   Vec3 position = Vec3::Zero();  ///< In W (m).
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
@@ -40,8 +47,8 @@ struct ContactEstimate {
 };
 
 /// Place on the object that the hand holds: an edge or a round bar fixes it across, the hand's width along. See
-/// docs/decisions/0003. `depth_sigma_m` is the sensor's noise at the hand. `hand` must not be empty.
+/// docs/decisions/0003. `hand` must not be empty.
 [[nodiscard]] ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedObject& object,
-                                               double depth_sigma_m);
+                                               const ContactNoise& noise);
 
 }  // namespace colift::perception

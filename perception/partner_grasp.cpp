@@ -135,7 +135,7 @@ bool PartnerFinder::same_camera(const OrganisedCloud& current) const {
 // Part of the object's pixels that now show something behind it.
 double PartnerFinder::moved_part(const OrganisedCloud& current) const {
   if (object_pixels_.empty()) return 0.0;
-  constexpr std::size_t kStride = 3;
+  constexpr std::size_t kStride = 7;
   std::size_t looked = 0, behind = 0;
   for (std::size_t i = 0; i < object_pixels_.size(); i += kStride) {
     ++looked;
@@ -286,7 +286,7 @@ std::optional<PartnerContact> PartnerFinder::contact(int hand) {
   }
   if (area < config_.smallest_touch_m2 || touching < kFingertip_m2) return std::nullopt;
   const ContactEstimate found = estimate_contact(
-      hand_, {patches, rim_, X_WC_.translation().cast<float>()}, noise_.sigma(depth / area));
+      hand_, {patches, rim_, X_WC_.translation().cast<float>()}, {config_.along_sigma_m, config_.cross_sigma_m, 0.5 * noise_.sigma(depth / area)});
   return PartnerContact{found.position, found.covariance, all};
 }
 

@@ -29,10 +29,9 @@ struct PartnerConfig {
   double clear_m = 0.10;            ///< A body that keeps this distance passes by.
   double smallest_touch_m2 =
       0.0004;  ///< Area of skin within hand_thickness_m that a holding hand shows at least.
-  double finger_radius_m = 0.010;  ///< The middle of a finger lies this far behind its visible side.
   double along_sigma_m =
-      0.012;  ///< Error of a contact along the object's edge, measured on synthetic frames ...
-  double cross_sigma_m = 0.010;  ///< ... and across it.
+      0.005;  ///< Error of a contact along the object's edge, measured on synthetic frames ...
+  double cross_sigma_m = 0.005;  ///< ... and across it.
   double cell_m = 0.015;         ///< Size of the patches into which the object's surface is divided.
 
   template <class Visitor>
@@ -48,7 +47,6 @@ struct PartnerConfig {
     v("clear_m", clear_m, hal::Range{0.0, 0.5}, "Distance from the object that makes a person a passer-by.");
     v("smallest_touch_m2", smallest_touch_m2, hal::Range{0.0, 0.1},
       "Smallest visible area of a touching hand.");
-    v("finger_radius_m", finger_radius_m, hal::Range{0.0, 0.05}, "Radius of a finger of the partner.");
     v("along_sigma_m", along_sigma_m, hal::Range{0.001, 0.1}, "Contact error along the object's edge.");
     v("cross_sigma_m", cross_sigma_m, hal::Range{0.001, 0.1}, "Contact error across the object's edge.");
     v("cell_m", cell_m, hal::Range{0.003, 0.1}, "Grid of the object's surface for distances.");

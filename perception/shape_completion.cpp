@@ -14,11 +14,11 @@
 namespace colift::perception {
 namespace {
 
-constexpr double kUprightSin = 0.14;       // an upright face may lean by 8 degrees
-constexpr double kCylinderPart = 0.5;      // of the surfaces' area that a cylinder has to make up
-constexpr double kAboveClearance_m = 0.05; // what stands higher over a top is something on it
-constexpr double kAbovePart = 0.06;        // part of the points that makes it a back
-constexpr double kTopPart = 0.12;          // of the footprint that a top has to cover; rims of open boxes cover less
+constexpr double kUprightSin = 0.14;        // an upright face may lean by 8 degrees
+constexpr double kCylinderPart = 0.5;       // of the surfaces' area that a cylinder has to make up
+constexpr double kAboveClearance_m = 0.05;  // what stands higher over a top is something on it
+constexpr double kAbovePart = 0.06;         // part of the points that makes it a back
+constexpr double kTopPart = 0.12;  // of the footprint that a top has to cover; rims of open boxes cover less
 constexpr double kSameLevel_m = 0.02;
 constexpr double kEdgeWidth_m = 0.08;
 constexpr double kVerticalSigma_m = 0.002;
@@ -40,9 +40,14 @@ struct Mixture {
 
 class Completion {
  public:
-  Completion(const OrganisedCloud& cloud, const Target& target, const std::vector<Surface>& surfaces, const Ground& ground,
-             const NoiseModel& noise, const CompletionConfig& config)
-      : cloud_(cloud), target_(target), ground_(ground.plane), up_(ground.plane.normal), noise_(noise), config_(config) {
+  Completion(const OrganisedCloud& cloud, const Target& target, const std::vector<Surface>& surfaces,
+             const Ground& ground, const NoiseModel& noise, const CompletionConfig& config)
+      : cloud_(cloud),
+        target_(target),
+        ground_(ground.plane),
+        up_(ground.plane.normal),
+        noise_(noise),
+        config_(config) {
     for (const Surface& s : surfaces) {
       if (const auto* r = std::get_if<Rectangle>(&s)) {
         total_area_ += r->size.prod();
@@ -96,8 +101,8 @@ class Completion {
     return best;
   }
 
-  /// The top as far as the whole object goes: where part of it gave no data or is hidden by a back, the points below or
-  /// beside it still tell. Nothing of tables, boxes and chairs sticks out under their tops.
+  /// The top as far as the whole object goes: where part of it gave no data or is hidden by a back, the
+  /// points below or beside it still tell. Nothing of tables, boxes and chairs sticks out under their tops.
   [[nodiscard]] Rectangle widened(const Rectangle& top) {
     Rectangle r = top;
     r.u = (top.u - up_ * up_.dot(top.u)).normalized();
@@ -133,7 +138,9 @@ class Completion {
     double best = end, area = 0.01;
     for (const Rectangle* x : upright_) {
       const double place = -out.dot(x->center);
-      if (x->normal.dot(out) < 0.96 || x->size.prod() < area || std::abs(place - end) > 0.03 + 3 * depth_sigma_m_) continue;
+      if (x->normal.dot(out) < 0.96 || x->size.prod() < area ||
+          std::abs(place - end) > 0.03 + 3 * depth_sigma_m_)
+        continue;
       best = place, area = x->size.prod();
     }
     return best;
@@ -146,8 +153,8 @@ class Completion {
     return static_cast<double>(above) / static_cast<double>(std::max<std::size_t>(1, target_.points.size()));
   }
 
-  /// Part of what would be the visible sides of a solid below this top at which the camera saw a surface; where it saw
-  /// nothing or something nearer does not count. NaN when no side faces the camera.
+  /// Part of what would be the visible sides of a solid below this top at which the camera saw a surface;
+  /// where it saw nothing or something nearer does not count. NaN when no side faces the camera.
   [[nodiscard]] double seen_support(const Rectangle& top) const {
     constexpr int kAcross = 24, kDown = 12;
     const double height = ground_.height(top.center);
@@ -155,7 +162,8 @@ class Completion {
     for (const double sign : {1.0, -1.0})
       for (const bool along_u : {true, false}) {
         const Vec3 out = sign * (along_u ? top.u : top.v), along = along_u ? top.v : top.u;
-        const double reach = 0.5 * (along_u ? top.size.x() : top.size.y()), length = along_u ? top.size.y() : top.size.x();
+        const double reach = 0.5 * (along_u ? top.size.x() : top.size.y()),
+                     length = along_u ? top.size.y() : top.size.x();
         const Vec3 edge = top.center + reach * out;
         const Vec3 to_eye = cloud_.X_WC.translation() - edge;
         if (out.dot(to_eye) < 0.2 * to_eye.norm()) continue;
@@ -167,13 +175,16 @@ class Completion {
             const Vec3 p = edge + length * ((i + 0.5) / kAcross - 0.5) * along - down * up_;
             const auto pixel = cloud_.project(p);
             if (!cloud_.contains(pixel.u, pixel.v)) continue;
-            const auto k = static_cast<std::size_t>(std::lround(pixel.v)) * static_cast<std::size_t>(cloud_.width()) +
-                           static_cast<std::size_t>(std::lround(pixel.u));
+            const auto k =
+                static_cast<std::size_t>(std::lround(pixel.v)) * static_cast<std::size_t>(cloud_.width()) +
+                static_cast<std::size_t>(std::lround(pixel.u));
             if (!cloud_.seen(k)) continue;
             const double behind = static_cast<double>(cloud_.depth_m[k]) - pixel.depth_m;
             const double tolerance = 4 * noise_.sigma(pixel.depth_m) + 0.02;
-            if (behind > tolerance) ++empty;
-            else if (behind > -tolerance) ++solid;
+            if (behind > tolerance)
+              ++empty;
+            else if (behind > -tolerance)
+              ++solid;
           }
       }
     if (solid + empty == 0) return std::numeric_limits<double>::quiet_NaN();
@@ -202,8 +213,8 @@ class Completion {
     const double along = 2.0 * end_sigma(c.length), across = 0.05 * c.radius + 0.5 * depth_sigma_m_;
     s.covariance = spread(s.box.axes, Vec3(along, across, across));
     put_up_last(s.box);
-    s.because = fmt::format("a cylinder of radius {:.0f} mm and length {:.2f} m, symmetric about its axis{}", 1000 * c.radius,
-                            c.length, stands ? ", standing on the ground" : "");
+    s.because = fmt::format("a cylinder of radius {:.0f} mm and length {:.2f} m, symmetric about its axis{}",
+                            1000 * c.radius, c.length, stands ? ", standing on the ground" : "");
     return s;
   }
 
@@ -217,10 +228,14 @@ class Completion {
     // without a look at the sides it may as well be a plate
     if (!(support == support)) s.covariance += 0.04 * height * height * up_ * up_.transpose();
     s.because = support == support
-                    ? fmt::format("a closed body under its {:.2f} x {:.2f} m top: {:.0f} % of the sides that face the camera were seen; continued to the ground {:.2f} m below",
-                                  top.size.x(), top.size.y(), 100 * support, height)
-                    : fmt::format("no side of what lies under its {:.2f} x {:.2f} m top was in view: taken as a closed body down to the ground {:.2f} m below",
-                                  top.size.x(), top.size.y(), height);
+                    ? fmt::format(
+                          "a closed body under its {:.2f} x {:.2f} m top: {:.0f} % of the sides that face "
+                          "the camera were seen; continued to the ground {:.2f} m below",
+                          top.size.x(), top.size.y(), 100 * support, height)
+                    : fmt::format(
+                          "no side of what lies under its {:.2f} x {:.2f} m top was in view: taken as a "
+                          "closed body down to the ground {:.2f} m below",
+                          top.size.x(), top.size.y(), height);
     return s;
   }
 
@@ -242,9 +257,11 @@ class Completion {
     const double doubt = (thickness ? 0.12 : 0.3) + (leg ? 0.15 : 0.4);
     const double vertical = std::hypot(level_sigma(1.0), doubt * in_legs * (1 - in_legs) * 0.5 * height);
     s.covariance = spread(s.box.axes, Vec3(side_sigma(top, 0), side_sigma(top, 1), vertical));
-    s.because = fmt::format("a {:.2f} x {:.2f} m plate, {:.0f} mm thick{}, {:.2f} m over the ground on four legs of {:.0f} mm{}: {:.0f} % of the sides of a closed body would be there",
-                            top.size.x(), top.size.y(), 1000 * t, thickness ? "" : " (assumed)", height, 1000 * a,
-                            leg ? "" : " (assumed)", 100 * support);
+    s.because = fmt::format(
+        "a {:.2f} x {:.2f} m plate, {:.0f} mm thick{}, {:.2f} m over the ground on four legs of {:.0f} mm{}: "
+        "{:.0f} % of the sides of a closed body would be there",
+        top.size.x(), top.size.y(), 1000 * t, thickness ? "" : " (assumed)", height, 1000 * a,
+        leg ? "" : " (assumed)", 100 * support);
     return s;
   }
 
@@ -258,7 +275,8 @@ class Completion {
     // the back: upright faces above the seat that look the same way, not both sides of the same post
     const Rectangle* main = nullptr;
     for (const Rectangle* r : upright_)
-      if (ground_.height(r->center) > height + 0.03 && (!main || r->size.prod() > main->size.prod())) main = r;
+      if (ground_.height(r->center) > height + 0.03 && (!main || r->size.prod() > main->size.prod()))
+        main = r;
     Mixture m, back;
     Vec3 out = Vec3::Zero();
     if (main) {
@@ -270,7 +288,8 @@ class Completion {
       // too broken up for faces: what is seen of it, as thick as a plate
       for (std::size_t i = 0; i < target_.points.size(); ++i) {
         const Vec3 p = target_.points[i].cast<double>();
-        if (ground_.height(p) > height + kAboveClearance_m) back.add(pixel_m_ * pixel_m_ * config_.thickness_m, p);
+        if (ground_.height(p) > height + kAboveClearance_m)
+          back.add(pixel_m_ * pixel_m_ * config_.thickness_m, p);
       }
     }
     const Vec3 floor = ground_.foot(seat.center);
@@ -287,21 +306,27 @@ class Completion {
     }
     s.cog = m.centroid();
     s.box = footprint_;
-    const double horizontal = std::max(config_.shape_sigma * 0.5 * footprint_.size.head<2>().maxCoeff(), end_sigma(seat.size.x()));
+    const double horizontal =
+        std::max(config_.shape_sigma * 0.5 * footprint_.size.head<2>().maxCoeff(), end_sigma(seat.size.x()));
     s.covariance = spread(s.box.axes, Vec3(horizontal, horizontal, config_.shape_sigma * footprint_.size[2]));
-    s.because = fmt::format("a {:.2f} x {:.2f} m seat {:.2f} m over the ground with a back of {:.0f} cm2 seen above it and four legs, symmetric about the seat's middle",
-                            seat.size.x(), seat.size.y(), height, 1e4 * back.mass / config_.thickness_m);
+    s.because = fmt::format(
+        "a {:.2f} x {:.2f} m seat {:.2f} m over the ground with a back of {:.0f} cm2 seen above it and four "
+        "legs, symmetric about the seat's middle",
+        seat.size.x(), seat.size.y(), height, 1e4 * back.mass / config_.thickness_m);
     return s;
   }
 
   // Walls and a bottom, seen from above: faces that look inwards at each other.
   [[nodiscard]] std::optional<CompletedShape> open_box() const {
     if (upright_.empty()) return std::nullopt;
-    const Rectangle* largest = *std::max_element(upright_.begin(), upright_.end(), [](const Rectangle* x, const Rectangle* y) { return x->size.prod() < y->size.prod(); });
+    const Rectangle* largest = *std::max_element(
+        upright_.begin(), upright_.end(),
+        [](const Rectangle* x, const Rectangle* y) { return x->size.prod() < y->size.prod(); });
     const Vec3 e1 = (largest->normal - up_ * up_.dot(largest->normal)).normalized(), e2 = up_.cross(e1);
     const Vec3 middle = footprint_.center;
     double inward = 0, outward = 0;
-    for (const Rectangle* r : upright_) (r->normal.dot(r->center - middle) < 0 ? inward : outward) += r->size.prod();
+    for (const Rectangle* r : upright_)
+      (r->normal.dot(r->center - middle) < 0 ? inward : outward) += r->size.prod();
     double bottom = 0;
     for (const Rectangle* r : level_)
       if (ground_.height(r->center) < 0.25 * footprint_.size[2]) bottom += r->size.prod();
@@ -309,8 +334,10 @@ class Completion {
 
     const std::array<double, 2> side1 = sides_along(e1), side2 = sides_along(e2);
     std::vector<double> heights;
-    for (std::size_t i = 0; i < target_.points.size(); i += 4) heights.push_back(ground_.height(target_.points[i].cast<double>()));
-    const auto top = heights.begin() + static_cast<std::ptrdiff_t>(0.985 * static_cast<double>(heights.size() - 1));
+    for (std::size_t i = 0; i < target_.points.size(); i += 4)
+      heights.push_back(ground_.height(target_.points[i].cast<double>()));
+    const auto top =
+        heights.begin() + static_cast<std::ptrdiff_t>(0.985 * static_cast<double>(heights.size() - 1));
     std::nth_element(heights.begin(), top, heights.end());
     const double h = *top, w = side1[1] - side1[0], d = side2[1] - side2[0], t = config_.wall_m;
     if (!(w > 0 && d > 0 && h > 0)) return std::nullopt;
@@ -329,13 +356,15 @@ class Completion {
     s.box.center = floor + 0.5 * h * up_;
     const double wall = std::hypot(0.7 * end_sigma(std::max(w, d)), 0.1 * t);
     s.covariance = spread(s.box.axes, Vec3(wall, wall, std::hypot(level_sigma(1.0), 0.01 * h)));
-    s.because = fmt::format("an open box, {:.2f} x {:.2f} x {:.2f} m: {:.0f} % of the upright faces look inwards; four walls and a bottom, all {:.0f} mm thick, were assumed",
-                            w, d, h, 100 * inward / (inward + outward), 1000 * t);
+    s.because = fmt::format(
+        "an open box, {:.2f} x {:.2f} x {:.2f} m: {:.0f} % of the upright faces look inwards; four walls and "
+        "a bottom, all {:.0f} mm thick, were assumed",
+        w, d, h, 100 * inward / (inward + outward), 1000 * t);
     return s;
   }
 
-  /// Outer sides along a horizontal direction: from an outer face, from an inner face and the wall behind it, else from
-  /// the outermost points.
+  /// Outer sides along a horizontal direction: from an outer face, from an inner face and the wall behind it,
+  /// else from the outermost points.
   [[nodiscard]] std::array<double, 2> sides_along(const Vec3& e) const {
     constexpr double kSame = 0.96;
     std::array<double, 2> sides = points_along(e);
@@ -346,7 +375,9 @@ class Completion {
       for (const Rectangle* r : upright_) {
         const double cosine = sign * r->normal.dot(e), place = e.dot(r->center);
         // the outermost quarter is where a wall of this side can be
-        if (std::abs(cosine) < kSame || sign * (place - middle) < 0.5 * sign * (sides[static_cast<std::size_t>(end)] - middle)) continue;
+        if (std::abs(cosine) < kSame ||
+            sign * (place - middle) < 0.5 * sign * (sides[static_cast<std::size_t>(end)] - middle))
+          continue;
         if (r->size.prod() <= best_area) continue;
         best_area = r->size.prod();
         wall = cosine > 0 ? place : place + sign * config_.wall_m;
@@ -378,7 +409,8 @@ class Completion {
     double height = 0;
     for (const Eigen::Vector3f& p : target_.points) height += ground_.height(p.cast<double>());
     height /= static_cast<double>(std::max<std::size_t>(1, target_.points.size()));
-    // the camera sees the near side only: between as deep as seen and as deep as wide, the middle is the best guess
+    // the camera sees the near side only: between as deep as seen and as deep as wide, the middle is the best
+    // guess
     const Vec3 to_object = footprint_.center - cloud_.X_WC.translation();
     const Vec3 ahead = (to_object - up_ * up_.dot(to_object)).normalized(), across = up_.cross(ahead);
     const auto deep = points_along(ahead), wide = points_along(across);
@@ -386,10 +418,13 @@ class Completion {
     const double pushed = 0.25 * hidden;
     s.cog = ground_.foot(footprint_.center) + pushed * ahead + height * up_;
     s.box.center += pushed * ahead;
-    s.covariance = spread(footprint_.axes, 2 * config_.shape_sigma * footprint_.size + Vec3::Constant(pixel_m_)) +
-                   pushed * pushed * ahead * ahead.transpose();
-    s.because = fmt::format("no known shape: what was seen is mirrored about the middle of its {:.2f} x {:.2f} m footprint, moved {:.0f} mm away from the camera for its hidden side",
-                            footprint_.size[0], footprint_.size[1], 1000 * pushed);
+    s.covariance =
+        spread(footprint_.axes, 2 * config_.shape_sigma * footprint_.size + Vec3::Constant(pixel_m_)) +
+        pushed * pushed * ahead * ahead.transpose();
+    s.because = fmt::format(
+        "no known shape: what was seen is mirrored about the middle of its {:.2f} x {:.2f} m footprint, "
+        "moved {:.0f} mm away from the camera for its hidden side",
+        footprint_.size[0], footprint_.size[1], 1000 * pushed);
     return s;
   }
 
@@ -413,8 +448,8 @@ class Completion {
   [[nodiscard]] std::optional<double> leg_width(double height) const {
     std::vector<double> widths;
     for (const Rectangle* r : upright_)
-      if (std::abs(r->u.dot(up_)) > 0.95 && r->size.y() < 2.5 * config_.leg_m && r->size.x() > 3 * r->size.y() &&
-          ground_.height(r->center) < height)
+      if (std::abs(r->u.dot(up_)) > 0.95 && r->size.y() < 2.5 * config_.leg_m &&
+          r->size.x() > 3 * r->size.y() && ground_.height(r->center) < height)
         widths.push_back(r->size.y());
     // a round leg has the cross-section of a square of 0.89 times its diameter
     if (cylinder_ && std::abs(cylinder_->axis.dot(up_)) > 0.95 && ground_.height(cylinder_->center) < height)
@@ -433,7 +468,9 @@ class Completion {
     return end_sigma(top.size[axis]) + (added > 0 ? depth_sigma_m_ + std::min(0.05 * added, 0.03) : 0.0);
   }
   /// Of a height that a plane of many pixels gives.
-  [[nodiscard]] double level_sigma(double part) const { return part * std::hypot(kVerticalSigma_m, 0.2 * depth_sigma_m_); }
+  [[nodiscard]] double level_sigma(double part) const {
+    return part * std::hypot(kVerticalSigma_m, 0.2 * depth_sigma_m_);
+  }
 
   static Eigen::Matrix3d spread(const Eigen::Matrix3d& axes, const Vec3& sigma) {
     return axes * sigma.cwiseAbs2().asDiagonal() * axes.transpose();
@@ -476,19 +513,26 @@ class Completion {
 
 }  // namespace
 
-CompletedShape complete_shape(const OrganisedCloud& cloud, const Target& target, const std::vector<Surface>& surfaces,
-                              const Ground& ground, const NoiseModel& noise, const CompletionConfig& config) {
+CompletedShape complete_shape(const OrganisedCloud& cloud, const Target& target,
+                              const std::vector<Surface>& surfaces, const Ground& ground,
+                              const NoiseModel& noise, const CompletionConfig& config) {
   return Completion(cloud, target, surfaces, ground, noise, config).run();
 }
 
 const char* name_of(CompletedShape::Kind kind) {
   switch (kind) {
-    case CompletedShape::Kind::Block: return "block";
-    case CompletedShape::Kind::Plate: return "plate on legs";
-    case CompletedShape::Kind::OpenBox: return "open box";
-    case CompletedShape::Kind::Cylinder: return "cylinder";
-    case CompletedShape::Kind::Chair: return "chair";
-    case CompletedShape::Kind::Mirrored: return "mirrored";
+    case CompletedShape::Kind::Block:
+      return "block";
+    case CompletedShape::Kind::Plate:
+      return "plate on legs";
+    case CompletedShape::Kind::OpenBox:
+      return "open box";
+    case CompletedShape::Kind::Cylinder:
+      return "cylinder";
+    case CompletedShape::Kind::Chair:
+      return "chair";
+    case CompletedShape::Kind::Mirrored:
+      return "mirrored";
   }
   return "";
 }

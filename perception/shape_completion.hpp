@@ -26,7 +26,8 @@ struct CompletionConfig {
     v("thickness_m", thickness_m, hal::kPositive, "Thickness (m) of a plate whose edge was not seen.");
     v("wall_m", wall_m, hal::kPositive, "Thickness (m) of the walls and bottom of an open box.");
     v("leg_m", leg_m, hal::kPositive, "Side (m) of the square legs of tables and chairs.");
-    v("plate_height_m", plate_height_m, hal::kPositive, "A level plate lower over the ground than this has no legs (m).");
+    v("plate_height_m", plate_height_m, hal::kPositive,
+      "A level plate lower over the ground than this has no legs (m).");
     v("min_plate_m", min_plate_m, hal::kPositive, "Short side (m) of the smallest table top or chair seat.");
     v("closed_support", closed_support, hal::kFraction,
       "A body is closed below its top when at least this part of what would be its visible sides was seen.");
@@ -43,14 +44,15 @@ struct CompletedShape {
   Kind kind = Kind::Mirrored;
   Vec3 cog = Vec3::Zero();                               ///< Centroid at uniform density, in W (m).
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< Of the centroid (m^2).
-  OrientedBox box;                                       ///< That the whole object fills; third axis nearest to up.
-  std::string because;                                   ///< What was assumed, in a person's words, with numbers.
+  OrientedBox box;      ///< That the whole object fills; third axis nearest to up.
+  std::string because;  ///< What was assumed, in a person's words, with numbers.
 };
 
-/// Completes the visible side of an object, by the first of these that fits: a cylinder is as its mantle says; a level
-/// top over seen sides is a block that goes down to the ground; level top with little below it a plate on four legs, and
-/// with something standing on one of its sides a chair, symmetric about its middle; upright walls around a low bottom an
-/// open box; anything else is mirrored through the middle of its box. Needs points; `surfaces` as found in the same view.
+/// Completes the visible side of an object, by the first of these that fits: a cylinder is as its mantle
+/// says; a level top over seen sides is a block that goes down to the ground; level top with little below it
+/// a plate on four legs, and with something standing on one of its sides a chair, symmetric about its middle;
+/// upright walls around a low bottom an open box; anything else is mirrored through the middle of its box.
+/// Needs points; `surfaces` as found in the same view.
 [[nodiscard]] CompletedShape complete_shape(const OrganisedCloud& cloud, const Target& target,
                                             const std::vector<Surface>& surfaces, const Ground& ground,
                                             const NoiseModel& noise, const CompletionConfig& config = {});

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <limits>
+#include <numeric>
 
 #include "perception/enclosed_pixels.hpp"
 #include "perception/image_border.hpp"
@@ -74,6 +76,10 @@ void clear_flying_pixels(const OrganisedCloud& cloud, const DepthJump& jump, int
   for (int v = 0; v < h; ++v) {
     const float* d = cloud.depth_m.data() + static_cast<std::size_t>(v) * stride;
     std::uint8_t* m = mask.data() + static_cast<std::size_t>(v) * stride;
+    if (!std::memchr(m, 1, stride)) {
+      for (Row* row : {&down_above, &right_down_above, &left_down_above}) std::fill(row->begin(), row->end(), std::uint8_t{0});
+      continue;
+    }
     std::copy_n(m, w, before.begin());
     const std::uint8_t* b = before.data();
     link(d, d + 1, b, b + 1, jump, w - 1, beside.data() + 1);
@@ -149,17 +155,23 @@ Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Compone
   for (const Components::Run& run : components.runs) {
     if (!own_label[static_cast<std::size_t>(run.label)]) continue;
     const std::uint32_t row = static_cast<std::uint32_t>(run.row) * static_cast<std::uint32_t>(cloud.width());
-    for (int u = run.first; u <= run.last; ++u) t.pixels.push_back(row + static_cast<std::uint32_t>(u));
+    const std::size_t begin = t.pixels.size();
+    t.pixels.resize(begin + static_cast<std::size_t>(run.last - run.first + 1));
+    std::iota(t.pixels.begin() + static_cast<std::ptrdiff_t>(begin), t.pixels.end(), row + static_cast<std::uint32_t>(run.first));
   }
   const std::vector<std::uint32_t> inside = enclosed_pixels(cloud, ground, t.pixels, on_wall);
   const auto own = static_cast<std::ptrdiff_t>(t.pixels.size());
   t.pixels.insert(t.pixels.end(), inside.begin(), inside.end());
   std::inplace_merge(t.pixels.begin(), t.pixels.begin() + own, t.pixels.end());
 
-  t.points.reserve(t.pixels.size());
-  for (const std::uint32_t i : t.pixels) t.points.emplace_back(cloud.x[i], cloud.y[i], cloud.z[i]);
+  t.points.resize(t.pixels.size());
+  const float *x = cloud.x.data(), *y = cloud.y.data(), *z = cloud.z.data();
   Eigen::AlignedBox3f box;
-  for (const auto& p : t.points) box.extend(p);
+  for (std::size_t k = 0; k < t.pixels.size(); ++k) {
+    const std::uint32_t i = t.pixels[k];
+    t.points[k] = {x[i], y[i], z[i]};
+    box.extend(t.points[k]);
+  }
   t.aabb = Aabb(box.min().cast<double>(), box.max().cast<double>());
   t.obb = box_on_plane(t.points, ground.plane, BoxTrim{});
   t.shape = t.obb;

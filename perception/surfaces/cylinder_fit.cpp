@@ -14,11 +14,14 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
 constexpr double kOutlier = 3.0;
-constexpr double kLeastSlant = 0.35;  // a ray along the surface moves its point sideways, which costs something too
+constexpr double kLeastSlant =
+    0.35;  // a ray along the surface moves its point sideways, which costs something too
 constexpr std::size_t kQuickPoints = 100;
 constexpr std::size_t kJudgePoints = 250;
 
-double capped(double residual) { return std::min(residual * residual, kOutlier * kOutlier); }
+double capped(double residual) {
+  return std::min(residual * residual, kOutlier * kOutlier);
+}
 
 /// Points seen along an axis.
 struct FlatPoint {
@@ -26,8 +29,8 @@ struct FlatPoint {
   double sigma_m;
 };
 
-std::vector<FlatPoint> flatten(std::span<const SightedPoint> points, const Vec3& e1, const Vec3& e2, const Vec3& origin,
-                               std::size_t most) {
+std::vector<FlatPoint> flatten(std::span<const SightedPoint> points, const Vec3& e1, const Vec3& e2,
+                               const Vec3& origin, std::size_t most) {
   std::vector<FlatPoint> flat;
   const std::size_t step = std::max<std::size_t>(1, points.size() / most);
   flat.reserve(points.size() / step + 1);
@@ -63,7 +66,8 @@ double circle_cost(const Circle& c, const std::vector<FlatPoint>& points) {
 }
 
 // algebraic circle of weighted points: x^2 + y^2 + D x + E y + F = 0
-bool algebraic_circle(const std::vector<FlatPoint>& points, const std::vector<double>& weight, Circle& circle) {
+bool algebraic_circle(const std::vector<FlatPoint>& points, const std::vector<double>& weight,
+                      Circle& circle) {
   Matrix3d A = Matrix3d::Zero();
   Vec3 b = Vec3::Zero();
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -80,7 +84,8 @@ bool algebraic_circle(const std::vector<FlatPoint>& points, const std::vector<do
   return true;
 }
 
-// noise makes the algebraic circle too small and flying points draw it aside: geometric steps follow, robustly
+// noise makes the algebraic circle too small and flying points draw it aside: geometric steps follow,
+// robustly
 bool fit_circle(const std::vector<FlatPoint>& points, Circle& circle) {
   std::vector<double> weight(points.size(), 1.0);
   if (!algebraic_circle(points, weight, circle)) return false;
@@ -109,8 +114,8 @@ bool fit_circle(const std::vector<FlatPoint>& points, Circle& circle) {
   return true;
 }
 
-/// Mean cost of two perpendicular lines, whose outer sides the camera sees, or of one, over all directions. A corner of a
-/// box or a leg looks so along its length.
+/// Mean cost of two perpendicular lines, whose outer sides the camera sees, or of one, over all directions. A
+/// corner of a box or a leg looks so along its length.
 double corner_cost(const std::vector<FlatPoint>& some, const std::vector<FlatPoint>& all) {
   constexpr int kDirections = 15;
   double best = std::numeric_limits<double>::infinity();
@@ -155,7 +160,8 @@ double corner_cost(const std::vector<FlatPoint>& some, const std::vector<FlatPoi
     if (cost < best) best = cost, best_angle = angle;
   }
   best = std::numeric_limits<double>::infinity();
-  for (const double turn : {0.0, -0.035, 0.035, -0.07, 0.07}) best = std::min(best, cost_at(best_angle + turn, all));
+  for (const double turn : {0.0, -0.035, 0.035, -0.07, 0.07})
+    best = std::min(best, cost_at(best_angle + turn, all));
   return best;
 }
 
@@ -224,8 +230,8 @@ MantleDistance distance_to(const Cylinder& c, const SightedPoint& s) {
   return {r - c.radius, s.sigma_m * std::max(slant, kLeastSlant)};
 }
 
-std::optional<CylinderFit> fit_cylinder(std::span<const SightedPoint> points, std::span<const Vec3> axes, const Vec3& eye,
-                                        const SurfaceConfig& config) {
+std::optional<CylinderFit> fit_cylinder(std::span<const SightedPoint> points, std::span<const Vec3> axes,
+                                        const Vec3& eye, const SurfaceConfig& config) {
   if (points.size() < static_cast<std::size_t>(config.min_pixels)) return std::nullopt;
   Vec3 mean = Vec3::Zero();
   for (const SightedPoint& s : points) mean += s.p;
@@ -238,7 +244,9 @@ std::optional<CylinderFit> fit_cylinder(std::span<const SightedPoint> points, st
     const std::vector<FlatPoint> flat = flatten(points, e1, e2, mean, kQuickPoints);
     Circle circle;
     if (!fit_circle(flat, circle)) continue;
-    if (circle.radius < 0.5 * config.cylinder_min_radius_m || circle.radius > 1.5 * config.cylinder_max_radius_m) continue;
+    if (circle.radius < 0.5 * config.cylinder_min_radius_m ||
+        circle.radius > 1.5 * config.cylinder_max_radius_m)
+      continue;
     const double cost = circle_cost(circle, flat);
     if (cost < best_cost) {
       best_cost = cost;
@@ -248,7 +256,8 @@ std::optional<CylinderFit> fit_cylinder(std::span<const SightedPoint> points, st
   // far off already: the last steps would not make a cylinder of it
   if (!best || best_cost > 1.6 * config.cylinder_max_misfit * config.cylinder_max_misfit) return std::nullopt;
   if (!refine(points, *best)) return std::nullopt;
-  if (best->radius < config.cylinder_min_radius_m || best->radius > config.cylinder_max_radius_m) return std::nullopt;
+  if (best->radius < config.cylinder_min_radius_m || best->radius > config.cylinder_max_radius_m)
+    return std::nullopt;
   // the camera sees the outside: a hollow seen from within is none
   if ((mean - best->center).dot(eye - mean) < 0) {
     const Vec3 d = mean - best->center;
@@ -262,7 +271,8 @@ std::optional<CylinderFit> fit_cylinder(std::span<const SightedPoint> points, st
   const Circle circle{Vector2d::Zero(), best->radius};
   fit.misfit = std::sqrt(circle_cost(circle, flat));
   fit.arc_rad = covered_arc(flat, circle);
-  if (fit.misfit > config.cylinder_max_misfit || fit.arc_rad < config.cylinder_min_arc_deg * std::numbers::pi / 180.0)
+  if (fit.misfit > config.cylinder_max_misfit ||
+      fit.arc_rad < config.cylinder_min_arc_deg * std::numbers::pi / 180.0)
     return std::nullopt;
   return fit;
 }

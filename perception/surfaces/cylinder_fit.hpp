@@ -17,26 +17,27 @@ struct SightedPoint {
 };
 
 struct CylinderFit {
-  Cylinder cylinder;         ///< Without its length: center is somewhere on the axis.
-  double misfit = 0.0;       ///< Root mean square residual in standard deviations, outliers counted at three.
-  double arc_rad = 0.0;      ///< Arc that the points cover.
+  Cylinder cylinder;     ///< Without its length: center is somewhere on the axis.
+  double misfit = 0.0;   ///< Root mean square residual in standard deviations, outliers counted at three.
+  double arc_rad = 0.0;  ///< Arc that the points cover.
 };
 
-/// Distance of a point to a cylinder's mantle (m), positive outside, and the standard deviation that depth noise gives
-/// to it.
+/// Distance of a point to a cylinder's mantle (m), positive outside, and the standard deviation that depth
+/// noise gives to it.
 struct MantleDistance {
   double value_m, sigma_m;
 };
 [[nodiscard]] MantleDistance distance_to(const Cylinder& cylinder, const SightedPoint& point);
 
-/// Best cylinder along one of the given unit axes, refined in all five parameters (Gauss-Newton with Huber weights on
-/// distances over their noise). Nothing where no circle of an allowed radius fits within the allowed misfit over the least
-/// arc.
-[[nodiscard]] std::optional<CylinderFit> fit_cylinder(std::span<const SightedPoint> points, std::span<const Vec3> axes,
-                                                      const Vec3& eye, const SurfaceConfig& config);
+/// Best cylinder along one of the given unit axes, refined in all five parameters (Gauss-Newton with Huber
+/// weights on distances over their noise). Nothing where no circle of an allowed radius fits within the
+/// allowed misfit over the least arc.
+[[nodiscard]] std::optional<CylinderFit> fit_cylinder(std::span<const SightedPoint> points,
+                                                      std::span<const Vec3> axes, const Vec3& eye,
+                                                      const SurfaceConfig& config);
 
-/// Misfit of the best two perpendicular faces along a cylinder's axis, or of one, to the same points: what the corner of a
-/// box or a square leg leaves.
+/// Misfit of the best two perpendicular faces along a cylinder's axis, or of one, to the same points: what
+/// the corner of a box or a square leg leaves.
 [[nodiscard]] double corner_misfit(std::span<const SightedPoint> points, const Cylinder& cylinder);
 
 }  // namespace colift::perception

@@ -7,11 +7,11 @@
 namespace colift::perception {
 namespace {
 
-constexpr double kSnapCos = 0.9986;     // a face within 3 degrees of level is level
+constexpr double kSnapCos = 0.9986;  // a face within 3 degrees of level is level
 constexpr double kSameFaceCos = 0.9;
-constexpr double kLeastGain = 60;       // sum of squares that an edge face has to explain, in variances
-constexpr double kLeastDepth = 0.8;     // by how much its pixels lie behind the wide face on average, in sigmas
-constexpr double kGate = 4.0;           // sigmas
+constexpr double kLeastGain = 60;    // sum of squares that an edge face has to explain, in variances
+constexpr double kLeastDepth = 0.8;  // by how much its pixels lie behind the wide face on average, in sigmas
+constexpr double kGate = 4.0;        // sigmas
 
 struct BandPixel {
   std::uint32_t index;
@@ -34,7 +34,8 @@ class EdgeSearch {
     }
     const Vec3 along = normal.cross(outward);
     const Vec3 to_eye = image_.geometry.eye() - middle;
-    if (outward.dot(to_eye) < std::sin(config_.min_edge_view_deg * std::numbers::pi / 180) * to_eye.norm()) return;
+    if (outward.dot(to_eye) < std::sin(config_.min_edge_view_deg * std::numbers::pi / 180) * to_eye.norm())
+      return;
     if (wide_face_there(from, outward, middle)) return;
 
     out_ = image_.geometry.linear(outward), along_ = image_.geometry.linear(along);
@@ -52,7 +53,8 @@ class EdgeSearch {
   }
 
  private:
-  [[nodiscard]] bool wide_face_there(const FaceRectangle& from, const Vec3& outward, const Vec3& middle) const {
+  [[nodiscard]] bool wide_face_there(const FaceRectangle& from, const Vec3& outward,
+                                     const Vec3& middle) const {
     constexpr double kNear_m = 0.04;
     for (std::size_t k = 0; k < faces_.size(); ++k) {
       if (static_cast<int>(k) == from.face || faces_[k].moments.n < config_.min_pixels) continue;
@@ -63,14 +65,16 @@ class EdgeSearch {
     return false;
   }
 
-  void collect(const FaceRectangle& from, const Vec3& normal, const Vec3& along, const Vec3& middle, double length,
-               double alpha) {
+  void collect(const FaceRectangle& from, const Vec3& normal, const Vec3& along, const Vec3& middle,
+               double length, double alpha) {
     band_.clear();
     wide_ = faces_[static_cast<std::size_t>(from.face)].plane;
-    const Vec3 half = 0.5 * length * along, down = config_.max_edge_m * normal, inside = 0.04 * (normal.cross(along));
+    const Vec3 half = 0.5 * length * along, down = config_.max_edge_m * normal,
+               inside = 0.04 * (normal.cross(along));
     double u_min = 1e9, u_max = -1e9, v_min = 1e9, v_max = -1e9;
     for (const double s : {-1.0, 1.0})
-      for (const Vec3& p : {Vec3(middle + s * half - down), Vec3(middle + s * half + inside), Vec3(middle + s * half)}) {
+      for (const Vec3& p :
+           {Vec3(middle + s * half - down), Vec3(middle + s * half + inside), Vec3(middle + s * half)}) {
         const ImageGeometry::Pixel k = image_.geometry.project(p);
         u_min = std::min(u_min, k.U), u_max = std::max(u_max, k.U);
         v_min = std::min(v_min, k.V), v_max = std::max(v_max, k.V);
@@ -78,8 +82,10 @@ class EdgeSearch {
     const Vec3 from_eye = image_.geometry.eye() - middle;
     const double along0 = along.dot(from_eye), below0 = -normal.dot(from_eye);
     const InversePlane up = image_.geometry.linear(normal);
-    for (int j = std::max(static_cast<int>(v_min), 0); j <= std::min(static_cast<int>(v_max) + 1, image_.height - 1); ++j)
-      for (int i = std::max(static_cast<int>(u_min), 0); i <= std::min(static_cast<int>(u_max) + 1, image_.width - 1); ++i) {
+    for (int j = std::max(static_cast<int>(v_min), 0);
+         j <= std::min(static_cast<int>(v_max) + 1, image_.height - 1); ++j)
+      for (int i = std::max(static_cast<int>(u_min), 0);
+           i <= std::min(static_cast<int>(u_max) + 1, image_.width - 1); ++i) {
         const std::size_t k = image_.at(i, j);
         const std::int16_t label = image_.label[k];
         if (label == ObjectImage::kOutside || (label >= 0 && label != from.face && !small(label))) continue;
@@ -87,8 +93,8 @@ class EdgeSearch {
         if (!(plane > 0)) continue;
         const double l = along0 + t / plane, below = below0 - up.at(i, j) / plane;
         if (std::abs(l) > 0.5 * length || below < -0.04 || below > config_.max_edge_m + 0.02) continue;
-        band_.push_back({static_cast<std::uint32_t>(k), static_cast<float>(s), static_cast<float>(t), image_.q[k],
-                         static_cast<float>(wide_.at(i, j)), static_cast<float>(below)});
+        band_.push_back({static_cast<std::uint32_t>(k), static_cast<float>(s), static_cast<float>(t),
+                         image_.q[k], static_cast<float>(wide_.at(i, j)), static_cast<float>(below)});
       }
   }
 
@@ -101,12 +107,14 @@ class EdgeSearch {
     return small_[k];
   }
 
-  // pixels where the edge face lies behind the wide one's plane, and so is what the camera sees of a convex edge
+  // pixels where the edge face lies behind the wide one's plane, and so is what the camera sees of a convex
+  // edge
   bool refine(double& alpha, double& beta, int rounds, bool turn) {
     for (int round = 0; round < rounds; ++round) {
       double ss = 0, st = 0, tt = 0, sq = 0, tq = 0, n = 0;
       for (const BandPixel& p : band_) {
-        const double s = static_cast<double>(p.out), t = static_cast<double>(p.along), q = static_cast<double>(p.q);
+        const double s = static_cast<double>(p.out), t = static_cast<double>(p.along),
+                     q = static_cast<double>(p.q);
         const double edge = alpha * s + beta * t;
         if (edge >= static_cast<double>(p.wide) || static_cast<double>(p.below) > deepest_) continue;
         if (std::abs(q - edge) > kGate * image_.sigma(q)) continue;
@@ -145,7 +153,8 @@ class EdgeSearch {
       if (below < 0 || below >= static_cast<double>(rows.size()) * bin) continue;
       rows[static_cast<std::size_t>(below / bin)] += 1;
     }
-    // pixels that a full row of the face would hold is not known exactly because of its slope; compare with the best row
+    // pixels that a full row of the face would hold is not known exactly because of its slope; compare with
+    // the best row
     double full = 0;
     for (std::size_t i = 0; i < std::min<std::size_t>(rows.size(), 3); ++i) full = std::max(full, rows[i]);
     if (full < 0.4 * length / pixel) return 0;
@@ -197,8 +206,9 @@ class EdgeSearch {
 
 }  // namespace
 
-void find_edge_faces(ObjectImage& image, std::vector<Face>& faces, const std::vector<FaceRectangle>& rectangles,
-                     const Ground& ground, const SurfaceConfig& config) {
+void find_edge_faces(ObjectImage& image, std::vector<Face>& faces,
+                     const std::vector<FaceRectangle>& rectangles, const Ground& ground,
+                     const SurfaceConfig& config) {
   const std::size_t grown = faces.size();
   EdgeSearch search(image, faces, ground, config);
   for (const FaceRectangle& r : rectangles) {

@@ -12,11 +12,11 @@ namespace colift::perception {
 namespace {
 
 constexpr std::size_t kMostPoints = 500;
-constexpr std::size_t kLeastPart = 150;    // pixels
+constexpr std::size_t kLeastPart = 150;  // pixels
 constexpr double kJump_sigma = 3.0, kJump_step = 1.5, kJump_m = 0.012;
 constexpr double kInlier_sigma = 3.0;
-constexpr double kLeastInliers = 0.7;      // of a part's pixels, without its flat ends
-constexpr double kEndCos = 0.85;           // a face whose normal is the axis is an end of the cylinder
+constexpr double kLeastInliers = 0.7;  // of a part's pixels, without its flat ends
+constexpr double kEndCos = 0.85;       // a face whose normal is the axis is an end of the cylinder
 constexpr double kLeastLength_radii = 1.0;
 
 using Part = std::vector<std::uint32_t>;
@@ -58,8 +58,9 @@ class Search {
         const std::uint32_t k = part[next];
         const float q = image_.q[k];
         // a jump of depth by so much is one of inverse depth by so much
-        const float jump = static_cast<float>(kJump_sigma * image_.noise.sigma2_per_m + kJump_step * image_.noise.step2_per_m +
-                                              kJump_m * static_cast<double>(q * q));
+        const float jump =
+            static_cast<float>(kJump_sigma * image_.noise.sigma2_per_m +
+                               kJump_step * image_.noise.step2_per_m + kJump_m * static_cast<double>(q * q));
         for (const std::uint32_t o : {k - 1, k + 1, k - w, k + w})
           if (part_[o] == kOpen && std::abs(image_.q[o] - q) < jump) part_[o] = id, part.push_back(o);
       }
@@ -71,8 +72,7 @@ class Search {
   [[nodiscard]] SightedPoint sighted(std::uint32_t k) const {
     const double U = image_.column(k), V = image_.row(k), q = static_cast<double>(image_.q[k]);
     const Vec3 ray = image_.geometry.ray_W(U, V);
-    const double sigma = image_.noise.sigma(1.0 / q);
-    return {image_.geometry.eye() + ray / q, ray, std::hypot(sigma, 0.5 * image_.tolerance_m)};
+    return {image_.geometry.eye() + ray / q, ray, image_.sigma(q) / (q * q)};
   }
 
   // ragged rims carry the depth of the body to where the body is not
@@ -101,20 +101,22 @@ class Search {
       if (fit && fit->misfit < best_misfit) best_misfit = fit->misfit, best = fit;
     }
     if (!best) return std::nullopt;
-    const double corner = corner_misfit(sample(without_ends(body, best->cylinder.axis), kMostPoints), best->cylinder);
+    const double corner =
+        corner_misfit(sample(without_ends(body, best->cylinder.axis), kMostPoints), best->cylinder);
     if (best_misfit * best_misfit > config_.cylinder_advantage * corner * corner) return std::nullopt;
     return claim(part, *best);
   }
 
   [[nodiscard]] std::vector<SightedPoint> sample(const std::vector<std::uint32_t>& pixels,
-                                                  std::size_t most) const {
+                                                 std::size_t most) const {
     std::vector<SightedPoint> points;
     const std::size_t step = pixels.size() / most + 1;
     for (std::size_t i = 0; i < pixels.size(); i += step) points.push_back(sighted(pixels[i]));
     return points;
   }
 
-  [[nodiscard]] std::vector<std::uint32_t> without_ends(const std::vector<std::uint32_t>& body, const Vec3& axis) const {
+  [[nodiscard]] std::vector<std::uint32_t> without_ends(const std::vector<std::uint32_t>& body,
+                                                        const Vec3& axis) const {
     std::vector<bool> end(faces_.size());
     bool any = false;
     for (std::size_t k = 0; k < faces_.size(); ++k) {
@@ -138,7 +140,8 @@ class Search {
     for (const SightedPoint& s : points) spread += (s.p - mean) * (s.p - mean).transpose();
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
     solver.computeDirect(spread);
-    if (solver.eigenvalues()[2] > 2.5 * solver.eigenvalues()[1]) axes.push_back(solver.eigenvectors().col(2).normalized());
+    if (solver.eigenvalues()[2] > 2.5 * solver.eigenvalues()[1])
+      axes.push_back(solver.eigenvectors().col(2).normalized());
     axes.push_back(up_);
 
     std::vector<int> count(faces_.size(), 0);
@@ -146,11 +149,14 @@ class Search {
       if (image_.label[k] >= 0) ++count[static_cast<std::size_t>(image_.label[k])];
     std::size_t first = 0, second = 0;
     for (std::size_t k = 0; k < count.size(); ++k) {
-      if (count[k] > count[first]) second = first, first = k;
-      else if (k != first && (second == first || count[k] > count[second])) second = k;
+      if (count[k] > count[first])
+        second = first, first = k;
+      else if (k != first && (second == first || count[k] > count[second]))
+        second = k;
     }
     if (first != second && count[second] > 30) {
-      const Vec3 cross = image_.geometry.to_W(faces_[first].plane).normal.cross(image_.geometry.to_W(faces_[second].plane).normal);
+      const Vec3 cross = image_.geometry.to_W(faces_[first].plane)
+                             .normal.cross(image_.geometry.to_W(faces_[second].plane).normal);
       if (cross.norm() > 0.2) axes.push_back(cross.normalized());
     }
     return axes;
@@ -178,7 +184,8 @@ class Search {
       ++count[bin];
       low[bin] = std::min(low[bin], along), high[bin] = std::max(high[bin], along);
     }
-    if (static_cast<double>(mine.size()) < kLeastInliers * static_cast<double>(mantle.size())) return std::nullopt;
+    if (static_cast<double>(mine.size()) < kLeastInliers * static_cast<double>(mantle.size()))
+      return std::nullopt;
     // only lines along the cylinder that are well seen tell where it ends
     const int most = *std::max_element(count, count + kBins);
     std::vector<double> lows, highs;
@@ -201,14 +208,30 @@ class Search {
     const double sign = std::abs(c.axis.dot(up_)) > 0.1 ? c.axis.dot(up_) : c.axis[largest];
     if (sign < 0) c.axis = -c.axis;
     for (const std::uint32_t k : mine) image_.label[k] = ObjectImage::kCylinder;
-    // strips of the mantle that ragged rims and shadows have bent away
-    constexpr double kNear_sigma = 8.0;
-    for (const std::uint32_t k : mantle) {
-      if (image_.label[k] < 0) continue;
-      const MantleDistance d = distance_to(c, sighted(k));
-      if (std::abs(d.value_m) < kNear_sigma * d.sigma_m + config_.tolerance_m) image_.label[k] = ObjectImage::kFree;
-    }
+    free_faces_on(c);
     return c;
+  }
+
+  // strips of the mantle that seemed too wide for one, or that ragged rims and shadows have bent away
+  void free_faces_on(const Cylinder& c) {
+    constexpr double kNear_sigma = 6.0, kLeastPart_near = 0.7;
+    std::vector<int> near(faces_.size(), 0), all(faces_.size(), 0);
+    for (const std::uint32_t k : image_.pixels) {
+      if (image_.label[k] < 0) continue;
+      const auto f = static_cast<std::size_t>(image_.label[k]);
+      ++all[f];
+      const SightedPoint s = sighted(k);
+      if (std::abs(c.axis.dot(s.p - c.center)) > 0.5 * c.length + config_.tolerance_m) continue;
+      const MantleDistance d = distance_to(c, s);
+      near[f] += std::abs(d.value_m) < kNear_sigma * d.sigma_m + config_.tolerance_m;
+    }
+    std::vector<bool> gone(faces_.size());
+    for (std::size_t f = 0; f < gone.size(); ++f)
+      gone[f] = near[f] > kLeastPart_near * all[f] &&
+                std::abs(image_.geometry.to_W(faces_[f].plane).normal.dot(c.axis)) < kEndCos;
+    for (const std::uint32_t k : image_.pixels)
+      if (image_.label[k] >= 0 && gone[static_cast<std::size_t>(image_.label[k])])
+        image_.label[k] = ObjectImage::kFree;
   }
 
   void drop_remains() {
@@ -222,7 +245,8 @@ class Search {
       if (dropped[k]) faces_[k].moments = {};
     }
     for (const std::uint32_t k : image_.pixels)
-      if (image_.label[k] >= 0 && dropped[static_cast<std::size_t>(image_.label[k])]) image_.label[k] = ObjectImage::kFree;
+      if (image_.label[k] >= 0 && dropped[static_cast<std::size_t>(image_.label[k])])
+        image_.label[k] = ObjectImage::kFree;
   }
 
   static constexpr std::int32_t kOpen = -1;
@@ -243,7 +267,7 @@ std::vector<Cylinder> find_cylinders(ObjectImage& image, std::vector<Face>& face
 
 double widest_strip(const ObjectImage& image, double inverse_depth, const SurfaceConfig& config) {
   constexpr double kSag_sigma = 3.0;
-  const double sag = kSag_sigma * image.noise.sigma(1.0 / inverse_depth) + image.tolerance_m;
+  const double sag = kSag_sigma * image.noise.sigma(1.0 / inverse_depth);
   return 2.0 * std::sqrt(2.0 * config.cylinder_max_radius_m * sag) + 2.0 * image.pixel_m(inverse_depth);
 }
 

@@ -7,16 +7,17 @@
 
 namespace colift::perception {
 
-/// Cylinders of the object. Looked for in its connected parts after the faces that are too wide to be a strip of a
-/// cylinder are taken away. A part is a cylinder when its points lie on one as well as the noise model tells, over enough
-/// of its arc, and clearly better than on two perpendicular faces. Its pixels get the label kCylinder;
-/// faces of which little is left lose the rest to kFree.
-/// `first_edge`: faces from this index on are edge faces, which are no strips of a cylinder either.
-[[nodiscard]] std::vector<Cylinder> find_cylinders(ObjectImage& image, std::vector<Face>& faces, std::size_t first_edge,
-                                                   const Ground& ground,
+/// Cylinders of the object. Looked for in its connected parts after the faces that are too wide to be a strip
+/// of a cylinder are taken away. A part is a cylinder when its points lie on one as well as the noise model
+/// tells, over enough of its arc, and clearly better than on two perpendicular faces. Its pixels get the
+/// label kCylinder; faces of which little is left lose the rest to kFree. `first_edge`: faces from this index
+/// on are edge faces, which are no strips of a cylinder either.
+[[nodiscard]] std::vector<Cylinder> find_cylinders(ObjectImage& image, std::vector<Face>& faces,
+                                                   std::size_t first_edge, const Ground& ground,
                                                    const SurfaceConfig& config);
 
 /// Widest strip (m) of a cylinder that the noise lets pass for a plane.
-[[nodiscard]] double widest_strip(const ObjectImage& image, double inverse_depth, const SurfaceConfig& config);
+[[nodiscard]] double widest_strip(const ObjectImage& image, double inverse_depth,
+                                  const SurfaceConfig& config);
 
 }  // namespace colift::perception

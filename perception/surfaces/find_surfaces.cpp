@@ -18,11 +18,12 @@ bool is_wide(const Face& face, const ObjectImage& image, const SurfaceConfig& co
   return extent_of(face, image.geometry).narrow_m >= std::max(1.2 * config.max_edge_m, strip_m);
 }
 
-/// Covers the faces that are wide enough to have narrow ones beside them, or all. What is known from an earlier round
-/// holds on for faces that kept their pixels.
+/// Covers the faces that are wide enough to have narrow ones beside them, or all. What is known from an
+/// earlier round holds on for faces that kept their pixels.
 std::vector<FaceRectangle> cover_faces(const OrganisedCloud& cloud, const ObjectImage& image,
-                                       const std::vector<Face>& faces, const SurfaceConfig& config, bool wide_only,
-                                       const std::vector<FaceRectangle>& known, const std::vector<double>& known_pixels) {
+                                       const std::vector<Face>& faces, const SurfaceConfig& config,
+                                       bool wide_only, const std::vector<FaceRectangle>& known,
+                                       const std::vector<double>& known_pixels) {
   std::vector<FaceRectangle> rectangles;
   const auto pixels = pixels_by_face(image, faces.size());
   for (std::size_t k = 0; k < faces.size(); ++k) {
@@ -61,7 +62,8 @@ std::vector<Surface> find_surfaces(const OrganisedCloud& cloud, const Target& ta
   for (const Cylinder& c : find_cylinders(image, faces, first_edge, ground, config)) surfaces.emplace_back(c);
   for (const FaceRectangle& r : cover_faces(cloud, image, faces, config, false, wide, covered))
     surfaces.emplace_back(r.rectangle);
-  std::stable_sort(surfaces.begin(), surfaces.end(), [](const Surface& a, const Surface& b) { return area(a) > area(b); });
+  std::stable_sort(surfaces.begin(), surfaces.end(),
+                   [](const Surface& a, const Surface& b) { return area(a) > area(b); });
   return surfaces;
 }
 

@@ -5,9 +5,9 @@
 
 namespace colift::perception {
 
-/// A plane as the image sees it: inverse depth 1/z = a U + b V + c, with pixel coordinates U, V relative to a fixed
-/// origin. Depth noise of structured light is nearly constant in 1/z and lies along the ray, so a plain least-squares
-/// line-up in these coordinates is the right estimate also for steep and narrow faces.
+/// A plane as the image sees it: inverse depth 1/z = a U + b V + c, with pixel coordinates U, V relative to a
+/// fixed origin. Depth noise of structured light is nearly constant in 1/z and lies along the ray, so a plain
+/// least-squares line-up in these coordinates is the right estimate also for steep and narrow faces.
 struct InversePlane {
   double a = 0, b = 0, c = 0;
 
@@ -36,12 +36,15 @@ struct InverseMoments {
   /// Sum of squared residuals of these pixels to a plane.
   [[nodiscard]] double squares(const InversePlane& p) const {
     const double cross = p.a * uq + p.b * vq + p.c * q;
-    const double square = p.a * (p.a * uu + 2 * p.b * uv + 2 * p.c * u) + p.b * (p.b * vv + 2 * p.c * v) + p.c * p.c * n;
+    const double square =
+        p.a * (p.a * uu + 2 * p.b * uv + 2 * p.c * u) + p.b * (p.b * vv + 2 * p.c * v) + p.c * p.c * n;
     const double sum = qq - 2 * cross + square;
     return sum > 0 ? sum : 0;
   }
   /// Mean residual, positive where the pixels are nearer than the plane.
-  [[nodiscard]] double mean_residual(const InversePlane& p) const { return (q - p.a * u - p.b * v) / n - p.c; }
+  [[nodiscard]] double mean_residual(const InversePlane& p) const {
+    return (q - p.a * u - p.b * v) / n - p.c;
+  }
 
   /// Plane of least squares; false, and the plane stays as it is, when the pixels lie on a line of the image.
   bool fit(InversePlane& plane) const {

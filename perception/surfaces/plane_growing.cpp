@@ -14,7 +14,7 @@ constexpr double kCellMisfit = 2.6;  // of a cell that joins
 constexpr double kCellOffset = 1.1;  // mean residual of a cell that joins, in standard deviations
 constexpr double kLeastCellPixels = 12;
 constexpr double kMergeMisfit = 1.25;
-constexpr double kBowCos = 0.985;      // pieces of a bowed face differ by less than 10 degrees
+constexpr double kBowCos = 0.985;  // pieces of a bowed face differ by less than 10 degrees
 constexpr double kBowWidth_m = 0.04;
 constexpr double kBowTolerance = 1.3;  // root mean square of a bowed face's residual, in tolerances
 
@@ -123,7 +123,8 @@ class Grower {
         const double misfit = m.squares(plane) / (m.n * variance(m.q / m.n));
         if (misfit < kSeedMisfit) seeds.push_back({misfit, static_cast<int>(at(c, r))});
       }
-    std::stable_sort(seeds.begin(), seeds.end(), [](const Seed& a, const Seed& b) { return a.misfit < b.misfit; });
+    std::stable_sort(seeds.begin(), seeds.end(),
+                     [](const Seed& a, const Seed& b) { return a.misfit < b.misfit; });
     return seeds;
   }
 
@@ -152,7 +153,8 @@ class Grower {
     for (int round = 0; round < 3; ++round) {
       const std::size_t before = members_.size();
       for (std::size_t next = 0; next < members_.size(); ++next) {
-        const int c = static_cast<int>(members_[next]) % columns_, r = static_cast<int>(members_[next]) / columns_;
+        const int c = static_cast<int>(members_[next]) % columns_,
+                  r = static_cast<int>(members_[next]) / columns_;
         if (c > 0) join(at(c - 1, r), index, face);
         if (c + 1 < columns_) join(at(c + 1, r), index, face);
         if (r > 0) join(at(c, r - 1), index, face);
@@ -232,7 +234,8 @@ class Grower {
         for (int f = 0; f < count; ++f) {
           const InversePlane& p = faces_[static_cast<std::size_t>(near[f])].plane;
           const float d = std::abs(q - static_cast<float>(p.at(i, j)));
-          if (d < noise + uneven[f] * q * q && d < best) best = d, image_.label[k] = static_cast<std::int16_t>(near[f]);
+          if (d < noise + uneven[f] * q * q && d < best)
+            best = d, image_.label[k] = static_cast<std::int16_t>(near[f]);
         }
       }
   }
@@ -249,11 +252,13 @@ class Grower {
         InversePlane plane;
         if (!both.fit(plane)) continue;
         const double s2 = variance(both.q / both.n);
-        const double apart = faces_[a].moments.squares(faces_[a].plane) + faces_[b].moments.squares(faces_[b].plane);
+        const double apart =
+            faces_[a].moments.squares(faces_[a].plane) + faces_[b].moments.squares(faces_[b].plane);
         const double worse = both.squares(plane) - apart;
         // the smaller piece must not be bent away from where it lies
         const double smaller = std::min(faces_[a].moments.n, faces_[b].moments.n);
-        const bool same = both.squares(plane) <= kMergeMisfit * std::max(apart, both.n * s2) && worse <= 0.4 * smaller * s2;
+        const bool same =
+            both.squares(plane) <= kMergeMisfit * std::max(apart, both.n * s2) && worse <= 0.4 * smaller * s2;
         if (!same && !bowed(faces_[a], faces_[b], both, plane)) continue;
         if (!touching(static_cast<int>(a), static_cast<int>(b))) continue;
         faces_[a].plane = plane;
@@ -277,7 +282,8 @@ class Grower {
   }
 
   // cardboard and cheap depth both bend faces by some millimetres; nobody would call that two faces
-  [[nodiscard]] bool bowed(const Face& a, const Face& b, const InverseMoments& both, const InversePlane& plane) const {
+  [[nodiscard]] bool bowed(const Face& a, const Face& b, const InverseMoments& both,
+                           const InversePlane& plane) const {
     const ImageGeometry& g = image_.geometry;
     if (g.to_W(a.plane).normal.dot(g.to_W(b.plane).normal) < kBowCos) return false;
     const Face joined{plane, both, true};
@@ -319,7 +325,8 @@ void grow_faces(ObjectImage& image, std::vector<Face>& faces, const SurfaceConfi
 
 void refit_faces(const ObjectImage& image, std::vector<Face>& faces) {
   for (Face& f : faces) f.moments = {};
-  // runs of one face along a row: what depends on the column only is summed, the rest follows for the whole run
+  // runs of one face along a row: what depends on the column only is summed, the rest follows for the whole
+  // run
   for (int j = 0; j < image.height; ++j) {
     const std::int16_t* label = image.label.data() + image.at(0, j);
     const float* q = image.q.data() + image.at(0, j);

@@ -16,13 +16,13 @@ struct Face {
   [[nodiscard]] double inverse_depth() const { return moments.n > 0 ? moments.q / moments.n : 0.0; }
 };
 
-/// Planes of the object's free pixels, grown over cells of the image from the flattest places outwards, first from wide
-/// windows, then from narrow ones in what is left. Labels the pixels; faces get labels from faces.size() on.
-/// Deterministic: seeds are taken in order of their residual, then of the image.
+/// Planes of the object's free pixels, grown over cells of the image from the flattest places outwards, first
+/// from wide windows, then from narrow ones in what is left. Labels the pixels; faces get labels from
+/// faces.size() on. Deterministic: seeds are taken in order of their residual, then of the image.
 void grow_faces(ObjectImage& image, std::vector<Face>& faces, const SurfaceConfig& config);
 
-/// Sums over the pixels with a label again and fits every face to them. Faces that lost all their pixels keep their
-/// plane.
+/// Sums over the pixels with a label again and fits every face to them. Faces that lost all their pixels keep
+/// their plane.
 void refit_faces(const ObjectImage& image, std::vector<Face>& faces);
 
 /// How far a point moves along a bowed face's normal for a metre of depth, 0.25 at least; 1 for even faces.

@@ -13,9 +13,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kMostCells = 40;       // along one side of the grid in which the covered part is counted
+constexpr int kMostCells = 40;         // along one side of the grid in which the covered part is counted
 constexpr double kMostOutside = 0.12;  // part of the rim that may lie outside a rectangle
-constexpr double kLeastKnown = 0.35;  // part of a rectangle that has to be covered, whatever is unknown
+constexpr double kLeastKnown = 0.35;   // part of a rectangle that has to be covered, whatever is unknown
 
 struct FlatPoint {
   float s, t;
@@ -24,7 +24,7 @@ struct FlatPoint {
 
 /// Rectangle in the face's own coordinates, around a middle and along a direction.
 struct Frame {
-  Vector2d u;  // unit
+  Vector2d u;                           // unit
   double low_u, high_u, low_v, high_v;  // along u and v
 
   [[nodiscard]] Vector2d v() const { return {-u.y(), u.x()}; }
@@ -40,7 +40,8 @@ struct Fill {
 };
 
 double quantile(std::vector<double>& values, double part) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1) + 0.5);
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1) + 0.5);
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -49,7 +50,12 @@ class FaceCover {
  public:
   FaceCover(const OrganisedCloud& cloud, const ObjectImage& image, const Face& face, int label,
             const SurfaceConfig& config)
-      : cloud_(cloud), image_(image), face_(face), label_(label), config_(config), plane_(image.geometry.to_W(face.plane)) {
+      : cloud_(cloud),
+        image_(image),
+        face_(face),
+        label_(label),
+        config_(config),
+        plane_(image.geometry.to_W(face.plane)) {
     std::tie(e1_, e2_) = hal::tangents(plane_.normal);
     const double U = face.moments.u / face.moments.n, V = face.moments.v / face.moments.n;
     origin_ = plane_.foot(image.geometry.point_W(U, V, face.plane.at(U, V)));
@@ -83,20 +89,22 @@ class FaceCover {
   [[nodiscard]] FlatPoint flat(std::uint32_t k) const {
     const int i = image_.column(k), j = image_.row(k);
     FlatPoint p = flat(i, j);
-    for (const auto& [di, dj] : {std::pair{-2, 0}, {2, 0}, {0, -2}, {0, 2}}) p.sure = p.sure && seen(i + di, j + dj);
+    for (const auto& [di, dj] : {std::pair{-2, 0}, {2, 0}, {0, -2}, {0, 2}})
+      p.sure = p.sure && seen(i + di, j + dj);
     return p;
   }
 
   [[nodiscard]] bool seen(int i, int j) const {
     const int u = i + image_.u0, v = j + image_.v0;
     if (u < 0 || v < 0 || u >= cloud_.width() || v >= cloud_.height()) return false;
-    return cloud_.seen(static_cast<std::size_t>(v) * static_cast<std::size_t>(cloud_.width()) + static_cast<std::size_t>(u));
+    return cloud_.seen(static_cast<std::size_t>(v) * static_cast<std::size_t>(cloud_.width()) +
+                       static_cast<std::size_t>(u));
   }
 
   [[nodiscard]] int companions(std::uint32_t k) const {
     const auto w = static_cast<std::uint32_t>(image_.width);
-    return (image_.label[k - 1] == label_) + (image_.label[k + 1] == label_) + (image_.label[k - w] == label_) +
-           (image_.label[k + w] == label_);
+    return (image_.label[k - 1] == label_) + (image_.label[k + 1] == label_) +
+           (image_.label[k - w] == label_) + (image_.label[k + w] == label_);
   }
 
   void cover(const std::vector<FlatPoint>& points, int pixels, int depth, std::vector<FaceRectangle>& out) {
@@ -107,7 +115,8 @@ class FaceCover {
     const Fill fill = fill_of(inner);
     const bool whole = fill.ratio() >= config_.fill_threshold && outside(inner, points) <= kMostOutside;
     if (whole || depth >= config_.max_splits) {
-      if (fill.ratio() >= (whole ? config_.fill_threshold : config_.least_fill) && fill.known() >= kLeastKnown)
+      if (fill.ratio() >= (whole ? config_.fill_threshold : config_.least_fill) &&
+          fill.known() >= kLeastKnown)
         add(inner, fill.ratio(), pixels, out);
       return;
     }
@@ -146,7 +155,8 @@ class FaceCover {
     std::vector<double> along, across;  // across grows outwards
     std::size_t sure = 0;               // the first so many are known ends
   };
-  [[nodiscard]] std::array<Side, 2> outermost(const Frame& f, const std::vector<FlatPoint>& points, bool along_u) const {
+  [[nodiscard]] std::array<Side, 2> outermost(const Frame& f, const std::vector<FlatPoint>& points,
+                                              bool along_u) const {
     const Vector2d a = along_u ? f.u : f.v(), c = along_u ? f.v() : f.u;
     const double first = along_u ? f.low_u : f.low_v, length = along_u ? f.width() : f.height();
     const int bins = std::clamp(static_cast<int>(length / (1.5 * pixel_m_)), 4, 400);
@@ -182,7 +192,8 @@ class FaceCover {
     return sides;
   }
 
-  /// Where a side is. Lines that run out into nothing do not tell; without better ones, most of them fall short.
+  /// Where a side is. Lines that run out into nothing do not tell; without better ones, most of them fall
+  /// short.
   static double place(Side& side) {
     if (5 * side.sure >= side.across.size() && side.sure >= 4) {
       side.across.resize(side.sure);
@@ -191,7 +202,8 @@ class FaceCover {
     return quantile(side.across, 0.75);
   }
 
-  /// Slope of a side as the median over pairs of lines half of its length apart; robust against corners and notches.
+  /// Slope of a side as the median over pairs of lines half of its length apart; robust against corners and
+  /// notches.
   static double slope(const Side& side) {
     const std::size_t n = 5 * side.sure >= side.across.size() ? side.sure : side.across.size(), half = n / 2;
     if (half < 4) return 0.0;
@@ -204,7 +216,8 @@ class FaceCover {
   [[nodiscard]] Frame trimmed(const Frame& outer, const std::vector<FlatPoint>& points) const {
     constexpr double kMostTurn = 0.12;
     Frame f = outer;
-    // sides turn the rectangle by how long they are: a corner that sticks out decides where the hull's edge lies
+    // sides turn the rectangle by how long they are: a corner that sticks out decides where the hull's edge
+    // lies
     double turn = 0, weight = 0;
     for (const bool along_u : {true, false}) {
       const double length = along_u ? outer.width() : outer.height();
@@ -262,7 +275,8 @@ class FaceCover {
     const bool inside = i >= 0 && j >= 0 && i < image_.width && j < image_.height;
     const std::int16_t label = inside ? image_.label[image_.at(i, j)] : ObjectImage::kOutside;
     if (label == label_) return Cell::Covered;
-    const std::size_t k = static_cast<std::size_t>(v) * static_cast<std::size_t>(cloud_.width()) + static_cast<std::size_t>(u);
+    const std::size_t k =
+        static_cast<std::size_t>(v) * static_cast<std::size_t>(cloud_.width()) + static_cast<std::size_t>(u);
     if (!cloud_.seen(k)) return Cell::Unknown;
     const double q = 1.0 / static_cast<double>(cloud_.depth_m[k]), here = 1.0 / pixel.depth_m;
     const double tolerance = image_.tolerance(here, config_.tolerance_sigma, slant_);
@@ -304,8 +318,8 @@ class FaceCover {
     double cost = std::numeric_limits<double>::infinity();
   };
 
-  /// Cost of the box around the covered cells on one side of each cut: how mixed it is, with a little for its area, so
-  /// that of two cuts the tighter one wins. Entry i: the first i lines.
+  /// Cost of the box around the covered cells on one side of each cut: how mixed it is, with a little for its
+  /// area, so that of two cuts the tighter one wins. Entry i: the first i lines.
   [[nodiscard]] static std::vector<double> costs(const Grid& g, bool along_u, bool backwards) {
     constexpr double kTightness = 0.02;
     const int n = along_u ? g.columns : g.rows, m = along_u ? g.rows : g.columns;
@@ -358,12 +372,14 @@ class FaceCover {
     return best;
   }
 
-  void split(const Frame& f, const std::vector<FlatPoint>& points, int depth, std::vector<FaceRectangle>& out) {
+  void split(const Frame& f, const std::vector<FlatPoint>& points, int depth,
+             std::vector<FaceRectangle>& out) {
     const Cut cut = best_cut(grid_of(f), f);
     const Vector2d axis = cut.along_u ? f.u : f.v();
     std::vector<FlatPoint> low, high;
     for (const FlatPoint& p : points)
-      (axis.x() * static_cast<double>(p.s) + axis.y() * static_cast<double>(p.t) < cut.at ? low : high).push_back(p);
+      (axis.x() * static_cast<double>(p.s) + axis.y() * static_cast<double>(p.t) < cut.at ? low : high)
+          .push_back(p);
     if (low.empty() || high.empty()) return;
     cover(low, static_cast<int>(low.size()), depth + 1, out);
     cover(high, static_cast<int>(high.size()), depth + 1, out);

@@ -22,22 +22,29 @@ struct SurfaceConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("tolerance_sigma", tolerance_sigma, hal::kPositive, "Distance of a pixel on a surface, in standard deviations.");
-    v("tolerance_m", tolerance_m, hal::kNotNegative, "Unevenness of surfaces and lens distortion (m), added to it.");
+    v("tolerance_sigma", tolerance_sigma, hal::kPositive,
+      "Distance of a pixel on a surface, in standard deviations.");
+    v("tolerance_m", tolerance_m, hal::kNotNegative,
+      "Unevenness of surfaces and lens distortion (m), added to it.");
     v("min_pixels", min_pixels, hal::Range{10, 10000}, "Pixels of the smallest rectangle.");
     v("min_width_m", min_width_m, hal::kNotNegative, "Short side of the narrowest rectangle (m).");
     v("fill_threshold", fill_threshold, hal::kFraction, "Rectangles that are covered less are split.");
-    v("least_fill", least_fill, hal::kFraction, "Rectangles that are covered less after all splits are dropped.");
+    v("least_fill", least_fill, hal::kFraction,
+      "Rectangles that are covered less after all splits are dropped.");
     v("max_splits", max_splits, hal::Range{0, 8}, "How often a rectangle is split again.");
-    v("max_edge_m", max_edge_m, hal::kPositive, "Width (m) up to which a narrow face is looked for along another's edge.");
-    v("min_edge_view_deg", min_edge_view_deg, hal::Range{0, 90}, "A narrow face turned away more than 90 minus this is not looked for.");
+    v("max_edge_m", max_edge_m, hal::kPositive,
+      "Width (m) up to which a narrow face is looked for along another's edge.");
+    v("min_edge_view_deg", min_edge_view_deg, hal::Range{0, 90},
+      "A narrow face turned away more than 90 minus this is not looked for.");
     v("cylinder_min_radius_m", cylinder_min_radius_m, hal::kPositive, "Thinnest cylinder (m).");
     v("cylinder_max_radius_m", cylinder_max_radius_m, hal::kPositive, "Thickest cylinder (m).");
-    v("cylinder_min_arc_deg", cylinder_min_arc_deg, hal::Range{30, 180}, "Arc of a cylinder that has to be seen.");
+    v("cylinder_min_arc_deg", cylinder_min_arc_deg, hal::Range{30, 180},
+      "Arc of a cylinder that has to be seen.");
     v("cylinder_max_misfit", cylinder_max_misfit, hal::kPositive,
       "Root mean square residual of a cylinder, in standard deviations of the depth noise.");
     v("cylinder_advantage", cylinder_advantage, hal::kFraction,
-      "A cylinder has to leave less than this part of the squared residuals that two perpendicular faces leave.");
+      "A cylinder has to leave less than this part of the squared residuals that two perpendicular faces "
+      "leave.");
   }
 };
 

@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <string>
 
 #include "tools/colift/commands.hpp"
 #include "tools/colift/look_json.hpp"
@@ -13,7 +14,7 @@ int cmd_look(const CommonOptions& common, const LookOptions& options) {
   const auto seen = look_at_file(options, *setup);
   if (!seen) return report_error("look", seen.error());
   if (common.json) std::puts(look_document(*seen).c_str());
-  else std::fputs(look_text(*seen).c_str(), stdout);
+  else std::fputs((common.quiet ? seen->look.because + "\n" : look_text(*seen)).c_str(), stdout);
   if (auto shown = show(*seen, nullptr, options, common, setup->hand); !shown) return report_error("look", shown.error());
   return seen->look.scene.target ? kDone : kNoGoal;
 }

@@ -37,6 +37,8 @@ hal::Result<Seen> look_at_file(const LookOptions& options, const Setup& setup) {
     input.base_frame_known = true;
   }
   if (!options.at.empty()) {
+    if (method == "thesis")
+      return hal::failure(hal::ErrorCode::BadInput, "--at", "goes with --method fast: the thesis takes the largest cluster");
     const auto at = parse_point(options.at, "--at");
     if (!at) return tl::unexpected(at.error());
     input.at_W = *at;

@@ -20,7 +20,8 @@ TEST_CASE("the radius of pipes on the floor is right to 5 mm", "[surfaces][cylin
     CHECK(cylinders.size() == 1);
     radius.push_back(std::abs(cylinders[0].radius - truth.radius));
     length.push_back(std::abs(cylinders[0].length - truth.length));
-    axis.push_back(std::min(angle_deg(cylinders[0].axis, truth.axis), angle_deg(-cylinders[0].axis, truth.axis)));
+    axis.push_back(
+        std::min(angle_deg(cylinders[0].axis, truth.axis), angle_deg(-cylinders[0].axis, truth.axis)));
   }
   CHECK(found >= 28);
   CHECK(quantile(radius, 0.95) <= 0.005);
@@ -34,11 +35,14 @@ TEST_CASE("a cylinder is found however it lies, with its true radius at 1.5 m", 
     Vec3 center, axis;
     double radius, length;
   };
-  for (const Case& c : {Case{{0, 0, 0.25}, {0, 0, 1}, 0.04, 0.5}, Case{{0, 0, 0.3}, {0, 0, 1}, 0.12, 0.6},
-                        Case{{0, 0, 0.4}, {0.2, 0.8, 0.5}, 0.05, 0.8}, Case{{0, 0, 0.05}, {0.3, 1, 0}, 0.05, 0.9},
-                        Case{{0, 0, 0.3}, {0.3, 0.3, 1}, 0.06, 0.6}, Case{{0, 0, 0.15}, {0, 1, 0}, 0.14, 0.6}}) {
+  for (const Case& c :
+       {Case{{0, 0, 0.25}, {0, 0, 1}, 0.04, 0.5}, Case{{0, 0, 0.3}, {0, 0, 1}, 0.12, 0.6},
+        Case{{0, 0, 0.4}, {0.2, 0.8, 0.5}, 0.05, 0.8}, Case{{0, 0, 0.05}, {0.3, 1, 0}, 0.05, 0.9},
+        Case{{0, 0, 0.3}, {0.3, 0.3, 1}, 0.06, 0.6}, Case{{0, 0, 0.15}, {0, 1, 0}, 0.14, 0.6}}) {
     const Vec3 axis = c.axis.normalized();
-    const View view(scene_of({sim_hal::cylinder(c.center, axis, c.radius, c.length, Label::Target)}, {1.25, 0.3, 1.1}, c.center), 1);
+    const View view(scene_of({sim_hal::cylinder(c.center, axis, c.radius, c.length, Label::Target)},
+                             {1.25, 0.3, 1.1}, c.center),
+                    1);
     const auto cylinders = cylinders_of(view.surfaces());
     INFO("radius " << c.radius << " axis " << axis.transpose());
     REQUIRE(cylinders.size() == 1);
@@ -62,14 +66,19 @@ TEST_CASE("square legs, box edges and slats are no cylinders", "[surfaces][cylin
 
 TEST_CASE("a square post is no cylinder from any side", "[surfaces][cylinder]") {
   for (int yaw_deg = 0; yaw_deg < 90; yaw_deg += 11) {
-    const View view(scene_of({sim_hal::box({0, 0, 0.3}, {0.04, 0.04, 0.6}, yaw_deg * kDegrees, Label::Target)}, {1.4, 0, 0.9}, {0, 0, 0.3}), 1);
+    const View view(
+        scene_of({sim_hal::box({0, 0, 0.3}, {0.04, 0.04, 0.6}, yaw_deg * kDegrees, Label::Target)},
+                 {1.4, 0, 0.9}, {0, 0, 0.3}),
+        1);
     INFO("turned by " << yaw_deg << " degrees");
     CHECK(cylinders_of(view.surfaces()).empty());
   }
 }
 
 TEST_CASE("the lid of an upright can is a face, its mantle is none", "[surfaces][cylinder]") {
-  const View view(scene_of({sim_hal::cylinder({0, 0, 0.2}, Vec3::UnitZ(), 0.12, 0.4, Label::Target)}, {1.0, 0.2, 1.2}, {0, 0, 0.2}), 1);
+  const View view(scene_of({sim_hal::cylinder({0, 0, 0.2}, Vec3::UnitZ(), 0.12, 0.4, Label::Target)},
+                           {1.0, 0.2, 1.2}, {0, 0, 0.2}),
+                  1);
   const auto surfaces = view.surfaces();
   REQUIRE(cylinders_of(surfaces).size() == 1);
   for (const Rectangle& r : rectangles_of(surfaces)) CHECK(r.normal.z() > 0.95);

@@ -8,11 +8,11 @@ using sim_hal::ObjectKind;
 
 namespace {
 
-/// Errors (degrees) of the side faces of a table top or box that face the camera by more than 25 degrees; 90 for one that
-/// was not found. For table tops only faces at the plate's edge count.
+/// Errors (degrees) of the side faces of a table top or box that face the camera by more than 25 degrees; 90
+/// for one that was not found. For table tops only faces at the plate's edge count.
 struct SideFaces {
-  std::vector<double> of_each;   ///< Every such face.
-  std::vector<double> best;      ///< Of each view, the best one.
+  std::vector<double> of_each;  ///< Every such face.
+  std::vector<double> best;     ///< Of each view, the best one.
   std::vector<double> height_error_m;
 };
 
@@ -46,7 +46,8 @@ SideFaces side_faces(ObjectKind kind, int seeds, int frames) {
 }
 
 double part_below(const std::vector<double>& values, double limit) {
-  return static_cast<double>(std::count_if(values.begin(), values.end(), [&](double x) { return x < limit; })) /
+  return static_cast<double>(
+             std::count_if(values.begin(), values.end(), [&](double x) { return x < limit; })) /
          static_cast<double>(values.size());
 }
 
@@ -135,7 +136,9 @@ TEST_CASE("without pixels there are no surfaces", "[surfaces]") {
 }
 
 TEST_CASE("an object that fills the image to its rim is no trouble", "[surfaces]") {
-  const View view(scene_of({sim_hal::box({0, 0, 0.5}, {3, 3, 1.0}, 0.3, sim_hal::Label::Target)}, {1.3, 0.5, 2.0}, {0, 0, 1.0}), 1);
+  const View view(scene_of({sim_hal::box({0, 0, 0.5}, {3, 3, 1.0}, 0.3, sim_hal::Label::Target)},
+                           {1.3, 0.5, 2.0}, {0, 0, 1.0}),
+                  1);
   REQUIRE(view.target.pixels.size() > 200000);
   REQUIRE_FALSE(view.surfaces().empty());
   CHECK(angle_deg(rectangles_of(view.surfaces()).front().normal, Vec3::UnitZ()) < 0.5);

@@ -15,7 +15,8 @@ double hollow_part(const Rectangle& r, const sim_hal::World& world) {
   int hollow = 0;
   for (int i = 0; i < kSteps; ++i)
     for (int j = 0; j < kSteps; ++j) {
-      const Vec3 p = r.center + r.size.x() * ((i + 0.5) / kSteps - 0.5) * r.u + r.size.y() * ((j + 0.5) / kSteps - 0.5) * r.v;
+      const Vec3 p = r.center + r.size.x() * ((i + 0.5) / kSteps - 0.5) * r.u +
+                     r.size.y() * ((j + 0.5) / kSteps - 0.5) * r.v;
       hollow += sim_hal::distance(world, Label::Target, p) > 0.02;
     }
   return static_cast<double>(hollow) / (kSteps * kSteps);
@@ -23,8 +24,9 @@ double hollow_part(const Rectangle& r, const sim_hal::World& world) {
 
 }  // namespace
 
-TEST_CASE("no rectangle lies over the space between a table's legs, in an open box or between a chair's slats",
-          "[surfaces]") {
+TEST_CASE(
+    "no rectangle lies over the space between a table's legs, in an open box or between a chair's slats",
+    "[surfaces]") {
   using sim_hal::ObjectKind;
   for (const ObjectKind kind : {ObjectKind::Table, ObjectKind::OpenBox, ObjectKind::Chair})
     for (std::uint64_t seed = 1; seed <= 12; ++seed) {
@@ -37,8 +39,10 @@ TEST_CASE("no rectangle lies over the space between a table's legs, in an open b
 }
 
 TEST_CASE("an upright frame becomes its four bars", "[surfaces]") {
-  const View view(scene_of({box({0, 0, 0.55}, {0.03, 0.8, 0.10}, 0, Label::Target), box({0, 0, 0.05}, {0.03, 0.8, 0.10}, 0, Label::Target),
-                            box({0, 0.35, 0.3}, {0.03, 0.1, 0.4}, 0, Label::Target), box({0, -0.35, 0.3}, {0.03, 0.1, 0.4}, 0, Label::Target)},
+  const View view(scene_of({box({0, 0, 0.55}, {0.03, 0.8, 0.10}, 0, Label::Target),
+                            box({0, 0, 0.05}, {0.03, 0.8, 0.10}, 0, Label::Target),
+                            box({0, 0.35, 0.3}, {0.03, 0.1, 0.4}, 0, Label::Target),
+                            box({0, -0.35, 0.3}, {0.03, 0.1, 0.4}, 0, Label::Target)},
                            {1.5, 0.2, 0.8}, {0, 0, 0.3}),
                   1);
   int bars = 0;
@@ -51,13 +55,16 @@ TEST_CASE("an upright frame becomes its four bars", "[surfaces]") {
 }
 
 TEST_CASE("what the camera could not see does not split a face", "[surfaces]") {
-  View view(scene_of({box({0, 0, 0.25}, {0.5, 0.5, 0.5}, 0.4, Label::Target)}, {1.2, 0.4, 1.4}, {0, 0, 0.3}), 1);
+  View view(scene_of({box({0, 0, 0.25}, {0.5, 0.5, 0.5}, 0.4, Label::Target)}, {1.2, 0.4, 1.4}, {0, 0, 0.3}),
+            1);
   // a dark patch in the middle of the top
   std::vector<std::uint32_t> kept;
   for (const std::uint32_t k : view.target.pixels) {
     const Vec3 p = view.cloud.point(k);
-    if (p.z() > 0.48 && p.head<2>().norm() < 0.12) view.cloud.depth_m[k] = view.cloud.x[k] = view.cloud.y[k] = view.cloud.z[k] = NAN;
-    else kept.push_back(k);
+    if (p.z() > 0.48 && p.head<2>().norm() < 0.12)
+      view.cloud.depth_m[k] = view.cloud.x[k] = view.cloud.y[k] = view.cloud.z[k] = NAN;
+    else
+      kept.push_back(k);
   }
   REQUIRE(kept.size() + 2000 < view.target.pixels.size());
   view.target.pixels = kept;

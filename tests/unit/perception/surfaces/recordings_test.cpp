@@ -31,7 +31,9 @@ struct Recording {
     REQUIRE(t.target);
     target = *t.target;
   }
-  [[nodiscard]] std::vector<Surface> surfaces() const { return find_surfaces(cloud, target, ground, NoiseModel{}, SurfaceConfig{}); }
+  [[nodiscard]] std::vector<Surface> surfaces() const {
+    return find_surfaces(cloud, target, ground, NoiseModel{}, SurfaceConfig{});
+  }
 };
 
 }  // namespace
@@ -46,11 +48,13 @@ TEST_CASE("the can on the table is an upright cylinder of 35 mm", "[surfaces][re
   const Vec3 d = cylinders[0].center - Vec3(0.0193, -0.0277, 0.6433);
   CHECK((d - cylinders[0].axis * cylinders[0].axis.dot(d)).norm() < 0.004);
   CHECK(cylinders[0].length == Approx(0.148).margin(0.02));
-  const CompletedShape shape = complete_shape(can.cloud, can.target, can.surfaces(), can.ground, NoiseModel{});
+  const CompletedShape shape =
+      complete_shape(can.cloud, can.target, can.surfaces(), can.ground, NoiseModel{});
   CHECK(shape.kind == CompletedShape::Kind::Cylinder);
 }
 
-TEST_CASE("the cereal box on the table is two or more faces at right angles, and no cylinder", "[surfaces][real]") {
+TEST_CASE("the cereal box on the table is two or more faces at right angles, and no cylinder",
+          "[surfaces][real]") {
   const Recording box("06_cereal_box_on_table");
   const auto surfaces = box.surfaces();
   CHECK(cylinders_of(surfaces).empty());

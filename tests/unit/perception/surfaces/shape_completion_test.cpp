@@ -1,6 +1,6 @@
-#include <catch2/catch.hpp>
-#include <Eigen/LU>
 #include <fmt/format.h>
+#include <Eigen/LU>
+#include <catch2/catch.hpp>
 
 #include <iostream>
 
@@ -47,13 +47,15 @@ constexpr Row kRows[] = {{ObjectKind::Table, "table", Kind::Plate, 15},
                          {ObjectKind::Chair, "chair", Kind::Chair, 40}};
 
 double within(const std::vector<double>& values, double limit) {
-  return static_cast<double>(std::count_if(values.begin(), values.end(), [&](double x) { return x < limit; })) /
+  return static_cast<double>(
+             std::count_if(values.begin(), values.end(), [&](double x) { return x < limit; })) /
          static_cast<double>(values.size());
 }
 
 }  // namespace
 
-TEST_CASE("the completed shape's centroid is near the true centre of gravity and knows how near", "[completion]") {
+TEST_CASE("the completed shape's centroid is near the true centre of gravity and knows how near",
+          "[completion]") {
   for (const Row& row : kRows) {
     const Figures f = measure(row.kind, row.expected, 24);
     INFO(row.name << ": horizontal median " << quantile(f.horizontal_mm, 0.5) << " mm");
@@ -68,14 +70,16 @@ TEST_CASE("the completed shape's centroid is near the true centre of gravity and
 
 // unit_perception_surfaces "[figures]" prints the table of docs/decisions/0001-shape-completion.md
 TEST_CASE("figures of the shape completion", "[.][figures]") {
-  std::cout << fmt::format("{:<12}{:>7}{:>10}{:>26}{:>18}{:>22}{:>20}\n", "object", "frames", "as meant", "horizontal mm 50/90 %",
-                           "vertical 50/90 %", "box middle mm 50/90 %", "normalised 50/90 %");
+  std::cout << fmt::format("{:<12}{:>7}{:>10}{:>26}{:>18}{:>22}{:>20}\n", "object", "frames", "as meant",
+                           "horizontal mm 50/90 %", "vertical 50/90 %", "box middle mm 50/90 %",
+                           "normalised 50/90 %");
   for (const Row& row : kRows) {
     const Figures f = measure(row.kind, row.expected, 50);
-    std::cout << fmt::format("{:<12}{:>7}{:>10}{:>16.1f} /{:>8.1f}{:>9.1f} /{:>7.1f}{:>13.1f} /{:>7.1f}{:>12.1f} /{:>6.1f}\n",
-                             row.name, f.frames, f.expected, quantile(f.horizontal_mm, 0.5), quantile(f.horizontal_mm, 0.9),
-                             quantile(f.vertical_mm, 0.5), quantile(f.vertical_mm, 0.9), quantile(f.box_rule_mm, 0.5),
-                             quantile(f.box_rule_mm, 0.9), quantile(f.normalised, 0.5), quantile(f.normalised, 0.9));
+    std::cout << fmt::format(
+        "{:<12}{:>7}{:>10}{:>16.1f} /{:>8.1f}{:>9.1f} /{:>7.1f}{:>13.1f} /{:>7.1f}{:>12.1f} /{:>6.1f}\n",
+        row.name, f.frames, f.expected, quantile(f.horizontal_mm, 0.5), quantile(f.horizontal_mm, 0.9),
+        quantile(f.vertical_mm, 0.5), quantile(f.vertical_mm, 0.9), quantile(f.box_rule_mm, 0.5),
+        quantile(f.box_rule_mm, 0.9), quantile(f.normalised, 0.5), quantile(f.normalised, 0.9));
   }
 }
 

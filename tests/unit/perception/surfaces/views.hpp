@@ -13,21 +13,24 @@ namespace colift::perception {
 
 inline constexpr double kDegrees = M_PI / 180.0;
 
-/// A scene as a Kinect sees it, in one frame or in the mean of several, with the object's pixels from the truth.
+/// A scene as a Kinect sees it, in one frame or in the mean of several, with the object's pixels from the
+/// truth.
 struct View {
   sim_hal::SyntheticScene scene;
   OrganisedCloud cloud;
   Target target;
   Ground ground;
 
-  View(sim_hal::ObjectKind kind, std::uint64_t seed, int frames = 1) : View(sim_hal::make_scene(kind, seed), seed, frames) {}
+  View(sim_hal::ObjectKind kind, std::uint64_t seed, int frames = 1)
+      : View(sim_hal::make_scene(kind, seed), seed, frames) {}
 
   View(const sim_hal::SyntheticScene& of, std::uint64_t seed, int frames = 1) : scene(of) {
     const sim_hal::Rendering truth = sim_hal::cast_rays(scene.world, scene.intrinsics, scene.X_WC);
     cloud = deproject(mean_frame(truth, seed, frames), scene.X_WC);
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       if (!cloud.seen(i) || truth.label[i] != sim_hal::Label::Target) continue;
-      if (std::abs(cloud.depth_m[i] - truth.depth_m[i]) > 0.1f) continue;  // what shows the background at an edge
+      if (std::abs(cloud.depth_m[i] - truth.depth_m[i]) > 0.1f)
+        continue;  // what shows the background at an edge
       target.pixels.push_back(static_cast<std::uint32_t>(i));
       target.points.emplace_back(cloud.x[i], cloud.y[i], cloud.z[i]);
       target.aabb.extend(target.points.back().cast<double>());
@@ -59,7 +62,9 @@ struct View {
   }
 };
 
-inline double angle_deg(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegrees; }
+inline double angle_deg(const Vec3& a, const Vec3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegrees;
+}
 
 inline double quantile(std::vector<double> values, double part) {
   std::sort(values.begin(), values.end());
@@ -80,8 +85,8 @@ inline std::vector<Cylinder> cylinders_of(const std::vector<Surface>& surfaces) 
 }
 
 /// A scene with one object and a floor, seen from 1.6 m away.
-inline sim_hal::SyntheticScene scene_of(const std::vector<sim_hal::Shape>& object, const Vec3& eye = {1.3, 0.5, 1.1},
-                                        const Vec3& at = {0, 0, 0.2}) {
+inline sim_hal::SyntheticScene scene_of(const std::vector<sim_hal::Shape>& object,
+                                        const Vec3& eye = {1.3, 0.5, 1.1}, const Vec3& at = {0, 0, 0.2}) {
   sim_hal::SyntheticScene s;
   s.world.shapes.push_back(sim_hal::half_space(Vec3::Zero(), Vec3::UnitZ(), sim_hal::Label::Ground));
   for (const auto& shape : object) s.world.shapes.push_back(shape);
