@@ -75,7 +75,8 @@ ChangeImage::ChangeImage(const ReferenceImage& reference, const NoiseModel& nois
   }
   std::vector<float> down(width + 2 * pad, kFar), nearest(width);
   const auto margin0 = static_cast<float>(config.sigmas * noise.sigma0_m + config.margin_m);
-  const auto margin2 = static_cast<float>(config.sigmas * noise.sigma2_per_m + config.steps * noise.step2_per_m);
+  const auto margin2 =
+      static_cast<float>(config.sigmas * noise.sigma2_per_m + config.steps * noise.step2_per_m);
   const auto slope0 = static_cast<float>(kEdgeStep_m + 4.0 * noise.sigma0_m);
   const auto slope2 = static_cast<float>(4.0 * noise.sigma2_per_m);
   for (int v = window.v_begin; v < window.v_end; ++v) {

@@ -245,6 +245,7 @@ std::vector<Fragment> describe_fragments(const OrganisedCloud& cloud, const Comp
     fragments.emplace_back();
     fragments.back().labels = {static_cast<std::int32_t>(l)};
   }
+  if (fragments.empty()) return fragments;
   const std::vector<std::int32_t> slot = slots_of(fragments, components.pixels.size());
 
   const GroundAxes axes(ground);

@@ -14,7 +14,8 @@ using Eigen::Vector3f;
 constexpr float kOnFace_m = 0.010F, kOnLine_m = 0.010F;
 constexpr float kRound_m = 0.007F;  // largest root mean square distance from a circle
 constexpr float kNeighbours_m = 0.045F;
-constexpr int kFewestBroad = 14;  // what has fewer points at 3 to 8 cm from its edge is but the side of a board
+constexpr int kFewestBroad =
+    14;  // what has fewer points at 3 to 8 cm from its edge is but the side of a board
 constexpr int kFewestOnFace = 15, kFewestOnLine = 8, kMostFaces = 3, kMostRims = 5, kSeeds = 16;
 
 struct Moments {
@@ -41,8 +42,8 @@ struct Moments {
 
 }  // namespace
 
-LocalShape::LocalShape(std::span<const Vector3f> surface, std::span<const Vector3f> outline, const Vector3f& eye,
-                       const Vector3f& place, float radius_m)
+LocalShape::LocalShape(std::span<const Vector3f> surface, std::span<const Vector3f> outline,
+                       const Vector3f& eye, const Vector3f& place, float radius_m)
     : eye_(eye - place), radius_(radius_m), place_(place) {
   const float squared = radius_m * radius_m;
   std::vector<Vector3f> wider;
@@ -118,7 +119,8 @@ void LocalShape::find_corners() {
       const Vector3f d = across / sine;
       const Vector3f point = (da * m.cross(across) + db * across.cross(n)) / (sine * sine);
       // each face must reach the edge, and lie behind the other one, else they meet in an inner corner
-      EdgeLine line{point + place_, d, std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest(), true};
+      EdgeLine line{point + place_, d, std::numeric_limits<float>::max(),
+                    std::numeric_limits<float>::lowest(), true};
       int near[2] = {0, 0}, before = 0, behind = 0;
       int broad[2] = {0, 0};
       for (std::size_t i = 0; i < surface_.size(); ++i) {
@@ -168,15 +170,16 @@ void LocalShape::find_rims() {
     for (int round = 0; round < 2; ++round) {
       Moments m;
       for (const Vector3f& p : left)
-        if (((p - point) - direction.dot(p - point) * direction).squaredNorm() < kOnLine_m * kOnLine_m) m.add(p);
+        if (((p - point) - direction.dot(p - point) * direction).squaredNorm() < kOnLine_m * kOnLine_m)
+          m.add(p);
       Matrix3f v;
       Vector3f e;
       if (!m.axes(v, e)) break;
       direction = v.col(2);
       point = m.mean();
     }
-    EdgeLine line{point + place_, direction, std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest(),
-                  false};
+    EdgeLine line{point + place_, direction, std::numeric_limits<float>::max(),
+                  std::numeric_limits<float>::lowest(), false};
     std::vector<Vector3f> rest;
     for (const Vector3f& p : left) {
       const float t = direction.dot(p - point);
@@ -219,7 +222,8 @@ void LocalShape::find_bar(const std::vector<Eigen::Vector3f>& surface) {
     right.setZero();
     rms = 0.0F;
     for (const Vector3f& p : surface) {
-      const float x = a.dot(p - middle) - cx, y = b.dot(p - middle) - cy, away = std::max(1e-4F, std::hypot(x, y));
+      const float x = a.dot(p - middle) - cx, y = b.dot(p - middle) - cy,
+                  away = std::max(1e-4F, std::hypot(x, y));
       const Vector3f row(x / away, y / away, 1.0F);
       const float error = away - r;
       // ragged edges leave points off the bar

@@ -28,8 +28,9 @@ struct Face {
   int points = 0;
 };
 
-/// What an object looks like within a radius of a place: its faces, straight edges, or the round bar that it is. Read
-/// from a surface thinned to some hundred points, so that it can be asked for every frame (some 10 us).
+/// What an object looks like within a radius of a place: its faces, straight edges, or the round bar that it
+/// is. Read from a surface thinned to some hundred points, so that it can be asked for every frame (some 10
+/// us).
 class LocalShape {
  public:
   LocalShape(std::span<const Eigen::Vector3f> surface, std::span<const Eigen::Vector3f> outline,

@@ -72,7 +72,8 @@ void ObjectGrid::spread_from_patches(const std::vector<std::uint32_t>& first) {
   };
   const auto row = static_cast<std::uint32_t>(size_[0]);
   const std::uint32_t layer = row * static_cast<std::uint32_t>(size_[1]);
-  const auto last_x = static_cast<std::uint16_t>(size_[0] - 1), last_y = static_cast<std::uint16_t>(size_[1] - 1),
+  const auto last_x = static_cast<std::uint16_t>(size_[0] - 1),
+             last_y = static_cast<std::uint16_t>(size_[1] - 1),
              last_z = static_cast<std::uint16_t>(size_[2] - 1);
   std::vector<At> wave, next;
   wave.reserve(4 * first.size());
@@ -87,7 +88,8 @@ void ObjectGrid::spread_from_patches(const std::vector<std::uint32_t>& first) {
     for (const At& at : wave) {
       if (at.x == 0 || at.y == 0 || at.z == 0 || at.x == last_x || at.y == last_y || at.z == last_z) continue;
       const std::int32_t patch = nearest_[at.cell];
-      const Eigen::Vector3f off = Eigen::Vector3f(at.x, at.y, at.z) - in_cells[static_cast<std::size_t>(patch)];
+      const Eigen::Vector3f off =
+          Eigen::Vector3f(at.x, at.y, at.z) - in_cells[static_cast<std::size_t>(patch)];
       const float here = off.squaredNorm() + 1.0F;
       const auto offer = [&](std::uint32_t to, float d, int dx, int dy, int dz) {
         if (d >= squared[to]) return;

@@ -5,13 +5,14 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "perception/local_shape.hpp"
 
 namespace colift::perception {
 namespace {
 
-// Breadth of a palm with four fingers (m): hand breadth of adults at the metacarpals.
+// Breadth of a palm with four fingers (m), as of the synthetic hand.
 constexpr float kHandBreadth_m = 0.082F;
 // Only the camera's side of a finger is seen; its middle lies one radius behind.
 constexpr float kFingerRadius_m = 0.010F;
@@ -19,6 +20,9 @@ constexpr float kLocal_m = 0.16F;
 constexpr float kFromEnd_m = 0.03F;
 constexpr float kClearlyBetter_m = 0.02F;
 constexpr double kAround_rad = 0.25;
+// A palm on a bar, as of the synthetic hand: half its length around the bar, its thickness, and up to which
+// angle from the camera all is seen.
+constexpr float kHalfPalm_m = 0.035F, kPalmThickness_m = 0.028F, kFrontal_rad = 0.3F;
 constexpr float kThickestBoard_m = 0.05F;
 // Half the thickness of a board that people carry (m).
 constexpr float kHalfBoard_m = 0.012F;
@@ -28,11 +32,11 @@ struct Along {
   float end_on = 0.0F;  ///< 0: seen from the side; 1: one end of the hand hides the other.
 };
 
-// Where along a line the hand is: the window of a hand's breadth that holds most of it. Thumb and wrist stick out of
-// it. When less than a breadth is seen, the window can be pushed to and fro: its middle place, or, when the line runs
-// away from the camera, the farther one, as the near end of the hand hides the far one.
-Along place_along(std::span<const HandPoint> hand, const EdgeLine& line, const Eigen::Vector3f& eye, float near_m,
-                  float far_m) {
+// Where along a line the hand is: the window of a hand's breadth that holds most of it. Thumb and wrist stick
+// out of it. When less than a breadth is seen, the window can be pushed to and fro: its middle place, or,
+// when the line runs away from the camera, the farther one, as the near end of the hand hides the far one.
+Along place_along(std::span<const HandPoint> hand, const EdgeLine& line, const Eigen::Vector3f& eye,
+                  float near_m, float far_m) {
   constexpr int kBins = 240;
   constexpr float kBin_m = 0.002F;
   std::array<float, kBins> bins{};
@@ -101,33 +105,63 @@ Eigen::Matrix3d spread(const Eigen::Vector3f& direction, double along_m, double 
          (along_m * along_m - across_m * across_m) * d * d.transpose();
 }
 
-ContactEstimate on_bar(std::span<const HandPoint> hand, const RoundBar& bar, const Eigen::Vector3f& eye, const ContactNoise& noise) {
+ContactEstimate on_bar(std::span<const HandPoint> hand, const RoundBar& bar, const Eigen::Vector3f& eye,
+                       const ContactNoise& noise) {
   const EdgeLine axis{bar.point, bar.direction, -1.0F, 1.0F};
   const Along along = place_along(hand, axis, eye, bar.radius + 0.03F, bar.radius + 0.05F);
-  // the palm is what stands off farthest; fingers and thumb lie on both sides of it
+  // The palm is what stands off farthest; fingers and thumb lie on both sides of it. Angles about the bar are
+  // counted from the camera's side.
   const Eigen::Vector3f middle = bar.point + along.middle * bar.direction;
-  Eigen::Vector3f palm = Eigen::Vector3f::Zero();
+  Eigen::Vector3f front = eye - middle;
+  front = (front - bar.direction.dot(front) * bar.direction).normalized();
+  const Eigen::Vector3f side = bar.direction.cross(front);
+  constexpr int kBins = 72;
+  std::array<float, kBins> bins{};
+  float total = 0.0F;
+  constexpr float kPi = std::numbers::pi_v<float>;
   for (const HandPoint& h : hand) {
     const Eigen::Vector3f p = h.point - bar.point;
     const float t = bar.direction.dot(p);
     if (std::abs(t - along.middle) > 0.5F * kHandBreadth_m) continue;
-    const Eigen::Vector3f radial = p - t * bar.direction;
-    const float high = radial.norm() - bar.radius;
+    const float x = front.dot(p), y = side.dot(p), high = std::hypot(x, y) - bar.radius;
     if (high < 0.0F || high > 0.042F) continue;
-    palm += h.area_m2 * std::clamp((high - 0.016F) / 0.010F, 0.03F, 1.0F) * radial.normalized();
+    const float weight = h.area_m2 * std::clamp((high - 0.016F) / 0.010F, 0.005F, 1.0F);
+    const int bin =
+        std::clamp(static_cast<int>((std::atan2(y, x) + kPi) / (2.0F * kPi) * kBins), 0, kBins - 1);
+    bins[static_cast<std::size_t>(bin)] += weight;
+    total += weight;
   }
-  if (palm.norm() < 1e-9F) palm = eye - middle;
+  float angle = 0.0F, hidden = 0.0F;
+  if (total > 0.0F) {
+    float sum = 0.0F, mean = 0.0F, low = 0.0F, high = 0.0F;
+    bool begun = false;
+    for (std::size_t i = 0; i < kBins; ++i) {
+      const float at = (static_cast<float>(i) + 0.5F) * 2.0F * kPi / kBins - kPi;
+      sum += bins[i];
+      mean += bins[i] * at / total;
+      // the middle half: fingers reach around farther than the palm
+      if (!begun && sum >= 0.25F * total) low = at, begun = true;
+      if (sum <= 0.75F * total) high = at;
+    }
+    // a palm on the far side shows only its near end
+    const float palm = 2.0F * std::atan(kHalfPalm_m / (bar.radius + kPalmThickness_m));
+    const float aside = std::clamp((std::abs(mean) - kFrontal_rad) / kFrontal_rad, 0.0F, 1.0F);
+    hidden = aside * std::max(0.0F, palm - std::max(0.0F, high - low));
+    angle = mean + (mean > 0.0F ? 0.5F : -0.5F) * hidden;
+  }
+  const Eigen::Vector3f palm = std::cos(angle) * front + std::sin(angle) * side;
   ContactEstimate e;
   e.part = HeldPart::Bar;
   e.position = (middle + bar.radius * palm.normalized()).cast<double>();
   // how far around the bar the palm lies is less certain than where along it
-  const double around = kAround_rad * bar.radius;
-  e.covariance = spread(bar.direction, std::hypot(noise.along_m, noise.depth_m), std::hypot(noise.cross_m, noise.depth_m, around));
+  const double around = (kAround_rad + 0.5 * static_cast<double>(hidden)) * bar.radius;
+  e.covariance = spread(bar.direction, std::hypot(noise.along_m, noise.depth_m),
+                        std::hypot(noise.cross_m, noise.depth_m, around));
   return e;
 }
 
-// Whether nothing but legs is behind a face: the object's visible length at a few cm behind it is short against the
-// face's size.
+// Whether nothing but legs is behind a face: the object's visible length at a few cm behind it is short
+// against the face's size.
 bool is_board(const Face& face, std::span<const Eigen::Vector3f> surface) {
   int on = 0, behind = 0;
   for (const Eigen::Vector3f& p : surface) {
@@ -141,7 +175,8 @@ bool is_board(const Face& face, std::span<const Eigen::Vector3f> surface) {
 
 }  // namespace
 
-ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedObject& object, const ContactNoise& noise) {
+ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedObject& object,
+                                 const ContactNoise& noise) {
   Eigen::Vector3f on_object = Eigen::Vector3f::Zero();
   float area = 0.0F;
   for (const HandPoint& h : hand) {
@@ -165,7 +200,7 @@ ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedO
       here.middle = std::clamp(here.middle, line.begin + kFromEnd_m, line.end - kFromEnd_m);
     else
       here.middle = 0.5F * (line.begin + line.end);
-    const float tight = tightness(hand, line) + 0.7F*std::abs(wanted - here.middle);
+    const float tight = tightness(hand, line) + 0.7F * std::abs(wanted - here.middle);
     if (tight >= tightest) {
       second = std::min(second, tight);
       continue;
@@ -186,7 +221,9 @@ ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedO
   if (!best->corner) {
     const Face* ending = nullptr;
     for (const Face& f : shape.faces())
-      if (std::abs(f.normal.dot(place - f.point)) < kThickestBoard_m && (!ending || f.points > ending->points)) ending = &f;
+      if (std::abs(f.normal.dot(place - f.point)) < kThickestBoard_m &&
+          (!ending || f.points > ending->points))
+        ending = &f;
     if (ending != nullptr) {
       const float below = ending->normal.dot(ending->point - place);
       if (below > 0.006F) {

@@ -12,15 +12,16 @@ using hal::Vec3;
 
 /// A visible point of a hand that is near the object.
 struct HandPoint {
-  Eigen::Vector3f point;     ///< In W (m).
-  Eigen::Vector3f on_object; ///< Place of the object nearest to it, in W (m).
+  Eigen::Vector3f point;      ///< In W (m).
+  Eigen::Vector3f on_object;  ///< Place of the object nearest to it, in W (m).
   float area_m2 = 0.0F;
 };
 
-/// What is known of the object for placing a hand on it: its visible surface and its outline as points in W (m).
+/// What is known of the object for placing a hand on it: its visible surface and its outline as points in W
+/// (m).
 struct GraspedObject {
-  std::span<const Eigen::Vector3f> surface;  ///< About one point for each 15 mm of surface.
-  std::span<const Eigen::Vector3f> outline;  ///< Points beside which the camera sees something farther.
+  std::span<const Eigen::Vector3f> surface;       ///< About one point for each 15 mm of surface.
+  std::span<const Eigen::Vector3f> outline;       ///< Points beside which the camera sees something farther.
   Eigen::Vector3f eye = Eigen::Vector3f::Zero();  ///< Camera.
 };
 
@@ -46,8 +47,8 @@ struct ContactEstimate {
   HeldPart part = HeldPart::Face;
 };
 
-/// Place on the object that the hand holds: an edge or a round bar fixes it across, the hand's width along. See
-/// docs/decisions/0003. `hand` must not be empty.
+/// Place on the object that the hand holds: an edge or a round bar fixes it across, the hand's width along.
+/// See docs/decisions/0003. `hand` must not be empty.
 [[nodiscard]] ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedObject& object,
                                                const ContactNoise& noise);
 

@@ -22,6 +22,9 @@ constexpr double kBin_m = 0.005;
 constexpr double kFingertip_m2 = 0.0001;
 // More of the object's visible pixels than this showing what was behind it: it is not there any more.
 constexpr double kMovedPart = 0.25;
+// Placed between the flicker of edges in synthetic frames (0.35 %) and a real camera that moved (0.85 %).
+constexpr double kRecededPart = 0.007;
+constexpr double kReceded_m = 0.02;
 constexpr int kMostHands = 4;
 // A hand's place is read from about so many of its points.
 constexpr std::size_t kEnoughPoints = 400;
@@ -55,7 +58,7 @@ PixelWindow window_around(const std::vector<Eigen::Vector3f>& points, double rea
 }  // namespace
 
 hal::Result<PartnerFinder> PartnerFinder::make(const ReferenceImage& reference, const Target& target,
-                                               const Ground& ground, const NoiseModel& noise,
+                                               const Ground&, const NoiseModel& noise,
                                                const PartnerConfig& config) {
   const OrganisedCloud& cloud = reference.cloud;
   std::vector<std::uint32_t> pixels;
@@ -79,15 +82,14 @@ hal::Result<PartnerFinder> PartnerFinder::make(const ReferenceImage& reference, 
     return failure(ErrorCode::BadInput, "partner: target", "the object has no points in the reference image");
   }
   const PixelWindow window = window_around(points, config.reach_m, cloud);
-  return PartnerFinder(reference, ground, noise, config, std::move(pixels), points, window);
+  return PartnerFinder(reference, noise, config, std::move(pixels), points, window);
 }
 
-PartnerFinder::PartnerFinder(const ReferenceImage& reference, const Ground& ground, const NoiseModel& noise,
+PartnerFinder::PartnerFinder(const ReferenceImage& reference, const NoiseModel& noise,
                              const PartnerConfig& config, std::vector<std::uint32_t> pixels,
                              const std::vector<Eigen::Vector3f>& points, const PixelWindow& window)
     : config_(config),
       noise_(noise),
-      ground_(ground),
       intrinsics_(reference.cloud.intrinsics),
       X_WC_(reference.cloud.X_WC),
       object_pixels_(std::move(pixels)),
@@ -98,6 +100,18 @@ PartnerFinder::PartnerFinder(const ReferenceImage& reference, const Ground& grou
     const double z = reference.cloud.depth_m[i];
     object_far_m_.push_back(
         static_cast<float>(z + 4.0 * noise.sigma(z) + 2.0 * noise.step(z) + config.change.jump_m));
+  }
+  constexpr int kEvery = 6;
+  for (int v = window.v_begin; v < window.v_end; v += kEvery) {
+    for (int u = window.u_begin + v % kEvery; u < window.u_end; u += kEvery) {
+      const auto i = static_cast<std::size_t>(v) * static_cast<std::size_t>(reference.cloud.width()) +
+                     static_cast<std::size_t>(u);
+      const double z = reference.cloud.depth_m[i];
+      if (!(z > 0.0)) continue;
+      samples_.push_back(static_cast<std::uint32_t>(i));
+      sample_far_m_.push_back(
+          static_cast<float>(z + 4.0 * noise.sigma(z) + 2.0 * noise.step(z) + kReceded_m));
+    }
   }
   find_rim(reference);
   number_patch_cells();
@@ -142,6 +156,16 @@ double PartnerFinder::moved_part(const OrganisedCloud& current) const {
     behind += current.depth_m[object_pixels_[i]] > object_far_m_[i] ? 1 : 0;
   }
   return static_cast<double>(behind) / static_cast<double>(looked);
+}
+
+// Part of the whole view that lies farther than in the reference. A person covers things and uncovers none; a
+// camera that moved does both.
+double PartnerFinder::receded_part(const OrganisedCloud& current) const {
+  if (samples_.empty()) return 0.0;
+  std::size_t behind = 0;
+  for (std::size_t i = 0; i < samples_.size(); ++i)
+    behind += current.depth_m[samples_[i]] > sample_far_m_[i] ? 1 : 0;
+  return static_cast<double>(behind) / static_cast<double>(samples_.size());
 }
 
 // Bodies of a hand's size, and smaller parts beside one: the object's edge may cut the fingers on it from the
@@ -202,7 +226,7 @@ void PartnerFinder::collect_skin(const OrganisedCloud& current, PartnerSighting&
 }
 
 float PartnerFinder::touch_gap(float depth_m) const {
-  return static_cast<float>(config_.touch_m + 2.0 * noise_.sigma(depth_m) + noise_.step(depth_m));
+  return static_cast<float>(config_.touch_m + noise_.sigma(depth_m) + 0.5 * noise_.step(depth_m));
 }
 
 float PartnerFinder::hand_gap(float depth_m) const {
@@ -273,7 +297,8 @@ std::optional<PartnerContact> PartnerFinder::contact(int hand) {
   const auto& patches = grid_.patches();
   double area = 0.0, touching = 0.0, depth = 0.0;
   hand_.clear();
-  const auto of_hand = std::count_if(skin_.begin(), skin_.end(), [hand](const Skin& s) { return s.hand == hand; });
+  const auto of_hand =
+      std::count_if(skin_.begin(), skin_.end(), [hand](const Skin& s) { return s.hand == hand; });
   const auto all = static_cast<std::size_t>(of_hand), stride = 1 + all / kEnoughPoints;
   std::size_t count = 0;
   for (const Skin& s : skin_) {
@@ -285,8 +310,9 @@ std::optional<PartnerContact> PartnerFinder::contact(int hand) {
     hand_.push_back({s.point, patches[static_cast<std::size_t>(s.patch)], s.area_m2});
   }
   if (area < config_.smallest_touch_m2 || touching < kFingertip_m2) return std::nullopt;
-  const ContactEstimate found = estimate_contact(
-      hand_, {patches, rim_, X_WC_.translation().cast<float>()}, {config_.along_sigma_m, config_.cross_sigma_m, 0.5 * noise_.sigma(depth / area)});
+  const ContactEstimate found =
+      estimate_contact(hand_, {patches, rim_, X_WC_.translation().cast<float>()},
+                       {config_.along_sigma_m, config_.cross_sigma_m, 0.5 * noise_.sigma(depth / area)});
   return PartnerContact{found.position, found.covariance, all};
 }
 
@@ -304,6 +330,15 @@ hal::Result<PartnerSighting> PartnerFinder::find(const OrganisedCloud& current) 
         "{:.0f} % of the object's pixels show what was behind it (at most {:.0f} %): it is no "
         "longer where the reference shows it",
         100.0 * moved, 100.0 * kMovedPart);
+    return sighting;
+  }
+  if (const double receded = receded_part(current); receded > kRecededPart) {
+    sighting.kind = PartnerKind::ObjectMoved;
+    sighting.because = fmt::format(
+        "{:.1f} % of the view lie farther than in the reference (at most {:.1f} %), and nobody uncovers so "
+        "much by "
+        "coming: the camera or the scene moved",
+        100.0 * receded, 100.0 * kRecededPart);
     return sighting;
   }
   change_.compare(current);

@@ -60,7 +60,8 @@ enum class PartnerKind {
                 ///< image.
   Near,         ///< Nearer than that, but nothing touches.
   Grasp,        ///< At least one hand touches the object.
-  ObjectMoved,  ///< The object is no longer where the reference shows it; a new reference is needed.
+  ObjectMoved,  ///< The object, the camera or the scene is no longer where the reference shows it; a new one
+                ///< is needed.
 };
 
 /// One hand on the object.
@@ -82,14 +83,14 @@ struct PartnerSighting {
   std::string because;                ///< What was seen, in a person's words, with numbers.
 };
 
-/// Finds the partner's hands on one object. The reference image and the object are digested once (tens of
+/// Finds the partner's hands on one object. The reference image and the object are digested once (a few
 /// ms); find() then costs some tenths of a millisecond. Keeps its buffers from frame to frame: one finder,
 /// one thread. Source of the task: thesis 5.3.3; the method is CoLift's own (docs/decisions/0003).
 class PartnerFinder {
  public:
   /// `target` holds pixels of the reference image. Points are taken from the reference at these pixels, or
-  /// from target.points when it has no pixels. Errors: BadInput (pixel outside of the image, object without
-  /// points).
+  /// from target.points when it has no pixels. The ground is not used. Errors: BadInput (pixel outside of the
+  /// image, object without points).
   [[nodiscard]] static hal::Result<PartnerFinder> make(const ReferenceImage& reference, const Target& target,
                                                        const Ground& ground, const NoiseModel& noise,
                                                        const PartnerConfig& config);
@@ -111,12 +112,13 @@ class PartnerFinder {
     std::int32_t hand;   ///< Which hand; none yet: -1.
   };
 
-  PartnerFinder(const ReferenceImage& reference, const Ground& ground, const NoiseModel& noise,
-                const PartnerConfig& config, std::vector<std::uint32_t> pixels,
-                const std::vector<Eigen::Vector3f>& points, const PixelWindow& window);
+  PartnerFinder(const ReferenceImage& reference, const NoiseModel& noise, const PartnerConfig& config,
+                std::vector<std::uint32_t> pixels, const std::vector<Eigen::Vector3f>& points,
+                const PixelWindow& window);
 
   [[nodiscard]] bool same_camera(const OrganisedCloud& current) const;
   [[nodiscard]] double moved_part(const OrganisedCloud& current) const;
+  [[nodiscard]] double receded_part(const OrganisedCloud& current) const;
   void choose_components();
   void collect_skin(const OrganisedCloud& current, PartnerSighting& sighting);
   void separate_hands();
@@ -128,12 +130,13 @@ class PartnerFinder {
 
   PartnerConfig config_;
   NoiseModel noise_;
-  Ground ground_;
   hal::CameraIntrinsics intrinsics_;
   hal::Pose X_WC_;
   std::vector<std::uint32_t> object_pixels_;
   std::vector<float>
       object_far_m_;  ///< Depth beyond which an object's pixel shows what is behind the object.
+  std::vector<std::uint32_t> samples_;  ///< Pixels all over the window ...
+  std::vector<float> sample_far_m_;     ///< ... and the depths beyond which they show what nobody uncovered.
   std::vector<Eigen::Vector3f> rim_;
   ObjectGrid grid_;
   ChangeImage change_;

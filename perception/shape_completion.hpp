@@ -18,6 +18,9 @@ struct CompletionConfig {
   double min_plate_m = 0.20;
   double closed_support = 0.5;
   double level_deg = 8.0;
+  double seat_low_m = 0.35;
+  double seat_high_m = 0.55;
+  double seat_width_m = 0.65;
   double edge_pixels = 0.7;
   double shape_sigma = 0.08;
 
@@ -32,6 +35,9 @@ struct CompletionConfig {
     v("closed_support", closed_support, hal::kFraction,
       "A body is closed below its top when at least this part of what would be its visible sides was seen.");
     v("level_deg", level_deg, hal::Range{0, 45}, "Largest tilt of a top, a seat or a bottom.");
+    v("seat_low_m", seat_low_m, hal::kPositive, "Lowest seat of a chair, over the ground (m).");
+    v("seat_high_m", seat_high_m, hal::kPositive, "Highest seat of a chair, over the ground (m).");
+    v("seat_width_m", seat_width_m, hal::kPositive, "Long side of the largest seat of a chair (m).");
     v("edge_pixels", edge_pixels, hal::kNotNegative, "Standard deviation (pixels) of where an edge is.");
     v("shape_sigma", shape_sigma, hal::kFraction,
       "Standard deviation of what is only inferred, as a part of the size in that direction.");
@@ -50,9 +56,9 @@ struct CompletedShape {
 
 /// Completes the visible side of an object, by the first of these that fits: a cylinder is as its mantle
 /// says; a level top over seen sides is a block that goes down to the ground; level top with little below it
-/// a plate on four legs, and with something standing on one of its sides a chair, symmetric about its middle;
-/// upright walls around a low bottom an open box; anything else is mirrored through the middle of its box.
-/// Needs points; `surfaces` as found in the same view.
+/// a plate on four legs; a top of the size and height of a seat with something over it is a chair, symmetric
+/// about its middle; upright walls around a low bottom an open box; anything else is mirrored through the
+/// middle of its box. Needs points; `surfaces` as found in the same view.
 [[nodiscard]] CompletedShape complete_shape(const OrganisedCloud& cloud, const Target& target,
                                             const std::vector<Surface>& surfaces, const Ground& ground,
                                             const NoiseModel& noise, const CompletionConfig& config = {});

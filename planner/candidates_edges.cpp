@@ -26,19 +26,31 @@ bool free_rim(const SeenSpace& seen, const Vec3& rim, const Vec3& outward, const
 
 /// Thickness below a rim from the object's points just outside and just under it; none where too few were
 /// seen.
-std::optional<double> seen_thickness(const Scene& scene, const Rectangle& plate, const RectangleEdge& edge,
-                                     const SeenSpace& seen, const HandModel& hand) {
+std::optional<double> seen_thickness(const Obstacles& obstacles, const Rectangle& plate,
+                                     const RectangleEdge& edge, const SeenSpace& seen,
+                                     const HandModel& hand) {
   constexpr std::size_t kEnough = 15;
   const Vec3 along = (edge.to - edge.from).normalized();
   const double length = (edge.to - edge.from).norm();
   const double noise = 3.0 * seen.sigma(edge.from);
-  std::vector<double> depth;
-  for (const Eigen::Vector3f& point : scene.target->points) {
-    const Vec3 d = point.cast<double>() - edge.from;
-    const double out = d.dot(edge.outward), below = -d.dot(plate.normal), l = d.dot(along);
-    if (std::abs(out) > 0.01 + noise || l < 0.0 || l > length) continue;
-    if (below > noise + 0.004 && below < hand.opening_m + 0.05) depth.push_back(below);
+  const double reach = hand.opening_m + 0.05, beside = 0.01 + noise;
+  hal::Aabb around;
+  for (const Vec3& end : {edge.from, edge.to}) {
+    for (const double side : {-beside, beside}) {
+      around.extend(end + side * edge.outward);
+      around.extend(end + side * edge.outward - reach * plate.normal);
+    }
   }
+  std::vector<double> depth;
+  obstacles.for_each_bucket(around, [&](const Obstacles::Bucket& bucket) {
+    for (std::uint32_t i = bucket.begin; i < bucket.end; ++i) {
+      if (obstacles.kind(i) != ObstacleKind::Object) continue;
+      const Vec3 d = obstacles.points()[i].cast<double>() - edge.from;
+      const double out = d.dot(edge.outward), below = -d.dot(plate.normal), l = d.dot(along);
+      if (std::abs(out) > beside || l < 0.0 || l > length) continue;
+      if (below > noise + 0.004 && below < reach) depth.push_back(below);
+    }
+  });
   if (depth.size() < kEnough) return std::nullopt;
   const auto nth = depth.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(depth.size()));
   std::nth_element(depth.begin(), nth, depth.end());
@@ -50,16 +62,16 @@ struct Thickness {
   std::string note;
 };
 
-Thickness thickness_at(const Scene& scene, int surface, const Rectangle& plate, const RectangleEdge& edge,
-                       const SeenSpace& seen, const CompletedSolids& solids, const HandModel& hand,
-                       const CandidateConfig& config) {
+Thickness thickness_at(const Obstacles& obstacles, int surface, const Rectangle& plate,
+                       const RectangleEdge& edge, const SeenSpace& seen, const CompletedSolids& solids,
+                       const HandModel& hand, const CandidateConfig& config) {
   double deepest = 0.0;
   for (const CompletedSolid& solid : solids) {
     if (solid.a == surface || solid.b == surface)
       deepest = std::max(deepest, solid.extent_along(plate.normal));
   }
   if (deepest > 0.0) return {deepest, ""};
-  if (const auto measured = seen_thickness(scene, plate, edge, seen, hand)) {
+  if (const auto measured = seen_thickness(obstacles, plate, edge, seen, hand)) {
     return {*measured, fmt::format("thickness {:.0f} mm from points below the rim", 1000 * *measured)};
   }
   return {config.assumed_thickness_m,
@@ -70,7 +82,8 @@ Thickness thickness_at(const Scene& scene, int surface, const Rectangle& plate, 
 }  // namespace
 
 std::vector<GraspLine> edge_lines(const Scene& scene, const SeenSpace& seen, const CompletedSolids& solids,
-                                  const HandModel& hand, const CandidateConfig& config) {
+                                  const Obstacles& obstacles, const HandModel& hand,
+                                  const CandidateConfig& config) {
   std::vector<GraspLine> lines;
   for (std::size_t i = 0; i < scene.surfaces.size(); ++i) {
     const auto* plate = std::get_if<Rectangle>(&scene.surfaces[i]);
@@ -79,6 +92,12 @@ std::vector<GraspLine> edge_lines(const Scene& scene, const SeenSpace& seen, con
     for (const RectangleEdge& edge : edges_of(*plate)) {
       const double length = (edge.to - edge.from).norm();
       const Vec3 along = (edge.to - edge.from) / length;
+      // faces that could close the body at this edge
+      std::vector<const Rectangle*> closing;
+      for (const perception::Surface& s : scene.surfaces) {
+        const auto* other = std::get_if<Rectangle>(&s);
+        if (other != nullptr && other != plate && faces_out(edge, *other)) closing.push_back(other);
+      }
       const int probes = static_cast<int>(std::floor(length / kProbeStep)) + 1;
 
       std::optional<Thickness> thickness;
@@ -88,12 +107,11 @@ std::vector<GraspLine> edge_lines(const Scene& scene, const SeenSpace& seen, con
         const bool on_ground =
             scene.ground &&
             scene.ground->plane.height(rim + config.edge_probe_m * edge.outward) < config.edge_probe_m;
-        const auto closes = [&](const perception::Surface& s) {
-          const auto* other = std::get_if<Rectangle>(&s);
-          return other != nullptr && other != plate && adjoins(edge, *other, rim, config.adjoin_m);
+        const auto closes = [&](const Rectangle* other) {
+          return distance_to(*other, rim) < config.adjoin_m;
         };
         const bool free = k < probes && !on_ground && free_rim(seen, rim, edge.outward, config) &&
-                          std::none_of(scene.surfaces.begin(), scene.surfaces.end(), closes);
+                          std::none_of(closing.begin(), closing.end(), closes);
         if (free) {
           ++run;
           continue;
@@ -103,7 +121,7 @@ std::vector<GraspLine> edge_lines(const Scene& scene, const SeenSpace& seen, con
         run = 0;
         if (run_length < 2.0 * config.end_margin_m) continue;
         if (!thickness) {
-          thickness = thickness_at(scene, static_cast<int>(i), *plate, edge, seen, solids, hand, config);
+          thickness = thickness_at(obstacles, static_cast<int>(i), *plate, edge, seen, solids, hand, config);
         }
         if (thickness->value < config.min_width_m || thickness->value > hand.opening_m) continue;
         GraspLine line;

@@ -19,19 +19,21 @@ Interval extent(const Rectangle& r, const Vec3& direction) {
   return {middle - half, middle + half};
 }
 
-/// Part of a box that the camera looked through.
-double free_part(const hal::OrientedBox& box, const SeenSpace& seen) {
+/// Whether the camera looked through more than a part of a box.
+bool is_free(const hal::OrientedBox& box, const SeenSpace& seen, double max_free) {
   constexpr int kN = 6;
+  const double most = max_free * (kN * kN * kN);
   int free = 0;
   for (int k = 0; k < kN; ++k) {
     for (int j = 0; j < kN; ++j) {
       for (int i = 0; i < kN; ++i) {
         const Vec3 f((i + 0.5) / kN - 0.5, (j + 0.5) / kN - 0.5, (k + 0.5) / kN - 0.5);
-        if (seen.at(box.center + box.axes * f.cwiseProduct(box.size)) == Sight::Free) ++free;
+        if (seen.at(box.center + box.axes * f.cwiseProduct(box.size)) == Sight::Free && ++free > most)
+          return true;
       }
     }
   }
-  return static_cast<double>(free) / (kN * kN * kN);
+  return false;
 }
 
 }  // namespace
@@ -51,9 +53,9 @@ double distance_to(const Rectangle& r, const Vec3& p) {
   return (d - u * r.u - v * r.v).norm();
 }
 
-bool adjoins(const RectangleEdge& edge_of_a, const Rectangle& b, const Vec3& edge_point, double tolerance_m) {
+bool faces_out(const RectangleEdge& edge_of_a, const Rectangle& b) {
   constexpr double kCosTilt = 0.94;  // 20 degrees
-  return b.normal.dot(edge_of_a.outward) > kCosTilt && distance_to(b, edge_point) < tolerance_m;
+  return b.normal.dot(edge_of_a.outward) > kCosTilt;
 }
 
 double CompletedSolid::extent_along(const Vec3& direction) const {
@@ -68,20 +70,25 @@ CompletedSolids complete_solids(const perception::Scene& scene, const SeenSpace*
   for (std::size_t i = 0; i < scene.surfaces.size(); ++i) {
     const auto* a = std::get_if<Rectangle>(&scene.surfaces[i]);
     if (a == nullptr) continue;
+    const std::vector<RectangleEdge> edges = edges_of(*a);
     for (std::size_t j = 0; j < scene.surfaces.size(); ++j) {
       const auto* b = std::get_if<Rectangle>(&scene.surfaces[j]);
       if (b == nullptr || j == i) continue;
+      if (std::none_of(edges.begin(), edges.end(), [&](const auto& edge) { return faces_out(edge, *b); })) {
+        continue;
+      }
       const auto same_pair = [&](const CompletedSolid& s) {
         return s.a == static_cast<int>(j) && s.b == static_cast<int>(i);
       };
       if (std::any_of(solids.begin(), solids.end(), same_pair)) continue;
-      for (const RectangleEdge& edge : edges_of(*a)) {
+      for (const RectangleEdge& edge : edges) {
+        if (!faces_out(edge, *b) || a->normal.dot(b->center - a->center) > 0.0) continue;
         // the other face has to meet this edge somewhere, and lie on the inner side of this one
         bool meets = false;
         for (int k = 0; k <= 20 && !meets; ++k) {
-          meets = adjoins(edge, *b, edge.from + (edge.to - edge.from) * (k / 20.0), tolerance_m);
+          meets = distance_to(*b, edge.from + (edge.to - edge.from) * (k / 20.0)) < tolerance_m;
         }
-        if (!meets || a->normal.dot(b->center - a->center) > 0.0) continue;
+        if (!meets) continue;
 
         const Vec3 n = a->normal, along = n.cross(b->normal).normalized(), m = along.cross(n);
         const Interval ea = extent(*a, along), eb = extent(*b, along);
@@ -95,7 +102,7 @@ CompletedSolids complete_solids(const perception::Scene& scene, const SeenSpace*
         solid.box.size = size;
         solid.box.center =
             0.5 * ((low + high) * along + (in_m.low + in_m.high) * m + (in_n.low + in_n.high) * n);
-        if (seen != nullptr && free_part(solid.box, *seen) > max_free) continue;
+        if (seen != nullptr && is_free(solid.box, *seen, max_free)) continue;
         solids.push_back(solid);
       }
     }

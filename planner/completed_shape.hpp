@@ -18,10 +18,9 @@ struct RectangleEdge {
 /// Distance of a point from a rectangle's area (m).
 [[nodiscard]] double distance_to(const perception::Rectangle& rectangle, const Vec3& p);
 
-/// True when rectangle b closes the body at an edge of rectangle a with this outward direction:
-/// perpendicular, facing outwards there, and passing within `tolerance_m` of the point of the edge.
-[[nodiscard]] bool adjoins(const RectangleEdge& edge_of_a, const perception::Rectangle& b,
-                           const Vec3& edge_point, double tolerance_m);
+/// True when rectangle b is perpendicular to rectangle a and faces outwards at this edge of a. Where it also
+/// passes near the edge, it closes the body there.
+[[nodiscard]] bool faces_out(const RectangleEdge& edge_of_a, const perception::Rectangle& b);
 
 /// The box that two faces imply when they meet at a convex edge: as long as both are along the edge, as deep
 /// as each is seen to be from the other.

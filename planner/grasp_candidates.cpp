@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace colift::planner {
 namespace {
@@ -91,7 +92,8 @@ CandidateFinder::CandidateFinder(const Scene& scene, const perception::Organised
 
   lines_ = ega5_lines(scene, hand_, config_);
   if (config_.edges && seen_) {
-    for (auto& line : edge_lines(scene, *seen_, solids_, hand_, config_)) lines_.push_back(std::move(line));
+    for (auto& line : edge_lines(scene, *seen_, solids_, obstacles_, hand_, config_))
+      lines_.push_back(std::move(line));
   }
   if (config_.wraps) {
     const Vec3* camera = seen_ ? &seen_->camera() : nullptr;
@@ -169,9 +171,9 @@ std::vector<GraspCandidate> CandidateFinder::near(const Vec3& point,
   return found;
 }
 
-std::optional<Collision> CandidateFinder::collides(const GraspCandidate& candidate) const {
+std::optional<Collision> CandidateFinder::collides(const GraspCandidate& candidate, double enough_m) const {
   const HandPlacement placement = collision_->place(candidate, seen());
-  if (auto met = collision_->check(placement, obstacles_)) return met;
+  if (auto met = collision_->check(placement, obstacles_, enough_m)) return met;
   if (!seen_ || !config_.collision.refuse_unseen) return std::nullopt;
   return collision_->check_unseen(placement, *seen_, solids_);
 }
@@ -193,14 +195,14 @@ bool CandidateFinder::same_when_turned(const Collision& met) const {
 }
 
 void CandidateFinder::judge(GraspCandidate& candidate) const {
-  auto met = collides(candidate);
+  auto met = collides(candidate, std::numeric_limits<double>::infinity());
   const GraspCandidate first = candidate;
   const auto attempt = [&](const Vec3& closing, std::optional<double> gap_m) {
     if (!met) return;
     GraspCandidate other = first;
     other.closing = closing;
     other.gap_m = gap_m;
-    auto meets = collides(other);
+    auto meets = collides(other, met->miss_m());
     if (meets && meets->miss_m() >= met->miss_m()) return;
     candidate = std::move(other);
     met = std::move(meets);

@@ -103,7 +103,8 @@ class CandidateFinder {
   [[nodiscard]] std::optional<double> raised_gap(const GraspCandidate& candidate, const Collision& met) const;
   /// A palm in the middle of the hand meets the same when the hand is turned by half a turn.
   [[nodiscard]] bool same_when_turned(const Collision& met) const;
-  [[nodiscard]] std::optional<Collision> collides(const GraspCandidate& candidate) const;
+  /// What is `enough_m` deep ends the search.
+  [[nodiscard]] std::optional<Collision> collides(const GraspCandidate& candidate, double enough_m) const;
 
   HandModel hand_;
   CandidateConfig config_;

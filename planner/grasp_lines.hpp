@@ -7,6 +7,7 @@
 #include "planner/completed_shape.hpp"
 #include "planner/grasp_candidate.hpp"
 #include "planner/hand_model.hpp"
+#include "planner/obstacles.hpp"
 #include "planner/seen_space.hpp"
 
 namespace colift::planner {
@@ -41,8 +42,8 @@ struct GraspLine {
 /// object's points below the rim, else it is assumed and the line's note says so. Needs the view; without one
 /// there are none.
 [[nodiscard]] std::vector<GraspLine> edge_lines(const perception::Scene& scene, const SeenSpace& seen,
-                                                const CompletedSolids& solids, const HandModel& hand,
-                                                const CandidateConfig& config);
+                                                const CompletedSolids& solids, const Obstacles& obstacles,
+                                                const HandModel& hand, const CandidateConfig& config);
 
 /// Along every cylinder that the hand can span, from all directions of its visible side (every side without a
 /// camera).

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hal/config/range.hpp"
@@ -21,6 +23,7 @@ struct CollisionConfig {
   double closing_step_deg = 2.0;
   double feature_margin_m = 0.005;
   double feature_sigmas = 3.0;
+  double ragged_px = 4.0;
   double ground_clearance_m = 0.005;
   bool refuse_unseen = true;
   double max_unseen_m = 0.10;
@@ -37,6 +40,8 @@ struct CollisionConfig {
     v("feature_margin_m", feature_margin_m, hal::Range{0, 0.1},
       "Allowance for the grasped feature's points (m).");
     v("feature_sigmas", feature_sigmas, hal::Range{0, 10}, "The same in standard deviations of the depth.");
+    v("ragged_px", ragged_px, hal::Range{0, 20},
+      "How far edges in the image stray (px); closing fingers may touch the object that much earlier.");
     v("ground_clearance_m", ground_clearance_m, hal::Range{0, 0.2},
       "Distance that the hand keeps from the ground (m).");
     v("refuse_unseen", refuse_unseen, "Whether space that the camera did not see is taken as not free.");
@@ -56,14 +61,15 @@ struct HandPlacement {
   double width_m = 0.0;   ///< Object between the fingers: the closing ends there.
   double gap_m = 0.0;     ///< Palm plane to the face.
   double margin_m = 0.0;  ///< Allowance around the grasped feature.
+  double ragged_m = 0.0;  ///< How much earlier than that closing fingers may touch the object; 0: not at all.
 };
 
 /// What the hand would meet.
 struct Collision {
   enum class With { Object, Surroundings, Ground, Unseen, Reach, Completed };
   With with = With::Object;
-  std::string part;
-  double depth_m = 0.0;  ///< How far inside; for Unseen the part of the way (0 to 1).
+  std::string_view part;  ///< Name, as long as the HandCollision that gave it.
+  double depth_m = 0.0;   ///< How far inside; for Unseen the part of the way (0 to 1).
   Vec3 at = Vec3::Zero();
 
   /// By how much the hand would have to give way (m); for Unseen a quarter of a metre times the part that was
@@ -81,7 +87,9 @@ struct Collision {
 /// The grasped feature is allowed between the fingers: all points with |y| <= width / 2 + margin and z >= gap
 /// - margin in H. Everything else inside the hand's body, inside the open hand along the straight approach,
 /// or inside the fingers while they close down to the width, is a collision (thesis 5.3.2.3: one point inside
-/// rejects). The points are tested exactly: buckets and tables only leave out points that cannot be inside.
+/// rejects). One exception: edges in a depth image stray by some pixels, so fingers that meet the object when
+/// they have but margin + `ragged_m` each to go have taken hold of it and stop there. The points are tested
+/// exactly: buckets and tables only leave out points that cannot be inside.
 ///
 /// Unseen space: docs/decisions/0004-unseen-space.md.
 class HandCollision {
@@ -92,9 +100,11 @@ class HandCollision {
   [[nodiscard]] HandPlacement place(const GraspCandidate& candidate, const SeenSpace* seen) const;
 
   /// Ground, then points: first in the order of the motion (before the fingers close, then while they do),
-  /// there the deepest.
-  [[nodiscard]] std::optional<Collision> check(const HandPlacement& placement,
-                                               const Obstacles& obstacles) const;
+  /// there the deepest. A collision that is `enough_m` deep or deeper may be returned in its place as soon as
+  /// it is found.
+  [[nodiscard]] std::optional<Collision> check(
+      const HandPlacement& placement, const Obstacles& obstacles,
+      double enough_m = std::numeric_limits<double>::infinity()) const;
 
   /// The same verdict from every point in the hand's bounding box against every box of the hand, without
   /// buckets and tables; for tests and benchmarks.
@@ -109,9 +119,10 @@ class HandCollision {
   [[nodiscard]] const CollisionConfig& config() const { return config_; }
 
  private:
-  struct Sample {
-    Vec3 p_H;
-    int part, step;
+  /// Points of the volume that one part takes, in the order of the steps.
+  struct Samples {
+    std::vector<float> x, y, z;
+    std::vector<std::uint8_t> step;
   };
   [[nodiscard]] std::optional<Collision> check_ground(const HandPlacement& placement,
                                                       const Obstacles& obstacles, int last) const;
@@ -120,7 +131,7 @@ class HandCollision {
   HandModel hand_;
   CollisionConfig config_;
   HandSweep sweep_;
-  std::vector<Sample> samples_;  ///< Of the whole volume, for the test of unseen space.
+  std::vector<Samples> samples_;  ///< For each part, for the test of unseen space.
 };
 
 }  // namespace colift::planner

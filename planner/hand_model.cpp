@@ -115,10 +115,23 @@ double half_gap_at(const HandModel& hand, double q_rad) {
 }
 
 PadContact contact_at_width(const HandModel& hand, double width_m) {
+  // regula falsi, in the form that halves the weight of an end that stays (Illinois)
   double low = hand.finger.open_deg * kDegree, high = kClosedRad;
-  for (int i = 0; i < 50; ++i) {
-    const double q = 0.5 * (low + high);
-    (half_gap_at(hand, q) > 0.5 * width_m ? low : high) = q;
+  double at_low = half_gap_at(hand, low) - 0.5 * width_m, at_high = half_gap_at(hand, high) - 0.5 * width_m;
+  if (at_low <= 0.0) at_high = 0.0, high = low;
+  for (int i = 0, side = 0; i < 60 && high - low > 1e-12 && at_low > 1e-13; ++i) {
+    const double share = at_high < 0.0 ? at_low / (at_low - at_high) : 0.5;
+    const double q = low + share * (high - low), value = half_gap_at(hand, q) - 0.5 * width_m;
+    if (value > 0.0) {
+      low = q, at_low = value;
+      if (side > 0) at_high *= 0.5;
+      side = 1;
+    } else {
+      high = q, at_high = value;
+      if (side < 0) at_low *= 0.5;
+      side = -1;
+      if (value > -1e-13) low = q, at_low = 0.0;
+    }
   }
   const FingerGeometry& f = hand.finger;
   const PlanarFinger p = planar(f, low);

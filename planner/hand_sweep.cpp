@@ -13,6 +13,9 @@ Vec3 half_extent(const HandBox& box) {
   return {box.hx, box.h1 * cy + box.h2 * cz, box.h1 * cz + box.h2 * cy};
 }
 
+/// For arguments in single precision.
+constexpr double kRounding = 2e-5;
+
 HandBox shifted(HandBox box, double dz) {
   box.cz += dz;
   return box;
@@ -30,7 +33,17 @@ HandSweep::HandSweep(const HandModel& hand, double approach_m, double step_deg, 
     swept.h2 += 0.5 * approach_m;
     fixed_swept_.push_back(swept);
   }
-  for (const HandFinger& finger : hand.fingers) names_.push_back(finger.part);
+  const double half_width = 0.5 * std::max(hand.finger.inner_width_m, hand.finger.outer_width_m);
+  for (const HandFinger& finger : hand.fingers) {
+    names_.push_back(finger.part);
+    slabs_.push_back({finger.x_m, half_width, static_cast<double>(finger.side)});
+  }
+  for (const Slab& a : slabs_) {
+    for (const Slab& b : slabs_) {
+      if (&a != &b && std::abs(a.x - b.x) <= 2.0 * half_width) apart_ = false;
+    }
+  }
+  greatest_depth_ = hand.finger.half_thickness_m;
 
   // the cells of the tables count steps in a byte; a finer step than that is of no use to anybody
   const double degree = std::numbers::pi / 180.0;
@@ -56,8 +69,9 @@ HandSweep::HandSweep(const HandModel& hand, double approach_m, double step_deg, 
   for (const HandBox& box : boxes_) extend(box);
   for (std::size_t i = 0; i < links_; ++i) extend(shifted(boxes_[i], -approach_m_));
   bounds_ = hal::Aabb(bounds_.min() - Vec3::Constant(1e-9), bounds_.max() + Vec3::Constant(1e-9));
+  make_finger_table();
   point_table_ = table(0.005, 0.0);
-  cell_table_ = table(0.010, cell_radius_m);
+  cell_table_ = table(0.005, cell_radius_m);
 }
 
 int HandSweep::last_step(double width_m) const {
@@ -89,20 +103,17 @@ std::optional<double> HandSweep::swept_depth(const HandBox& box, const Vec3& p) 
   return std::max(0.0, box.depth(p.x(), p.y(), p.z() + 0.5 * (t0 + t1)));
 }
 
-std::optional<SweepHit> HandSweep::first_hit(const Vec3& p, int last, int from) const {
-  if (from == 0) {
-    for (std::size_t i = 0; i < fixed_swept_.size(); ++i) {
-      const double depth = fixed_swept_[i].depth(p.x(), p.y(), p.z());
-      if (depth >= 0.0) return SweepHit{static_cast<int>(i), 0, depth};
-    }
-    for (std::size_t i = 0; i < links_; ++i) {
-      if (const auto depth = swept_depth(boxes_[i], p)) {
-        return SweepHit{static_cast<int>(fixed_.size() + i / 2), 0, *depth};
-      }
-    }
-    from = 1;
+std::optional<SweepHit> HandSweep::first_hit(const Vec3& p, int last) const {
+  for (std::size_t i = 0; i < fixed_swept_.size(); ++i) {
+    const double depth = fixed_swept_[i].depth(p.x(), p.y(), p.z());
+    if (depth >= 0.0) return SweepHit{static_cast<int>(i), 0, depth};
   }
-  for (int k = from; k <= last; ++k) {
+  for (std::size_t i = 0; i < links_; ++i) {
+    if (const auto depth = swept_depth(boxes_[i], p)) {
+      return SweepHit{static_cast<int>(fixed_.size() + i / 2), 0, *depth};
+    }
+  }
+  for (int k = 1; k <= last; ++k) {
     const HandBox* boxes = finger_boxes(k);
     for (std::size_t i = 0; i < links_; ++i) {
       const double depth = boxes[i].depth(p.x(), p.y(), p.z());
@@ -110,6 +121,39 @@ std::optional<SweepHit> HandSweep::first_hit(const Vec3& p, int last, int from) 
     }
   }
   return std::nullopt;
+}
+
+std::optional<SweepHit> HandSweep::quick_hit(const Vec3& p, int last, double least_m) const {
+  for (std::size_t i = 0; i < fixed_swept_.size(); ++i) {
+    const double depth = fixed_swept_[i].depth(p.x(), p.y(), p.z());
+    if (depth >= 0.0) return SweepHit{static_cast<int>(i), 0, depth};
+  }
+  std::optional<SweepHit> first;
+  if (!apart_) least_m = 0.0;
+  for (std::size_t f = 0; f < slabs_.size(); ++f) {
+    const double inside = slabs_[f].half - std::abs(p.x() - slabs_[f].x);
+    if (inside < 0.0) continue;
+    const int from = finger_table_.at(slabs_[f].side * p.y(), p.z());
+    if (from > last) continue;
+    const int part = static_cast<int>(fixed_.size() + f);
+    if (from == 0) {
+      for (std::size_t i = 2 * f; i < 2 * f + 2; ++i) {
+        if (const auto depth = swept_depth(boxes_[i], p)) return SweepHit{part, 0, *depth};
+      }
+    }
+    // the first hit decides; what it may leave out is a point whose first hit is not deep enough
+    if (inside < least_m || greatest_depth_ < least_m) continue;
+    const int end = first ? first->step - 1 : last;
+    for (int k = std::max(1, from); k <= end; ++k) {
+      const HandBox* boxes = finger_boxes(k) + 2 * f;
+      double depth = boxes[0].depth(p.x(), p.y(), p.z());
+      if (depth < 0.0) depth = boxes[1].depth(p.x(), p.y(), p.z());
+      if (depth < 0.0) continue;
+      first = SweepHit{part, k, depth};
+      break;
+    }
+  }
+  return first;
 }
 
 HandSweep::Lowest HandSweep::lowest(const hal::Plane& plane, int last) const {
@@ -138,11 +182,12 @@ void HandSweep::Table::mark(const HandBox& box, double radius, int first_step) {
   fat.h1 += radius;
   fat.h2 += radius;
   const Vec3 center(box.cx, box.cy, box.cz), half = half_extent(fat);
+  // one cell more on each side, for rounding
   const auto low = [&](int axis) {
-    return std::max(0, static_cast<int>(std::floor((center[axis] - half[axis] - origin[axis]) / cell_m)));
+    return std::max(0, static_cast<int>(std::floor((center[axis] - half[axis] - origin[axis]) / cell_m)) - 1);
   };
   const auto end = [&](int axis, int n) {
-    return std::min(n, static_cast<int>(std::floor((center[axis] + half[axis] - origin[axis]) / cell_m)) + 1);
+    return std::min(n, static_cast<int>(std::floor((center[axis] + half[axis] - origin[axis]) / cell_m)) + 2);
   };
   const int x0 = low(0), x1 = end(0, nx);
   for (int iz = low(2); iz < end(2, nz); ++iz) {
@@ -158,10 +203,11 @@ void HandSweep::Table::mark(const HandBox& box, double radius, int first_step) {
 
 HandSweep::Table HandSweep::table(double cell_m, double radius_m) const {
   // half the diagonal of a cell, and a little for rounding
-  const double radius = radius_m + 0.5 * std::sqrt(3.0) * cell_m + 1e-6;
+  const double radius = radius_m + 0.5 * std::sqrt(3.0) * cell_m + kRounding;
   Table t;
-  t.cell_m = cell_m;
-  t.origin = bounds_.min() - Vec3::Constant(radius);
+  t.cell_m = static_cast<float>(cell_m);
+  t.per_m = static_cast<float>(1.0 / cell_m);
+  t.origin = (bounds_.min() - Vec3::Constant(radius)).cast<float>();
   const Vec3 size = bounds_.sizes() + Vec3::Constant(2.0 * radius);
   t.nx = static_cast<int>(std::ceil(size.x() / cell_m)) + 1;
   t.ny = static_cast<int>(std::ceil(size.y() / cell_m)) + 1;
@@ -181,6 +227,65 @@ HandSweep::Table HandSweep::table(double cell_m, double radius_m) const {
     for (std::size_t i = 0; i < links_; ++i) t.mark(finger_boxes(k)[i], radius, k);
   }
   return t;
+}
+
+void HandSweep::make_finger_table() {
+  FingerTable& t = finger_table_;
+  if (links_ == 0) return;
+  const double side = slabs_.front().side, radius = 0.5 * std::sqrt(2.0) * FingerTable::kCell + kRounding;
+  // in the plane of the first finger; a turned box (0, ey, ez) keeps its shape when its y is mirrored
+  const auto in_plane = [&](HandBox box) {
+    box.cy *= side;
+    box.ey *= side;
+    box.hx += radius;
+    box.h1 += radius;
+    box.h2 += radius;
+    return box;
+  };
+  hal::Aabb around;
+  const auto extend = [&](const HandBox& box) {
+    const Vec3 center(0.0, box.cy, box.cz), half = half_extent(box);
+    around.extend(center - half);
+    around.extend(center + half);
+  };
+  for (int k = 0; k <= steps(); ++k) {
+    for (std::size_t i = 0; i < 2; ++i) extend(in_plane(finger_boxes(k)[i]));
+  }
+  for (std::size_t i = 0; i < 2; ++i) extend(in_plane(shifted(boxes_[i], -approach_m_)));
+  t.y0 = around.min().y();
+  t.z0 = around.min().z();
+  t.ny = static_cast<int>(around.sizes().y() / FingerTable::kCell) + 1;
+  t.nz = static_cast<int>(around.sizes().z() / FingerTable::kCell) + 1;
+  t.step.assign(static_cast<std::size_t>(t.ny) * static_cast<std::size_t>(t.nz), kNever);
+  const auto mark = [&](const HandBox& box, int step) {
+    const Vec3 half = half_extent(box);
+    const auto low = [](double value, double origin) {
+      return std::max(0, static_cast<int>((value - origin) / FingerTable::kCell) - 1);
+    };
+    const auto end = [](double value, double origin, int n) {
+      return std::min(n, static_cast<int>((value - origin) / FingerTable::kCell) + 2);
+    };
+    for (int iz = low(box.cz - half.z(), t.z0); iz < end(box.cz + half.z(), t.z0, t.nz); ++iz) {
+      for (int iy = low(box.cy - half.y(), t.y0); iy < end(box.cy + half.y(), t.y0, t.ny); ++iy) {
+        const double y = t.y0 + (iy + 0.5) * FingerTable::kCell, z = t.z0 + (iz + 0.5) * FingerTable::kCell;
+        std::uint8_t& cell = t.step[static_cast<std::size_t>(iz * t.ny + iy)];
+        if (box.depth(box.cx, y, z) >= 0.0) cell = std::min(cell, static_cast<std::uint8_t>(step));
+      }
+    }
+  };
+  // copies along the approach, each fat enough to reach the next
+  const int copies = std::max(1, static_cast<int>(std::ceil(approach_m_ / (2.0 * FingerTable::kCell))));
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (int c = 0; c <= copies; ++c) {
+      HandBox copy = in_plane(shifted(boxes_[i], -approach_m_ * c / copies));
+      copy.h1 += 0.5 * approach_m_ / copies;
+      copy.h2 += 0.5 * approach_m_ / copies;
+      mark(copy, 0);
+    }
+  }
+  for (int k = 1; k <= steps(); ++k) {
+    for (std::size_t i = 0; i < 2; ++i) mark(in_plane(finger_boxes(k)[i]), k);
+  }
 }
 
 }  // namespace colift::planner

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -15,39 +13,61 @@ namespace colift::planner {
 /// What a point belongs to, in a refusal's words.
 enum class ObstacleKind : std::uint8_t { Object, Surroundings };
 
-/// Points that a hand must not touch and the ground under them, frame W. Buckets of 2 cm hold the points,
-/// sorted by bucket, so that a hand looks only at the buckets around it.
+/// Points that a hand must not touch and the ground under them, frame W. Buckets of neighbouring points, each
+/// within a small ball, stand in groups and these in regions with their boxes, so that a hand looks only at
+/// the buckets around it.
 class Obstacles {
  public:
-  static constexpr double kCell = 0.02;
-
   /// Radius of the ball around a bucket's middle that holds the bucket.
-  static constexpr double kCellRadius = 0.01732051;
+  static constexpr double kCellRadius = 0.009;
 
   void add(const Eigen::Vector3f& p, ObstacleKind kind);
   void set_ground(const hal::Plane& plane) { ground_ = plane; }
 
-  /// Sorts what was added; call once, before the first look.
+  /// Sorts what was added into buckets; call once, before the first look. Linear.
   void build();
 
+  /// Points up to `end` and the box around them; `fits` says that they fit into a bucket.
+  struct Run {
+    std::uint32_t end;
+    bool fits;
+    Eigen::Vector3f low, high;
+  };
+
+  /// For points that come in groups of neighbours already (as pixels of an image do), instead of build():
+  /// makes buckets of the points since the last call, without moving them. A run that does not fit into one
+  /// is cut.
+  void close_group(const std::vector<Run>& runs);
+
+  /// Room for more points at the end, to be filled by the caller, who says in the end how many there are.
+  struct Room {
+    Eigen::Vector3f* points;
+    ObstacleKind* kinds;
+  };
+  [[nodiscard]] Room make_room(std::size_t points);
+  void keep(std::size_t points);
+
   struct Bucket {
-    int ix;
     std::uint32_t begin, end;
     Eigen::Vector3f center;
   };
 
-  /// Calls f(bucket) for every filled bucket that touches the box, in ascending order.
+  /// Calls f(bucket) for every bucket that touches the box, in ascending order.
   template <class F>
   void for_each_bucket(const hal::Aabb& box, F&& f) const {
-    if (buckets_.empty()) return;
-    const auto low = [&](int a) { return std::max(0, cell_of(box.min()[a], a)); };
-    const auto high = [&](int a) { return std::min(n_[a] - 1, cell_of(box.max()[a], a)); };
-    const int x0 = low(0), x1 = high(0), y0 = low(1), y1 = high(1), z0 = low(2), z1 = high(2);
-    for (int iz = z0; iz <= z1; ++iz) {
-      for (int iy = y0; iy <= y1; ++iy) {
-        const auto row = static_cast<std::size_t>(iz * n_[1] + iy);
-        for (std::uint32_t b = row_begin_[row]; b < row_begin_[row + 1]; ++b) {
-          if (buckets_[b].ix >= x0 && buckets_[b].ix <= x1) f(buckets_[b]);
+    const Eigen::Vector3f low = box.min().cast<float>(), high = box.max().cast<float>();
+    constexpr auto r = static_cast<float>(kCellRadius + 1e-5);
+    for (const Span& region : regions_) {
+      if (!region.touches(low, high)) continue;
+      for (std::uint32_t g = region.begin; g < region.end; ++g) {
+        if (!groups_[g].touches(low, high)) continue;
+        for (std::uint32_t b = groups_[g].begin; b < groups_[g].end; ++b) {
+          const Eigen::Vector3f& c = buckets_[b].center;
+          if (c.x() + r < low.x() || c.x() - r > high.x() || c.y() + r < low.y() || c.y() - r > high.y() ||
+              c.z() + r < low.z() || c.z() - r > high.z()) {
+            continue;
+          }
+          f(buckets_[b]);
         }
       }
     }
@@ -60,18 +80,27 @@ class Obstacles {
   [[nodiscard]] const std::optional<hal::Plane>& ground() const { return ground_; }
 
  private:
-  [[nodiscard]] int cell_of(double value, int axis) const {
-    const double cell = std::floor((value - origin_[axis]) * (1.0 / kCell));
-    return static_cast<int>(std::clamp(cell, -1.0, 1e6));
-  }
+  /// A box around a run of buckets or groups.
+  struct Span {
+    std::uint32_t begin, end;
+    Eigen::Vector3f low, high;
+    [[nodiscard]] bool touches(const Eigen::Vector3f& l, const Eigen::Vector3f& h) const {
+      return low.x() <= h.x() && high.x() >= l.x() && low.y() <= h.y() && high.y() >= l.y() &&
+             low.z() <= h.z() && high.z() >= l.z();
+    }
+  };
+  static constexpr std::uint32_t kGroupsInRegion = 16;
+
+  void sort_by_cube();
+  void add_bucket(std::uint32_t begin, std::uint32_t end, const Eigen::Vector3f& low,
+                  const Eigen::Vector3f& high);
+  void end_group(std::uint32_t first_bucket, const Eigen::Vector3f& low, const Eigen::Vector3f& high);
 
   std::vector<Eigen::Vector3f> points_;
   std::vector<ObstacleKind> kinds_;
   std::optional<hal::Plane> ground_;
-  hal::Vec3 origin_ = hal::Vec3::Zero();
-  int n_[3] = {0, 0, 0};
   std::vector<Bucket> buckets_;
-  std::vector<std::uint32_t> row_begin_;
+  std::vector<Span> groups_, regions_;
 };
 
 /// Which points of a frame count as obstacles.

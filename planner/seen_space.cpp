@@ -13,16 +13,24 @@ SeenSpace::SeenSpace(const perception::OrganisedCloud& cloud, const perception::
       camera_(cloud.X_WC.translation()),
       noise_(noise),
       sigmas_(sigmas),
-      depth_m_(cloud.depth_m) {
+      depth_m_(cloud.depth_m),
+      fx_(static_cast<float>(intrinsics_.fx)),
+      fy_(static_cast<float>(intrinsics_.fy)),
+      cx_(static_cast<float>(intrinsics_.cx + 0.5)),
+      cy_(static_cast<float>(intrinsics_.cy + 0.5)) {
   for (int v = 0; v < intrinsics_.height; ++v) {
     float* row = depth_m_.data() + static_cast<std::ptrdiff_t>(v) * intrinsics_.width;
-    int last = -1;
-    for (int u = 0; u < intrinsics_.width; ++u) {
-      if (!(row[u] == row[u])) continue;
-      if (last >= 0 && u - last > 1 && u - last - 1 <= max_gap_px) {
-        std::fill(row + last + 1, row + u, std::min(row[last], row[u]));
+    const int width = intrinsics_.width;
+    const auto missing = [&](int u) { return !(row[u] == row[u]); };
+    int u = 0;
+    while (u < width && missing(u)) ++u;
+    while (u < width) {
+      while (u < width && !missing(u)) ++u;
+      const int first = u;
+      while (u < width && missing(u)) ++u;
+      if (u < width && u - first <= max_gap_px) {
+        std::fill(row + first, row + u, std::min(row[first - 1], row[u]));
       }
-      last = u;
     }
   }
 }

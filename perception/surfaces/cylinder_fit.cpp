@@ -118,6 +118,7 @@ bool fit_circle(const std::vector<FlatPoint>& points, Circle& circle) {
 /// corner of a box or a leg looks so along its length.
 double corner_cost(const std::vector<FlatPoint>& some, const std::vector<FlatPoint>& all) {
   constexpr int kDirections = 15;
+  constexpr double kStill_sigma = 0.02;
   double best = std::numeric_limits<double>::infinity();
   Vector2d rays = Vector2d::Zero();
   double mean_sigma = 0;
@@ -148,8 +149,10 @@ double corner_cost(const std::vector<FlatPoint>& some, const std::vector<FlatPoi
           cost += capped(rb);
         }
       }
+      const double a_before = da, b_before = db;
       if (weight_a > 0) da = sum_a / weight_a;
       if (weight_b > 0) db = sum_b / weight_b;
+      if (std::abs(da - a_before) + std::abs(db - b_before) < kStill_sigma * mean_sigma) break;
     }
     return cost / static_cast<double>(points.size());
   };

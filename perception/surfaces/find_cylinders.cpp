@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "perception/surfaces/cylinder_fit.hpp"
 
@@ -13,6 +12,7 @@ namespace {
 
 constexpr std::size_t kMostPoints = 500;
 constexpr std::size_t kLeastPart = 150;  // pixels
+constexpr std::size_t kMostParts = 16;   // that are tried, by size
 constexpr double kJump_sigma = 3.0, kJump_step = 1.5, kJump_m = 0.012;
 constexpr double kInlier_sigma = 3.0;
 constexpr double kLeastInliers = 0.7;  // of a part's pixels, without its flat ends
@@ -21,10 +21,27 @@ constexpr double kLeastLength_radii = 1.0;
 
 using Part = std::vector<std::uint32_t>;
 
+// Angle of (x, y) as a part of a turn, 0 to 1, within 0.0007
+double turn(double x, double y) {
+  const double ax = std::abs(x), ay = std::abs(y), high = std::max(ax, ay);
+  if (!(high > 0)) return 0.0;
+  const double r = std::min(ax, ay) / high;
+  double eighth = r * (0.125 + 0.0433 * (1.0 - r));  // arc tangent over 2 pi
+  if (ay > ax) eighth = 0.25 - eighth;
+  if (x < 0) eighth = 0.5 - eighth;
+  return y < 0 ? 1.0 - eighth : eighth;
+}
+
 class Search {
  public:
   Search(ObjectImage& image, std::vector<Face>& faces, const Ground& ground, const SurfaceConfig& config)
-      : image_(image), faces_(faces), up_(ground.plane.normal), config_(config) {}
+      : image_(image),
+        faces_(faces),
+        up_(ground.plane.normal),
+        config_(config),
+        corner_(image.geometry.ray_W(0, 0)),
+        right_(image.geometry.ray_W(1, 0) - corner_),
+        down_(image.geometry.ray_W(0, 1) - corner_) {}
 
   std::vector<Cylinder> run(std::size_t first_edge) {
     std::vector<bool> strip(faces_.size());
@@ -32,10 +49,12 @@ class Search {
       strip[k] = k < first_edge && extent_of(faces_[k], image_.geometry).narrow_m <
                                        widest_strip(image_, faces_[k].inverse_depth(), config_);
     std::vector<Cylinder> found;
-    for (const Part& part : parts(strip)) {
-      if (part.size() < kLeastPart) continue;
+    std::vector<Part> tried = parts(strip);
+    std::stable_sort(tried.begin(), tried.end(),
+                     [](const Part& a, const Part& b) { return a.size() > b.size(); });
+    if (tried.size() > kMostParts) tried.resize(kMostParts);
+    for (const Part& part : tried)
       if (auto c = cylinder_of(part)) found.push_back(*c);
-    }
     if (!found.empty()) drop_remains();
     return found;
   }
@@ -49,30 +68,32 @@ class Search {
     }
     std::vector<Part> result;
     const auto w = static_cast<std::uint32_t>(image_.width);
+    // a jump of depth by so much is one of inverse depth by so much
+    const auto fixed =
+        static_cast<float>(kJump_sigma * image_.noise.sigma2_per_m + kJump_step * image_.noise.step2_per_m);
+    const auto growing = static_cast<float>(kJump_m);
     std::int32_t id = 0;
+    Part part;
     for (const std::uint32_t first : image_.pixels) {
       if (part_[first] != kOpen) continue;
-      Part part{first};
+      part.assign(1, first);
       part_[first] = ++id;
       for (std::size_t next = 0; next < part.size(); ++next) {
         const std::uint32_t k = part[next];
         const float q = image_.q[k];
-        // a jump of depth by so much is one of inverse depth by so much
-        const float jump =
-            static_cast<float>(kJump_sigma * image_.noise.sigma2_per_m +
-                               kJump_step * image_.noise.step2_per_m + kJump_m * static_cast<double>(q * q));
+        const float jump = fixed + growing * q * q;
         for (const std::uint32_t o : {k - 1, k + 1, k - w, k + w})
           if (part_[o] == kOpen && std::abs(image_.q[o] - q) < jump) part_[o] = id, part.push_back(o);
       }
-      result.push_back(std::move(part));
+      if (part.size() >= kLeastPart) result.push_back(part);
     }
     return result;
   }
 
   [[nodiscard]] SightedPoint sighted(std::uint32_t k) const {
-    const double U = image_.column(k), V = image_.row(k), q = static_cast<double>(image_.q[k]);
-    const Vec3 ray = image_.geometry.ray_W(U, V);
-    return {image_.geometry.eye() + ray / q, ray, image_.sigma(q) / (q * q)};
+    const double U = image_.column(k), V = image_.row(k), q = static_cast<double>(image_.q[k]), z = 1.0 / q;
+    const Vec3 ray = corner_ + U * right_ + V * down_;
+    return {image_.geometry.eye() + z * ray, ray, image_.sigma(q) * z * z};
   }
 
   // ragged rims carry the depth of the body to where the body is not
@@ -83,26 +104,30 @@ class Search {
   }
 
   std::optional<Cylinder> cylinder_of(const Part& part) {
-    std::vector<std::uint32_t> body;
+    Part body;
+    body.reserve(part.size());
     for (const std::uint32_t k : part)
       if (inner(k)) body.push_back(k);
+    count_faces(part);
     if (body.size() < kLeastPart / 2) return std::nullopt;
     const std::vector<SightedPoint> points = sample(body, kMostPoints / 3);
-    const std::vector<Vec3> axes = axes_of(part, points);
+    const std::vector<Vec3> axes = axes_of(points);
 
     std::optional<CylinderFit> best;
     double best_misfit = std::numeric_limits<double>::infinity();
     for (const Vec3& axis : axes) {
       // a flat end lies inside the circle
-      const std::vector<std::uint32_t> mantle = without_ends(body, axis);
+      Part rest;
+      const Part& mantle = without_ends(body, axis, rest);
       if (mantle.size() < 0.4 * static_cast<double>(body.size())) continue;
       const std::vector<SightedPoint> some = sample(mantle, kMostPoints);
       const auto fit = fit_cylinder(some, std::span(&axis, 1), image_.geometry.eye(), config_);
       if (fit && fit->misfit < best_misfit) best_misfit = fit->misfit, best = fit;
     }
     if (!best) return std::nullopt;
+    Part rest;
     const double corner =
-        corner_misfit(sample(without_ends(body, best->cylinder.axis), kMostPoints), best->cylinder);
+        corner_misfit(sample(without_ends(body, best->cylinder.axis, rest), kMostPoints), best->cylinder);
     if (best_misfit * best_misfit > config_.cylinder_advantage * corner * corner) return std::nullopt;
     return claim(part, *best);
   }
@@ -115,23 +140,30 @@ class Search {
     return points;
   }
 
-  [[nodiscard]] std::vector<std::uint32_t> without_ends(const std::vector<std::uint32_t>& body,
-                                                        const Vec3& axis) const {
+  /// Counts the pixels that each face has of a part.
+  void count_faces(const Part& part) {
+    count_.assign(faces_.size(), 0);
+    for (const std::uint32_t k : part)
+      if (image_.label[k] >= 0) ++count_[static_cast<std::size_t>(image_.label[k])];
+  }
+
+  /// The pixels that lie on no flat end, in `rest` or `body` itself.
+  [[nodiscard]] const Part& without_ends(const Part& body, const Vec3& axis, Part& rest) const {
     std::vector<bool> end(faces_.size());
     bool any = false;
     for (std::size_t k = 0; k < faces_.size(); ++k) {
-      end[k] = std::abs(image_.geometry.to_W(faces_[k].plane).normal.dot(axis)) > kEndCos;
+      end[k] = count_[k] > 0 && std::abs(image_.geometry.to_W(faces_[k].plane).normal.dot(axis)) > kEndCos;
       any = any || end[k];
     }
     if (!any) return body;
-    std::vector<std::uint32_t> mantle;
+    rest.clear();
     for (const std::uint32_t k : body)
-      if (image_.label[k] < 0 || !end[static_cast<std::size_t>(image_.label[k])]) mantle.push_back(k);
-    return mantle;
+      if (image_.label[k] < 0 || !end[static_cast<std::size_t>(image_.label[k])]) rest.push_back(k);
+    return rest;
   }
 
   // the long way of the part, upright, and what is perpendicular to its two largest strips
-  [[nodiscard]] std::vector<Vec3> axes_of(const Part& part, const std::vector<SightedPoint>& points) const {
+  [[nodiscard]] std::vector<Vec3> axes_of(const std::vector<SightedPoint>& points) const {
     std::vector<Vec3> axes;
     Vec3 mean = Vec3::Zero();
     for (const SightedPoint& s : points) mean += s.p;
@@ -144,9 +176,7 @@ class Search {
       axes.push_back(solver.eigenvectors().col(2).normalized());
     axes.push_back(up_);
 
-    std::vector<int> count(faces_.size(), 0);
-    for (const std::uint32_t k : part)
-      if (image_.label[k] >= 0) ++count[static_cast<std::size_t>(image_.label[k])];
+    const std::vector<int>& count = count_;
     std::size_t first = 0, second = 0;
     for (std::size_t k = 0; k < count.size(); ++k) {
       if (count[k] > count[first])
@@ -164,8 +194,9 @@ class Search {
 
   std::optional<Cylinder> claim(const Part& part, const CylinderFit& fit) {
     Cylinder c = fit.cylinder;
-    const std::vector<std::uint32_t> mantle = without_ends(part, c.axis);
-    std::vector<std::uint32_t> mine;
+    Part rest;
+    const std::size_t mantle = without_ends(part, c.axis, rest).size();
+    Part mine;
     const auto [e1, e2] = hal::tangents(c.axis);
     constexpr int kBins = 48;
     double low[kBins], high[kBins];
@@ -178,14 +209,12 @@ class Search {
       if (std::abs(d.value_m) > kInlier_sigma * d.sigma_m + config_.tolerance_m) continue;
       mine.push_back(k);
       const Vec3 p = s.p - c.center;
-      const double turn = std::atan2(e2.dot(p), e1.dot(p)) / (2 * std::numbers::pi) + 0.5;
-      const int bin = std::clamp(static_cast<int>(turn * kBins), 0, kBins - 1);
+      const int bin = std::clamp(static_cast<int>(turn(e1.dot(p), e2.dot(p)) * kBins), 0, kBins - 1);
       const double along = c.axis.dot(p);
       ++count[bin];
       low[bin] = std::min(low[bin], along), high[bin] = std::max(high[bin], along);
     }
-    if (static_cast<double>(mine.size()) < kLeastInliers * static_cast<double>(mantle.size()))
-      return std::nullopt;
+    if (static_cast<double>(mine.size()) < kLeastInliers * static_cast<double>(mantle)) return std::nullopt;
     // only lines along the cylinder that are well seen tell where it ends
     const int most = *std::max_element(count, count + kBins);
     std::vector<double> lows, highs;
@@ -215,8 +244,10 @@ class Search {
   // strips of the mantle that seemed too wide for one, or that ragged rims and shadows have bent away
   void free_faces_on(const Cylinder& c) {
     constexpr double kNear_sigma = 6.0, kLeastPart_near = 0.7;
+    constexpr std::size_t kStep = 5;  // a part of the pixels tells as well
     std::vector<int> near(faces_.size(), 0), all(faces_.size(), 0);
-    for (const std::uint32_t k : image_.pixels) {
+    for (std::size_t i = 0; i < image_.pixels.size(); i += kStep) {
+      const std::uint32_t k = image_.pixels[i];
       if (image_.label[k] < 0) continue;
       const auto f = static_cast<std::size_t>(image_.label[k]);
       ++all[f];
@@ -229,6 +260,7 @@ class Search {
     for (std::size_t f = 0; f < gone.size(); ++f)
       gone[f] = near[f] > kLeastPart_near * all[f] &&
                 std::abs(image_.geometry.to_W(faces_[f].plane).normal.dot(c.axis)) < kEndCos;
+    if (std::find(gone.begin(), gone.end(), true) == gone.end()) return;
     for (const std::uint32_t k : image_.pixels)
       if (image_.label[k] >= 0 && gone[static_cast<std::size_t>(image_.label[k])])
         image_.label[k] = ObjectImage::kFree;
@@ -255,7 +287,9 @@ class Search {
   std::vector<Face>& faces_;
   Vec3 up_;
   const SurfaceConfig& config_;
+  Vec3 corner_, right_, down_;  // ray of the first pixel, and what a step in the image adds to it
   std::vector<std::int32_t> part_;
+  std::vector<int> count_;  // pixels of each face in the present part
 };
 
 }  // namespace

@@ -25,15 +25,21 @@ std::vector<FaceRectangle> cover_faces(const OrganisedCloud& cloud, const Object
                                        bool wide_only, const std::vector<FaceRectangle>& known,
                                        const std::vector<double>& known_pixels) {
   std::vector<FaceRectangle> rectangles;
-  const auto pixels = pixels_by_face(image, faces.size());
+  const auto is_known = [&](std::size_t k) {
+    return k < known_pixels.size() && known_pixels[k] == faces[k].moments.n;
+  };
+  std::vector<char> wanted(faces.size());
+  for (std::size_t k = 0; k < faces.size(); ++k)
+    wanted[k] = faces[k].moments.n >= config.min_pixels && !is_known(k) &&
+                (!wide_only || is_wide(faces[k], image, config));
+  const auto pixels = pixels_by_face(image, faces, wanted);
   for (std::size_t k = 0; k < faces.size(); ++k) {
-    if (faces[k].moments.n < config.min_pixels) continue;
-    if (k < known_pixels.size() && known_pixels[k] == faces[k].moments.n) {
+    if (is_known(k)) {
       std::copy_if(known.begin(), known.end(), std::back_inserter(rectangles),
                    [&](const FaceRectangle& r) { return r.face == static_cast<int>(k); });
       continue;
     }
-    if (wide_only && !is_wide(faces[k], image, config)) continue;
+    if (!wanted[k]) continue;
     cover_face(cloud, image, faces[k], static_cast<int>(k), pixels[k], config, rectangles);
   }
   return rectangles;

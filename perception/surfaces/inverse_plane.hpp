@@ -98,6 +98,12 @@ class ImageGeometry {
     const hal::Vec3 p = R_.transpose() * (p_W - eye_);
     return {k_.fx * p.x() / p.z() + k_.cx - u0_, k_.fy * p.y() / p.z() + k_.cy - v0_, p.z()};
   }
+  /// (U d, V d, d) of a vector in W, d its part along the optical axis: of points relative to the eye, this
+  /// adds up like they do, and U, V are where they are seen.
+  [[nodiscard]] hal::Vec3 homogeneous(const hal::Vec3& from_eye_W) const {
+    const hal::Vec3 p = R_.transpose() * from_eye_W;
+    return {k_.fx * p.x() + (k_.cx - u0_) * p.z(), k_.fy * p.y() + (k_.cy - v0_) * p.z(), p.z()};
+  }
   [[nodiscard]] double focal() const { return 0.5 * (k_.fx + k_.fy); }
 
  private:

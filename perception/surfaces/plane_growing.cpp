@@ -65,6 +65,8 @@ class Grower {
   void sum_free_pixels() {
     for (int r = 0; r < rows_; ++r)
       for (int c = 0; c < columns_; ++c) {
+        // pixels that were taken stay taken
+        if (summed_ && cells_[at(c, r)].n == 0) continue;
         float n[kCell] = {}, v[kCell] = {}, vv[kCell] = {}, q[kCell] = {}, vq[kCell] = {}, qq[kCell] = {};
         const float q0 = reference(c, r);
         InverseMoments m;
@@ -88,6 +90,7 @@ class Grower {
         }
         cells_[at(c, r)] = m;
       }
+    summed_ = true;
   }
 
   // inverse depth of some free pixel of the cell, so that single precision sums small numbers
@@ -202,6 +205,7 @@ class Grower {
       uneven_.push_back(static_cast<float>(image_.tolerance_m / slant_of(f, image_.geometry)));
     for (int r = 0; r < rows_; ++r)
       for (int c = 0; c < columns_; ++c) {
+        if (cells_[at(c, r)].n == 0) continue;
         int near[9];
         const int count = faces_around(c, r, near);
         if (count > 0) claim_cell(c, r, near, count);
@@ -222,18 +226,23 @@ class Grower {
   void claim_cell(int c, int r, const int* near, int count) {
     const float k2 = static_cast<float>(config_.tolerance_sigma * image_.noise.sigma2_per_m);
     const float k0 = static_cast<float>(config_.tolerance_sigma * image_.noise.sigma0_m);
-    float uneven[9];
-    for (int f = 0; f < count; ++f) uneven[f] = uneven_[static_cast<std::size_t>(near[f])];
-    for (int j = r * kCell; j < (r + 1) * kCell; ++j)
-      for (int i = c * kCell; i < (c + 1) * kCell; ++i) {
-        const std::size_t k = image_.at(i, j);
+    float uneven[9], a[9], b[9], at0[9];
+    for (int f = 0; f < count; ++f) {
+      const InversePlane& p = faces_[static_cast<std::size_t>(near[f])].plane;
+      uneven[f] = uneven_[static_cast<std::size_t>(near[f])];
+      a[f] = static_cast<float>(p.a), b[f] = static_cast<float>(p.b);
+      at0[f] = static_cast<float>(p.at(c * kCell, r * kCell));
+    }
+    for (int j = 0; j < kCell; ++j)
+      for (int i = 0; i < kCell; ++i) {
+        const std::size_t k = image_.at(c * kCell + i, r * kCell + j);
         if (image_.label[k] != ObjectImage::kFree) continue;
         const float q = image_.q[k];
         const float noise = k2 + k0 * q * q;
         float best = std::numeric_limits<float>::max();
         for (int f = 0; f < count; ++f) {
-          const InversePlane& p = faces_[static_cast<std::size_t>(near[f])].plane;
-          const float d = std::abs(q - static_cast<float>(p.at(i, j)));
+          const float d =
+              std::abs(q - (at0[f] + a[f] * static_cast<float>(i) + b[f] * static_cast<float>(j)));
           if (d < noise + uneven[f] * q * q && d < best)
             best = d, image_.label[k] = static_cast<std::int16_t>(near[f]);
         }
@@ -312,6 +321,7 @@ class Grower {
   const SurfaceConfig& config_;
   int columns_, rows_;
   std::vector<InverseMoments> cells_;
+  bool summed_ = false;
   std::vector<int> owner_;  // face of each cell, -1 for none; of the present window only
   std::vector<std::size_t> members_;
   std::vector<float> uneven_;  // tolerance of each face in depth (m)

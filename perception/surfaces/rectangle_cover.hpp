@@ -22,8 +22,9 @@ void cover_face(const OrganisedCloud& cloud, const ObjectImage& image, const Fac
                 const std::vector<std::uint32_t>& pixels, const SurfaceConfig& config,
                 std::vector<FaceRectangle>& rectangles);
 
-/// The object's pixels by label; pixels without a face are left out.
+/// The object's pixels by label; pixels without a face are left out, and those of faces that are not wanted.
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> pixels_by_face(const ObjectImage& image,
-                                                                     std::size_t faces);
+                                                                     const std::vector<Face>& faces,
+                                                                     const std::vector<char>& wanted);
 
 }  // namespace colift::perception

@@ -9,6 +9,8 @@ struct SurfaceConfig {
   double tolerance_m = 0.003;
   int min_pixels = 40;
   double min_width_m = 0.010;
+  double min_area_m2 = 0.002;
+  double max_normal_sigma_deg = 3.0;
   double fill_threshold = 0.80;
   double least_fill = 0.60;
   int max_splits = 6;
@@ -28,6 +30,10 @@ struct SurfaceConfig {
       "Unevenness of surfaces and lens distortion (m), added to it.");
     v("min_pixels", min_pixels, hal::Range{10, 10000}, "Pixels of the smallest rectangle.");
     v("min_width_m", min_width_m, hal::kNotNegative, "Short side of the narrowest rectangle (m).");
+    v("min_area_m2", min_area_m2, hal::kNotNegative,
+      "Area of the smallest rectangle (m^2); a hand finds no hold on less.");
+    v("max_normal_sigma_deg", max_normal_sigma_deg, hal::kPositive,
+      "Rectangles whose normal the depth noise leaves less certain are dropped.");
     v("fill_threshold", fill_threshold, hal::kFraction, "Rectangles that are covered less are split.");
     v("least_fill", least_fill, hal::kFraction,
       "Rectangles that are covered less after all splits are dropped.");

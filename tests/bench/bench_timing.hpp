@@ -34,8 +34,8 @@ double time_ms(int rounds, Work work) {
   return median(std::move(times));
 }
 
-/// Lets the process keep freed memory, as one that sees frame after frame would. Without it both contenders are
-/// charged for fresh pages from the system in every round.
+/// Lets the process keep freed memory, as one that sees frame after frame would. Without it both contenders
+/// are charged for fresh pages from the system in every round.
 inline void keep_memory() {
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, 1 << 30);

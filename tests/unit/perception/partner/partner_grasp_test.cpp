@@ -79,14 +79,13 @@ void judge(const Stage& stage, std::uint64_t seed, Tally& tally) {
 
 TEST_CASE("nine contacts of ten are found to 2 cm, and the covariance says how well", "[partner][grasp]") {
   Tally all;
-  std::string table =
-      "contact, mm median    p90  thesis p90  missed  false  hands mean nees   median\n";
+  std::string table = "contact, mm median    p90  thesis p90  missed  false  hands mean nees   median\n";
   for (std::size_t k = 0; k < kKinds.size(); ++k) {
     Tally tally;
     for (std::uint64_t seed = 0; seed < 40; ++seed) judge(Stage(kKinds[k], 500 + seed, 5), seed, tally);
     table += tally.line(kNames[k]);
     INFO(kNames[k]);
-    CHECK(tally.mean_nees() < 9.0);
+    CHECK(tally.mean_nees() < 6.0);  // 3 for an honest covariance
     CHECK(test::quantile(tally.nees, 0.5) > 0.2);
     all.add(tally);
   }
@@ -106,14 +105,16 @@ TEST_CASE("a hand that hovers 5 cm over the rim does not hold", "[partner][grasp
       const auto pose = sim_hal::make_partner(stage.scene, seed, false);
       auto world = sim_hal::with_partner(stage.scene.world, pose);
       // the person as a whole is lifted until the lowest part of the hand is 5 cm over the rim
-      double lowest = pose.contact.z();
+      // where the hand hangs over a box's edge, the wrist is lower still
+      double lowest = pose.contact.z() - (kind == ObjectKind::Box ? 0.14 : 0.0);
       for (const auto& shape : world.shapes) {
         if (shape.label != sim_hal::Label::Partner) continue;
         if ((shape.X_WS.translation() - pose.contact).norm() > 0.12) continue;
         for (const Vec3& corner : sim_hal::corners(shape)) lowest = std::min(lowest, corner.z());
       }
       for (auto& shape : world.shapes) {
-        if (shape.label == sim_hal::Label::Partner) shape.X_WS.translation().z() += pose.contact.z() - lowest + 0.05;
+        if (shape.label == sim_hal::Label::Partner)
+          shape.X_WS.translation().z() += pose.contact.z() - lowest + 0.05;
       }
       auto finder = stage.finder();
       const auto seen = finder.find(stage.see(world, 50 + seed));
@@ -152,7 +153,8 @@ TEST_CASE("a camera that moved between real frames is no partner", "[partner][gr
   for (int i = 0; i < 3; ++i) {
     const auto seen = finder.find(deproject(cloud(i), X_WC));
     REQUIRE(seen);
-    std::cout << "real frame " << i << ": kind " << static_cast<int>(seen->kind) << ", " << seen->because << "\n";
+    std::cout << "real frame " << i << ": kind " << static_cast<int>(seen->kind) << ", " << seen->because
+              << "\n";
     CHECK_FALSE(seen->because.empty());
     CHECK((i == 0 ? seen->kind == PartnerKind::None : seen->kind != PartnerKind::Grasp));
   }

@@ -66,6 +66,22 @@ TEST_CASE("the cereal box on the table is two or more faces at right angles, and
   CHECK(faces[0].size.y() == Approx(0.158).margin(0.02));
 }
 
+TEST_CASE("a desk with things on it is no chair", "[surfaces][completion][real]") {
+  const Recording desk("03_desk_and_two_chairs");
+  const CompletedShape shape =
+      complete_shape(desk.cloud, desk.target, desk.surfaces(), desk.ground, NoiseModel{});
+  CHECK(shape.kind == CompletedShape::Kind::Plate);
+  CHECK(shape.because.find("stand on it") != std::string::npos);
+  // its top, measured by hand
+  CHECK(desk.ground.plane.height(shape.box.center) + 0.5 * shape.box.size.z() == Approx(0.70).margin(0.03));
+}
+
+TEST_CASE("no rectangle of a real frame is smaller than a hand can use", "[surfaces][real]") {
+  for (const char* folder : {"01_office_chair_and_bottles", "03_desk_and_two_chairs"})
+    for (const Rectangle& r : rectangles_of(Recording(folder).surfaces()))
+      CHECK(r.size.prod() >= SurfaceConfig{}.min_area_m2);
+}
+
 TEST_CASE("the office chair is seen without a rectangle or cylinder larger than itself", "[surfaces][real]") {
   const Recording office("01_office_chair_and_bottles");
   const auto surfaces = office.surfaces();

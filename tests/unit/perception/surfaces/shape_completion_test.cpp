@@ -97,6 +97,19 @@ TEST_CASE("the completed box holds the object down to the ground", "[completion]
   }
 }
 
+TEST_CASE("a plate at the height of a desk with a thing on it is no chair", "[completion]") {
+  const auto plate = sim_hal::box({0, 0, 0.70}, {1.2, 0.6, 0.03}, 0.0, sim_hal::Label::Target);
+  const auto thing = sim_hal::box({-0.3, 0, 0.815}, {0.3, 0.3, 0.2}, 0.0, sim_hal::Label::Target);
+  const View bare(scene_of({plate}, {1.4, 0.6, 1.6}, {0, 0, 0.6}), 1);
+  const View laden(scene_of({plate, thing}, {1.4, 0.6, 1.6}, {0, 0, 0.6}), 1);
+  const CompletedShape without = bare.shape(), with = laden.shape();
+  CHECK(without.kind == Kind::Plate);
+  CHECK(with.kind == Kind::Plate);
+  CHECK(with.because.find("stand on it") != std::string::npos);
+  // nobody knows what the thing weighs, but on which side it stands
+  CHECK(with.covariance(0, 0) > without.covariance(0, 0) + 0.0005);
+}
+
 TEST_CASE("every completion says what was assumed", "[completion]") {
   const View table(ObjectKind::Table, 1), box(ObjectKind::Box, 1);
   CHECK(table.shape().because.find("legs") != std::string::npos);
