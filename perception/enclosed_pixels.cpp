@@ -107,7 +107,8 @@ std::vector<std::uint32_t> enclosed_pixels(const OrganisedCloud& cloud, const Gr
   const Window win = window_of(cloud, pixels);
   OpenRuns open(cloud, win, pixels);
 
-  const auto [s, t] = hal::tangents(ground.plane.normal);
+  const auto axes = hal::tangents(ground.plane.normal);
+  const Vec3 s = axes.first, t = axes.second;
   std::vector<Eigen::Vector2d> flat;
   for (std::size_t i = 0; i < pixels.size(); i += kHullStride) {
     const Vec3 p = cloud.point(pixels[i]);
