@@ -18,7 +18,7 @@ constexpr double kRad = std::numbers::pi / 180.0;
 constexpr double kParallelDeg = 8.0;
 constexpr double kSameLevel_m = 0.02;
 constexpr float kWidest = 2.0f;              // first tolerance of the pixel fit, relative to the last
-constexpr int kFitStride = 2;                // every second pixel of every second row: 75 000 are plenty for three numbers
+constexpr int kFitStride = 3;  // every third pixel of every third row: 34 000 are plenty for three numbers
 constexpr std::size_t kLeastInliers = 50;
 constexpr std::size_t kLanes = 4;            // floats in a register of plain x86-64
 

@@ -65,7 +65,7 @@ Along place_along(std::span<const HandPoint> hand, const EdgeLine& line, const E
   const float cap = 1.5F * total / (kHandBreadth_m / kBin_m);
   std::array<float, kBins + 1> sum{};
   for (std::size_t i = 0; i < kBins; ++i) sum[i + 1] = sum[i] + std::min(bins[i], cap);
-  constexpr int kWindow = static_cast<int>(kHandBreadth_m / kBin_m + 0.5F);
+  constexpr int kWindow = static_cast<int>(kHandBreadth_m / kBin_m + 0.25F);
   float best = 0.0F;
   for (int i = 0; i + kWindow <= kBins; ++i)
     best = std::max(best, sum[static_cast<std::size_t>(i + kWindow)] - sum[static_cast<std::size_t>(i)]);
@@ -186,7 +186,7 @@ ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedO
   on_object /= area;
 
   LocalShape shape(object.surface, object.outline, object.eye, on_object, kLocal_m);
-  if (const auto bar = shape.round_bar()) return on_bar(hand, *bar, object.eye, noise);
+  if (const auto& bar = shape.round_bar()) return on_bar(hand, *bar, object.eye, noise);
 
   ContactEstimate e;
   const EdgeLine* best = nullptr;

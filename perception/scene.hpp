@@ -21,7 +21,7 @@ using hal::Vec3;
 /// The plane that the target stands on: floor or table top. Normal towards the camera's side.
 struct Ground {
   Plane plane;
-  std::size_t inliers = 0;  ///< Points that the plane explains (the fast method counts one pixel in four, times four).
+  std::size_t inliers = 0;  ///< Points that the plane explains (the fast method counts one pixel in nine, times nine).
   double rms_m = 0.0;       ///< Root mean square distance of the inliers.
 };
 
