@@ -33,7 +33,8 @@ struct Config {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("method", method, hal::Choices{"fast", "thesis"}, "How CoLift sees and decides: its own way, or the thesis's.");
+    v("method", method, hal::Choices{"fast", "thesis"},
+      "How CoLift sees and decides: its own way, or the thesis's.");
     v("hand_file", hand_file, "Description of the hand; empty: the built-in BarrettHand BH8-282.");
     v("noise", noise, "Depth noise of the camera.");
     v("ground", ground, "How the ground is found.");

@@ -18,7 +18,8 @@ using perception::PartnerGrasp;
 hal::Result<> see_fast(const Look& look, const hal::DepthFrame& frame, const Config& c, Outcome& out) {
   const auto reference = perception::build_reference(std::array{look.frame}, look.cloud.X_WC, c.noise);
   if (!reference) return tl::unexpected(reference.error());
-  auto finder = perception::PartnerFinder::make(*reference, *look.scene.target, *look.scene.ground, c.noise, c.partner);
+  auto finder =
+      perception::PartnerFinder::make(*reference, *look.scene.target, *look.scene.ground, c.noise, c.partner);
   if (!finder) return tl::unexpected(finder.error());
   auto seen = finder->find(perception::deproject(frame, look.cloud.X_WC));
   if (!seen) return tl::unexpected(seen.error());
@@ -33,10 +34,12 @@ hal::Result<> see_thesis([[maybe_unused]] const Look& look, [[maybe_unused]] con
 #ifdef COLIFT_THESIS
   const auto before = perception::thesis_cloud(look.cloud, c.thesis);
   const auto now = perception::thesis_cloud(perception::deproject(frame, look.cloud.X_WC), c.thesis);
-  out.partner = perception::thesis_partner(before, now, look.scene.target->points, c.thesis, &out.partner_because);
+  out.partner =
+      perception::thesis_partner(before, now, look.scene.target->points, c.thesis, &out.partner_because);
   return {};
 #else
-  return hal::failure(hal::ErrorCode::BadConfig, "method", "this build has no thesis method (COLIFT_THESIS=OFF)");
+  return hal::failure(hal::ErrorCode::BadConfig, "method",
+                      "this build has no thesis method (COLIFT_THESIS=OFF)");
 #endif
 }
 
@@ -46,18 +49,22 @@ hal::Result<> find_partner(const Look& look, const PartnerInput& input, const Co
     out.partner_because = "the partner's grasp was given";
     return {};
   }
-  if (!input.frame) return hal::failure(hal::ErrorCode::BadInput, "partner", "neither a position nor a frame was given");
+  if (!input.frame)
+    return hal::failure(hal::ErrorCode::BadInput, "partner", "neither a position nor a frame was given");
   if (input.frame->depth_m.size() != look.frame.depth_m.size()) {
-    return hal::failure(hal::ErrorCode::BadInput, "partner",
-                        fmt::format("the second frame has {} pixels, the first {}; both have to come from the same camera",
-                                    input.frame->depth_m.size(), look.frame.depth_m.size()));
+    return hal::failure(
+        hal::ErrorCode::BadInput, "partner",
+        fmt::format("the second frame has {} pixels, the first {}; both have to come from the same camera",
+                    input.frame->depth_m.size(), look.frame.depth_m.size()));
   }
-  return look.method == Method::Fast ? see_fast(look, *input.frame, c, out) : see_thesis(look, *input.frame, c, out);
+  return look.method == Method::Fast ? see_fast(look, *input.frame, c, out)
+                                     : see_thesis(look, *input.frame, c, out);
 }
 
 }  // namespace
 
-hal::Result<Outcome> decide(const Look& look, const PartnerInput& partner, const Config& config, const hal::Clock& clock) {
+hal::Result<Outcome> decide(const Look& look, const PartnerInput& partner, const Config& config,
+                            const hal::Clock& clock) {
   Outcome out;
   out.candidates = look.candidates;
   if (!look.scene.target) {

@@ -18,9 +18,10 @@ struct PartnerInput {
 /// What was decided, with every candidate's verdict. Without a partner or a target nothing is chosen.
 struct Outcome {
   std::optional<perception::PartnerGrasp> partner;
-  std::vector<std::uint32_t> partner_pixels;         ///< Changed pixels near the object, ascending.
+  std::vector<std::uint32_t> partner_pixels;  ///< Changed pixels near the object, ascending.
   std::string partner_because;
-  std::vector<planner::GraspCandidate> candidates;   ///< Those of the look, and some around the closed-form optimum.
+  std::vector<planner::GraspCandidate>
+      candidates;  ///< Those of the look, and some around the closed-form optimum.
   planner::Decision decision;
   double partner_ms = 0.0, decision_ms = 0.0;
 };

@@ -30,8 +30,10 @@ void look_fast(Look& out, const LookInput& input, const Config& c, Stopwatch& wa
   using namespace perception;
   out.cloud = deproject(input.frame, input.X_WC);
   std::optional<hal::Vec3> up;
-  if (input.base_frame_known) up = hal::Vec3::UnitZ();
-  else if (input.frame.up_C) up = input.X_WC.linear() * *input.frame.up_C;
+  if (input.base_frame_known)
+    up = hal::Vec3::UnitZ();
+  else if (input.frame.up_C)
+    up = input.X_WC.linear() * *input.frame.up_C;
 
   const std::vector<BlockPlane> blocks = fit_block_planes(out.cloud, c.noise);
   GroundResult ground = find_ground(out.cloud, blocks, up, c.noise, c.ground);
@@ -48,7 +50,8 @@ void look_fast(Look& out, const LookInput& input, const Config& c, Stopwatch& wa
 
   Target& target = *found.target;
   out.scene.surfaces = find_surfaces(out.cloud, target, *ground.ground, c.noise, c.surfaces);
-  const CompletedShape shape = complete_shape(out.cloud, target, out.scene.surfaces, *ground.ground, c.noise, c.completion);
+  const CompletedShape shape =
+      complete_shape(out.cloud, target, out.scene.surfaces, *ground.ground, c.noise, c.completion);
   target.cog = shape.cog;
   target.cog_covariance = shape.covariance;
   target.shape = shape.box;
@@ -59,7 +62,8 @@ void look_fast(Look& out, const LookInput& input, const Config& c, Stopwatch& wa
 }  // namespace
 
 hal::Result<Look> look(LookInput input, Method method, const Config& c, const planner::HandModel& hand,
-                       const hal::Clock& clock, const std::shared_ptr<const planner::HandCollision>& hand_tables) {
+                       const hal::Clock& clock,
+                       const std::shared_ptr<const planner::HandCollision>& hand_tables) {
   Look out;
   out.method = method;
   out.base_frame_known = input.base_frame_known;
@@ -72,14 +76,15 @@ hal::Result<Look> look(LookInput input, Method method, const Config& c, const pl
     out.scene = perception::thesis_scene(out.cloud, c.thesis);
     out.ms.target = watch.lap();
 #else
-    return hal::failure(hal::ErrorCode::BadConfig, "method", "this build has no thesis method (COLIFT_THESIS=OFF)");
+    return hal::failure(hal::ErrorCode::BadConfig, "method",
+                        "this build has no thesis method (COLIFT_THESIS=OFF)");
 #endif
   }
   if (out.scene.target) {
     const bool fast = method == Method::Fast;
     const planner::CandidateConfig candidates = fast ? c.candidates : planner::thesis_candidates();
-    out.finder = std::make_shared<planner::CandidateFinder>(out.scene, fast ? &out.cloud : nullptr, hand, candidates,
-                                                            fast ? hand_tables : nullptr);
+    out.finder = std::make_shared<planner::CandidateFinder>(out.scene, fast ? &out.cloud : nullptr, hand,
+                                                            candidates, fast ? hand_tables : nullptr);
     out.candidates = out.finder->find();
     out.ms.candidates = watch.lap();
     out.because = planner::explain(out.candidates);

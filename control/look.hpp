@@ -26,8 +26,8 @@ struct StageTimes {
 struct LookInput {
   hal::DepthFrame frame;
   hal::Pose X_WC = hal::Pose::Identity();
-  bool base_frame_known = false;       ///< W is the robot base, its z axis up.
-  std::optional<hal::Vec3> at_W;       ///< Picks the object there instead of the largest.
+  bool base_frame_known = false;  ///< W is the robot base, its z axis up.
+  std::optional<hal::Vec3> at_W;  ///< Picks the object there instead of the largest.
 };
 
 /// What one look at a frame found.
@@ -39,7 +39,8 @@ struct Look {
   perception::Scene scene;
   std::vector<perception::RejectedObject> rejected;  ///< Fast method only.
   std::vector<planner::GraspCandidate> candidates;
-  std::shared_ptr<const planner::CandidateFinder> finder;  ///< Judges further candidates; null without a target.
+  std::shared_ptr<const planner::CandidateFinder>
+      finder;  ///< Judges further candidates; null without a target.
   StageTimes ms;
 
   /// The one sentence that says what there is to say: the candidates, or why there is no target.
@@ -48,9 +49,10 @@ struct Look {
 
 /// Frame in, scene and grasp candidates out. No ground or no target is a finding, not an error.
 /// Errors: BadConfig when the thesis method was asked for in a build without it. `clock` times the stages.
-/// `hand_tables` are HandCollision(hand, config.candidates.collision), made once for many looks; null makes them anew.
-[[nodiscard]] hal::Result<Look> look(LookInput input, Method method, const Config& config, const planner::HandModel& hand,
-                                     const hal::Clock& clock,
-                                     const std::shared_ptr<const planner::HandCollision>& hand_tables = nullptr);
+/// `hand_tables` are HandCollision(hand, config.candidates.collision), made once for many looks; null makes
+/// them anew.
+[[nodiscard]] hal::Result<Look> look(
+    LookInput input, Method method, const Config& config, const planner::HandModel& hand,
+    const hal::Clock& clock, const std::shared_ptr<const planner::HandCollision>& hand_tables = nullptr);
 
 }  // namespace colift::control

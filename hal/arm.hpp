@@ -10,14 +10,15 @@ namespace colift::hal {
 /// What the arm's controller measured in one cycle.
 struct ArmState {
   Timestamp measured_at{0};
-  JointVector q_rad = JointVector::Zero();           ///< Measured joint position.
-  JointVector q_commanded_rad = JointVector::Zero(); ///< Joint position that the controller is following.
-  JointVector tau_nm = JointVector::Zero();          ///< Measured joint torque.
-  JointVector tau_external_nm = JointVector::Zero(); ///< Estimate of the torque from contacts.
-  bool may_command = false;                          ///< True while the controller accepts commands.
+  JointVector q_rad = JointVector::Zero();            ///< Measured joint position.
+  JointVector q_commanded_rad = JointVector::Zero();  ///< Joint position that the controller is following.
+  JointVector tau_nm = JointVector::Zero();           ///< Measured joint torque.
+  JointVector tau_external_nm = JointVector::Zero();  ///< Estimate of the torque from contacts.
+  bool may_command = false;                           ///< True while the controller accepts commands.
 };
 
-/// Joint impedance: tau = K (q_d - q) + D dq + tau_superposed, with the controller's own gravity compensation.
+/// Joint impedance: tau = K (q_d - q) + D dq + tau_superposed, with the controller's own gravity
+/// compensation.
 struct ImpedanceCommand {
   JointVector q_rad = JointVector::Zero();
   JointVector stiffness_nm_rad = JointVector::Constant(1000.0);

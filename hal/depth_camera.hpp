@@ -24,11 +24,12 @@ struct CameraIntrinsics {
 
 /// One depth image. Optical frame C: Cz looks forward, Cx right, Cy down.
 struct DepthFrame {
-  Timestamp exposed_at{0};      ///< When the light was measured, not when the bytes arrived.
+  Timestamp exposed_at{0};  ///< When the light was measured, not when the bytes arrived.
   CameraIntrinsics intrinsics;
-  std::vector<float> depth_m;   ///< width * height, row-major, metres along Cz; NaN where nothing was seen.
-  std::vector<std::uint8_t> rgb;  ///< 3 * width * height, row-major, aligned with the depth; empty when unknown.
-  std::optional<Vec3> up_C;     ///< Unit vector against gravity (accelerometer), when the device has one.
+  std::vector<float> depth_m;  ///< width * height, row-major, metres along Cz; NaN where nothing was seen.
+  std::vector<std::uint8_t>
+      rgb;                   ///< 3 * width * height, row-major, aligned with the depth; empty when unknown.
+  std::optional<Vec3> up_C;  ///< Unit vector against gravity (accelerometer), when the device has one.
 };
 
 /// Kinect, simulation, mock and recording all look like this to the rest of CoLift.

@@ -16,12 +16,14 @@ struct DeviceHealth {
   std::string last_error;      ///< Empty while nothing went wrong.
 };
 
-/// The life of every device: configure() finds and opens it, activate() lets it act, deactivate() brings it to rest.
+/// The life of every device: configure() finds and opens it, activate() lets it act, deactivate() brings it
+/// to rest.
 class Device {
  public:
   virtual ~Device() = default;
 
-  /// Opens the device. Errors: NotReady, LinkLost, BadConfig, DeviceFault. May be called again after LinkLost.
+  /// Opens the device. Errors: NotReady, LinkLost, BadConfig, DeviceFault. May be called again after
+  /// LinkLost.
   [[nodiscard]] virtual Result<> configure() = 0;
 
   /// Lets the device act or stream. Errors: NotReady before configure().

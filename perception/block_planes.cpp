@@ -54,7 +54,8 @@ Moments moments_of(const OrganisedCloud& cloud, int u0, int v0, const Eigen::Vec
       zz += lz * lz;
     }
   }
-  return {n.sum(), depth.sum(), sx.sum(), sy.sum(), sz.sum(), xx.sum(), xy.sum(), xz.sum(), yy.sum(), yz.sum(), zz.sum()};
+  return {n.sum(),  depth.sum(), sx.sum(), sy.sum(), sz.sum(), xx.sum(),
+          xy.sum(), xz.sum(),    yy.sum(), yz.sum(), zz.sum()};
 }
 
 }  // namespace
@@ -94,7 +95,8 @@ std::vector<BlockPlane> fit_block_planes(const OrganisedCloud& cloud, const Nois
       plane.u = bu;
       plane.v = bv;
 
-      // noise along the ray shows in the plane's residual by the cosine of incidence; quantisation adds its own part
+      // noise along the ray shows in the plane's residual by the cosine of incidence; quantisation adds its
+      // own part
       const float cosine = std::max(plane.normal.dot(to_eye), 0.05f);
       const float sigma = static_cast<float>(noise.sigma(plane.depth_m) + 0.3 * noise.step(plane.depth_m));
       const float rms = std::sqrt(std::max(solver.eigenvalues()(0), 0.0f));

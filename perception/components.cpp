@@ -30,8 +30,10 @@ void unite(std::vector<std::int32_t>& parent, std::int32_t a, std::int32_t b) {
   a = root(parent, a);
   b = root(parent, b);
   // the smaller index stays, so that numbering follows the image
-  if (a < b) parent[static_cast<std::size_t>(b)] = a;
-  else parent[static_cast<std::size_t>(a)] = b;
+  if (a < b)
+    parent[static_cast<std::size_t>(b)] = a;
+  else
+    parent[static_cast<std::size_t>(a)] = b;
 }
 
 }  // namespace
@@ -45,8 +47,8 @@ std::vector<std::int32_t> Components::labels(int width, int height) const {
   return out;
 }
 
-Components connected_components(const std::vector<float>& depth_m, const std::vector<std::uint8_t>& mask, int width,
-                                int height, const DepthJump& jump) {
+Components connected_components(const std::vector<float>& depth_m, const std::vector<std::uint8_t>& mask,
+                                int width, int height, const DepthJump& jump) {
   std::vector<Run> runs;
   std::vector<std::int32_t> parent;
   runs.reserve(8192);
@@ -102,7 +104,8 @@ Components connected_components(const std::vector<float>& depth_m, const std::ve
       result.pixels.push_back(0);
     }
     const std::int32_t n = runs[r].label = number[top];
-    result.pixels[static_cast<std::size_t>(n)] += static_cast<std::uint32_t>(runs[r].last - runs[r].first + 1);
+    result.pixels[static_cast<std::size_t>(n)] +=
+        static_cast<std::uint32_t>(runs[r].last - runs[r].first + 1);
   }
   result.runs = std::move(runs);
   return result;

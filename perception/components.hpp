@@ -32,9 +32,10 @@ struct DepthJump {
   }
 };
 
-/// Regions of pixels whose mask is 1 (and not 0) that hang together over 8-neighbours without a depth jump. One pass over runs with
-/// union-find; regions are numbered by their first pixel, row by row.
-[[nodiscard]] Components connected_components(const std::vector<float>& depth_m, const std::vector<std::uint8_t>& mask,
-                                              int width, int height, const DepthJump& jump);
+/// Regions of pixels whose mask is 1 (and not 0) that hang together over 8-neighbours without a depth jump.
+/// One pass over runs with union-find; regions are numbered by their first pixel, row by row.
+[[nodiscard]] Components connected_components(const std::vector<float>& depth_m,
+                                              const std::vector<std::uint8_t>& mask, int width, int height,
+                                              const DepthJump& jump);
 
 }  // namespace colift::perception

@@ -33,8 +33,8 @@ Window window_of(const OrganisedCloud& cloud, const std::vector<std::uint32_t>& 
           std::min(cloud.width() - 1, static_cast<int>(most) + 1), std::min(cloud.height() - 1, bottom + 1)};
 }
 
-// Stretches of neighbouring open pixels in the rows of a window, which hang together over their sides. A barrier is a
-// pixel of the object, or a missing one: a shadow beside the rim is no door.
+// Stretches of neighbouring open pixels in the rows of a window, which hang together over their sides. A
+// barrier is a pixel of the object, or a missing one: a shadow beside the rim is no door.
 class OpenRuns {
  public:
   struct Run {
@@ -43,11 +43,13 @@ class OpenRuns {
 
   OpenRuns(const OrganisedCloud& cloud, const Window& win, const std::vector<std::uint32_t>& pixels)
       : outside_{0}, parent_{0} {
-    const std::size_t w = static_cast<std::size_t>(win.width()), width = static_cast<std::size_t>(cloud.width());
+    const std::size_t w = static_cast<std::size_t>(win.width()),
+                      width = static_cast<std::size_t>(cloud.width());
     std::vector<std::uint8_t> barrier(w);
     std::size_t next = 0, above = 0, above_end = 0;
     for (int v = 0; v < win.height(); ++v) {
-      const std::size_t begin = static_cast<std::size_t>(v + win.v0) * width + static_cast<std::size_t>(win.u0);
+      const std::size_t begin =
+          static_cast<std::size_t>(v + win.v0) * width + static_cast<std::size_t>(win.u0);
       const float* d = cloud.depth_m.data() + begin;
       std::uint8_t* b = barrier.data();
       for (std::size_t u = 0; u < w; ++u) b[u] = d[u] == d[u] ? 0 : 1;
@@ -64,7 +66,8 @@ class OpenRuns {
       }
       for (std::size_t r = row_begin; r < runs_.size(); ++r) {
         while (above < above_end && runs_[above].last < runs_[r].first) ++above;
-        for (std::size_t k = above; k < above_end && runs_[k].first <= runs_[r].last; ++k) unite(r + 1, k + 1);
+        for (std::size_t k = above; k < above_end && runs_[k].first <= runs_[r].last; ++k)
+          unite(r + 1, k + 1);
       }
       above = row_begin;
       above_end = runs_.size();
@@ -72,7 +75,9 @@ class OpenRuns {
   }
 
   [[nodiscard]] const std::vector<Run>& runs() const { return runs_; }
-  [[nodiscard]] bool enclosed(std::size_t run) { return root(static_cast<std::int32_t>(run + 1)) != outside_; }
+  [[nodiscard]] bool enclosed(std::size_t run) {
+    return root(static_cast<std::int32_t>(run + 1)) != outside_;
+  }
 
  private:
   static int find(const std::uint8_t* row, int from, int to, std::uint8_t byte) {
@@ -118,7 +123,8 @@ std::vector<std::uint32_t> enclosed_pixels(const OrganisedCloud& cloud, const Gr
   const FlatRectangle r = minimum_area_rectangle(convex_hull(flat));
   const auto over_footprint = [&](const Vec3& p) {
     const Eigen::Vector2d d = Eigen::Vector2d(s.dot(p), t.dot(p)) - r.center;
-    return std::abs(r.u.dot(d)) <= 0.5 * r.size.x() - kShrink_m && std::abs(r.v().dot(d)) <= 0.5 * r.size.y() - kShrink_m;
+    return std::abs(r.u.dot(d)) <= 0.5 * r.size.x() - kShrink_m &&
+           std::abs(r.v().dot(d)) <= 0.5 * r.size.y() - kShrink_m;
   };
 
   std::vector<std::uint32_t> enclosed;
@@ -129,7 +135,8 @@ std::vector<std::uint32_t> enclosed_pixels(const OrganisedCloud& cloud, const Gr
       const std::size_t i = static_cast<std::size_t>((run.row + win.v0) * cloud.width() + u + win.u0);
       if (barred[i]) continue;
       const Vec3 p = cloud.point(i);
-      if (ground.plane.height(p) > -kBelow_m && over_footprint(p)) enclosed.push_back(static_cast<std::uint32_t>(i));
+      if (ground.plane.height(p) > -kBelow_m && over_footprint(p))
+        enclosed.push_back(static_cast<std::uint32_t>(i));
     }
   }
   return enclosed;

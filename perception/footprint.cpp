@@ -126,8 +126,9 @@ class CellGrid {
     return centers;
   }
 
-  /// Points in dense cells that can be corners of their hull. With a point in each of the four quadrants around it
-  /// a point is inside, and for whole cells that takes no more than the first and the last dense cell of each row.
+  /// Points in dense cells that can be corners of their hull. With a point in each of the four quadrants
+  /// around it a point is inside, and for whole cells that takes no more than the first and the last dense
+  /// cell of each row.
   [[nodiscard]] std::vector<Vector2d> outer_points(const std::vector<Vector2d>& points) const {
     const auto columns = static_cast<std::int64_t>(columns_);
     std::vector<std::int64_t> first(rows_, columns), last(rows_, -1);
@@ -262,7 +263,8 @@ void trim_sides(hal::OrientedBox& box, const Flattened& frame, const CellGrid& g
     std::nth_element(along.begin(), along.begin() + last, along.end());
     const double to = along[static_cast<std::size_t>(last)] + slack;
     const double middle = axis.dot(box.center);
-    const double low = std::max(from, middle - 0.5 * box.size[k]), high = std::min(to, middle + 0.5 * box.size[k]);
+    const double low = std::max(from, middle - 0.5 * box.size[k]),
+                 high = std::min(to, middle + 0.5 * box.size[k]);
     box.center += (0.5 * (low + high) - middle) * axis;
     box.size[k] = high - low;
   }
@@ -355,11 +357,13 @@ hal::OrientedBox box_on_plane(std::span<const Eigen::Vector3f> points, const hal
   const Flattened all = flatten(points, ground);
   const CellGrid grid(all.flat, trim);
   const std::size_t last = points.size() - 1;
-  const std::size_t skip = std::min(last, static_cast<std::size_t>(trim.quantile * static_cast<double>(points.size())));
+  const std::size_t skip =
+      std::min(last, static_cast<std::size_t>(trim.quantile * static_cast<double>(points.size())));
   const Ranking heights(all.height);
   const double low = heights.at(skip), high = std::max(low, heights.at(last - skip));
   const bool too_thin = 2 * grid.dense_points() < points.size();
-  hal::OrientedBox box = upright_box(all, too_thin ? all.flat : grid.outer_points(all.flat), low, high, ground);
+  hal::OrientedBox box =
+      upright_box(all, too_thin ? all.flat : grid.outer_points(all.flat), low, high, ground);
   if (!too_thin) trim_sides(box, all, grid, trim);
   return box;
 }

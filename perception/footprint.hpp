@@ -42,7 +42,8 @@ struct BoxTrim {
   double quantile = 0.003;  ///< Part of the points that may lie below, and as much above, the height range.
   double cell_m = 0.01;     ///< Side of the footprint's cells; wider where 4096 cells do not span the object.
   int cell_points = 3;      ///< Cells with fewer points do not count for the footprint.
-  double side_cells = 0.008;  ///< Part of the footprint's cells that may lie beyond each of its sides: a thin tip.
+  double side_cells =
+      0.008;  ///< Part of the footprint's cells that may lie beyond each of its sides: a thin tip.
 };
 
 /// As above, without strays.

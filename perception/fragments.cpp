@@ -17,7 +17,7 @@ constexpr double kFloating_m = 0.1;          // a part this far above the ground
 constexpr double kLegSide_m = 0.2;           // a leg is thinner than this, or higher than wide
 constexpr double kOverlap_m = 0.02;          // heights of two parts overlap by their noise
 constexpr double kStandsOn = 0.15;           // part of the smaller footprint over the other one
-constexpr double kSmallPart = 0.3;           // legs and struts: at most this part of the object they belong to
+constexpr double kSmallPart = 0.3;  // legs and struts: at most this part of the object they belong to
 
 // std::floor is a library call on plain x86-64
 std::int64_t floor_of(double x) {
@@ -71,16 +71,19 @@ double fraction_under(const Fragment& small, const FlatRectangle& r) {
   for (const std::int64_t cell : small.cells) {
     const Eigen::Vector2d d = GroundAxes::center(cell) - r.center;
     // a cell's width of slack: a leg stands flush with the plate's rim
-    inside += std::abs(r.u.dot(d)) <= 0.5 * r.size.x() + kCell_m && std::abs(r.v().dot(d)) <= 0.5 * r.size.y() + kCell_m;
+    inside += std::abs(r.u.dot(d)) <= 0.5 * r.size.x() + kCell_m &&
+              std::abs(r.v().dot(d)) <= 0.5 * r.size.y() + kCell_m;
   }
   return static_cast<double>(inside) / static_cast<double>(small.cells.size());
 }
 
-/// Least distance in space between fragments, over pixels that follow one another in a row or column of the image with
-/// nothing of the mask between them. Fragments that nowhere follow one another are infinitely far apart.
+/// Least distance in space between fragments, over pixels that follow one another in a row or column of the
+/// image with nothing of the mask between them. Fragments that nowhere follow one another are infinitely far
+/// apart.
 class Gaps {
  public:
-  Gaps(const OrganisedCloud& cloud, const Components& components, const std::vector<std::int32_t>& slot, std::size_t n)
+  Gaps(const OrganisedCloud& cloud, const Components& components, const std::vector<std::int32_t>& slot,
+       std::size_t n)
       : n_(n), square_(n * n, std::numeric_limits<float>::infinity()) {
     // the image is walked row by row; what each column saw last is kept beside it
     const std::size_t w = static_cast<std::size_t>(cloud.width());
@@ -94,12 +97,15 @@ class Gaps {
       const std::size_t line = static_cast<std::size_t>(run.row) * w;
       if (run.row != row) last_slot = -1;
       row = run.row;
-      if (last_slot >= 0 && last_slot != s) near(cloud, s, line + static_cast<std::size_t>(run.first), last_slot, last);
+      if (last_slot >= 0 && last_slot != s)
+        near(cloud, s, line + static_cast<std::size_t>(run.first), last_slot, last);
       last_slot = s;
       last = line + static_cast<std::size_t>(run.last);
-      for (std::size_t u = static_cast<std::size_t>(run.first); u <= static_cast<std::size_t>(run.last); ++u) {
+      for (std::size_t u = static_cast<std::size_t>(run.first); u <= static_cast<std::size_t>(run.last);
+           ++u) {
         if (slot_above[u] != s) {
-          if (slot_above[u] >= 0) near(cloud, s, line + u, slot_above[u], static_cast<std::size_t>(row_above[u]) * w + u);
+          if (slot_above[u] >= 0)
+            near(cloud, s, line + u, slot_above[u], static_cast<std::size_t>(row_above[u]) * w + u);
           slot_above[u] = s;
         }
         row_above[u] = run.row;
@@ -119,7 +125,8 @@ class Gaps {
 
  private:
   // two pixels that follow one another, and the fragments that they belong to
-  void near(const OrganisedCloud& cloud, std::int32_t slot_a, std::size_t a, std::int32_t slot_b, std::size_t b) {
+  void near(const OrganisedCloud& cloud, std::int32_t slot_a, std::size_t a, std::int32_t slot_b,
+            std::size_t b) {
     const float dx = cloud.x[a] - cloud.x[b], dy = cloud.y[a] - cloud.y[b], dz = cloud.z[a] - cloud.z[b];
     const float d = dx * dx + dy * dy + dz * dz;
     const std::size_t i = static_cast<std::size_t>(slot_a), k = static_cast<std::size_t>(slot_b);
@@ -134,8 +141,9 @@ Fragment joined(const Fragment& a, const Fragment& b) {
   Fragment f = a;
   f.labels.insert(f.labels.end(), b.labels.begin(), b.labels.end());
   std::sort(f.labels.begin(), f.labels.end());
-  f.mean_depth_m = (a.mean_depth_m * static_cast<double>(a.pixels) + b.mean_depth_m * static_cast<double>(b.pixels)) /
-                   static_cast<double>(a.pixels + b.pixels);
+  f.mean_depth_m =
+      (a.mean_depth_m * static_cast<double>(a.pixels) + b.mean_depth_m * static_cast<double>(b.pixels)) /
+      static_cast<double>(a.pixels + b.pixels);
   f.pixels += b.pixels;
   f.area_m2 += b.area_m2;
   f.min_height_m = std::min(a.min_height_m, b.min_height_m);
@@ -188,7 +196,8 @@ struct Tally {
   Eigen::Array3f least = Eigen::Array3f::Constant(std::numeric_limits<float>::infinity());
   Eigen::Array3f most = -least;
 
-  // false if the cell was met lately; most are met many times, and sorting them all would cost more than the rest
+  // false if the cell was met lately; most are met many times, and sorting them all would cost more than the
+  // rest
   bool is_new(std::int64_t cell) {
     const auto c = static_cast<std::uint64_t>(cell);
     std::int64_t& met = recent[((c >> 32) * 8 + (c & 7)) % recent.size()];
@@ -199,8 +208,8 @@ struct Tally {
   std::array<std::int64_t, 128> recent{};
 
   // `count` pixels from `first` on; `height` is room for as many numbers
-  void add(const OrganisedCloud& cloud, std::size_t first, Eigen::Index count, const Eigen::Vector3f& up, float offset,
-           Eigen::ArrayXf& height) {
+  void add(const OrganisedCloud& cloud, std::size_t first, Eigen::Index count, const Eigen::Vector3f& up,
+           float offset, Eigen::ArrayXf& height) {
     using Values = Eigen::Map<const Eigen::ArrayXf>;
     const Values d(cloud.depth_m.data() + first, count), x(cloud.x.data() + first, count),
         y(cloud.y.data() + first, count), z(cloud.z.data() + first, count);
@@ -217,14 +226,19 @@ struct Tally {
 };
 
 // how many of first..last are at most, at least
-int up_to(int first, int last, int limit) { return std::max(0, std::min(last, limit) - first + 1); }
-int from_on(int first, int last, int limit) { return std::max(0, last - std::max(first, limit) + 1); }
+int up_to(int first, int last, int limit) {
+  return std::max(0, std::min(last, limit) - first + 1);
+}
+int from_on(int first, int last, int limit) {
+  return std::max(0, last - std::max(first, limit) + 1);
+}
 
 // where each region of the image stands among the fragments; -1 for speckle
 std::vector<std::int32_t> slots_of(const std::vector<Fragment>& fragments, std::size_t regions) {
   std::vector<std::int32_t> slot(regions, -1);
   for (std::size_t f = 0; f < fragments.size(); ++f)
-    for (const std::int32_t l : fragments[f].labels) slot[static_cast<std::size_t>(l)] = static_cast<std::int32_t>(f);
+    for (const std::int32_t l : fragments[f].labels)
+      slot[static_cast<std::size_t>(l)] = static_cast<std::int32_t>(f);
   return slot;
 }
 
@@ -238,7 +252,8 @@ double footprint_span(const Fragment& f) {
 }
 
 std::vector<Fragment> describe_fragments(const OrganisedCloud& cloud, const Components& components,
-                                         const Ground& ground, const ImageBorder& border, const FragmentConfig& config) {
+                                         const Ground& ground, const ImageBorder& border,
+                                         const FragmentConfig& config) {
   std::vector<Fragment> fragments;
   for (std::size_t l = 0; l < components.pixels.size(); ++l) {
     if (components.pixels[l] < static_cast<std::uint32_t>(config.min_pixels)) continue;

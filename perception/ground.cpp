@@ -17,19 +17,20 @@ namespace {
 constexpr double kRad = std::numbers::pi / 180.0;
 constexpr double kParallelDeg = 8.0;
 constexpr double kSameLevel_m = 0.02;
-constexpr float kWidest = 2.0f;              // first tolerance of the pixel fit, relative to the last
-constexpr int kFitStride = 3;  // every third pixel of every third row: 34 000 are plenty for three numbers
+constexpr float kWidest = 2.0f;  // first tolerance of the pixel fit, relative to the last
+constexpr int kFitStride = 3;    // every third pixel of every third row: 34 000 are plenty for three numbers
 constexpr std::size_t kLeastInliers = 50;
-constexpr std::size_t kLanes = 4;            // floats in a register of plain x86-64
+constexpr std::size_t kLanes = 4;  // floats in a register of plain x86-64
 
 // The pixels that may lie on a plane, kept close together for several rounds of fitting.
 struct Samples {
   std::vector<float> s, t, h, slack;  ///< In the plane, above it; one sigma of the height's noise.
 };
 
-// every stride-th row and pixel within reach of the plane; `axes` are the plane's tangents and normal, at `origin`
-Samples gather(const OrganisedCloud& cloud, const Eigen::Matrix3f& axes, const Eigen::Vector3f& origin, float eye_height,
-               const NoiseModel& noise, const GroundConfig& c, int stride) {
+// every stride-th row and pixel within reach of the plane; `axes` are the plane's tangents and normal, at
+// `origin`
+Samples gather(const OrganisedCloud& cloud, const Eigen::Matrix3f& axes, const Eigen::Vector3f& origin,
+               float eye_height, const NoiseModel& noise, const GroundConfig& c, int stride) {
   const float sigma0 = static_cast<float>(noise.sigma0_m), sigma2 = static_cast<float>(noise.sigma2_per_m);
   const float base = kWidest * static_cast<float>(c.tolerance_m);
   const float factor = kWidest * static_cast<float>(c.tolerance_sigma);
@@ -43,8 +44,8 @@ Samples gather(const OrganisedCloud& cloud, const Eigen::Matrix3f& axes, const E
   std::vector<float> rows(4 * w);
   float *row_s = rows.data(), *row_t = row_s + w, *row_h = row_t + w, *row_slack = row_h + w;
   const float *px = cloud.x.data(), *py = cloud.y.data(), *pz = cloud.z.data();
-  const float ox = origin.x(), oy = origin.y(), oz = origin.z(), sx = es.x(), sy = es.y(), sz = es.z(), tx = et.x(),
-              ty = et.y(), tz = et.z();
+  const float ox = origin.x(), oy = origin.y(), oz = origin.z(), sx = es.x(), sy = es.y(), sz = es.z(),
+              tx = et.x(), ty = et.y(), tz = et.z();
   using Row = Eigen::Map<const Eigen::ArrayXf>;
   for (std::size_t row = 0; row < cloud.size(); row += w * static_cast<std::size_t>(stride)) {
     const Row d(cloud.depth_m.data() + row, cloud.width()), x(cloud.x.data() + row, cloud.width()),
@@ -96,7 +97,8 @@ FitSums fit_sums(const Samples& p, const Eigen::Vector3f& last, float base, floa
   std::array<float, kBatch> weight{}, inside{}, squared{};
   for (std::size_t begin = 0; begin < p.h.size(); begin += kBatch) {
     const std::size_t n = std::min(kBatch, p.h.size() - begin);
-    const float *s = p.s.data() + begin, *t = p.t.data() + begin, *h = p.h.data() + begin, *sigma = p.slack.data() + begin;
+    const float *s = p.s.data() + begin, *t = p.t.data() + begin, *h = p.h.data() + begin,
+                *sigma = p.slack.data() + begin;
     const float a = last[0], b = last[1], c = last[2];
     for (std::size_t i = 0; i < n; ++i) {
       const float rest = h[i] - a - b * s[i] - c * t[i];
@@ -129,16 +131,17 @@ FitSums fit_sums(const Samples& p, const Eigen::Vector3f& last, float base, floa
   return out;
 }
 
-// Weighted least squares on the pixels. The tolerance starts wide, so that a crooked start finds its way, and shrinks, so
-// that the rims of low objects fall out.
-Ground refine(const Plane& start, const OrganisedCloud& cloud, const NoiseModel& noise, const GroundConfig& c) {
+// Weighted least squares on the pixels. The tolerance starts wide, so that a crooked start finds its way, and
+// shrinks, so that the rims of low objects fall out.
+Ground refine(const Plane& start, const OrganisedCloud& cloud, const NoiseModel& noise,
+              const GroundConfig& c) {
   const Vec3 eye = cloud.X_WC.translation();
   const auto [es, et] = hal::tangents(start.normal);
   const Vec3 origin = start.foot(eye);
   Eigen::Matrix3f axes;
   axes << es.cast<float>(), et.cast<float>(), start.normal.cast<float>();
-  const Samples p = gather(cloud, axes, origin.cast<float>(), std::max(1e-3f, static_cast<float>(start.height(eye))),
-                           noise, c, kFitStride);
+  const Samples p = gather(cloud, axes, origin.cast<float>(),
+                           std::max(1e-3f, static_cast<float>(start.height(eye))), noise, c, kFitStride);
 
   // the plane as a height over the start: h = a + b s + c t
   Eigen::Vector3f height = Eigen::Vector3f::Zero();
@@ -160,7 +163,8 @@ Ground refine(const Plane& start, const OrganisedCloud& cloud, const NoiseModel&
   }
   const Vec3 normal = (start.normal - height[1] * es - height[2] * et).normalized();
   const Plane plane{normal, -normal.dot(origin + height[0] * start.normal)};
-  return {plane, inliers * kFitStride * kFitStride, inliers ? std::sqrt(square / static_cast<double>(inliers)) : 0.0};
+  return {plane, inliers * kFitStride * kFitStride,
+          inliers ? std::sqrt(square / static_cast<double>(inliers)) : 0.0};
 }
 
 }  // namespace
@@ -173,10 +177,13 @@ GroundResult find_ground(const OrganisedCloud& cloud, const std::vector<BlockPla
   const double max_tilt_deg = up_W ? c.max_tilt_deg : c.max_tilt_unknown_deg;
   const auto faces_up = [&](const Vec3& n) { return n.dot(up) > std::cos(max_tilt_deg * kRad); };
 
-  const std::vector<VotedPlane> level = vote_planes(blocks, faces_up, noise, {c.tolerance_m, c.tolerance_sigma});
+  const std::vector<VotedPlane> level =
+      vote_planes(blocks, faces_up, noise, {c.tolerance_m, c.tolerance_sigma});
   if (level.empty()) {
-    return {std::nullopt, fmt::format("no ground: none of {} flat image blocks lie on a plane that faces up within "
-                                      "{:.0f} degrees", blocks.size(), max_tilt_deg)};
+    return {std::nullopt,
+            fmt::format("no ground: none of {} flat image blocks lie on a plane that faces up within "
+                        "{:.0f} degrees",
+                        blocks.size(), max_tilt_deg)};
   }
 
   // the lowest of the planes that are parallel to the largest one and large enough
@@ -190,11 +197,13 @@ GroundResult find_ground(const OrganisedCloud& cloud, const std::vector<BlockPla
 
   const Ground ground = refine(best->plane, cloud, noise, c);
   if (static_cast<double>(ground.inliers) < c.min_image_fraction * static_cast<double>(seen)) {
-    return {std::nullopt, fmt::format("no ground: the best level plane explains {} of {} seen pixels, {:.0f} % are "
-                                      "needed", ground.inliers, seen, 100 * c.min_image_fraction)};
+    return {std::nullopt,
+            fmt::format("no ground: the best level plane explains {} of {} seen pixels, {:.0f} % are "
+                        "needed",
+                        ground.inliers, seen, 100 * c.min_image_fraction)};
   }
-  return {ground, fmt::format("ground: {} pixels within {:.1f} mm rms, camera {:.2f} m above it", ground.inliers,
-                              1000 * ground.rms_m, ground.plane.height(eye))};
+  return {ground, fmt::format("ground: {} pixels within {:.1f} mm rms, camera {:.2f} m above it",
+                              ground.inliers, 1000 * ground.rms_m, ground.plane.height(eye))};
 }
 
 }  // namespace colift::perception

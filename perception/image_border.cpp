@@ -5,12 +5,15 @@
 namespace colift::perception {
 namespace {
 
-// pixels; a wider gap is a hole in the scene and not a margin (43 columns and 29 rows were seen in registered frames)
+// pixels; a wider gap is a hole in the scene and not a margin (43 columns and 29 rows were seen in registered
+// frames)
 constexpr int kWidestSide = 44;
 constexpr int kWidestEnd = 30;
-constexpr int kNeighbourhood = 12; // rows or columns that share a margin: it slants by less than a pixel over these
+constexpr int kNeighbourhood =
+    12;  // rows or columns that share a margin: it slants by less than a pixel over these
 
-// the outermost seen pixel of a line is a rim only if its neighbours agree: an object before nothing is no rim
+// the outermost seen pixel of a line is a rim only if its neighbours agree: an object before nothing is no
+// rim
 void settle(std::vector<int>& rim, int image_edge, int widest, bool low) {
   std::vector<int> agreed(rim.size());
   const int n = static_cast<int>(rim.size());
@@ -37,7 +40,8 @@ ImageBorder find_image_border(const OrganisedCloud& cloud) {
   b.bottom.assign(static_cast<std::size_t>(w), -1);
 
   const auto at = [&](int u, int v) {
-    return cloud.seen(static_cast<std::size_t>(v) * static_cast<std::size_t>(w) + static_cast<std::size_t>(u));
+    return cloud.seen(static_cast<std::size_t>(v) * static_cast<std::size_t>(w) +
+                      static_cast<std::size_t>(u));
   };
   for (int v = 0; v < h; ++v) {
     const std::size_t i = static_cast<std::size_t>(v);

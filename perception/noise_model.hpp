@@ -4,12 +4,13 @@
 
 namespace colift::perception {
 
-/// Depth noise of a structured-light camera. Every distance threshold follows it, so that no algorithm hard-codes a
-/// sensor. Defaults: measured on planes in single Kinect v1 and Xtion frames (sigma) and the Kinect code table (step).
+/// Depth noise of a structured-light camera. Every distance threshold follows it, so that no algorithm
+/// hard-codes a sensor. Defaults: measured on planes in single Kinect v1 and Xtion frames (sigma) and the
+/// Kinect code table (step).
 struct NoiseModel {
-  double sigma0_m = 0.0003;        ///< Noise floor (m).
-  double sigma2_per_m = 0.0012;    ///< Growth with the square of the distance (1/m).
-  double step2_per_m = 1.0 / 345.5; ///< Quantisation: distance between neighbouring codes is step2 * z^2.
+  double sigma0_m = 0.0003;          ///< Noise floor (m).
+  double sigma2_per_m = 0.0012;      ///< Growth with the square of the distance (1/m).
+  double step2_per_m = 1.0 / 345.5;  ///< Quantisation: distance between neighbouring codes is step2 * z^2.
 
   /// Standard deviation of one depth value at distance z (m).
   [[nodiscard]] double sigma(double z_m) const { return sigma0_m + sigma2_per_m * z_m * z_m; }

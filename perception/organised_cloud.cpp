@@ -14,10 +14,11 @@ OrganisedCloud deproject(const hal::DepthFrame& frame, const hal::Pose& X_WC) {
   const Eigen::Vector3f t = X_WC.translation().cast<float>();
   const auto& k = frame.intrinsics;
   std::vector<float> ray_x(static_cast<std::size_t>(k.width));
-  for (int u = 0; u < k.width; ++u) ray_x[static_cast<std::size_t>(u)] = static_cast<float>((u - k.cx) / k.fx);
+  for (int u = 0; u < k.width; ++u)
+    ray_x[static_cast<std::size_t>(u)] = static_cast<float>((u - k.cx) / k.fx);
 
-  // Rows are made in the cache and appended: fresh memory is touched once, by the copy. A missing depth is NaN and stays
-  // NaN through the arithmetic: no branch in the loop.
+  // Rows are made in the cache and appended: fresh memory is touched once, by the copy. A missing depth is
+  // NaN and stays NaN through the arithmetic: no branch in the loop.
   const std::size_t w = ray_x.size();
   std::vector<float> rows(3 * w);
   float *px = rows.data(), *py = px + w, *pz = py + w;

@@ -9,8 +9,9 @@
 
 namespace colift::perception {
 
-/// A depth image with its points in frame W. The image is the index: pixel (u, v) is entry v * width + u of every
-/// array, and neighbours in the image are neighbours in the arrays. Where nothing was seen, all four values are NaN.
+/// A depth image with its points in frame W. The image is the index: pixel (u, v) is entry v * width + u of
+/// every array, and neighbours in the image are neighbours in the arrays. Where nothing was seen, all four
+/// values are NaN.
 struct OrganisedCloud {
   hal::CameraIntrinsics intrinsics;
   hal::Pose X_WC = hal::Pose::Identity();  ///< Camera optical frame C in W.

@@ -77,7 +77,8 @@ std::vector<VotedPlane> vote_planes(const std::vector<BlockPlane>& blocks,
   const std::size_t stride = std::max<std::size_t>(1, proposers.size() / kProposals);
   for (std::size_t k = stride / 2; k < proposers.size(); k += stride) {
     const std::size_t i = proposers[k];
-    const bool known = std::any_of(found.begin(), found.end(), [&](const VotedPlane& f) { return voter.votes(i, f.plane); });
+    const bool known =
+        std::any_of(found.begin(), found.end(), [&](const VotedPlane& f) { return voter.votes(i, f.plane); });
     if (known) continue;
 
     // one block's normal is a weak proposal: let the blocks near it mend it before the count
@@ -86,7 +87,8 @@ std::vector<VotedPlane> vote_planes(const std::vector<BlockPlane>& blocks,
     for (int round = 0; round < kRefits; ++round) plane = voter.refit(plane);
     if (!wanted(plane.normal)) continue;  // a wall that grew out of one crooked block
     const bool again = std::any_of(found.begin(), found.end(), [&](const VotedPlane& f) {
-      return f.plane.normal.dot(plane.normal) > std::cos(2.0 * kRad) && std::abs(f.plane.height(plane.foot(blocks[i].center.cast<double>()))) < 0.01;
+      return f.plane.normal.dot(plane.normal) > std::cos(2.0 * kRad) &&
+             std::abs(f.plane.height(plane.foot(blocks[i].center.cast<double>()))) < 0.01;
     });
     if (again) continue;
 
@@ -98,7 +100,8 @@ std::vector<VotedPlane> vote_planes(const std::vector<BlockPlane>& blocks,
     }
     if (voted.blocks.size() >= kLeastBlocks) found.push_back(std::move(voted));
   }
-  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.area_m2 > b.area_m2; });
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.area_m2 > b.area_m2; });
   return found;
 }
 

@@ -16,7 +16,8 @@ struct VotedPlane {
   std::vector<const BlockPlane*> blocks;  ///< Those blocks.
 };
 
-/// Distance from a plane within which a block or pixel belongs to it: base + sigma_factor * noise at its depth.
+/// Distance from a plane within which a block or pixel belongs to it: base + sigma_factor * noise at its
+/// depth.
 struct PlaneTolerance {
   double base_m = 0.006;
   double sigma_factor = 3.0;
@@ -26,9 +27,9 @@ struct PlaneTolerance {
   }
 };
 
-/// Planes that the blocks vote for, largest area first, each once. `wanted` decides by the unit normal (towards the
-/// camera) which blocks may propose and which planes may result. Deterministic: no random draws, every k-th block
-/// proposes.
+/// Planes that the blocks vote for, largest area first, each once. `wanted` decides by the unit normal
+/// (towards the camera) which blocks may propose and which planes may result. Deterministic: no random draws,
+/// every k-th block proposes.
 [[nodiscard]] std::vector<VotedPlane> vote_planes(const std::vector<BlockPlane>& blocks,
                                                   const std::function<bool(const Vec3&)>& wanted,
                                                   const NoiseModel& noise, const PlaneTolerance& tolerance);

@@ -26,8 +26,8 @@ DepthJump jump_of(const NoiseModel& noise, const TargetConfig& c) {
 }
 
 // pixels that stand above the ground by more than its noise; missing pixels compare false
-std::vector<std::uint8_t> raised_pixels(const OrganisedCloud& cloud, const Ground& ground, const NoiseModel& noise,
-                                        const TargetConfig& c) {
+std::vector<std::uint8_t> raised_pixels(const OrganisedCloud& cloud, const Ground& ground,
+                                        const NoiseModel& noise, const TargetConfig& c) {
   const Eigen::Vector3f n = ground.plane.normal.cast<float>();
   const float offset = static_cast<float>(ground.plane.offset);
   const float eye_height = static_cast<float>(std::max(1e-3, ground.plane.height(cloud.X_WC.translation())));
@@ -43,7 +43,8 @@ std::vector<std::uint8_t> raised_pixels(const OrganisedCloud& cloud, const Groun
     const Row d(cloud.depth_m.data() + row, w), x(cloud.x.data() + row, w), y(cloud.y.data() + row, w),
         z(cloud.z.data() + row, w);
     // depth noise enters the height by the slope of the ray, at most one
-    above = (n.x() * x + n.y() * y + n.z() * z + offset) - (base + (k0 + k2 * d * d) * (eye_height / d).min(1.0f));
+    above = (n.x() * x + n.y() * y + n.z() * z + offset) -
+            (base + (k0 + k2 * d * d) * (eye_height / d).min(1.0f));
     std::uint8_t* out = mask.data() + row;
     const float* a = above.data();
     for (Eigen::Index u = 0; u < w; ++u) out[u] = a[u] > 0.0f ? 1 : 0;
@@ -52,8 +53,8 @@ std::vector<std::uint8_t> raised_pixels(const OrganisedCloud& cloud, const Groun
 }
 
 // 1 where pixels a[i] and b[i] are both in the mask and on one surface
-void link(const float* a, const float* b, const std::uint8_t* in_a, const std::uint8_t* in_b, const DepthJump& jump,
-          int count, std::uint8_t* out) {
+void link(const float* a, const float* b, const std::uint8_t* in_a, const std::uint8_t* in_b,
+          const DepthJump& jump, int count, std::uint8_t* out) {
   const float base = jump.base_m, growth = jump.growth_per_m;
   for (int i = 0; i < count; ++i) {
     const float near = a[i] < b[i] ? a[i] : b[i];
@@ -62,13 +63,14 @@ void link(const float* a, const float* b, const std::uint8_t* in_a, const std::u
   }
 }
 
-// takes away pixels with few neighbours at their own depth: flying pixels between an edge and its background, speckle
+// takes away pixels with few neighbours at their own depth: flying pixels between an edge and its background,
+// speckle
 void clear_flying_pixels(const OrganisedCloud& cloud, const DepthJump& jump, int min_neighbours,
                          std::vector<std::uint8_t>& mask) {
   const int w = cloud.width(), h = cloud.height();
   const std::size_t stride = static_cast<std::size_t>(w);
-  // Links between a row and the one below, one column of margin on both sides: straight down, down right, down left.
-  // Each serves both of its rows; `above` is the row before.
+  // Links between a row and the one below, one column of margin on both sides: straight down, down right,
+  // down left. Each serves both of its rows; `above` is the row before.
   using Row = std::vector<std::uint8_t>;
   Row down(stride + 2), right_down(stride + 2), left_down(stride + 2), beside(stride + 2);
   Row down_above = down, right_down_above = down, left_down_above = down;
@@ -77,7 +79,8 @@ void clear_flying_pixels(const OrganisedCloud& cloud, const DepthJump& jump, int
     const float* d = cloud.depth_m.data() + static_cast<std::size_t>(v) * stride;
     std::uint8_t* m = mask.data() + static_cast<std::size_t>(v) * stride;
     if (!std::memchr(m, 1, stride)) {
-      for (Row* row : {&down_above, &right_down_above, &left_down_above}) std::fill(row->begin(), row->end(), std::uint8_t{0});
+      for (Row* row : {&down_above, &right_down_above, &left_down_above})
+        std::fill(row->begin(), row->end(), std::uint8_t{0});
       continue;
     }
     std::copy_n(m, w, before.begin());
@@ -94,7 +97,8 @@ void clear_flying_pixels(const OrganisedCloud& cloud, const DepthJump& jump, int
     const std::uint8_t *s = beside.data(), *n = down.data(), *se = right_down.data(), *sw = left_down.data(),
                        *na = down_above.data(), *nw = right_down_above.data(), *ne = left_down_above.data();
     for (int u = 0; u < w; ++u) {
-      const int neighbours = s[u] + s[u + 1] + n[u + 1] + se[u + 1] + sw[u + 1] + na[u + 1] + nw[u] + ne[u + 2];
+      const int neighbours =
+          s[u] + s[u + 1] + n[u + 1] + se[u + 1] + sw[u + 1] + na[u + 1] + nw[u] + ne[u + 2];
       m[u] = static_cast<std::uint8_t>(b[u] & (neighbours >= min_neighbours ? 1 : 0));
     }
     down.swap(down_above);
@@ -118,7 +122,9 @@ Cut lateral_cut(const Fragment& f) {
 }
 
 // part of its upper side that the view cuts; its footprint may still be whole
-double top_cut(const Fragment& f) { return f.cut_top / (2.0 * (f.u_max - f.u_min + 1)); }
+double top_cut(const Fragment& f) {
+  return f.cut_top / (2.0 * (f.u_max - f.u_min + 1));
+}
 
 // what speaks against a fragment as target; nothing for a free-standing object
 std::optional<RejectedObject> objection(const Fragment& f, const TargetConfig& c) {
@@ -127,27 +133,43 @@ std::optional<RejectedObject> objection(const Fragment& f, const TargetConfig& c
     return RejectedObject{kind, f.box.center(), f.pixels, std::move(why)};
   };
   if (f.area_m2 < c.min_area_m2 || f.pixels < kLeastPixels)
-    return reject(Kind::Small, fmt::format("{:.0f} cm2 of it are visible in {} pixels, {:.0f} cm2 and {} pixels are needed", 1e4 * f.area_m2, f.pixels, 1e4 * c.min_area_m2, kLeastPixels));
-  if (f.max_height_m - std::max(0.0, f.min_height_m) < c.min_thickness_m && f.min_height_m < 2 * c.min_thickness_m)
-    return reject(Kind::Flat, fmt::format("it rises {:.0f} mm over the ground, {:.0f} are needed", 1e3 * f.max_height_m, 1e3 * c.min_thickness_m));
+    return reject(Kind::Small,
+                  fmt::format("it shows {:.0f} cm2 in {} pixels, {:.0f} cm2 and {} pixels are needed",
+                              1e4 * f.area_m2, f.pixels, 1e4 * c.min_area_m2, kLeastPixels));
+  if (f.max_height_m - std::max(0.0, f.min_height_m) < c.min_thickness_m &&
+      f.min_height_m < 2 * c.min_thickness_m)
+    return reject(Kind::Flat, fmt::format("it rises {:.0f} mm over the ground, {:.0f} are needed",
+                                          1e3 * f.max_height_m, 1e3 * c.min_thickness_m));
   if (f.mean_depth_m > c.max_range_m)
-    return reject(Kind::Far, fmt::format("it is {:.1f} m away, the limit is {:.1f} m", f.mean_depth_m, c.max_range_m));
+    return reject(Kind::Far,
+                  fmt::format("it is {:.1f} m away, the limit is {:.1f} m", f.mean_depth_m, c.max_range_m));
   // wider than high is a desk with things on it, not a person
   if (f.max_height_m > c.max_height_m && footprint_span(f) < f.max_height_m)
-    return reject(Kind::Person, fmt::format("it is {:.2f} m tall, a person or furniture that is not carried (limit {:.2f} m)", f.max_height_m, c.max_height_m));
+    return reject(
+        Kind::Person,
+        fmt::format("it is {:.2f} m tall, a person or furniture that is not carried (limit {:.2f} m)",
+                    f.max_height_m, c.max_height_m));
   if (top_cut(f) > kHeadCut && f.max_height_m > footprint_span(f))
-    return reject(Kind::Person, fmt::format("it leaves the view at the top, {:.2f} m above the ground and taller than wide: a person or furniture that is not carried", f.max_height_m));
+    return reject(Kind::Person, fmt::format("it leaves the view at the top, {:.2f} m above the ground and "
+                                            "taller than wide: a person or furniture that is not carried",
+                                            f.max_height_m));
   const Cut cut = lateral_cut(f);
   if (cut.fraction + kTopCutWeight * top_cut(f) > c.max_cut)
-    return reject(Kind::Cut, fmt::format("{:.0f} % of its {} side leave the view, so it is not known to stand free (limit {:.0f} %)", 100 * cut.fraction, cut.side, 100 * c.max_cut));
+    return reject(
+        Kind::Cut,
+        fmt::format(
+            "its {1} side leaves the view by {0:.0f} %, so it is not known to stand free (limit {2:.0f} %)",
+            100 * cut.fraction, cut.side, 100 * c.max_cut));
   return std::nullopt;
 }
 
 // visible area, less where the view cuts it: half an object in view is a worse bet than a smaller whole one
-double rank(const Fragment& f) { return f.area_m2 * (1.0 - lateral_cut(f).fraction); }
+double rank(const Fragment& f) {
+  return f.area_m2 * (1.0 - lateral_cut(f).fraction);
+}
 
-Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Components& components, const Ground& ground,
-                   const std::vector<std::uint8_t>& on_wall) {
+Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Components& components,
+                   const Ground& ground, const std::vector<std::uint8_t>& on_wall) {
   Target t;
   t.pixels.reserve(f.pixels);
   std::vector<std::uint8_t> own_label(components.pixels.size(), 0);
@@ -157,7 +179,8 @@ Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Compone
     const std::uint32_t row = static_cast<std::uint32_t>(run.row) * static_cast<std::uint32_t>(cloud.width());
     const std::size_t begin = t.pixels.size();
     t.pixels.resize(begin + static_cast<std::size_t>(run.last - run.first + 1));
-    std::iota(t.pixels.begin() + static_cast<std::ptrdiff_t>(begin), t.pixels.end(), row + static_cast<std::uint32_t>(run.first));
+    std::iota(t.pixels.begin() + static_cast<std::ptrdiff_t>(begin), t.pixels.end(),
+              row + static_cast<std::uint32_t>(run.first));
   }
   const std::vector<std::uint32_t> inside = enclosed_pixels(cloud, ground, t.pixels, on_wall);
   const auto own = static_cast<std::ptrdiff_t>(t.pixels.size());
@@ -192,8 +215,9 @@ double distance(const Fragment& f, const OrganisedCloud& cloud, const Components
 
 }  // namespace
 
-TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPlane>& blocks, const Ground& ground,
-                         const NoiseModel& noise, const TargetConfig& c, const std::optional<Vec3>& at_W) {
+TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPlane>& blocks,
+                         const Ground& ground, const NoiseModel& noise, const TargetConfig& c,
+                         const std::optional<Vec3>& at_W) {
   const ImageBorder border = find_image_border(cloud);
   const DepthJump jump = jump_of(noise, c);
   std::vector<std::uint8_t> mask = raised_pixels(cloud, ground, noise, c);
@@ -202,14 +226,18 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
   const std::size_t wall_pixels = clear_walls(cloud, walls, noise, c.walls, mask);
   std::transform(on_wall.begin(), on_wall.end(), mask.begin(), on_wall.begin(), std::minus<>());
   clear_flying_pixels(cloud, jump, c.min_neighbours, mask);
-  const Components components = connected_components(cloud.depth_m, mask, cloud.width(), cloud.height(), jump);
-  const std::vector<Fragment> objects = join_fragments(
-      describe_fragments(cloud, components, ground, border, c.fragments), cloud, components, noise, c.fragments);
+  const Components components =
+      connected_components(cloud.depth_m, mask, cloud.width(), cloud.height(), jump);
+  const std::vector<Fragment> objects =
+      join_fragments(describe_fragments(cloud, components, ground, border, c.fragments), cloud, components,
+                     noise, c.fragments);
 
   TargetResult result;
   if (!walls.empty()) {
-    result.rejected.push_back({RejectedObject::Kind::Wall, walls.front().plane.foot(cloud.X_WC.translation()), wall_pixels,
-                               fmt::format("{} upright plane(s) wider than {:.1f} m are walls", walls.size(), c.walls.min_width_m)});
+    result.rejected.push_back({RejectedObject::Kind::Wall, walls.front().plane.foot(cloud.X_WC.translation()),
+                               wall_pixels,
+                               fmt::format("{} upright plane(s) wider than {:.1f} m are walls", walls.size(),
+                                           c.walls.min_width_m)});
   }
   const Fragment* chosen = nullptr;
   const Fragment* second = nullptr;
@@ -219,8 +247,10 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
       const double d = distance(f, cloud, components, *at_W);
       if (d < best) std::tie(best, chosen) = std::pair(d, &f);
     }
-    if (chosen) result.because = fmt::format("the object {:.0f} mm from the given point", 1000 * best);
-    else result.because = "nothing stands on the ground";
+    if (chosen)
+      result.because = fmt::format("the object {:.0f} mm from the given point", 1000 * best);
+    else
+      result.because = "nothing stands on the ground";
   } else {
     for (const Fragment& f : objects) {
       if (auto no = objection(f, c)) {
@@ -237,24 +267,32 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
     for (const Fragment& f : objects) {
       if (&f == chosen || objection(f, c)) continue;
       result.rejected.push_back({RejectedObject::Kind::Lesser, f.box.center(), f.pixels,
-                                 fmt::format("{:.0f} cm2 of it are visible, less than of the target", 1e4 * rank(f))});
+                                 fmt::format("it shows {:.0f} cm2, less than the target", 1e4 * rank(f))});
     }
     if (chosen) {
-      result.because = fmt::format("the largest free-standing object: {:.0f} cm2 visible at {:.2f} m, {:.2f} m high",
-                                   1e4 * chosen->area_m2, chosen->mean_depth_m, chosen->max_height_m);
+      result.because =
+          fmt::format("the largest free-standing object: {:.0f} cm2 visible at {:.2f} m, {:.2f} m high",
+                      1e4 * chosen->area_m2, chosen->mean_depth_m, chosen->max_height_m);
       if (second) result.because += fmt::format("; the next one shows {:.0f} cm2", 1e4 * rank(*second));
       const double top = top_cut(*chosen);
-      if (top > 0.1) result.because += fmt::format("; the view cuts {:.0f} % of its upper side, so its height is not known", 100 * top);
+      if (top > 0.1)
+        result.because +=
+            fmt::format("; the view cuts {:.0f} % of its upper side, so its height is not known", 100 * top);
       const Cut cut = lateral_cut(*chosen);
-      if (cut.fraction > 0.02) result.because += fmt::format("; {:.0f} % of its {} side touch the rim of the view", 100 * cut.fraction, cut.side);
+      if (cut.fraction > 0.02)
+        result.because +=
+            fmt::format("; {:.0f} % of its {} side touch the rim of the view", 100 * cut.fraction, cut.side);
     } else if (result.rejected.empty()) {
       result.because = "no target: nothing stands on the ground";
     } else {
-      std::stable_sort(result.rejected.begin(), result.rejected.end(), [](const auto& a, const auto& b) { return a.pixels > b.pixels; });
-      result.because = fmt::format("no target: none of {} objects stands free; the largest: {}", result.rejected.size(), result.rejected.front().because);
+      std::stable_sort(result.rejected.begin(), result.rejected.end(),
+                       [](const auto& a, const auto& b) { return a.pixels > b.pixels; });
+      result.because = fmt::format("no target: none of {} objects stands free; the largest: {}",
+                                   result.rejected.size(), result.rejected.front().because);
     }
   }
-  std::stable_sort(result.rejected.begin(), result.rejected.end(), [](const auto& a, const auto& b) { return a.pixels > b.pixels; });
+  std::stable_sort(result.rejected.begin(), result.rejected.end(),
+                   [](const auto& a, const auto& b) { return a.pixels > b.pixels; });
   if (chosen) {
     result.target = make_target(*chosen, cloud, components, ground, on_wall);
     result.target->because = result.because;

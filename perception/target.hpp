@@ -32,18 +32,23 @@ struct TargetConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("clearance_m", clearance_m, hal::kNotNegative, "What lies lower over the ground, beside the noise, is ground.");
+    v("clearance_m", clearance_m, hal::kNotNegative,
+      "What lies lower over the ground, beside the noise, is ground.");
     v("clearance_sigma", clearance_sigma, hal::kNotNegative, "Noise of the ground, in standard deviations.");
     v("max_range_m", max_range_m, hal::kPositive, "Farther objects are not looked at.");
-    v("max_height_m", max_height_m, hal::kPositive, "Taller things are persons or furniture that is not carried.");
+    v("max_height_m", max_height_m, hal::kPositive,
+      "Taller things are persons or furniture that is not carried.");
     v("min_thickness_m", min_thickness_m, hal::kNotNegative, "Flatter things are unevenness of the ground.");
     v("min_area_m2", min_area_m2, hal::kPositive, "Smallest visible area of a target.");
     v("max_cut", max_cut, hal::kFraction,
-      "An object of which more than this part of a side leaves the view at the left, right or bottom is not free-standing.");
-    v("jump_base_m", jump_base_m, hal::kNotNegative, "Depth difference of neighbouring pixels on one surface, fixed part.");
+      "An object of which more than this part of a side leaves the view at the left, right or bottom is not "
+      "free-standing.");
+    v("jump_base_m", jump_base_m, hal::kNotNegative,
+      "Depth difference of neighbouring pixels on one surface, fixed part.");
     v("jump_sigma", jump_sigma, hal::kNotNegative, "The same, in standard deviations of the depth noise.");
     v("jump_steps", jump_steps, hal::kNotNegative, "The same, in quantisation steps.");
-    v("min_neighbours", min_neighbours, hal::Range{0, 8}, "A pixel with fewer neighbours at its depth is a flying pixel.");
+    v("min_neighbours", min_neighbours, hal::Range{0, 8},
+      "A pixel with fewer neighbours at its depth is a flying pixel.");
     v("fragments", fragments, "How image regions are joined to objects.");
     v("walls", walls, "What counts as a wall.");
   }
@@ -59,16 +64,17 @@ struct RejectedObject {
 };
 
 struct TargetResult {
-  std::optional<Target> target;          ///< Without surfaces and completion: shape equals obb, cog its centre.
+  std::optional<Target> target;  ///< Without surfaces and completion: shape equals obb, cog its centre.
   std::vector<RejectedObject> rejected;  ///< Largest first.
   std::string because;
 };
 
-/// The object to be carried: the largest free-standing one on the ground, or the one nearest to `at_W`. Objects are
-/// connected regions of the image above the ground, cut apart at depth jumps that the noise does not explain, cleaned
-/// of flying pixels, freed from walls, and joined over holes and hidden parts.
+/// The object to be carried: the largest free-standing one on the ground, or the one nearest to `at_W`.
+/// Objects are connected regions of the image above the ground, cut apart at depth jumps that the noise does
+/// not explain, cleaned of flying pixels, freed from walls, and joined over holes and hidden parts.
 [[nodiscard]] TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPlane>& blocks,
-                                       const Ground& ground, const NoiseModel& noise, const TargetConfig& config,
+                                       const Ground& ground, const NoiseModel& noise,
+                                       const TargetConfig& config,
                                        const std::optional<Vec3>& at_W = std::nullopt);
 
 }  // namespace colift::perception

@@ -10,12 +10,13 @@
 namespace colift::perception {
 namespace {
 
-constexpr double kUpright = 0.17;  // |cosine| between a wall's normal and up: 10 degrees
-constexpr double kLowest_m = 0.05; // blocks below are the ground's
-constexpr double kCovered = 0.15;  // part of its frame that a wall's blocks cover at least; much of it is hidden by things
+constexpr double kUpright = 0.17;   // |cosine| between a wall's normal and up: 10 degrees
+constexpr double kLowest_m = 0.05;  // blocks below are the ground's
+constexpr double kCovered =
+    0.15;  // part of its frame that a wall's blocks cover at least; much of it is hidden by things
 
-constexpr int kReach = 2;          // blocks; a wall goes on behind a thing that hides this much of it
-constexpr double kSlack_m = 0.1;   // a wall ends somewhere in its last block
+constexpr int kReach = 2;         // blocks; a wall goes on behind a thing that hides this much of it
+constexpr double kSlack_m = 0.1;  // a wall ends somewhere in its last block
 
 constexpr double kSameWall = 0.966;  // cosine of 15 degrees
 constexpr double kBend_m = 0.15;
@@ -37,7 +38,8 @@ std::vector<const BlockPlane*> largest_group(std::vector<const BlockPlane*> bloc
       const auto near = [&](const BlockPlane* b) {
         return std::abs(b->u - group[i]->u) <= kReach && std::abs(b->v - group[i]->v) <= kReach;
       };
-      const auto rest = std::stable_partition(blocks.begin(), blocks.end(), [&](const auto* b) { return !near(b); });
+      const auto rest =
+          std::stable_partition(blocks.begin(), blocks.end(), [&](const auto* b) { return !near(b); });
       group.insert(group.end(), rest, blocks.end());
       blocks.erase(rest, blocks.end());
     }
@@ -48,20 +50,23 @@ std::vector<const BlockPlane*> largest_group(std::vector<const BlockPlane*> bloc
 
 }  // namespace
 
-std::vector<Wall> find_walls(const OrganisedCloud& cloud, const std::vector<BlockPlane>& blocks, const Ground& ground,
-                             const ImageBorder& border, const NoiseModel& noise, const WallConfig& config) {
+std::vector<Wall> find_walls(const OrganisedCloud& cloud, const std::vector<BlockPlane>& blocks,
+                             const Ground& ground, const ImageBorder& border, const NoiseModel& noise,
+                             const WallConfig& config) {
   const Vec3 up = ground.plane.normal;
   std::vector<BlockPlane> raised;
   for (const BlockPlane& b : blocks)
     if (ground.plane.height(b.center.cast<double>()) > kLowest_m) raised.push_back(b);
 
   const auto upright = [&](const Vec3& n) { return std::abs(n.dot(up)) < kUpright; };
-  std::vector<const BlockPlane*> claimed;  // a block belongs to one wall: no plane grows from the rest of another
+  std::vector<const BlockPlane*>
+      claimed;  // a block belongs to one wall: no plane grows from the rest of another
   std::vector<Wall> walls;
   for (const VotedPlane& p : vote_planes(raised, upright, noise, {config.tolerance_m, 3.0})) {
     // a long wall looks bent through a real lens: nearly the same plane again is more of the same wall
     const bool more = std::any_of(walls.begin(), walls.end(), [&](const Wall& w) {
-      return w.plane.normal.dot(p.plane.normal) > kSameWall && std::abs(w.plane.height(middle(p.blocks))) < kBend_m;
+      return w.plane.normal.dot(p.plane.normal) > kSameWall &&
+             std::abs(w.plane.height(middle(p.blocks))) < kBend_m;
     });
     std::vector<const BlockPlane*> own;
     for (const BlockPlane* b : p.blocks)
@@ -88,8 +93,8 @@ std::vector<Wall> find_walls(const OrganisedCloud& cloud, const std::vector<Bloc
       if (top < config.min_height_m && !cut_top) continue;
       if (area < kCovered * (hi - lo) * (top - bottom)) continue;
     }
-    // a thing in front may part a wall in two: it reaches to its last block. The plane of a wall's second part may run
-    // through an object, so that one ends where its blocks do.
+    // a thing in front may part a wall in two: it reaches to its last block. The plane of a wall's second
+    // part may run through an object, so that one ends where its blocks do.
     for (const BlockPlane* b : more ? core : own) {
       lo = std::min(lo, along.dot(b->center.cast<double>()));
       hi = std::max(hi, along.dot(b->center.cast<double>()));

@@ -20,23 +20,25 @@ struct WallConfig {
   void visit(Visitor& v) {
     v("min_width_m", min_width_m, hal::kPositive, "An upright plane narrower than this is no wall.");
     v("min_height_m", min_height_m, hal::kPositive,
-      "An upright plane that ends lower than this above the ground is no wall, unless the image cuts it at the top.");
-    v("tolerance_m", tolerance_m, hal::kNotNegative, "Distance from a wall, beside the noise, that still belongs to it.");
+      "An upright plane that ends lower than this above the ground is no wall, unless the image cuts it at "
+      "the top.");
+    v("tolerance_m", tolerance_m, hal::kNotNegative,
+      "Distance from a wall, beside the noise, that still belongs to it.");
   }
 };
 
 /// An upright plane with the part of it that was seen.
 struct Wall {
   Plane plane;
-  Vec3 along = Vec3::UnitX();      ///< Level unit vector in the plane.
-  double from_m = 0.0, to_m = 0.0; ///< Extent: along . p of its ends.
+  Vec3 along = Vec3::UnitX();       ///< Level unit vector in the plane.
+  double from_m = 0.0, to_m = 0.0;  ///< Extent: along . p of its ends.
 };
 
-/// Upright planes that are too wide and too high to be carried: walls, partitions, cupboards. What stands before a wall
-/// and touches it is freed from it by taking the wall's pixels away.
+/// Upright planes that are too wide and too high to be carried: walls, partitions, cupboards. What stands
+/// before a wall and touches it is freed from it by taking the wall's pixels away.
 [[nodiscard]] std::vector<Wall> find_walls(const OrganisedCloud& cloud, const std::vector<BlockPlane>& blocks,
-                                           const Ground& ground, const ImageBorder& border, const NoiseModel& noise,
-                                           const WallConfig& config);
+                                           const Ground& ground, const ImageBorder& border,
+                                           const NoiseModel& noise, const WallConfig& config);
 
 /// Clears the mask at pixels that lie on one of the walls. Returns how many were cleared.
 std::size_t clear_walls(const OrganisedCloud& cloud, const std::vector<Wall>& walls, const NoiseModel& noise,

@@ -10,7 +10,8 @@
 namespace colift::planner {
 namespace {
 
-/// What a collision is with. Which finger it is says the candidate's own reason; here it would only make the list long.
+/// What a collision is with. Which finger it is says the candidate's own reason; here it would only make the
+/// list long.
 std::string obstacle_of(const std::string& because) {
   const auto speaks_of = [&](const char* words) { return because.find(words) != std::string::npos; };
   if (speaks_of("not seen")) return "would move through unseen space";

@@ -25,16 +25,17 @@ enum class Verdict { Ok, Chosen, Collision, Unreachable, TooWide, Unstable, Over
 struct GraspCandidate {
   int id = 0;
   GraspKind kind = GraspKind::Ega5;
-  Vec3 position = Vec3::Zero();    ///< Grasp point on the object's surface.
-  Vec3 approach = Vec3::UnitZ();   ///< Unit vector in which the palm moves.
-  Vec3 closing = Vec3::UnitY();    ///< Unit vector along which the fingers close; perpendicular to approach.
-  double width = 0.0;              ///< Extent of the object between the fingers (m).
-  int surface = -1;                ///< Index of the surface it was generated on.
-  std::optional<double> stability; ///< Margin of the grasp against slipping; unset where it is assumed (thesis).
+  Vec3 position = Vec3::Zero();   ///< Grasp point on the object's surface.
+  Vec3 approach = Vec3::UnitZ();  ///< Unit vector in which the palm moves.
+  Vec3 closing = Vec3::UnitY();   ///< Unit vector along which the fingers close; perpendicular to approach.
+  double width = 0.0;             ///< Extent of the object between the fingers (m).
+  int surface = -1;               ///< Index of the surface it was generated on.
+  std::optional<double>
+      stability;  ///< Margin of the grasp against slipping; unset where it is assumed (thesis).
   Verdict verdict = Verdict::Ok;
-  std::string because;             ///< The reason for the verdict, as a person would give it.
-  std::optional<double> miss_m;    ///< By how much it was refused, where that is a length (m).
-  std::optional<double> gap_m;     ///< Palm plane to the surface (m), where it is not the hand's usual one.
+  std::string because;           ///< The reason for the verdict, as a person would give it.
+  std::optional<double> miss_m;  ///< By how much it was refused, where that is a length (m).
+  std::optional<double> gap_m;   ///< Palm plane to the surface (m), where it is not the hand's usual one.
 };
 
 }  // namespace colift::planner

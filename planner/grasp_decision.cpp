@@ -19,25 +19,33 @@ void refuse(GraspCandidate& c, Verdict verdict, std::string why) {
 void judge_geometry(GraspCandidate& c, const DecisionInput& in, const DecisionConfig& config) {
   const double gap = (c.position - in.partner.position).norm();
   if (gap < config.near_partner_m) {
-    return refuse(c, Verdict::NearPartner, fmt::format("{:.0f} mm from the partner's hand (least {:.0f} mm)", 1e3 * gap, 1e3 * config.near_partner_m));
+    return refuse(c, Verdict::NearPartner,
+                  fmt::format("{:.0f} mm from the partner's hand (least {:.0f} mm)", 1e3 * gap,
+                              1e3 * config.near_partner_m));
   }
   if (in.base_frame_known && config.check_reach) {
     const double reach = (c.position - config.wrist_to_palm_m * c.approach - config.shoulder_m).norm();
     if (reach > config.arm_reach_m) {
-      return refuse(c, Verdict::Unreachable, fmt::format("the wrist would be {:.2f} m from the shoulder, the arm reaches {:.2f} m", reach, config.arm_reach_m));
+      return refuse(c, Verdict::Unreachable,
+                    fmt::format("the wrist would be {:.2f} m from the shoulder, the arm reaches {:.2f} m",
+                                reach, config.arm_reach_m));
     }
   }
 }
 
 // the torque that both hands together have to hold, beside their forces (N m)
-double torque_of(const AgentWrenches& w) { return w.partner.torque.norm() + w.robot.torque.norm(); }
+double torque_of(const AgentWrenches& w) {
+  return w.partner.torque.norm() + w.robot.torque.norm();
+}
 
 std::string reason(const std::vector<GraspCandidate>& candidates, const Decision& d, const DecisionInput& in,
                    double mass_kg) {
   const GraspCandidate& best = candidates[*d.chosen];
   const ScoredCandidate& s = *d.scores[*d.chosen];
-  std::string text = fmt::format("candidate {} carries {:.0f} % of the load with {:.2f} N m of torque in both hands per kilogram lifted, {:.0f} mm from the best place",
-                                 best.id, 100 * s.share, torque_of(s.wrenches) / mass_kg, 1e3 * (best.position - d.optimum).norm());
+  std::string text = fmt::format(
+      "candidate {} carries {:.0f} % of the load with {:.2f} N m of torque in both hands per kilogram "
+      "lifted, {:.0f} mm from the best place",
+      best.id, 100 * s.share, torque_of(s.wrenches) / mass_kg, 1e3 * (best.position - d.optimum).norm());
   std::size_t ok = 1;
   const ScoredCandidate* next = nullptr;
   int next_id = 0;
@@ -49,8 +57,11 @@ std::string reason(const std::vector<GraspCandidate>& candidates, const Decision
       next_id = candidates[i].id;
     }
   }
-  if (next) text += fmt::format("; {} candidates were possible, the next best ({}) costs {:.2g} % more", ok, next_id, 100 * (next->cost / s.cost - 1));
-  else text += "; no other candidate was possible";
+  if (next)
+    text += fmt::format("; {} candidates were possible, the next best ({}) costs {:.2g} % more", ok, next_id,
+                        100 * (next->cost / s.cost - 1));
+  else
+    text += "; no other candidate was possible";
   const double lever = (in.partner.position - in.cog).cross(in.up).norm();
   return text + fmt::format("; the partner holds {:.2f} m beside the centre of gravity", lever);
 }
@@ -64,9 +75,12 @@ std::string why_none(const std::vector<GraspCandidate>& candidates) {
     int n = 0;
     const GraspCandidate* first = nullptr;
   };
-  Count counts[] = {{Verdict::Collision, "would collide"},   {Verdict::TooWide, "are too wide for the hand"},
-                    {Verdict::Unreachable, "are out of reach"}, {Verdict::Unstable, "would slip"},
-                    {Verdict::OverLimit, "ask too much of an agent"}, {Verdict::NearPartner, "are too near the partner"}};
+  Count counts[] = {{Verdict::Collision, "would collide"},
+                    {Verdict::TooWide, "are too wide for the hand"},
+                    {Verdict::Unreachable, "are out of reach"},
+                    {Verdict::Unstable, "would slip"},
+                    {Verdict::OverLimit, "ask too much of an agent"},
+                    {Verdict::NearPartner, "are too near the partner"}};
   for (const GraspCandidate& c : candidates)
     for (Count& k : counts)
       if (k.verdict == c.verdict && k.n++ == 0) k.first = &c;
@@ -107,15 +121,21 @@ hal::Result<Decision> decide_grasp(std::vector<GraspCandidate>& candidates, cons
     auto wrenches = limited->wrenches(partner, robot, lift);
     if (!wrenches && c.verdict == Verdict::Ok) {
       const auto shortfall = limited->shortfall(partner, robot, lift);
-      refuse(c, Verdict::OverLimit, shortfall ? shortfall->text() : "the load is beyond what both agents can exert");
+      refuse(c, Verdict::OverLimit,
+             shortfall ? shortfall->text() : "the load is beyond what both agents can exert");
     }
     // a candidate that is over a limit still shows what it would take
     if (!wrenches) wrenches = sharing->wrenches(partner, robot, lift);
     const double share = wrenches->robot.force.dot(lift.force) / lift.force.squaredNorm();
     d.scores[i] = ScoredCandidate{sharing->price(*wrenches), share, *wrenches};
-    const double sideways = (wrenches->partner.force - wrenches->partner.force.dot(input.up) * input.up).norm() / lift.force.norm();
+    const double sideways =
+        (wrenches->partner.force - wrenches->partner.force.dot(input.up) * input.up).norm() /
+        lift.force.norm();
     if (c.verdict == Verdict::Ok && sideways > config.max_sideways) {
-      refuse(c, Verdict::OverLimit, fmt::format("the partner would have to push sideways with {:.0f} % of the weight (limit {:.0f} %)", 100 * sideways, 100 * config.max_sideways));
+      refuse(
+          c, Verdict::OverLimit,
+          fmt::format("the partner would have to push sideways with {:.0f} % of the weight (limit {:.0f} %)",
+                      100 * sideways, 100 * config.max_sideways));
     }
     if (c.verdict == Verdict::Ok && (!d.chosen || d.scores[i]->cost < d.cost)) {
       d.chosen = i;

@@ -28,31 +28,38 @@ struct DecisionConfig {
   void visit(Visitor& v) {
     v("weights", weights, "Price of effort, thesis eq. 4.5.");
     v("limits", limits, "What either agent can exert; without entries there is no limit.");
-    v("mass_kg", mass_kg, hal::kPositive, "Mass that the limits are checked for; the choice without limits does not depend on it.");
-    v("near_partner_m", near_partner_m, hal::kNotNegative, "Least distance between the partner's grasp and the robot's.");
+    v("mass_kg", mass_kg, hal::kPositive,
+      "Mass that the limits are checked for; the choice without limits does not depend on it.");
+    v("near_partner_m", near_partner_m, hal::kNotNegative,
+      "Least distance between the partner's grasp and the robot's.");
     v("max_sideways", max_sideways, hal::kNotNegative,
-      "Sideways force that the partner may be asked for, as a part of the weight; a person who lifts does not push.");
-    v("check_reach", check_reach, "Whether a grasp beyond the arm's reach is refused (needs the camera's pose).");
+      "Sideways force that the partner may be asked for, as a part of the weight; a person who lifts does "
+      "not push.");
+    v("check_reach", check_reach,
+      "Whether a grasp beyond the arm's reach is refused (needs the camera's pose).");
     v("shoulder_m", shoulder_m, "Where axes 1 to 3 of the arm meet, in the robot base frame.");
-    v("arm_reach_m", arm_reach_m, hal::kPositive, "Largest distance of the wrist from the shoulder: upper arm and forearm in line.");
-    v("wrist_to_palm_m", wrist_to_palm_m, hal::kNotNegative, "From the wrist's centre to the palm along the approach.");
+    v("arm_reach_m", arm_reach_m, hal::kPositive,
+      "Largest distance of the wrist from the shoulder: upper arm and forearm in line.");
+    v("wrist_to_palm_m", wrist_to_palm_m, hal::kNotNegative,
+      "From the wrist's centre to the palm along the approach.");
   }
 };
 
 /// How the load is shared if the robot takes one candidate.
 struct ScoredCandidate {
-  double cost = 0.0;         ///< Thesis eq. 4.5 for a lift of mass_kg (N^2).
-  double share = 0.0;        ///< The robot's part of the load, 0 to 1.
-  AgentWrenches wrenches;    ///< Of both agents at the top of the lift, each about its own grasp point, in W.
+  double cost = 0.0;       ///< Thesis eq. 4.5 for a lift of mass_kg (N^2).
+  double share = 0.0;      ///< The robot's part of the load, 0 to 1.
+  AgentWrenches wrenches;  ///< Of both agents at the top of the lift, each about its own grasp point, in W.
 };
 
 struct Decision {
   std::optional<std::size_t> chosen;  ///< Index into the candidates.
   double share = 0.0;                 ///< Of the chosen one.
   double cost = 0.0;
-  Vec3 optimum = Vec3::Zero();        ///< Where the robot would best take hold if it could do so anywhere (W, m).
-  std::vector<std::optional<ScoredCandidate>> scores;  ///< One per candidate; unset where nothing can be computed.
-  std::string because;                ///< Why this one, or why none, as a person would say it.
+  Vec3 optimum = Vec3::Zero();  ///< Where the robot would best take hold if it could do so anywhere (W, m).
+  std::vector<std::optional<ScoredCandidate>>
+      scores;           ///< One per candidate; unset where nothing can be computed.
+  std::string because;  ///< Why this one, or why none, as a person would say it.
 };
 
 /// What the decision rests on. Frame W, SI units.
@@ -63,13 +70,14 @@ struct DecisionInput {
   bool base_frame_known = false;  ///< W is the robot base, so reach can be judged.
 };
 
-/// Scores every candidate that is still Ok, refuses those that are too near the partner, out of reach or over a limit, and marks the cheapest one Chosen (thesis eq. 4.8 for the lift, section 5.3.4). Ties go to the lower index.
-/// Errors: BadConfig when the weights or limits are not usable.
-[[nodiscard]] hal::Result<Decision> decide_grasp(std::vector<GraspCandidate>& candidates, const DecisionInput& input,
-                                                 const DecisionConfig& config);
+/// Scores every candidate that is still Ok, refuses those that are too near the partner, out of reach or over
+/// a limit, and marks the cheapest one Chosen (thesis eq. 4.8 for the lift, section 5.3.4). Ties go to the
+/// lower index. Errors: BadConfig when the weights or limits are not usable.
+[[nodiscard]] hal::Result<Decision> decide_grasp(std::vector<GraspCandidate>& candidates,
+                                                 const DecisionInput& input, const DecisionConfig& config);
 
-/// Where the robot would best take hold for a pure lift, anywhere in space (W, m): on the line from the partner through
-/// the centre of gravity.
+/// Where the robot would best take hold for a pure lift, anywhere in space (W, m): on the line from the
+/// partner through the centre of gravity.
 [[nodiscard]] hal::Result<Vec3> best_robot_position(const DecisionInput& input, const DecisionConfig& config);
 
 }  // namespace colift::planner

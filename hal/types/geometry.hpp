@@ -5,9 +5,9 @@
 
 namespace colift::hal {
 
-// Frames are letters: W world (robot base, or the cloud's own frame when no camera pose is known), B arm base,
-// F flange, H hand, C camera optical, T target, P partner's palm. X_WC is the pose of C in W, so X_WT = X_WC * X_CT
-// can be checked by eye; p_WT is the point T in W.
+// Frames are letters: W world (robot base, or the cloud's own frame when no camera pose is known), B arm
+// base, F flange, H hand, C camera optical, T target, P partner's palm. X_WC is the pose of C in W, so X_WT =
+// X_WC * X_CT can be checked by eye; p_WT is the point T in W.
 using Vec3 = Eigen::Vector3d;
 using Pose = Eigen::Isometry3d;
 using Aabb = Eigen::AlignedBox3d;
@@ -34,7 +34,8 @@ struct Plane {
   }
 };
 
-/// A box at any orientation: axes are the columns of a right-handed rotation, size is the full length along each.
+/// A box at any orientation: axes are the columns of a right-handed rotation, size is the full length along
+/// each.
 struct OrientedBox {
   Vec3 center = Vec3::Zero();
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();

@@ -9,7 +9,9 @@ namespace colift::hal {
 using Timestamp = std::chrono::nanoseconds;
 using Duration = std::chrono::nanoseconds;
 
-[[nodiscard]] constexpr double seconds(Duration d) { return std::chrono::duration<double>(d).count(); }
+[[nodiscard]] constexpr double seconds(Duration d) {
+  return std::chrono::duration<double>(d).count();
+}
 
 /// Where time comes from. Code under test is handed one of these and never reads a wall clock.
 class Clock {
@@ -23,9 +25,7 @@ class Clock {
 /// The machine's monotonic clock.
 class SteadyClock final : public Clock {
  public:
-  [[nodiscard]] Timestamp now() const override {
-    return std::chrono::steady_clock::now().time_since_epoch();
-  }
+  [[nodiscard]] Timestamp now() const override { return std::chrono::steady_clock::now().time_since_epoch(); }
 };
 
 /// Time that moves only when it is told to: tests and lock-step simulation.

@@ -13,7 +13,8 @@ using namespace std::chrono_literals;
 
 // A back end that is ready to be configured, and what it needs to live.
 struct RecordedRig {
-  hal::RecordedCamera camera{hal::RecordedCameraConfig{std::string(COLIFT_TEST_DATA) + "/real/02_laptop_and_box", 0.25, true}};
+  hal::RecordedCamera camera{
+      hal::RecordedCameraConfig{std::string(COLIFT_TEST_DATA) + "/real/02_laptop_and_box", 0.25, true}};
 };
 
 struct MockRig {
@@ -24,7 +25,8 @@ struct MockRig {
     sim_hal::CameraScript s;
     s.world = [](std::uint64_t) {
       sim_hal::World world;
-      world.shapes.push_back(sim_hal::half_space(hal::Vec3::Zero(), hal::Vec3::UnitZ(), sim_hal::Label::Ground));
+      world.shapes.push_back(
+          sim_hal::half_space(hal::Vec3::Zero(), hal::Vec3::UnitZ(), sim_hal::Label::Ground));
       return world;
     };
     s.X_WC = sim_hal::look_at({-1.0, 0, 1.0}, {0, 0, 0});
@@ -34,7 +36,8 @@ struct MockRig {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("a depth camera gives nothing before it is configured and activated", "[camera][contract]", RecordedRig, MockRig) {
+TEMPLATE_TEST_CASE("a depth camera gives nothing before it is configured and activated", "[camera][contract]",
+                   RecordedRig, MockRig) {
   TestType rig;
   const auto early = rig.camera.next_frame(10ms);
   REQUIRE_FALSE(early);
@@ -47,7 +50,8 @@ TEMPLATE_TEST_CASE("a depth camera gives nothing before it is configured and act
   CHECK(rig.camera.next_frame(100ms));
 }
 
-TEMPLATE_TEST_CASE("frames are whole, in metres, and NaN where nothing was seen", "[camera][contract]", RecordedRig, MockRig) {
+TEMPLATE_TEST_CASE("frames are whole, in metres, and NaN where nothing was seen", "[camera][contract]",
+                   RecordedRig, MockRig) {
   TestType rig;
   REQUIRE(rig.camera.configure());
   REQUIRE(rig.camera.activate());
@@ -86,7 +90,8 @@ TEMPLATE_TEST_CASE("each frame is newer than the one before", "[camera][contract
   }
 }
 
-TEMPLATE_TEST_CASE("a camera at rest gives nothing, and goes on when it is activated again", "[camera][contract]", RecordedRig, MockRig) {
+TEMPLATE_TEST_CASE("a camera at rest gives nothing, and goes on when it is activated again",
+                   "[camera][contract]", RecordedRig, MockRig) {
   TestType rig;
   REQUIRE(rig.camera.configure());
   REQUIRE(rig.camera.activate());

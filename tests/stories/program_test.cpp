@@ -1,5 +1,7 @@
 // The program as a user starts it: exit codes, one JSON document on stdout, one sentence on stderr.
 
+#include <sys/wait.h>
+#include <unistd.h>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -8,8 +10,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <sys/wait.h>
-#include <unistd.h>
 
 namespace {
 
@@ -36,7 +36,8 @@ std::string slurp(const std::filesystem::path& file) {
 
 Run colift(const std::string& arguments) {
   const auto out = scratch() / "out", err = scratch() / "err";
-  const std::string command = std::string(COLIFT_PROGRAM) + " " + arguments + " >" + out.string() + " 2>" + err.string();
+  const std::string command =
+      std::string(COLIFT_PROGRAM) + " " + arguments + " >" + out.string() + " 2>" + err.string();
   const int status = std::system(command.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), slurp(out), slurp(err)};
 }
@@ -61,7 +62,8 @@ TEST_CASE("look prints one JSON document of the agreed form", "[program]") {
   CHECK(j["method"] == "fast");
   CHECK(j["points"] == 307200);
   CHECK(unit(j["ground"]["normal"]));
-  for (const char* key : {"points", "aabb", "obb", "cog", "cog_sigma", "shape"}) CHECK(j["target"].contains(key));
+  for (const char* key : {"points", "aabb", "obb", "cog", "cog_sigma", "shape"})
+    CHECK(j["target"].contains(key));
   CHECK(j["target"]["obb"]["axes"].size() == 3);
   CHECK_FALSE(j["surfaces"].empty());
   CHECK_FALSE(j["candidates"].empty());
@@ -72,7 +74,8 @@ TEST_CASE("look prints one JSON document of the agreed form", "[program]") {
     CHECK(unit(c["closing"]));
     CHECK((c["verdict"] == "ok" || c.contains("because")));
   }
-  for (const char* key : {"ground", "target", "surfaces", "candidates", "total"}) CHECK(j["timing_ms"][key].is_number());
+  for (const char* key : {"ground", "target", "surfaces", "candidates", "total"})
+    CHECK(j["timing_ms"][key].is_number());
 }
 
 TEST_CASE("a frame without a target is a finding, exit code 1", "[program]") {
@@ -131,7 +134,8 @@ TEST_CASE("the same frame gives the same decision, but for the times", "[program
 
 TEST_CASE("picture and report are written", "[program]") {
   const auto png = scratch() / "p.png", html = scratch() / "r.html";
-  const Run r = colift("decide " + kLaptop + " --partner -0.27,-0.03,0.78 --quiet --png " + png.string() + " --report " + html.string());
+  const Run r = colift("decide " + kLaptop + " --partner -0.27,-0.03,0.78 --quiet --png " + png.string() +
+                       " --report " + html.string());
   CHECK(r.code == 0);
   CHECK(slurp(png).substr(1, 3) == "PNG");
   CHECK(slurp(html).find("<html") != std::string::npos);
@@ -170,7 +174,8 @@ TEST_CASE("what is wrong is said in one line with the place, exit code 2", "[pro
 TEST_CASE("every broken file is refused in one line", "[program]") {
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(std::string(COLIFT_TEST_DATA) + "/bad")) {
-    if (!entry.is_regular_file() || entry.path().extension() == ".json" || entry.path().extension() == ".md") continue;
+    if (!entry.is_regular_file() || entry.path().extension() == ".json" || entry.path().extension() == ".md")
+      continue;
     const Run r = colift("look '" + entry.path().string() + "' --json");
     INFO(entry.path() << "\n" << r.err);
     CHECK(r.code == 2);
@@ -183,7 +188,8 @@ TEST_CASE("every broken file is refused in one line", "[program]") {
 
 TEST_CASE("rank answers the documented example", "[program]") {
   const auto problem = scratch() / "problem.json";
-  std::ofstream(problem) << R"({"cog":[0,0,0],"partner":[-0.4,0,0],"candidates":[[0.4,0,0],[0.2,0,0]],"wrenches":[[0,0,40,0,0,0]],
+  std::ofstream(problem)
+      << R"({"cog":[0,0,0],"partner":[-0.4,0,0],"candidates":[[0.4,0,0],[0.2,0,0]],"wrenches":[[0,0,40,0,0,0]],
     "weights":{"epsilon":1,"omega1":1,"omega2":1}})";
   const Run r = colift("rank " + problem.string() + " --json");
   CHECK(r.code == 0);
@@ -201,7 +207,8 @@ TEST_CASE("check prints a configuration that loads back", "[program]") {
   const Run second = colift("check --config " + file.string() + " --json");
   INFO(second.err);
   REQUIRE(second.code == 0);
-  CHECK(Json::parse(second.out)["config"].get<std::string>().find("near_partner_m: 0.2") != std::string::npos);
+  CHECK(Json::parse(second.out)["config"].get<std::string>().find("near_partner_m: 0.2") !=
+        std::string::npos);
 }
 
 TEST_CASE("--version and --help are not errors", "[program]") {

@@ -6,7 +6,8 @@ namespace colift::stories {
 namespace {
 
 bool any_because(const control::Look& look, perception::RejectedObject::Kind kind) {
-  return std::any_of(look.rejected.begin(), look.rejected.end(), [&](const auto& o) { return o.kind == kind; });
+  return std::any_of(look.rejected.begin(), look.rejected.end(),
+                     [&](const auto& o) { return o.kind == kind; });
 }
 
 }  // namespace
@@ -83,9 +84,8 @@ TEST_CASE("04: people are not carried", "[real]") {
   // every person is among those refused as a person
   for (const auto& person : r.truth["objects"]) {
     const Vec3 at = vec(person["obb_center"]);
-    CHECK(std::any_of(seen.rejected.begin(), seen.rejected.end(), [&](const auto& o) {
-      return o.kind == Kind::Person && (o.center - at).norm() < 0.7;
-    }));
+    CHECK(std::any_of(seen.rejected.begin(), seen.rejected.end(),
+                      [&](const auto& o) { return o.kind == Kind::Person && (o.center - at).norm() < 0.7; }));
   }
 }
 

@@ -20,7 +20,8 @@ struct Recording {
   std::filesystem::path folder;
   nlohmann::json truth;
 
-  explicit Recording(const std::string& name) : folder(std::filesystem::path(COLIFT_TEST_DATA) / "real" / name) {
+  explicit Recording(const std::string& name)
+      : folder(std::filesystem::path(COLIFT_TEST_DATA) / "real" / name) {
     std::ifstream file(folder / "truth.json");
     REQUIRE(file);
     file >> truth;
@@ -53,7 +54,9 @@ struct Recording {
   }
 };
 
-inline Vec3 vec(const nlohmann::json& j) { return Vec3(j[0].get<double>(), j[1].get<double>(), j[2].get<double>()); }
+inline Vec3 vec(const nlohmann::json& j) {
+  return Vec3(j[0].get<double>(), j[1].get<double>(), j[2].get<double>());
+}
 
 inline double angle_deg(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / M_PI;
@@ -63,13 +66,15 @@ inline void check_ground(const Recording& r, const perception::Scene& scene) {
   REQUIRE(scene.ground);
   const Vec3 normal = vec(r.truth["support_plane"]["normal"]).normalized();
   CHECK(angle_deg(scene.ground->plane.normal, normal) <= r.tolerance("plane_normal_deg"));
-  CHECK(std::abs(scene.ground->plane.offset - r.truth["support_plane"]["d"].get<double>()) <= r.tolerance("plane_d_m"));
+  CHECK(std::abs(scene.ground->plane.offset - r.truth["support_plane"]["d"].get<double>()) <=
+        r.tolerance("plane_d_m"));
 }
 
 /// Visible box within the truth's tolerance; which of two nearly equal sides is the longer one is left open.
 inline void check_box(const Recording& r, const perception::Target& t, const nlohmann::json& object) {
   const Vec3 size = vec(object["obb_size_L_W_H"]);
-  INFO(object["name"].get<std::string>() << ": size " << t.obb.size.transpose() << " truth " << size.transpose() << ", centre "
+  INFO(object["name"].get<std::string>()
+       << ": size " << t.obb.size.transpose() << " truth " << size.transpose() << ", centre "
        << t.obb.center.transpose() << " truth " << vec(object["obb_center"]).transpose());
   CHECK((t.obb.size - size).cwiseAbs().maxCoeff() <= r.tolerance("obb_size_m"));
   CHECK((t.obb.center - vec(object["obb_center"])).norm() <= r.tolerance("obb_centre_m"));

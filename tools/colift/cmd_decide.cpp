@@ -19,11 +19,14 @@ hal::Result<> set_weights(const DecideOptions& options, const control::Look& loo
     config.decision.max_sideways = std::numeric_limits<double>::infinity();
   }
   if (!options.share.empty() && !options.epsilon.empty())
-    return hal::failure(hal::ErrorCode::BadInput, "--share", "goes without --epsilon: either one says how the load is shared");
+    return hal::failure(hal::ErrorCode::BadInput, "--share",
+                        "goes without --epsilon: either one says how the load is shared");
   if (!options.epsilon.empty()) {
     const auto n = parse_numbers(options.epsilon, 1, "--epsilon");
     if (!n) return tl::unexpected(n.error());
-    if (n->front() <= 0.0) return hal::failure(hal::ErrorCode::BadInput, "--epsilon", fmt::format("{} has to be greater than 0", n->front()));
+    if (n->front() <= 0.0)
+      return hal::failure(hal::ErrorCode::BadInput, "--epsilon",
+                          fmt::format("{} has to be greater than 0", n->front()));
     config.decision.weights.epsilon = n->front();
   }
   if (!options.share.empty()) {
@@ -39,7 +42,9 @@ hal::Result<> set_weights(const DecideOptions& options, const control::Look& loo
 hal::Result<control::PartnerInput> read_partner(const DecideOptions& options) {
   control::PartnerInput input;
   if (options.partner.empty() == !options.partner_cloud)
-    return hal::failure(hal::ErrorCode::BadInput, "--partner", "say where the partner holds the object: either --partner X,Y,Z or --partner-cloud CLOUD2");
+    return hal::failure(
+        hal::ErrorCode::BadInput, "--partner",
+        "say where the partner holds the object: either --partner X,Y,Z or --partner-cloud CLOUD2");
   if (!options.partner.empty()) {
     const auto p = parse_point(options.partner, "--partner");
     if (!p) return tl::unexpected(p.error());
@@ -61,13 +66,20 @@ int cmd_decide(const CommonOptions& common, const DecideOptions& options) {
   if (!partner) return report_error("decide", partner.error());
   const auto seen = look_at_file(options.look, *setup);
   if (!seen) return report_error("decide", seen.error());
-  if (auto set = set_weights(options, seen->look, setup->config); !set) return report_error("decide", set.error());
+  if (auto set = set_weights(options, seen->look, setup->config); !set)
+    return report_error("decide", set.error());
   const auto outcome = control::decide(seen->look, *partner, setup->config, hal::SteadyClock());
   if (!outcome) return report_error("decide", outcome.error());
 
-  if (common.json) std::puts(decide_document(*seen, *outcome).c_str());
-  else std::fputs((common.quiet ? outcome->decision.because + "\n" : look_text(*seen) + decide_text(*outcome)).c_str(), stdout);
-  if (auto shown = show(*seen, &*outcome, options.look, common, setup->hand); !shown) return report_error("decide", shown.error());
+  if (common.json)
+    std::puts(decide_document(*seen, *outcome).c_str());
+  else
+    std::fputs(
+        (common.quiet ? outcome->decision.because + "\n" : look_text(*seen) + decide_text(*outcome)).c_str(),
+        stdout);
+  std::fflush(stdout);
+  if (auto shown = show(*seen, &*outcome, options.look, common, setup->hand); !shown)
+    return report_error("decide", shown.error());
   return outcome->decision.chosen ? kDone : kNoGoal;
 }
 

@@ -13,9 +13,13 @@ int cmd_look(const CommonOptions& common, const LookOptions& options) {
   if (!setup) return report_error("look", setup.error());
   const auto seen = look_at_file(options, *setup);
   if (!seen) return report_error("look", seen.error());
-  if (common.json) std::puts(look_document(*seen).c_str());
-  else std::fputs((common.quiet ? seen->look.because + "\n" : look_text(*seen)).c_str(), stdout);
-  if (auto shown = show(*seen, nullptr, options, common, setup->hand); !shown) return report_error("look", shown.error());
+  if (common.json)
+    std::puts(look_document(*seen).c_str());
+  else
+    std::fputs((common.quiet ? seen->look.because + "\n" : look_text(*seen)).c_str(), stdout);
+  std::fflush(stdout);
+  if (auto shown = show(*seen, nullptr, options, common, setup->hand); !shown)
+    return report_error("look", shown.error());
   return seen->look.scene.target ? kDone : kNoGoal;
 }
 

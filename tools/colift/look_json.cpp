@@ -11,7 +11,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 using hal::Vec3;
 
-Json array(const Vec3& v) { return Json::array({v.x(), v.y(), v.z()}); }
+Json array(const Vec3& v) {
+  return Json::array({v.x(), v.y(), v.z()});
+}
 
 Json box(const hal::OrientedBox& b) {
   return {{"center", array(b.center)},
@@ -19,12 +21,17 @@ Json box(const hal::OrientedBox& b) {
           {"size", array(b.size)}};
 }
 
-Json sigma(const Eigen::Matrix3d& covariance) { return array(covariance.diagonal().cwiseMax(0.0).cwiseSqrt()); }
+Json sigma(const Eigen::Matrix3d& covariance) {
+  return array(covariance.diagonal().cwiseMax(0.0).cwiseSqrt());
+}
 
 Json ground(const perception::Scene& scene) {
   if (!scene.ground) return nullptr;
   const auto& g = *scene.ground;
-  return {{"normal", array(g.plane.normal)}, {"offset", g.plane.offset}, {"inliers", g.inliers}, {"rms", g.rms_m}};
+  return {{"normal", array(g.plane.normal)},
+          {"offset", g.plane.offset},
+          {"inliers", g.inliers},
+          {"rms", g.rms_m}};
 }
 
 Json target(const perception::Scene& scene) {
@@ -41,11 +48,20 @@ Json target(const perception::Scene& scene) {
 
 Json surface(const perception::Surface& s) {
   if (const auto* r = std::get_if<perception::Rectangle>(&s)) {
-    return {{"kind", "rectangle"}, {"center", array(r->center)}, {"normal", array(r->normal)}, {"u", array(r->u)},
-            {"v", array(r->v)},    {"size", Json::array({r->size.x(), r->size.y()})},        {"fill", r->fill}};
+    return {{"kind", "rectangle"},
+            {"center", array(r->center)},
+            {"normal", array(r->normal)},
+            {"u", array(r->u)},
+            {"v", array(r->v)},
+            {"size", Json::array({r->size.x(), r->size.y()})},
+            {"fill", r->fill}};
   }
   const auto& c = std::get<perception::Cylinder>(s);
-  return {{"kind", "cylinder"}, {"center", array(c.center)}, {"axis", array(c.axis)}, {"radius", c.radius}, {"length", c.length}};
+  return {{"kind", "cylinder"},
+          {"center", array(c.center)},
+          {"axis", array(c.axis)},
+          {"radius", c.radius},
+          {"length", c.length}};
 }
 
 Json candidate(const planner::GraspCandidate& c) {
@@ -62,7 +78,9 @@ Json candidate(const planner::GraspCandidate& c) {
   return j;
 }
 
-Json wrench(const hal::Wrench& w) { return {{"force", array(w.force)}, {"torque", array(w.torque)}}; }
+Json wrench(const hal::Wrench& w) {
+  return {{"force", array(w.force)}, {"torque", array(w.torque)}};
+}
 
 Json look(const Seen& seen, const char* schema, const std::vector<planner::GraspCandidate>& candidates) {
   const control::Look& l = seen.look;
@@ -79,17 +97,23 @@ Json look(const Seen& seen, const char* schema, const std::vector<planner::Grasp
   for (const auto& c : candidates) j["candidates"].push_back(candidate(c));
   j["others"] = Json::array();
   for (const auto& r : l.rejected) {
-    j["others"].push_back({{"kind", word(r.kind)}, {"center", array(r.center)}, {"pixels", r.pixels}, {"because", r.because}});
+    j["others"].push_back(
+        {{"kind", word(r.kind)}, {"center", array(r.center)}, {"pixels", r.pixels}, {"because", r.because}});
   }
   j["because"] = l.because;
-  j["timing_ms"] = {{"ground", l.ms.ground}, {"target", l.ms.target}, {"surfaces", l.ms.surfaces},
-                    {"candidates", l.ms.candidates}, {"total", l.ms.total}};
+  j["timing_ms"] = {{"ground", l.ms.ground},
+                    {"target", l.ms.target},
+                    {"surfaces", l.ms.surfaces},
+                    {"candidates", l.ms.candidates},
+                    {"total", l.ms.total}};
   return j;
 }
 
 }  // namespace
 
-std::string look_document(const Seen& seen) { return look(seen, "colift.look/1", seen.look.candidates).dump(); }
+std::string look_document(const Seen& seen) {
+  return look(seen, "colift.look/1", seen.look.candidates).dump();
+}
 
 std::string decide_document(const Seen& seen, const control::Outcome& o) {
   Json j = look(seen, "colift.decide/1", o.candidates);
@@ -99,7 +123,9 @@ std::string decide_document(const Seen& seen, const control::Outcome& o) {
     j["candidates"][i]["cost"] = o.decision.scores[i]->cost;
   }
   if (o.partner) {
-    j["partner"] = {{"position", array(o.partner->position)}, {"sigma", sigma(o.partner->covariance)}, {"points", o.partner->points},
+    j["partner"] = {{"position", array(o.partner->position)},
+                    {"sigma", sigma(o.partner->covariance)},
+                    {"points", o.partner->points},
                     {"because", o.partner_because}};
   } else {
     j["partner"] = nullptr;
@@ -107,8 +133,13 @@ std::string decide_document(const Seen& seen, const control::Outcome& o) {
   const auto& d = o.decision;
   if (d.chosen) {
     const auto& s = *d.scores[*d.chosen];
-    j["decision"] = {{"candidate", o.candidates[*d.chosen].id}, {"share", d.share}, {"cost", d.cost}, {"because", d.because},
-                     {"optimum", array(d.optimum)}, {"partner", wrench(s.wrenches.partner)}, {"robot", wrench(s.wrenches.robot)}};
+    j["decision"] = {{"candidate", o.candidates[*d.chosen].id},
+                     {"share", d.share},
+                     {"cost", d.cost},
+                     {"because", d.because},
+                     {"optimum", array(d.optimum)},
+                     {"partner", wrench(s.wrenches.partner)},
+                     {"robot", wrench(s.wrenches.robot)}};
   } else {
     j["decision"] = nullptr;
     j["because"] = d.because;

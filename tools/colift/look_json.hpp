@@ -6,7 +6,8 @@
 
 namespace colift::tools {
 
-/// The document colift.look/1, one line, without a line end. Numbers are printed so that they read back to the same bits.
+/// The document colift.look/1, one line, without a line end. Numbers are printed so that they read back to
+/// the same bits.
 [[nodiscard]] std::string look_document(const Seen& seen);
 
 /// The document colift.decide/1: all of look's, and partner, decision and a verdict in every candidate.

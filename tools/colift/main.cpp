@@ -17,28 +17,43 @@ using colift::tools::CommonOptions;
 using colift::tools::LookOptions;
 
 void add_common(CLI::App& command, CommonOptions& o) {
-  command.add_option("--config", o.config_files, "Configuration file (YAML); may be given several times, the later one wins")
-      ->type_name("FILE")->take_all()->allow_extra_args(false);
-  command.add_option("--set", o.settings, "Sets one value over the files, as in --set decision.near_partner_m=0.2")
-      ->type_name("KEY=VALUE")->take_all()->allow_extra_args(false);
+  command
+      .add_option("--config", o.config_files,
+                  "Configuration file (YAML); may be given several times, the later one wins")
+      ->type_name("FILE")
+      ->take_all()
+      ->allow_extra_args(false);
+  command
+      .add_option("--set", o.settings,
+                  "Sets one value over the files, as in --set decision.near_partner_m=0.2")
+      ->type_name("KEY=VALUE")
+      ->take_all()
+      ->allow_extra_args(false);
   command.add_flag("--json", o.json, "Prints one JSON document to stdout and nothing else");
   command.add_flag("--quiet", o.quiet, "Prints only the result");
 }
 
 void add_look(CLI::App& command, LookOptions& o) {
-  command.add_option("CLOUD", o.cloud, "Recorded frame: .pcd, .ply, or a 16-bit .png depth image")->required();
+  command.add_option("CLOUD", o.cloud, "Recorded frame: .pcd, .ply, or a 16-bit .png depth image")
+      ->required();
   command.add_option("--method", o.method, "fast (default) or thesis");
-  command.add_option("--camera", o.camera, "Intrinsics of a .png (default: camera.json beside it)")->type_name("CAMERA.json");
-  command.add_option("--camera-pose", o.camera_pose, "Pose of the camera in the robot base; results are then in that frame")
+  command.add_option("--camera", o.camera, "Intrinsics of a .png (default: camera.json beside it)")
+      ->type_name("CAMERA.json");
+  command
+      .add_option("--camera-pose", o.camera_pose,
+                  "Pose of the camera in the robot base; results are then in that frame")
       ->type_name("X,Y,Z,QX,QY,QZ,QW");
-  command.add_option("--at", o.at, "Takes the object nearest to this point instead of the largest")->type_name("X,Y,Z");
+  command.add_option("--at", o.at, "Takes the object nearest to this point instead of the largest")
+      ->type_name("X,Y,Z");
   command.add_option("--png", o.png, "Writes a picture of what was seen and decided")->type_name("OUT.png");
-  command.add_option("--report", o.report, "Writes one HTML page with picture, table and reasons")->type_name("OUT.html");
+  command.add_option("--report", o.report, "Writes one HTML page with picture, table and reasons")
+      ->type_name("OUT.html");
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("CoLift carries large objects together with a person: it sees where the person grasps, and decides\n"
-               "where the robot takes hold so that both carry their share.");
+  CLI::App app(
+      "CoLift carries large objects together with a person: it sees where the person grasps, and decides\n"
+      "where the robot takes hold so that both carry their share.");
   app.name("colift");
   app.set_version_flag("--version", "colift " COLIFT_VERSION);
   app.require_subcommand(1);
@@ -51,23 +66,35 @@ int run(int argc, char** argv) {
   std::string problem;
   bool explain = false;
 
-  CLI::App* look_command = app.add_subcommand("look", "Perception of one recorded frame: ground, target, surfaces, grasp candidates");
+  CLI::App* look_command = app.add_subcommand(
+      "look", "Perception of one recorded frame: ground, target, surfaces, grasp candidates");
   add_look(*look_command, look);
   add_common(*look_command, common);
 
-  CLI::App* decide_command = app.add_subcommand("decide", "look, then which grasp the robot takes for a partner's grasp, and why");
+  CLI::App* decide_command =
+      app.add_subcommand("decide", "look, then which grasp the robot takes for a partner's grasp, and why");
   add_look(*decide_command, decide.look);
-  decide_command->add_option("--partner", decide.partner, "Where the partner holds the object")->type_name("X,Y,Z");
-  decide_command->add_option("--partner-cloud", decide.partner_cloud, "A second frame of the same camera that shows the partner's grasp")->type_name("CLOUD2");
-  decide_command->add_option("--share", decide.share, "Part of the load that the robot shall carry, between 0 and 1")->type_name("S");
-  decide_command->add_option("--epsilon", decide.epsilon, "Price of the robot's effort against the partner's (thesis eq. 4.5)")->type_name("E");
+  decide_command->add_option("--partner", decide.partner, "Where the partner holds the object")
+      ->type_name("X,Y,Z");
+  decide_command
+      ->add_option("--partner-cloud", decide.partner_cloud,
+                   "A second frame of the same camera that shows the partner's grasp")
+      ->type_name("CLOUD2");
+  decide_command
+      ->add_option("--share", decide.share, "Part of the load that the robot shall carry, between 0 and 1")
+      ->type_name("S");
+  decide_command
+      ->add_option("--epsilon", decide.epsilon,
+                   "Price of the robot's effort against the partner's (thesis eq. 4.5)")
+      ->type_name("E");
   add_common(*decide_command, common);
 
   CLI::App* rank_command = app.add_subcommand("rank", "Only the load-sharing decision, on numbers");
   rank_command->add_option("PROBLEM.json", problem, "The problem; - reads it from stdin")->required();
   add_common(*rank_command, common);
 
-  CLI::App* check_command = app.add_subcommand("check", "Reads configuration and hand, touches no device, prints what would be used");
+  CLI::App* check_command = app.add_subcommand(
+      "check", "Reads configuration and hand, touches no device, prints what would be used");
   check_command->add_flag("--explain", explain, "With what each entry means and what it may be");
   add_common(*check_command, common);
 
@@ -78,9 +105,12 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     const std::string first = argc > 1 ? argv[1] : "-";
     const auto commands = app.get_subcommands({});
-    const bool known = std::any_of(commands.begin(), commands.end(), [&](const CLI::App* c) { return c->get_name() == first; });
+    const bool known = std::any_of(commands.begin(), commands.end(),
+                                   [&](const CLI::App* c) { return c->get_name() == first; });
     if (first[0] != '-' && !known)
-      std::fprintf(stderr, "colift: \"%s\" is no command; there are look, decide, rank and check; see colift --help\n", first.c_str());
+      std::fprintf(
+          stderr, "colift: \"%s\" is no command; there are look, decide, rank and check; see colift --help\n",
+          first.c_str());
     else
       std::fprintf(stderr, "colift: %s; see colift --help\n", e.what());
     return colift::tools::kBadInput;

@@ -8,7 +8,8 @@
 
 namespace colift::tools {
 
-/// "1.5,-2,3e-1" as numbers. Errors: BadInput unless there are exactly `count` finite ones; `option` is `where`.
+/// "1.5,-2,3e-1" as numbers. Errors: BadInput unless there are exactly `count` finite ones; `option` is
+/// `where`.
 [[nodiscard]] hal::Result<std::vector<double>> parse_numbers(const std::string& text, std::size_t count,
                                                              const std::string& option);
 

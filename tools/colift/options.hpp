@@ -19,7 +19,8 @@ struct CommonOptions {
   std::string command;  ///< The whole command line, for the report.
 };
 
-/// What `look` and `decide` take. Texts are as typed; they are parsed where they are used, with their option's name.
+/// What `look` and `decide` take. Texts are as typed; they are parsed where they are used, with their
+/// option's name.
 struct LookOptions {
   std::filesystem::path cloud;
   std::string method;       ///< Empty: as configured.

@@ -26,7 +26,8 @@ hal::Result<Setup> load_setup(const CommonOptions& common) {
 hal::Result<Seen> look_at_file(const LookOptions& options, const Setup& setup) {
   const std::string method = options.method.empty() ? setup.config.method : options.method;
   if (method != "fast" && method != "thesis")
-    return hal::failure(hal::ErrorCode::BadInput, "--method", fmt::format("\"{}\" is not known, expected fast or thesis", method));
+    return hal::failure(hal::ErrorCode::BadInput, "--method",
+                        fmt::format("\"{}\" is not known, expected fast or thesis", method));
 
   Seen seen;
   control::LookInput input;
@@ -38,7 +39,8 @@ hal::Result<Seen> look_at_file(const LookOptions& options, const Setup& setup) {
   }
   if (!options.at.empty()) {
     if (method == "thesis")
-      return hal::failure(hal::ErrorCode::BadInput, "--at", "goes with --method fast: the thesis takes the largest cluster");
+      return hal::failure(hal::ErrorCode::BadInput, "--at",
+                          "goes with --method fast: the thesis takes the largest cluster");
     const auto at = parse_point(options.at, "--at");
     if (!at) return tl::unexpected(at.error());
     input.at_W = *at;
@@ -49,8 +51,9 @@ hal::Result<Seen> look_at_file(const LookOptions& options, const Setup& setup) {
   input.X_WC = seen.X_WF * seen.file.X_FC;
   input.frame = std::move(seen.file.frame);
 
-  auto look = control::look(std::move(input), method == "fast" ? control::Method::Fast : control::Method::Thesis,
-                            setup.config, setup.hand, hal::SteadyClock(), setup.hand_tables);
+  auto look =
+      control::look(std::move(input), method == "fast" ? control::Method::Fast : control::Method::Thesis,
+                    setup.config, setup.hand, hal::SteadyClock(), setup.hand_tables);
   if (!look) return tl::unexpected(look.error());
   seen.look = std::move(*look);
   return seen;
@@ -61,14 +64,18 @@ int report_error(const char* command, const hal::Error& error) {
   using hal::ErrorCode;
   switch (error.code) {
     case ErrorCode::BadConfig:
-    case ErrorCode::BadInput: return kBadInput;
-    case ErrorCode::NotFound: return kNoGoal;
+    case ErrorCode::BadInput:
+      return kBadInput;
+    case ErrorCode::NotFound:
+      return kNoGoal;
     case ErrorCode::Timeout:
     case ErrorCode::LinkLost:
     case ErrorCode::BadReply:
-    case ErrorCode::DeviceFault: return kDeviceFailed;
+    case ErrorCode::DeviceFault:
+      return kDeviceFailed;
     case ErrorCode::LimitExceeded:
-    case ErrorCode::NotReady: return kInternal;
+    case ErrorCode::NotReady:
+      return kInternal;
   }
   return kInternal;
 }

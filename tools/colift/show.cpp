@@ -2,15 +2,16 @@
 
 #include <fmt/format.h>
 
-#include "tools/colift/words.hpp"
 #include "hal/config/config_file.hpp"
+#include "tools/colift/words.hpp"
 #include "tools/picture/report.hpp"
 #include "tools/picture/scene_picture.hpp"
 
 namespace colift::tools {
 namespace {
 
-picture::ScenePicture picture_of(const Seen& seen, const control::Outcome* outcome, const planner::HandModel& hand) {
+picture::ScenePicture picture_of(const Seen& seen, const control::Outcome* outcome,
+                                 const planner::HandModel& hand) {
   picture::ScenePicture p;
   const control::Look& l = seen.look;
   p.cloud = &l.cloud;
@@ -44,11 +45,13 @@ picture::Report report_of(const Seen& seen, const control::Outcome* outcome, con
   r.title = picture.title;
   r.summary.push_back(picture.because);
   r.notes = picture.notes;
-  r.pictures.push_back({picture::scene_picture_png(picture), "What was seen in the frame and what was decided."});
+  r.pictures.push_back(
+      {picture::scene_picture_png(picture), "What was seen in the frame and what was decided."});
   const auto& candidates = outcome ? outcome->candidates : l.candidates;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const auto& c = candidates[i];
-    picture::ReportCandidate row{c.id, planner::name_of(c.kind), c.verdict, {}, {}, c.stability, c.width, c.because};
+    picture::ReportCandidate row{c.id,     planner::name_of(c.kind), c.verdict, {}, {}, c.stability, c.width,
+                                 c.because};
     if (outcome && i < outcome->decision.scores.size() && outcome->decision.scores[i]) {
       row.share = outcome->decision.scores[i]->share;
       row.cost = outcome->decision.scores[i]->cost;
@@ -56,7 +59,10 @@ picture::Report report_of(const Seen& seen, const control::Outcome* outcome, con
     r.candidates.push_back(std::move(row));
   }
   for (const auto& s : l.scene.surfaces) r.surfaces.push_back(surface_line(s));
-  r.timing = {{"ground", l.ms.ground}, {"target", l.ms.target}, {"surfaces", l.ms.surfaces}, {"candidates", l.ms.candidates}};
+  r.timing = {{"ground", l.ms.ground},
+              {"target", l.ms.target},
+              {"surfaces", l.ms.surfaces},
+              {"candidates", l.ms.candidates}};
   if (outcome) {
     r.timing.push_back({"partner", outcome->partner_ms});
     r.timing.push_back({"decision", outcome->decision_ms});
@@ -86,7 +92,9 @@ hal::Result<> show(const Seen& seen, const control::Outcome* outcome, const Look
     if (!common.quiet) fmt::print(stderr, "picture: {}\n", options.png->string());
   }
   if (options.report) {
-    if (auto written = picture::write_report(*options.report, report_of(seen, outcome, common, picture)); !written) return written;
+    if (auto written = picture::write_report(*options.report, report_of(seen, outcome, common, picture));
+        !written)
+      return written;
     if (!common.quiet) fmt::print(stderr, "report: {}\n", options.report->string());
   }
   return {};

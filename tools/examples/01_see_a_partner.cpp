@@ -1,5 +1,6 @@
-// From two depth frames to a decision, in one page: a table is seen, then a person takes hold of it, then the robot's grasp
-// is chosen. The frames come from the ray caster with a Kinect's noise; a recorded or live camera gives the same DepthFrame.
+// From two depth frames to a decision, in one page: a table is seen, then a person takes hold of it, then the
+// robot's grasp is chosen. The frames come from the ray caster with a Kinect's noise; a recorded or live
+// camera gives the same DepthFrame.
 //
 //   build/example_01_see_a_partner picture.png
 
@@ -41,9 +42,10 @@ int main(int argc, char** argv) {
   if (!outcome) return fmt::print(stderr, "{}\n", outcome.error().text()), 2;
   fmt::print("{}\n{}\n", outcome->partner_because, outcome->decision.because);
   if (!outcome->partner || !outcome->decision.chosen) return 1;
-  fmt::print("truth: the contact is {:.0f} mm and the centre of gravity {:.0f} mm from where they were seen\n",
-             1e3 * (outcome->partner->position - person.contact).norm(),
-             1e3 * (look->scene.target->cog - room.cog).norm());
+  fmt::print(
+      "truth: the contact is {:.0f} mm and the centre of gravity {:.0f} mm from where they were seen\n",
+      1e3 * (outcome->partner->position - person.contact).norm(),
+      1e3 * (look->scene.target->cog - room.cog).norm());
 
   picture::ScenePicture picture;
   picture.cloud = &look->cloud;

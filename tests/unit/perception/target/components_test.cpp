@@ -9,7 +9,8 @@ namespace colift::perception {
 namespace {
 
 // the definition, pixel by pixel
-std::vector<std::int32_t> flood(const std::vector<float>& depth, const std::vector<std::uint8_t>& mask, int w, int h, const DepthJump& jump) {
+std::vector<std::int32_t> flood(const std::vector<float>& depth, const std::vector<std::uint8_t>& mask, int w,
+                                int h, const DepthJump& jump) {
   std::vector<std::int32_t> label(depth.size(), -1);
   std::int32_t next = 0;
   for (int start = 0; start < w * h; ++start) {
@@ -25,7 +26,8 @@ std::vector<std::int32_t> flood(const std::vector<float>& depth, const std::vect
           const int u = i % w + du, v = i / w + dv;
           if (u < 0 || v < 0 || u >= w || v >= h) continue;
           const std::size_t k = static_cast<std::size_t>(v * w + u);
-          if (!mask[k] || label[k] >= 0 || !jump.same_surface(depth[static_cast<std::size_t>(i)], depth[k])) continue;
+          if (!mask[k] || label[k] >= 0 || !jump.same_surface(depth[static_cast<std::size_t>(i)], depth[k]))
+            continue;
           label[k] = next;
           open.push(v * w + u);
         }
@@ -48,7 +50,8 @@ std::uint32_t scramble(std::uint32_t x) {
 
 TEST_CASE("regions equal a flood fill on random images", "[components]") {
   for (std::uint32_t seed = 0; seed < 200; ++seed) {
-    const int w = 5 + static_cast<int>(scramble(seed) % 40), h = 3 + static_cast<int>(scramble(seed + 999) % 30);
+    const int w = 5 + static_cast<int>(scramble(seed) % 40),
+              h = 3 + static_cast<int>(scramble(seed + 999) % 30);
     std::vector<float> depth(static_cast<std::size_t>(w * h));
     std::vector<std::uint8_t> mask(depth.size());
     for (std::size_t i = 0; i < depth.size(); ++i) {

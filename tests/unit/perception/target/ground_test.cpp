@@ -1,5 +1,5 @@
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 
 #include "synthetic.hpp"
 
@@ -8,7 +8,8 @@ namespace {
 
 using sim_hal::ObjectKind;
 
-const ObjectKind kKinds[] = {ObjectKind::Table, ObjectKind::Box, ObjectKind::OpenBox, ObjectKind::Pipe, ObjectKind::Chair};
+const ObjectKind kKinds[] = {ObjectKind::Table, ObjectKind::Box, ObjectKind::OpenBox, ObjectKind::Pipe,
+                             ObjectKind::Chair};
 
 GroundResult ground_of(const OrganisedCloud& cloud, const std::optional<Vec3>& up) {
   const NoiseModel noise;
@@ -23,11 +24,13 @@ TEST_CASE("the ground is found within 0.3 degrees and 3 mm on noisy frames", "[g
   for (const ObjectKind kind : kKinds) {
     for (std::uint64_t seed = 1; seed <= 8; ++seed) {
       const View view(kind, seed);
-      const GroundResult r = ground_of(view.cloud, known_up ? std::optional<Vec3>(Vec3::UnitZ()) : std::nullopt);
+      const GroundResult r =
+          ground_of(view.cloud, known_up ? std::optional<Vec3>(Vec3::UnitZ()) : std::nullopt);
       INFO(view.scene.name << " seed " << seed << ": " << r.because);
       REQUIRE(r.ground);
       angles.push_back(angle_deg(r.ground->plane.normal, view.scene.ground.normal));
-      // the offset counts where the ground is seen: under the camera's view, at the scene's origin of interest
+      // the offset counts where the ground is seen: under the camera's view, at the scene's origin of
+      // interest
       const Vec3 foot = view.scene.ground.foot(view.scene.cog);
       offsets.push_back(std::abs(r.ground->plane.height(foot)));
       CHECK(angles.back() <= 0.3);
@@ -36,9 +39,10 @@ TEST_CASE("the ground is found within 0.3 degrees and 3 mm on noisy frames", "[g
   }
   std::sort(angles.begin(), angles.end());
   std::sort(offsets.begin(), offsets.end());
-  fmt::print("ground, {} frames, up {}: angle median {:.3f} max {:.3f} deg, offset median {:.2f} max {:.2f} mm\n",
-             angles.size(), known_up ? "known" : "unknown", angles[angles.size() / 2], angles.back(),
-             1e3 * offsets[offsets.size() / 2], 1e3 * offsets.back());
+  fmt::print(
+      "ground, {} frames, up {}: angle median {:.3f} max {:.3f} deg, offset median {:.2f} max {:.2f} mm\n",
+      angles.size(), known_up ? "known" : "unknown", angles[angles.size() / 2], angles.back(),
+      1e3 * offsets[offsets.size() / 2], 1e3 * offsets.back());
 }
 
 TEST_CASE("a wall larger than the floor is not the ground", "[ground]") {

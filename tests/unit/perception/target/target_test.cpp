@@ -20,13 +20,15 @@ TargetResult target_of(const OrganisedCloud& cloud, const std::optional<Vec3>& a
 }  // namespace
 
 TEST_CASE("the target's mask covers the truth on noisy frames", "[target]") {
-  const ObjectKind kind = GENERATE(ObjectKind::Table, ObjectKind::Box, ObjectKind::OpenBox, ObjectKind::Pipe, ObjectKind::Chair);
+  const ObjectKind kind =
+      GENERATE(ObjectKind::Table, ObjectKind::Box, ObjectKind::OpenBox, ObjectKind::Pipe, ObjectKind::Chair);
   std::vector<double> ious;
   std::string name;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     const View view(kind, seed);
     name = view.scene.name;
-    if (name.find("blocks") != std::string::npos) continue;  // what lies on its neighbours is one object with them
+    if (name.find("blocks") != std::string::npos)
+      continue;  // what lies on its neighbours is one object with them
     const TargetResult r = target_of(view.cloud);
     INFO(name << " seed " << seed << ": " << r.because);
     REQUIRE(r.target);
@@ -61,13 +63,15 @@ TEST_CASE("an object that the image cuts at the side is not free-standing", "[ta
   using namespace sim_hal;
   World world;
   world.shapes.push_back(half_space(Vec3::Zero(), Vec3::UnitZ(), Label::Ground));
-  world.shapes.push_back(box(Vec3(0.0, 1.15, 0.3), Vec3(0.6, 0.9, 0.6), 0.0, Label::Clutter));  // leaves the view
+  world.shapes.push_back(
+      box(Vec3(0.0, 1.15, 0.3), Vec3(0.6, 0.9, 0.6), 0.0, Label::Clutter));  // leaves the view
   world.shapes.push_back(box(Vec3(0.0, -0.2, 0.15), Vec3(0.3, 0.3, 0.3), 0.0, Label::Target));
   const Pose X_WC = look_at(Vec3(-1.4, 0, 1.2), Vec3(0, 0, 0.2));
   const TargetResult r = target_of(deproject(measure(cast_rays(world, {}, X_WC), {}, 5), X_WC));
   REQUIRE(r.target);
   CHECK(r.target->obb.center.y() < 0.1);
-  CHECK(std::any_of(r.rejected.begin(), r.rejected.end(), [](const auto& o) { return o.kind == RejectedObject::Kind::Cut; }));
+  CHECK(std::any_of(r.rejected.begin(), r.rejected.end(),
+                    [](const auto& o) { return o.kind == RejectedObject::Kind::Cut; }));
 }
 
 TEST_CASE("a bare floor has no target, and says so", "[target]") {
@@ -86,12 +90,14 @@ TEST_CASE("a person is not a target", "[target]") {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const SyntheticScene scene = make_scene(ObjectKind::Box, seed);
     World world = with_passer_by(scene, seed, false);
-    std::erase_if(world.shapes, [](const Shape& s) { return s.label != Label::Ground && s.label != Label::Partner; });
+    std::erase_if(world.shapes,
+                  [](const Shape& s) { return s.label != Label::Ground && s.label != Label::Partner; });
     const Rendering truth = cast_rays(world, scene.intrinsics, scene.X_WC);
     const TargetResult r = target_of(deproject(measure(truth, {}, seed), scene.X_WC));
     INFO(seed << ": " << r.because);
     CHECK_FALSE(r.target);
-    seen += std::any_of(r.rejected.begin(), r.rejected.end(), [](const auto& o) { return o.kind == RejectedObject::Kind::Person; });
+    seen += std::any_of(r.rejected.begin(), r.rejected.end(),
+                        [](const auto& o) { return o.kind == RejectedObject::Kind::Person; });
   }
   CHECK(seen >= 3);
 }

@@ -24,7 +24,8 @@ DecisionInput table() {
   return in;
 }
 
-Decision decided(std::vector<GraspCandidate>& candidates, const DecisionInput& in, const DecisionConfig& config = {}) {
+Decision decided(std::vector<GraspCandidate>& candidates, const DecisionInput& in,
+                 const DecisionConfig& config = {}) {
   auto d = decide_grasp(candidates, in, config);
   REQUIRE(d);
   return *d;
@@ -33,7 +34,8 @@ Decision decided(std::vector<GraspCandidate>& candidates, const DecisionInput& i
 }  // namespace
 
 TEST_CASE("the grasp opposite the partner is chosen and takes half the load", "[decision]") {
-  std::vector<GraspCandidate> c{at(0, 0.4, -0.2, 0.7), at(1, 0.4, 0.0, 0.7), at(2, 0.4, 0.2, 0.7), at(3, 0.2, 0.0, 0.7)};
+  std::vector<GraspCandidate> c{at(0, 0.4, -0.2, 0.7), at(1, 0.4, 0.0, 0.7), at(2, 0.4, 0.2, 0.7),
+                                at(3, 0.2, 0.0, 0.7)};
   const Decision d = decided(c, table());
   REQUIRE(d.chosen);
   CHECK(c[*d.chosen].id == 1);
@@ -107,7 +109,8 @@ TEST_CASE("refusals of earlier stages stay, and none left says how many fell to 
   const Decision d = decided(c, table());
   CHECK_FALSE(d.chosen);
   CHECK(c[0].verdict == Verdict::Collision);
-  CHECK(d.because.find("2 would collide (candidate 0: finger 1 meets the ground 3 mm deep)") != std::string::npos);
+  CHECK(d.because.find("2 would collide (candidate 0: finger 1 meets the ground 3 mm deep)") !=
+        std::string::npos);
   CHECK(d.because.find("1 are too near the partner") != std::string::npos);
 }
 
