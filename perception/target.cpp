@@ -149,10 +149,6 @@ std::optional<RejectedObject> objection(const Fragment& f, const TargetConfig& c
         Kind::Person,
         fmt::format("it is {:.2f} m tall, a person or furniture that is not carried (limit {:.2f} m)",
                     f.max_height_m, c.max_height_m));
-  if (top_cut(f) > kHeadCut && f.max_height_m > footprint_span(f))
-    return reject(Kind::Person, fmt::format("it leaves the view at the top, {:.2f} m above the ground and "
-                                            "taller than wide: a person or furniture that is not carried",
-                                            f.max_height_m));
   const Cut cut = lateral_cut(f);
   if (cut.fraction + kTopCutWeight * top_cut(f) > c.max_cut)
     return reject(
@@ -160,6 +156,10 @@ std::optional<RejectedObject> objection(const Fragment& f, const TargetConfig& c
         fmt::format(
             "its {1} side leaves the view by {0:.0f} %, so it is not known to stand free (limit {2:.0f} %)",
             100 * cut.fraction, cut.side, 100 * c.max_cut));
+  if (top_cut(f) > kHeadCut && f.max_height_m > footprint_span(f))
+    return reject(Kind::Person, fmt::format("it leaves the view at the top, {:.2f} m above the ground and "
+                                            "taller than wide: a person or furniture that is not carried",
+                                            f.max_height_m));
   return std::nullopt;
 }
 
