@@ -21,9 +21,8 @@ TEST_CASE("01: the office chair is the target, the drawer unit is cut by the ima
   REQUIRE(seen.scene.target);
   check_box(r, *seen.scene.target, r.object("office chair"));
   const Vec3 drawers = vec(r.object("drawer unit")["obb_center"]);
-  CHECK(std::any_of(seen.rejected.begin(), seen.rejected.end(), [&](const auto& o) {
-    return o.kind == Kind::Cut && (o.center - drawers).norm() < 0.2;
-  }));
+  CHECK(std::any_of(seen.rejected.begin(), seen.rejected.end(),
+                    [&](const auto& o) { return o.kind == Kind::Cut && (o.center - drawers).norm() < 0.2; }));
   CHECK(seen.scene.target->because.find("upper side") != std::string::npos);
 }
 
