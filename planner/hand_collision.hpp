@@ -4,7 +4,6 @@
 #include <limits>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "hal/config/range.hpp"
@@ -68,8 +67,8 @@ struct HandPlacement {
 struct Collision {
   enum class With { Object, Surroundings, Ground, Unseen, Reach, Completed };
   With with = With::Object;
-  std::string_view part;  ///< Name, as long as the HandCollision that gave it.
-  double depth_m = 0.0;   ///< How far inside; for Unseen the part of the way (0 to 1).
+  std::string part;      ///< Name of the part of the hand.
+  double depth_m = 0.0;  ///< How far inside; for Unseen the part of the way (0 to 1).
   Vec3 at = Vec3::Zero();
 
   /// By how much the hand would have to give way (m); for Unseen a quarter of a metre times the part that was

@@ -15,6 +15,9 @@
 extern "C" __attribute__((weak)) const char* __lsan_default_suppressions() {
   return "leak:libfontconfig";
 }
+extern "C" __attribute__((weak)) const char* __lsan_default_options() {
+  return "print_suppressions=0";
+}
 #endif
 
 namespace colift::picture {
