@@ -2,17 +2,25 @@
 
 #include <string>
 
+#include "control/load_estimator.hpp"
+#include "control/task_config.hpp"
 #include "hal/config/range.hpp"
+#include "hal/guarded_arm.hpp"
+#include "hal/guarded_hand.hpp"
 #include "perception/ground.hpp"
 #include "perception/noise_model.hpp"
+#include "perception/object_motion.hpp"
 #include "perception/partner_grasp.hpp"
 #include "perception/partner_tracker.hpp"
+#include "perception/self_filter.hpp"
 #include "perception/shape_completion.hpp"
 #include "perception/surfaces/surface_config.hpp"
 #include "perception/target.hpp"
 #include "perception/thesis/thesis_config.hpp"
+#include "perception/world_map.hpp"
 #include "planner/grasp_candidates.hpp"
 #include "planner/grasp_decision.hpp"
+#include "planner/motion/motion_planner.hpp"
 
 namespace colift::control {
 
@@ -30,6 +38,14 @@ struct Config {
   perception::TrackerConfig tracker;
   planner::DecisionConfig decision;
   perception::ThesisConfig thesis;
+  perception::WorldMapConfig map;
+  perception::SelfFilterConfig self_filter;
+  perception::MotionConfig object_motion;
+  planner::PlannerConfig motion;
+  TaskConfig task;
+  LoadConfig load;
+  hal::GuardConfig guard_arm;
+  hal::HandGuardConfig guard_hand;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -46,6 +62,14 @@ struct Config {
     v("tracker", tracker, "When a touch is a grasp.");
     v("decision", decision, "How the load is shared.");
     v("thesis", thesis, "Parameters of the thesis's method.");
+    v("map", map, "The collision world.");
+    v("self_filter", self_filter, "How the robot's own pixels are removed.");
+    v("object_motion", object_motion, "How the object is followed while it is lifted.");
+    v("motion", motion, "How the arm's way is planned.");
+    v("task", task, "The order of the job: patience, lift, limits that end it.");
+    v("load", load, "How the load is felt.");
+    v("guard_arm", guard_arm, "The last gate before the arm.");
+    v("guard_hand", guard_hand, "The last gate before the hand.");
   }
 };
 

@@ -13,11 +13,14 @@ inline constexpr int kFingers = 3;
 /// What the hand measured. Finger joint 0 rad is fully open, about 2.44 rad fully closed.
 struct HandState {
   Timestamp measured_at{0};
-  std::array<double, kFingers> finger_rad{};   ///< Inner joint of F1, F2, F3.
-  double spread_rad = 0.0;                     ///< 0: F1 and F2 opposite F3; pi: all on one side.
+  std::array<double, kFingers> finger_rad{};  ///< Inner joint of F1, F2, F3.
+  std::array<double, kFingers>
+      outer_rad{};          ///< Outer joint against the inner link; a third of it before breakaway.
+  double spread_rad = 0.0;  ///< 0: F1 and F2 opposite F3; pi: all on one side.
   std::array<double, kFingers> torque_nm{};    ///< Fingertip torque from the strain gauges; NaN without them.
   std::array<double, kFingers> tip_force_n{};  ///< Sum over the tactile pad; NaN without tactile sensors.
   bool moving = false;
+  bool held = false;  ///< The last close() ended on contact and the grip has not been released since.
 };
 
 /// A three-finger hand whose fingers hold their position when unpowered (worm gears).
@@ -26,13 +29,14 @@ class Hand : public Device {
   /// Latest state. Errors: Timeout (no fresh answer), LinkLost, DeviceFault.
   [[nodiscard]] virtual Result<HandState> state() = 0;
 
-  /// Opens the fingers and turns the spread. Refused with NotReady while the hand is loaded.
+  /// Starts to open the fingers and to turn the spread. Refused with NotReady while the hand holds something.
   [[nodiscard]] virtual Result<> preshape(double spread_rad) = 0;
 
-  /// Closes all fingers until each is held by contact or by its stop; at most `torque_nm` at the fingertips.
+  /// Starts to close all fingers until each is held by contact or by its stop; at most `torque_nm` at the
+  /// fingertips. Returns at once: the end shows in state().moving and state().held. Errors: LimitExceeded.
   [[nodiscard]] virtual Result<> close(double torque_nm) = 0;
 
-  /// Opens a loaded hand: the only call that does.
+  /// Starts to open a loaded hand: the only call that does.
   [[nodiscard]] virtual Result<> release() = 0;
 
   /// Fingers stay where they are. Any thread, any number of times.

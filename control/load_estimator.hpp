@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+
+#include "hal/config/range.hpp"
+#include "hal/robot_model/robot_model.hpp"
+#include "hal/types/geometry.hpp"
+#include "hal/types/joints.hpp"
+#include "hal/types/time.hpp"
+
+namespace colift::control {
+
+struct LoadConfig {
+  double filter_s = 0.05;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("filter_s", filter_s, hal::Range{0, 2}, "Time constant of the force estimate (s).");
+  }
+};
+
+/// What the arm feels at the palm: external joint torques, tared when the hand was empty, taken to a wrench
+/// by the Jacobian's damped pseudo-inverse of the transpose. Deterministic, allocation-free.
+class LoadEstimator {
+ public:
+  LoadEstimator(const hal::RobotModel& model, const LoadConfig& config);
+
+  /// Takes what is felt now as nothing (mean over the calls while taring).
+  void start_tare();
+  void end_tare();
+  void update(hal::Timestamp at, const hal::JointVector& q_rad, const hal::JointVector& tau_external_nm);
+
+  /// Filtered wrench of the environment on the hand, about the palm, in W. Unset before the first update.
+  [[nodiscard]] std::optional<hal::Wrench> wrench_W() const;
+  /// Part of the weight that the robot carries (N, up positive): what pulls the hand down.
+  [[nodiscard]] double load_n() const;
+
+ private:
+  const hal::RobotModel* model_;
+  LoadConfig config_;
+  bool taring_ = false;
+  int tare_count_ = 0;
+  hal::JointVector tare_ = hal::JointVector::Zero(), tare_sum_ = hal::JointVector::Zero();
+  std::optional<hal::Timestamp> last_;
+  std::optional<hal::Wrench> wrench_;
+};
+
+}  // namespace colift::control

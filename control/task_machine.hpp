@@ -1,0 +1,91 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace colift::control {
+
+/// What the robot is doing. The words are those of the screen, the log and the JSON: word(Task).
+enum class Task {
+  Observe,       ///< Looks at the scene: ground, target, candidates, map.
+  AwaitPartner,  ///< Waits until somebody holds the object.
+  Decide,        ///< Which grasp, and is it reachable.
+  Plan,          ///< The way there.
+  Approach,      ///< Moves to pre-grasp, then straight to the grasp.
+  Close,         ///< Closes the hand.
+  Verify,        ///< Checks the grip: width, strain, nothing slips.
+  AwaitReady,    ///< Waits until the partner still holds and is at rest.
+  Lift,
+  Hold,
+  Lower,
+  Release,  ///< Opens the hand: the only state that does so while it is loaded.
+  Retreat,  ///< Away from the object and home, after release.
+  BackOff,  ///< Stops and goes back the way it came, hand empty, because the grasp is off.
+  Done,     ///< End: everything went as wished.
+  Refused,  ///< End: nothing was moved, or everything is back home, and there is a reason.
+  Aborted,  ///< End: back home, safely, without the goal.
+  Stopped,  ///< End: holds its position, grip kept; a person has to decide.
+};
+
+enum class Event {
+  SceneKnown,
+  NothingToCarry,
+  PartnerGrasped,
+  PartnerMoved,
+  PartnerLetGo,
+  NobodyCame,
+  GraspChosen,
+  NoGraspFits,
+  PlanReady,
+  NoWay,
+  Arrived,
+  Blocked,  ///< Blocked: unexpected contact, or the arm does not follow.
+  HandHeld,
+  HandEmpty,
+  GripGood,
+  GripBad,
+  PartnerReady,
+  AtHeight,
+  LimitReached,  ///< LimitReached: tilt, slip, force or mass beyond its limit.
+  HoldOver,
+  OnGround,
+  HandOpen,
+  BackHome,
+  CameraLost,
+  CameraBack,
+  ArmLost,
+  HandLost,
+  Interrupted,
+  TimeOut,
+};
+
+struct Rule {
+  Task from;
+  Event on;
+  Task to;
+  std::string_view because;
+};
+
+/// The whole machine, as a table that a person can read from top to bottom.
+[[nodiscard]] std::span<const Rule> rules();
+
+/// The rule for an event in a state; nullopt: the event means nothing there. Pure: no clock, no device, no
+/// log.
+[[nodiscard]] std::optional<Rule> next(Task now, Event event);
+
+[[nodiscard]] std::string_view word(Task task);
+[[nodiscard]] std::string_view word(Event event);
+/// What a person is told that the state waits for.
+[[nodiscard]] std::string_view waits_for(Task task);
+[[nodiscard]] bool is_end(Task task);
+/// From first finger contact to the end of Release.
+[[nodiscard]] bool is_loaded(Task task);
+/// The arm is commanded to move.
+[[nodiscard]] bool is_moving(Task task);
+
+/// The table as a Graphviz drawing, for `colift check --graph`.
+[[nodiscard]] std::string graph();
+
+}  // namespace colift::control

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "hal/config/range.hpp"
+#include "hal/depth_camera.hpp"
+#include "hal/robot_model/robot_model.hpp"
+#include "perception/noise_model.hpp"
+
+namespace colift::perception {
+
+struct SelfFilterConfig {
+  double padding_m = 0.015;
+  double shadow_padding_px = 2.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("padding_m", padding_m, hal::Range{0, 0.2},
+      "Links are thicker by this: errors of model and calibration (m).");
+    v("shadow_padding_px", shadow_padding_px, hal::Range{0, 20}, "Raggedness of edges in the image (px).");
+  }
+};
+
+/// Removes the robot's own pixels from depth frames, from its model and joint positions at the time of the
+/// frame. Keeps its buffers from frame to frame: one filter, one thread.
+class SelfFilter {
+ public:
+  SelfFilter(const hal::RobotModel& model, const hal::CameraIntrinsics& intrinsics, const hal::Pose& X_WC,
+             const NoiseModel& noise, const SelfFilterConfig& config);
+  ~SelfFilter();
+  SelfFilter(SelfFilter&&) noexcept;
+  SelfFilter& operator=(SelfFilter&&) noexcept;
+
+  /// Sets the robot's pixels to NaN, in place. Returns them, ascending; valid until the next call. What
+  /// stands before the robot stays (a person's arm), what the robot hides is NaN too.
+  const std::vector<std::uint32_t>& remove(hal::DepthFrame& frame, const hal::JointVector& q_rad,
+                                           const hal::HandPosture& hand);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace colift::perception

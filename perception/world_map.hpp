@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "hal/config/range.hpp"
+#include "hal/robot_model/robot_model.hpp"
+#include "hal/types/geometry.hpp"
+#include "hal/types/result.hpp"
+#include "perception/organised_cloud.hpp"
+
+namespace octomap {
+class OcTree;
+}
+
+namespace colift::perception {
+
+struct WorldMapConfig {
+  double cell_m = 0.02;
+  double max_range_m = 3.5;
+  double robot_padding_m = 0.03;
+  hal::Vec3 min_m{-1.2, -1.2, -0.05}, max_m{1.6, 1.2, 1.6};
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("cell_m", cell_m, hal::Range{0.005, 0.1}, "Edge of the smallest cell (m).");
+    v("max_range_m", max_range_m, hal::Range{0.5, 10}, "Farther measurements are not entered (m).");
+    v("robot_padding_m", robot_padding_m, hal::Range{0, 0.2},
+      "Cells this near to the robot are its own (m).");
+    v("min_m", min_m, "Lower corner of the mapped space in W (m).");
+    v("max_m", max_m, "Upper corner of the mapped space in W (m).");
+  }
+};
+
+/// What a cell of the map is.
+enum class CellState : std::uint8_t {
+  Free,       ///< A ray went through it.
+  Occupied,   ///< A measurement ended in it (target, partner and robot are carved out).
+  Hidden,     ///< No ray reached it because something measured stands before it.
+  OutOfView,  ///< The camera does not look there, or measured nothing in that direction.
+};
+
+/// The map's cells on a regular grid, row-major x fastest: index = (iz * ny + iy) * nx + ix.
+struct CellGrid {
+  double cell_m = 0.02;
+  hal::Vec3 origin = hal::Vec3::Zero();  ///< Lower corner of cell (0, 0, 0) in W.
+  int nx = 0, ny = 0, nz = 0;
+  std::vector<CellState> cells;
+};
+
+/// The collision world: an OctoMap of the scene from depth with ray-cast freeing. The target is kept apart as
+/// its own cells, so that the arm may not touch it but the fingers may.
+class WorldMap {
+ public:
+  explicit WorldMap(const WorldMapConfig& config);
+  ~WorldMap();
+  WorldMap(WorldMap&&) noexcept;
+  WorldMap& operator=(WorldMap&&) noexcept;
+
+  /// Enters one frame: cells on the way of each ray become freer, those at its end more occupied. Pixels in
+  /// `not_scene` (target, partner; ascending) end their rays without entering an obstacle.
+  void insert(const OrganisedCloud& cloud, std::span<const std::uint32_t> not_scene);
+
+  /// Frees the cells that the robot's own links take, padded.
+  void carve_robot(const hal::RobotModel& model, const hal::JointVector& q_rad, const hal::HandPosture& hand);
+  /// Frees a box (m, W).
+  void carve(const hal::Aabb& box_W);
+
+  /// The target's points as cells of their own; replaces the last ones.
+  void set_target(std::span<const hal::Vec3> points_W);
+  [[nodiscard]] const std::vector<hal::Vec3>& target_cells() const;  ///< Middles of its cells.
+
+  /// The map as a regular grid over [min_m, max_m], hidden cells judged from the last frame that was
+  /// inserted.
+  [[nodiscard]] CellGrid grid() const;
+  [[nodiscard]] const octomap::OcTree& tree() const;  ///< Without the target.
+  [[nodiscard]] std::size_t occupied_cells() const;
+
+  /// OctoMap's .bt format. Errors: BadInput with the file (cannot be written, is no .bt, is damaged).
+  [[nodiscard]] hal::Result<> save(const std::filesystem::path& file) const;
+  [[nodiscard]] static hal::Result<WorldMap> load(const std::filesystem::path& file,
+                                                  const WorldMapConfig& config);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace colift::perception

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "hal/robot.hpp"
+#include "sim_hal/mujoco/sim_world.hpp"
+
+namespace colift::sim_hal {
+
+/// Arm, hand and camera on one world, with the scenario's faults. Whoever waits on a device moves the world:
+/// wait_cycle() by one arm period, next_frame(patience) up to the next exposure, and not at all when a frame
+/// is already due or patience is zero. Frames come at 30 Hz; a frame shows the world as it is when it is
+/// asked for. One thread. The world has to outlive the devices.
+[[nodiscard]] std::unique_ptr<hal::Arm> make_sim_arm(SimWorld& world);
+[[nodiscard]] std::unique_ptr<hal::Hand> make_sim_hand(SimWorld& world);
+[[nodiscard]] std::unique_ptr<hal::DepthCamera> make_sim_camera(SimWorld& world);
+
+/// Pose of the camera in W as the scenario says.
+[[nodiscard]] Pose camera_pose(const ScenarioCamera& camera);
+
+}  // namespace colift::sim_hal

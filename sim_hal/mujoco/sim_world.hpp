@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "hal/arm.hpp"
+#include "hal/hand.hpp"
+#include "hal/robot_model/robot_model.hpp"
+#include "hal/types/result.hpp"
+#include "hal/types/time.hpp"
+#include "sim_hal/mock/shapes.hpp"
+#include "sim_hal/scenario/object_parts.hpp"
+#include "sim_hal/scenario/scenario.hpp"
+
+namespace colift::sim_hal {
+
+struct SimConfig {
+  hal::Duration arm_period = std::chrono::milliseconds(5);  ///< Time between two commands: FRI's usual cycle.
+  hal::JointVector start_rad = home_rad();                  ///< Where the arm stands at time 0.
+  [[nodiscard]] static hal::JointVector home_rad();
+};
+
+/// What is true at this moment, for reports and tests; no device tells it.
+struct SimTruth {
+  hal::Timestamp at{0};
+  Pose X_WT = Pose::Identity();  ///< Object.
+  double mass_kg = 0.0;
+  Vec3 cog_W = Vec3::Zero();
+  double tilt_rad = 0.0;                ///< Between the object's up axis now and at time 0.
+  double height_m = 0.0;                ///< Rise of the centre of gravity since time 0.
+  Vec3 robot_force_W = Vec3::Zero();    ///< Of the hand's contacts on the object (N).
+  Vec3 robot_torque_W = Vec3::Zero();   ///< The same about the palm (N m).
+  Vec3 partner_force_W = Vec3::Zero();  ///< Of the partner on the object (N).
+  Vec3 floor_force_W = Vec3::Zero();  ///< Of floor and clutter on the object (N); zero when it is in the air.
+  double slip_m = 0.0;                ///< Motion of the object in the palm since the fingers were locked.
+  std::optional<Vec3> partner_W;      ///< Where the partner holds it; unset while he does not.
+  bool robot_touches_object = false;
+  bool robot_hit_something =
+      false;  ///< A link of the arm or the palm's back met anything, at any time so far.
+  hal::JointVector q_rad = hal::JointVector::Zero();
+};
+
+/// One scenario under physics: floor, clutter, object, LWR 4+, BarrettHand and partner. MuJoCo 2.2 at 1 ms,
+/// implicit in advance(). Deterministic: same scenario, model, seed and calls, same bits. One thread.
+class SimWorld {
+ public:
+  /// Errors: BadConfig (object below the floor or in the robot, grasp of the partner far off the surface).
+  [[nodiscard]] static hal::Result<std::unique_ptr<SimWorld>> make(const Scenario& scenario,
+                                                                   const hal::RobotModel& model,
+                                                                   std::uint64_t seed,
+                                                                   const SimConfig& config);
+  ~SimWorld();
+
+  [[nodiscard]] const hal::Clock& clock() const;
+  /// Moves time and everything in it; whole milliseconds.
+  void advance(hal::Duration by);
+  [[nodiscard]] SimTruth truth() const;
+
+  // What the devices stand on. The controller inside the KRC runs at 1 ms between two commands of the client.
+  [[nodiscard]] hal::ArmState arm_state() const;
+  void command_arm(const hal::ImpedanceCommand& command);
+  void hold_arm();  ///< Without a client: the arm stays where it is commanded.
+  [[nodiscard]] hal::HandState hand_state() const;
+  void preshape_hand(double spread_rad);
+  void close_hand(double torque_nm);
+  void open_hand();
+  void stop_hand();
+
+  /// Everything that a camera can see, where it is now: object, floor, clutter, robot, partner.
+  [[nodiscard]] World shapes() const;
+
+  [[nodiscard]] const Scenario& scenario() const;
+  [[nodiscard]] const SimConfig& config() const;
+  [[nodiscard]] std::uint64_t seed() const;
+
+ private:
+  struct Impl;
+  explicit SimWorld(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace colift::sim_hal

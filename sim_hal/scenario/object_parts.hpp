@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "hal/types/result.hpp"
+#include "sim_hal/mock/shapes.hpp"
+#include "sim_hal/scenario/scenario.hpp"
+
+namespace colift::sim_hal {
+
+/// A scenario's object as solid pieces in T, for the physics and the camera alike.
+struct ObjectParts {
+  struct Part {
+    Shape shape;     ///< Box or cylinder; X_WS holds its pose in T.
+    double mass_kg;  ///< Uniform density over all pieces, but for kind bodies.
+  };
+  std::vector<Part> parts;
+  double mass_kg = 0.0;
+  Vec3 cog_T = Vec3::Zero();                            ///< With cog_offset.
+  Eigen::Matrix3d inertia_T = Eigen::Matrix3d::Zero();  ///< About cog_T (kg m^2).
+};
+
+/// Table: a 2.5 cm top on four legs. Box: a solid. Cylinder: lies along Tx on the floor, or on what its
+/// clutter gives it. Chair: seat, four legs, back rest. Errors: BadConfig (sizes that make no object).
+[[nodiscard]] hal::Result<ObjectParts> object_parts(const ScenarioObject& object);
+
+}  // namespace colift::sim_hal

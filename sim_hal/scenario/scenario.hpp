@@ -1,0 +1,101 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/config/range.hpp"
+#include "hal/types/geometry.hpp"
+#include "hal/types/result.hpp"
+
+namespace colift::sim_hal {
+
+using hal::Pose;
+using hal::Vec3;
+
+// One struct per block of a scenario file (schema colift.scenario/1). Frames: W = robot base, z = 0 the
+// floor; object frame T: origin on the floor below the middle of the object, z up, x along the first size, at
+// yaw 0 along Wx.
+
+/// One rigid piece of an object of kind `bodies`, in T.
+struct ScenarioPart {
+  std::string shape = "box";  ///< box (size x y z) or cylinder (size radius length).
+  std::vector<double> size;
+  Vec3 xyz = Vec3::Zero();
+  Vec3 rpy_deg = Vec3::Zero();
+  double mass = 1.0;
+};
+
+struct ScenarioObject {
+  std::string kind = "table";  ///< table | box | cylinder | chair | bodies
+  std::vector<double> size;
+  double mass = 4.0;
+  Vec3 cog_offset = Vec3::Zero();  ///< From the uniform-density centre, in T.
+  Vec3 xyz = Vec3::Zero();         ///< Pose of T in W ...
+  double yaw_deg = 0.0;            ///< ... turned about z.
+  double friction = 0.7;
+  std::vector<ScenarioPart> parts;
+};
+
+struct ScenarioClutter {
+  std::string shape = "box";
+  std::vector<double> size;
+  Vec3 xyz = Vec3::Zero();  ///< Of its lowest middle point.
+  double yaw_deg = 0.0;
+};
+
+struct ScenarioCamera {
+  Vec3 xyz{2.2, -0.9, 1.4};
+  Vec3 look_at{0.7, 0.0, 0.3};
+  std::string noise = "kinect";  ///< kinect | none
+};
+
+struct PartnerScriptEvent {
+  double at_s = 0.0;
+  std::string action;      ///< let-go | move
+  std::optional<Vec3> to;  ///< New grasp in T, for move.
+};
+
+struct ScenarioPartner {
+  std::string kind = "compliant";  ///< compliant | leader | support | none
+  Vec3 grasp = Vec3::Zero();       ///< In T, on the surface.
+  double arrives_s = 3.0;
+  std::vector<PartnerScriptEvent> events;
+};
+
+struct ScenarioTask {
+  std::string kind = "lift";
+  double height = 0.05;
+  double hold_s = 2.0;
+};
+
+struct DeviceFaultEvent {
+  double at_s = 0.0;
+  std::string device;  ///< camera | arm | hand
+  std::string action;  ///< freeze | drop | unplug | corrupt | blind | late | silent, as the device can
+  double for_s = 0.5;
+};
+
+struct Scenario {
+  std::string name;  ///< Of the file, for people.
+  ScenarioObject object;
+  std::vector<ScenarioClutter> clutter;
+  ScenarioCamera camera;
+  ScenarioPartner partner;
+  ScenarioTask task;
+  std::vector<DeviceFaultEvent> faults;
+};
+
+/// Reads and checks a scenario. Errors: BadConfig with file:line:column, what was found, what was expected,
+/// and the nearest known name for an unknown key.
+[[nodiscard]] hal::Result<Scenario> load_scenario(const std::filesystem::path& file);
+[[nodiscard]] hal::Result<Scenario> parse_scenario(const std::string& yaml, const std::string& name);
+
+/// config/scenario/table.yaml, compiled in.
+[[nodiscard]] Scenario built_in_scenario();
+
+/// Pose of the object frame T in W as the scenario starts.
+[[nodiscard]] Pose object_pose(const ScenarioObject& object);
+
+}  // namespace colift::sim_hal
