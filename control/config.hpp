@@ -35,7 +35,7 @@ struct Config {
   perception::CompletionConfig completion;
   planner::CandidateConfig candidates;
   perception::PartnerConfig partner;
-  perception::TrackerConfig tracker;
+  perception::TrackerConfig tracker{.dwell_s = 0.1};
   planner::DecisionConfig decision;
   perception::ThesisConfig thesis;
   perception::WorldMapConfig map;

@@ -61,6 +61,27 @@ hal::Result<> find_partner(const Look& look, const PartnerInput& input, const Co
                                      : see_thesis(look, *input.frame, c, out);
 }
 
+// out.candidates and out.partner in, the rest out
+hal::Result<> choose(const Look& look, const Config& config, const hal::Clock& clock, const Judge& judge_more,
+                     Outcome& out) {
+  const hal::Timestamp start = clock.now();
+  const planner::DecisionInput input{*out.partner, look.scene.target->cog, look.scene.ground->plane.normal,
+                                     look.base_frame_known};
+  if (look.method == Method::Fast) {
+    // the list is coarse; what matters lies around the closed-form optimum
+    const auto best = planner::best_robot_position(input, config.decision);
+    if (!best) return tl::unexpected(best.error());
+    auto more = look.finder->near(*best, out.candidates);
+    if (judge_more) judge_more(more);
+    out.candidates.insert(out.candidates.end(), more.begin(), more.end());
+  }
+  auto decision = planner::decide_grasp(out.candidates, input, config.decision);
+  if (!decision) return tl::unexpected(decision.error());
+  out.decision = std::move(*decision);
+  out.decision_ms = 1e3 * hal::seconds(clock.now() - start);
+  return {};
+}
+
 }  // namespace
 
 hal::Result<Outcome> decide(const Look& look, const PartnerInput& partner, const Config& config,
@@ -74,26 +95,22 @@ hal::Result<Outcome> decide(const Look& look, const PartnerInput& partner, const
   }
   const hal::Timestamp start = clock.now();
   if (auto seen = find_partner(look, partner, config, out); !seen) return tl::unexpected(seen.error());
-  const hal::Timestamp seen_at = clock.now();
-  out.partner_ms = 1e3 * hal::seconds(seen_at - start);
+  out.partner_ms = 1e3 * hal::seconds(clock.now() - start);
   if (!out.partner) {
     out.decision.because = "no decision without the partner's grasp: " + out.partner_because;
     return out;
   }
+  if (auto done = choose(look, config, clock, {}, out); !done) return tl::unexpected(done.error());
+  return out;
+}
 
-  const planner::DecisionInput input{*out.partner, look.scene.target->cog, look.scene.ground->plane.normal,
-                                     look.base_frame_known};
-  if (look.method == Method::Fast) {
-    // the list is coarse; what matters lies around the closed-form optimum
-    const auto best = planner::best_robot_position(input, config.decision);
-    if (!best) return tl::unexpected(best.error());
-    const auto more = look.finder->near(*best, out.candidates);
-    out.candidates.insert(out.candidates.end(), more.begin(), more.end());
-  }
-  auto decision = planner::decide_grasp(out.candidates, input, config.decision);
-  if (!decision) return tl::unexpected(decision.error());
-  out.decision = std::move(*decision);
-  out.decision_ms = 1e3 * hal::seconds(clock.now() - seen_at);
+hal::Result<Outcome> decide_for(const Look& look, const PartnerGrasp& partner, const Config& config,
+                                const hal::Clock& clock, const Judge& judge_more) {
+  Outcome out;
+  out.candidates = look.candidates;
+  out.partner = partner;
+  out.partner_because = "the partner's hand rests on the object";
+  if (auto done = choose(look, config, clock, judge_more, out); !done) return tl::unexpected(done.error());
   return out;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,5 +31,14 @@ struct Outcome {
 /// Errors: BadInput (second frame of another size), BadConfig (weights or limits), and look()'s.
 [[nodiscard]] hal::Result<Outcome> decide(const Look& look, const PartnerInput& partner, const Config& config,
                                           const hal::Clock& clock);
+
+/// Judges candidates that are made on demand, around the optimum: sets to Unreachable what the arm cannot do.
+using Judge = std::function<void(std::vector<planner::GraspCandidate>&)>;
+
+/// The decision for a partner who is known: candidates of the look, and for the fast method some around the
+/// closed-form optimum, judged by `judge_more`. Errors: BadConfig (weights or limits).
+[[nodiscard]] hal::Result<Outcome> decide_for(const Look& look, const perception::PartnerGrasp& partner,
+                                              const Config& config, const hal::Clock& clock,
+                                              const Judge& judge_more = {});
 
 }  // namespace colift::control

@@ -64,6 +64,7 @@ struct RunRecord {
   std::optional<LiftSummary> lift;
   RunTiming timing;
   std::vector<DeviceNote> faults;
+  bool device_failed = false;    ///< Arm or hand were lost.
   bool hand_keeps_grip = false;  ///< The run ended with a closed, loaded hand.
 };
 

@@ -23,6 +23,7 @@ enum class Task {
   Release,  ///< Opens the hand: the only state that does so while it is loaded.
   Retreat,  ///< Away from the object and home, after release.
   BackOff,  ///< Stops and goes back the way it came, hand empty, because the grasp is off.
+  Halt,     ///< Stands still on its way, hand empty, until the camera sees again.
   Done,     ///< End: everything went as wished.
   Refused,  ///< End: nothing was moved, or everything is back home, and there is a reason.
   Aborted,  ///< End: back home, safely, without the goal.
@@ -53,6 +54,8 @@ enum class Event {
   OnGround,
   HandOpen,
   BackHome,
+  TryAgain,    ///< TryAgain: back home after a grip that failed, and there is patience left.
+  BackInVain,  ///< BackInVain: back home without the goal, and no more patience.
   CameraLost,
   CameraBack,
   ArmLost,
@@ -68,7 +71,11 @@ struct Rule {
   std::string_view because;
 };
 
-/// The whole machine, as a table that a person can read from top to bottom.
+inline constexpr int kTasks = static_cast<int>(Task::Stopped) + 1;
+inline constexpr int kEvents = static_cast<int>(Event::TimeOut) + 1;
+
+/// The whole machine, as a table that a person can read from top to bottom. No rule leads to its own state:
+/// what changes nothing (a camera lost while the object is carried, led by force) is a note, not a rule.
 [[nodiscard]] std::span<const Rule> rules();
 
 /// The rule for an event in a state; nullopt: the event means nothing there. Pure: no clock, no device, no

@@ -4,6 +4,7 @@
 
 #include "hal/config/range.hpp"
 #include "hal/hand.hpp"
+#include "hal/types/time.hpp"
 
 namespace colift::hal {
 
@@ -23,7 +24,8 @@ struct HandGuardConfig {
 /// alone).
 class GuardedHand final : public Hand {
  public:
-  GuardedHand(std::unique_ptr<Hand> inner, const HandGuardConfig& config);
+  /// With a clock (that of the states' time stamps, outliving the guard) a state's age is judged too.
+  GuardedHand(std::unique_ptr<Hand> inner, const HandGuardConfig& config, const Clock* clock = nullptr);
   ~GuardedHand() override;
   Result<> configure() override;
   Result<> activate() override;

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "hal/config/range.hpp"
+#include "hal/depth_camera.hpp"
+#include "hal/types/result.hpp"
 #include "perception/noise_model.hpp"
 #include "perception/organised_cloud.hpp"
 #include "perception/reference_image.hpp"
@@ -33,8 +36,13 @@ struct ObjectMotion {
       hal::Pose::Identity();  ///< Moves a point of the reference to where it is now, in W.
   double seen = 0.0;          ///< Part of the followed points that were found again (0 to 1).
   double rms_m = 0.0;         ///< Of the distances that remain.
-  Eigen::Matrix<double, 6, 6> covariance =
-      Eigen::Matrix<double, 6, 6>::Zero();  ///< Twist (linear, angular), W, about the object's centre.
+  /// Of this frame alone: twist (linear m, angular rad) in W about the object's centre. A direction that the
+  /// view does not hold (a top slides in its plane, a pipe turns about its axis) has a deviation
+  /// of kUnknown (m, rad).
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  hal::Vec3 center_W = hal::Vec3::Zero();  ///< Middle of the followed object now: what the twist is about.
+
+  static constexpr double kUnknown = 0.2;
 
   /// Rise of a point of the reference along the unit vector `up`.
   [[nodiscard]] double rise(const hal::Vec3& p_W, const hal::Vec3& up) const {
@@ -42,30 +50,45 @@ struct ObjectMotion {
   }
   /// Angle between the object's up axis now and then (rad).
   [[nodiscard]] double tilt(const hal::Vec3& up) const;
+  /// Standard deviations of this frame's rise of the centre (m) and of its tilt about the less certain
+  /// horizontal axis (rad).
+  [[nodiscard]] double rise_sigma(const hal::Vec3& up) const;
+  [[nodiscard]] double tilt_sigma(const hal::Vec3& up) const;
 };
 
 /// Follows the target through small motions (lift, tilt, slip) by aligning its reference points to each
-/// frame, point to plane with projective association; pixels of hands, partner and other intruders are left
-/// out by robust weights and by the mask. Keeps its buffers: one object, one thread. About a millisecond a
-/// frame.
+/// frame: point to plane with projective association (Chen and Medioni 1991; Blais and Levine 1995). Every
+/// frame is aligned to the reference itself, so errors do not add up. Pixels of hands, partner and other
+/// intruders are left out by weights that fall to zero (Tukey's biweight) within a gate that closes from
+/// max_step_m to the noise. Directions without hold stay as in the last frame. Keeps its buffers: one object,
+/// one thread. Under a millisecond a frame.
 class ObjectFollower {
  public:
-  /// Errors: BadInput (target without pixels).
+  /// Errors: BadInput (target without pixels, image and target disagree), NotFound (too few pixels of the
+  /// target lie on surfaces smooth enough to be followed).
   [[nodiscard]] static hal::Result<ObjectFollower> make(const ReferenceImage& reference, const Target& target,
                                                         const NoiseModel& noise, const MotionConfig& config);
+  ~ObjectFollower();
+  ObjectFollower(ObjectFollower&&) noexcept;
+  ObjectFollower& operator=(ObjectFollower&&) noexcept;
 
   /// Aligns from the last known motion. nullopt with the reason in `because` when too little was seen again
-  /// or what was found is no small motion; the last motion then stays.
+  /// or what was found is no small motion; the last motion then stays, and the next frame is searched wider.
+  /// Does not allocate (but for the reason). Only the depths are read.
   [[nodiscard]] std::optional<ObjectMotion> update(const OrganisedCloud& current,
+                                                   std::string* because = nullptr);
+  /// The same from a frame of the camera that took the reference; no points in W are needed.
+  [[nodiscard]] std::optional<ObjectMotion> update(const hal::DepthFrame& current,
                                                    std::string* because = nullptr);
 
   [[nodiscard]] const ObjectMotion& last() const { return last_; }
+  [[nodiscard]] std::size_t samples() const;  ///< Points that are followed.
 
  private:
   ObjectFollower() = default;
   ObjectMotion last_;
   struct Impl;
-  std::shared_ptr<Impl> impl_;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace colift::perception

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "perception/partner_leg.hpp"
+
 namespace colift::perception {
 namespace {
 
@@ -29,8 +31,8 @@ constexpr int kMostHands = 4;
 // A hand's place is read from about so many of its points.
 constexpr std::size_t kEnoughPoints = 400;
 constexpr int kBeside_px = 8;
-// Skin on the object that is interrupted by less than about this belongs to one hand.
-constexpr double kHandCell_m = 0.04;
+// Between the places where both legs of a person touch an object.
+constexpr double kLegs_m = 0.25;
 
 // Pixels in which the object, grown by the reach, can appear.
 PixelWindow window_around(const std::vector<Eigen::Vector3f>& points, double reach_m,
@@ -58,7 +60,7 @@ PixelWindow window_around(const std::vector<Eigen::Vector3f>& points, double rea
 }  // namespace
 
 hal::Result<PartnerFinder> PartnerFinder::make(const ReferenceImage& reference, const Target& target,
-                                               const Ground&, const NoiseModel& noise,
+                                               const Ground& ground, const NoiseModel& noise,
                                                const PartnerConfig& config) {
   const OrganisedCloud& cloud = reference.cloud;
   std::vector<std::uint32_t> pixels;
@@ -82,14 +84,15 @@ hal::Result<PartnerFinder> PartnerFinder::make(const ReferenceImage& reference, 
     return failure(ErrorCode::BadInput, "partner: target", "the object has no points in the reference image");
   }
   const PixelWindow window = window_around(points, config.reach_m, cloud);
-  return PartnerFinder(reference, noise, config, std::move(pixels), points, window);
+  return PartnerFinder(reference, ground, noise, config, std::move(pixels), points, window);
 }
 
-PartnerFinder::PartnerFinder(const ReferenceImage& reference, const NoiseModel& noise,
+PartnerFinder::PartnerFinder(const ReferenceImage& reference, const Ground& ground, const NoiseModel& noise,
                              const PartnerConfig& config, std::vector<std::uint32_t> pixels,
                              const std::vector<Eigen::Vector3f>& points, const PixelWindow& window)
     : config_(config),
       noise_(noise),
+      ground_(ground),
       intrinsics_(reference.cloud.intrinsics),
       X_WC_(reference.cloud.X_WC),
       object_pixels_(std::move(pixels)),
@@ -233,65 +236,6 @@ float PartnerFinder::hand_gap(float depth_m) const {
   return static_cast<float>(config_.hand_thickness_m + 2.0 * noise_.sigma(depth_m) + noise_.step(depth_m));
 }
 
-void PartnerFinder::number_patch_cells() {
-  Eigen::AlignedBox3f box;
-  for (const auto& p : grid_.patches()) box.extend(p);
-  const auto cell = static_cast<float>(kHandCell_m);
-  std::size_t cells = 1;
-  for (std::size_t a = 0; a < 3; ++a) {
-    cells_[a] = static_cast<int>(box.sizes()[static_cast<int>(a)] / cell) + 1;
-    cells *= static_cast<std::size_t>(cells_[a]);
-  }
-  hand_of_cell_.assign(cells, -1);
-  for (const auto& p : grid_.patches()) {
-    const Eigen::Vector3f at = (p - box.min()) / cell;
-    cell_of_patch_.push_back((static_cast<int>(at.z()) * cells_[1] + static_cast<int>(at.y())) * cells_[0] +
-                             static_cast<int>(at.x()));
-  }
-}
-
-// Skin on one connected part of the object's surface is one hand.
-void PartnerFinder::separate_hands() {
-  for (const std::int32_t c : touched_cells_) hand_of_cell_[static_cast<std::size_t>(c)] = -1;
-  touched_cells_.clear();
-  hands_ = 0;
-  constexpr std::int32_t kUnnumbered = -2;
-  for (const Skin& s : skin_) {
-    if (s.distance_m > hand_gap(s.depth_m)) continue;
-    const std::int32_t c = cell_of_patch_[static_cast<std::size_t>(s.patch)];
-    if (hand_of_cell_[static_cast<std::size_t>(c)] == kUnnumbered) continue;
-    hand_of_cell_[static_cast<std::size_t>(c)] = kUnnumbered;
-    touched_cells_.push_back(c);
-  }
-  std::vector<std::int32_t> wave;
-  for (const std::int32_t seed : touched_cells_) {
-    if (hand_of_cell_[static_cast<std::size_t>(seed)] != kUnnumbered) continue;
-    hand_of_cell_[static_cast<std::size_t>(seed)] = hands_;
-    wave.assign(1, seed);
-    while (!wave.empty()) {
-      const std::int32_t c = wave.back();
-      wave.pop_back();
-      const int x = c % cells_[0], y = c / cells_[0] % cells_[1], z = c / (cells_[0] * cells_[1]);
-      for (int nz = std::max(0, z - 1); nz <= std::min(cells_[2] - 1, z + 1); ++nz) {
-        for (int ny = std::max(0, y - 1); ny <= std::min(cells_[1] - 1, y + 1); ++ny) {
-          for (int nx = std::max(0, x - 1); nx <= std::min(cells_[0] - 1, x + 1); ++nx) {
-            const std::int32_t n = (nz * cells_[1] + ny) * cells_[0] + nx;
-            if (hand_of_cell_[static_cast<std::size_t>(n)] != kUnnumbered) continue;
-            hand_of_cell_[static_cast<std::size_t>(n)] = hands_;
-            wave.push_back(n);
-          }
-        }
-      }
-    }
-    ++hands_;
-  }
-  for (Skin& s : skin_) {
-    s.hand = s.distance_m > hand_gap(s.depth_m)
-                 ? -1
-                 : hand_of_cell_[static_cast<std::size_t>(cell_of_patch_[static_cast<std::size_t>(s.patch)])];
-  }
-}
-
 // The contact of one hand, or nothing when too little of it is near.
 std::optional<PartnerContact> PartnerFinder::contact(int hand) {
   const auto& patches = grid_.patches();
@@ -314,6 +258,26 @@ std::optional<PartnerContact> PartnerFinder::contact(int hand) {
       estimate_contact(hand_, {patches, rim_, X_WC_.translation().cast<float>()},
                        {config_.along_sigma_m, config_.cross_sigma_m, 0.5 * noise_.sigma(depth / area)});
   return PartnerContact{found.position, found.covariance, all};
+}
+
+// All touches that may be hands go to the sighting; returns the number of the others.
+std::size_t PartnerFinder::drop_legs(const OrganisedCloud& current, PartnerSighting& sighting) {
+  std::vector<Vec3> legs;
+  for (int hand = 0; hand < hands_; ++hand) {
+    const auto found = contact(hand);
+    if (!found) continue;
+    if (leg_sign(current, sighting.pixels, found->position, ground_) == LegSign::None)
+      sighting.contacts.push_back(*found);
+    else
+      legs.push_back(found->position);
+  }
+  // who leans against the object with one leg does so with the other, which the object may hide
+  const std::size_t others = std::erase_if(sighting.contacts, [&](const PartnerContact& c) {
+    return std::any_of(legs.begin(), legs.end(),
+                       [&](const Vec3& leg) { return (leg - c.position).norm() < kLegs_m; }) &&
+           leg_sign(current, sighting.pixels, c.position, ground_, true) != LegSign::None;
+  });
+  return legs.size() + others;
 }
 
 hal::Result<PartnerSighting> PartnerFinder::find(const OrganisedCloud& current) {
@@ -356,17 +320,17 @@ hal::Result<PartnerSighting> PartnerFinder::find(const OrganisedCloud& current) 
     return sighting;
   }
   separate_hands();
-  for (int hand = 0; hand < hands_; ++hand) {
-    if (auto found = contact(hand)) sighting.contacts.push_back(*found);
-  }
+  const std::size_t legs = drop_legs(current, sighting);
   std::stable_sort(sighting.contacts.begin(), sighting.contacts.end(),
                    [](const PartnerContact& a, const PartnerContact& b) { return a.points > b.points; });
   if (sighting.contacts.size() > kMostHands) sighting.contacts.resize(kMostHands);
   if (sighting.contacts.empty()) {
     sighting.kind = PartnerKind::Near;
     sighting.because =
-        fmt::format("the nearest part of a body is {:.0f} mm from the object and does not touch it",
-                    1000.0 * *sighting.nearest_m);
+        legs > 0
+            ? "a leg or the trunk of a person touches the object, and no hand does"
+            : fmt::format("the nearest part of a body is {:.0f} mm from the object and does not touch it",
+                          1000.0 * *sighting.nearest_m);
     return sighting;
   }
   sighting.kind = PartnerKind::Grasp;

@@ -58,7 +58,7 @@ enum class PartnerKind {
   None,         ///< Nothing of a hand's size changed near the object.
   PasserBy,     ///< Somebody is there, at clear_m or more from the object, however much of it he hides in the
                 ///< image.
-  Near,         ///< Nearer than that, but nothing touches.
+  Near,         ///< Nearer than that, but nothing touches, or only a leg or the trunk.
   Grasp,        ///< At least one hand touches the object.
   ObjectMoved,  ///< The object, the camera or the scene is no longer where the reference shows it; a new one
                 ///< is needed.
@@ -89,8 +89,8 @@ struct PartnerSighting {
 class PartnerFinder {
  public:
   /// `target` holds pixels of the reference image. Points are taken from the reference at these pixels, or
-  /// from target.points when it has no pixels. The ground is not used. Errors: BadInput (pixel outside of the
-  /// image, object without points).
+  /// from target.points when it has no pixels. The ground tells legs from hands. Errors: BadInput (pixel
+  /// outside of the image, object without points).
   [[nodiscard]] static hal::Result<PartnerFinder> make(const ReferenceImage& reference, const Target& target,
                                                        const Ground& ground, const NoiseModel& noise,
                                                        const PartnerConfig& config);
@@ -112,9 +112,9 @@ class PartnerFinder {
     std::int32_t hand;   ///< Which hand; none yet: -1.
   };
 
-  PartnerFinder(const ReferenceImage& reference, const NoiseModel& noise, const PartnerConfig& config,
-                std::vector<std::uint32_t> pixels, const std::vector<Eigen::Vector3f>& points,
-                const PixelWindow& window);
+  PartnerFinder(const ReferenceImage& reference, const Ground& ground, const NoiseModel& noise,
+                const PartnerConfig& config, std::vector<std::uint32_t> pixels,
+                const std::vector<Eigen::Vector3f>& points, const PixelWindow& window);
 
   [[nodiscard]] bool same_camera(const OrganisedCloud& current) const;
   [[nodiscard]] double moved_part(const OrganisedCloud& current) const;
@@ -125,11 +125,13 @@ class PartnerFinder {
   [[nodiscard]] float touch_gap(float depth_m) const;
   [[nodiscard]] float hand_gap(float depth_m) const;
   [[nodiscard]] std::optional<PartnerContact> contact(int hand);
+  std::size_t drop_legs(const OrganisedCloud& current, PartnerSighting& sighting);
   void number_patch_cells();
   void find_rim(const ReferenceImage& reference);
 
   PartnerConfig config_;
   NoiseModel noise_;
+  Ground ground_;
   hal::CameraIntrinsics intrinsics_;
   hal::Pose X_WC_;
   std::vector<std::uint32_t> object_pixels_;

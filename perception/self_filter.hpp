@@ -19,12 +19,17 @@ struct SelfFilterConfig {
   void visit(Visitor& v) {
     v("padding_m", padding_m, hal::Range{0, 0.2},
       "Links are thicker by this: errors of model and calibration (m).");
-    v("shadow_padding_px", shadow_padding_px, hal::Range{0, 20}, "Raggedness of edges in the image (px).");
+    v("shadow_padding_px", shadow_padding_px, hal::Range{0, 20},
+      "Around the robot, so far in the image, depths that fit none of their neighbours are the robot's "
+      "ragged edge (px).");
   }
 };
 
 /// Removes the robot's own pixels from depth frames, from its model and joint positions at the time of the
-/// frame. Keeps its buffers from frame to frame: one filter, one thread.
+/// frame. A pixel is the robot's when its depth, give or take the noise, lies within a padded link shape on
+/// the pixel's ray. All tests are linear or quadratic in inverse depth along image rows, so no point is ever
+/// computed. Keeps its buffers from frame to frame: one filter, one thread. Does not allocate after the first
+/// frame. A link that reaches round the camera itself is not removed.
 class SelfFilter {
  public:
   SelfFilter(const hal::RobotModel& model, const hal::CameraIntrinsics& intrinsics, const hal::Pose& X_WC,
@@ -34,7 +39,8 @@ class SelfFilter {
   SelfFilter& operator=(SelfFilter&&) noexcept;
 
   /// Sets the robot's pixels to NaN, in place. Returns them, ascending; valid until the next call. What
-  /// stands before the robot stays (a person's arm), what the robot hides is NaN too.
+  /// stands before the robot stays (a person's arm), and so does what is seen between its links. A frame of
+  /// another size than the intrinsics say is left as it is.
   const std::vector<std::uint32_t>& remove(hal::DepthFrame& frame, const hal::JointVector& q_rad,
                                            const hal::HandPosture& hand);
 

@@ -49,10 +49,30 @@ struct CellGrid {
   hal::Vec3 origin = hal::Vec3::Zero();  ///< Lower corner of cell (0, 0, 0) in W.
   int nx = 0, ny = 0, nz = 0;
   std::vector<CellState> cells;
+
+  [[nodiscard]] std::size_t index(int ix, int iy, int iz) const {
+    return (static_cast<std::size_t>(iz) * static_cast<std::size_t>(ny) + static_cast<std::size_t>(iy)) *
+               static_cast<std::size_t>(nx) +
+           static_cast<std::size_t>(ix);
+  }
+  [[nodiscard]] bool contains(int ix, int iy, int iz) const {
+    return ix >= 0 && iy >= 0 && iz >= 0 && ix < nx && iy < ny && iz < nz;
+  }
+  [[nodiscard]] hal::Vec3 middle(int ix, int iy, int iz) const {
+    return origin + cell_m * hal::Vec3(ix + 0.5, iy + 0.5, iz + 0.5);
+  }
+  /// Cell of a point, which may lie outside of the grid.
+  [[nodiscard]] Eigen::Vector3i cell_of(const hal::Vec3& p_W) const {
+    return ((p_W - origin) / cell_m).array().floor().matrix().cast<int>();
+  }
 };
 
 /// The collision world: an OctoMap of the scene from depth with ray-cast freeing. The target is kept apart as
 /// its own cells, so that the arm may not touch it but the fingers may.
+///
+/// Evidence is kept as clamped log odds with OctoMap's weights (Hornung et al., Autonomous Robots 2013), on a
+/// regular grid over the mapped space: entering a frame is one pass over the cells, each looking along its
+/// own ray, where OctoMap walks from its root for every cell of every ray. tree() is made from it.
 class WorldMap {
  public:
   explicit WorldMap(const WorldMapConfig& config);
@@ -66,20 +86,24 @@ class WorldMap {
 
   /// Frees the cells that the robot's own links take, padded.
   void carve_robot(const hal::RobotModel& model, const hal::JointVector& q_rad, const hal::HandPosture& hand);
-  /// Frees a box (m, W).
+  /// Frees the cells whose middle is in a box (m, W).
   void carve(const hal::Aabb& box_W);
 
-  /// The target's points as cells of their own; replaces the last ones.
+  /// The target's points as cells of their own; replaces the last ones. Occupied cells of the map that are
+  /// these or touch them (its edges, which no segmentation gets right to the pixel) become the target's.
   void set_target(std::span<const hal::Vec3> points_W);
   [[nodiscard]] const std::vector<hal::Vec3>& target_cells() const;  ///< Middles of its cells.
 
   /// The map as a regular grid over [min_m, max_m], hidden cells judged from the last frame that was
-  /// inserted.
-  [[nodiscard]] CellGrid grid() const;
-  [[nodiscard]] const octomap::OcTree& tree() const;  ///< Without the target.
+  /// inserted. Valid until the map changes.
+  [[nodiscard]] const CellGrid& grid() const;
+  /// Most likely state of the known cells, pruned; without the target. Made when it is asked for: the first
+  /// call after a change takes some milliseconds. Any thread, until the map changes.
+  [[nodiscard]] const octomap::OcTree& tree() const;
   [[nodiscard]] std::size_t occupied_cells() const;
 
-  /// OctoMap's .bt format. Errors: BadInput with the file (cannot be written, is no .bt, is damaged).
+  /// OctoMap's .bt format. Errors: BadInput with the file (cannot be written, is no .bt, is damaged, has
+  /// cells of another size). What lies outside of the mapped space is left out.
   [[nodiscard]] hal::Result<> save(const std::filesystem::path& file) const;
   [[nodiscard]] static hal::Result<WorldMap> load(const std::filesystem::path& file,
                                                   const WorldMapConfig& config);

@@ -220,26 +220,6 @@ struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 
-Result<std::string> read_file(const std::filesystem::path& path) {
-  const auto refuse = [&](std::string because) {
-    return failure(ErrorCode::BadConfig, quotable(path.string(), 300), std::move(because));
-  };
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (status.type() == std::filesystem::file_type::not_found) return refuse("there is no such file");
-  if (status.type() == std::filesystem::file_type::directory)
-    return refuse("this is a directory, expected a YAML file");
-
-  const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
-  if (!file) return refuse(fmt::format("cannot be opened: {}", std::generic_category().message(errno)));
-  // one byte more than allowed tells a file that is too large, also when it has no size (a pipe)
-  std::string text(kMaxYamlBytes + 1, '\0');
-  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
-  if (std::ferror(file.get()) != 0)
-    return refuse(fmt::format("cannot be read: {}", std::generic_category().message(errno)));
-  return text;
-}
-
 /// "parts[12]" -> "parts", 12. Nothing when the text is no indexed name.
 struct Indexed {
   std::string_view list;
@@ -339,8 +319,28 @@ Result<> apply_at(FieldTable& table, const std::string& path, const std::string&
 
 }  // namespace
 
+Result<std::string> read_yaml_file(const std::filesystem::path& path) {
+  const auto refuse = [&](std::string because) {
+    return failure(ErrorCode::BadConfig, quotable(path.string(), 300), std::move(because));
+  };
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) return refuse("there is no such file");
+  if (status.type() == std::filesystem::file_type::directory)
+    return refuse("this is a directory, expected a YAML file");
+
+  const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
+  if (!file) return refuse(fmt::format("cannot be opened: {}", std::generic_category().message(errno)));
+  // one byte more than allowed tells a file that is too large, also when it has no size (a pipe)
+  std::string text(kMaxYamlBytes + 1, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
+  if (std::ferror(file.get()) != 0)
+    return refuse(fmt::format("cannot be read: {}", std::generic_category().message(errno)));
+  return text;
+}
+
 Result<> apply_yaml_file(FieldTable& table, const std::filesystem::path& path) {
-  const auto text = read_file(path);
+  const auto text = read_yaml_file(path);
   if (!text) return tl::unexpected(text.error());
   return apply_yaml_text(table, *text, quotable(path.string(), 300));
 }

@@ -23,6 +23,9 @@ namespace colift::hal {
 // Every error is BadConfig; `where` is "FILE:LINE:COLUMN", "FILE", or "--set TEXT", `detail` one sentence
 // that says what was found, what was expected and, for an unknown key, the nearest known name.
 
+/// The bytes of a file, at most one more than kMaxYamlBytes, so that parse_yaml() can refuse it.
+[[nodiscard]] Result<std::string> read_yaml_file(const std::filesystem::path& path);
+
 /// Reads a YAML file into the struct behind the table. An empty file is fine.
 [[nodiscard]] Result<> apply_yaml_file(FieldTable& table, const std::filesystem::path& path);
 

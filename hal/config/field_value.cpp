@@ -32,8 +32,10 @@ std::string number_text(double x) {
 std::string range_text(const Range& range) {
   const bool low = std::isfinite(range.low);
   const bool high = std::isfinite(range.high);
+  const bool positive = range.low == kPositive.low;
+  if (positive && high) return fmt::format(" greater than 0 and at most {}", number_text(range.high));
   if (low && high) return fmt::format(" from {} to {}", number_text(range.low), number_text(range.high));
-  if (low && range.low == kPositive.low) return " greater than 0";
+  if (positive) return " greater than 0";
   if (low) return fmt::format(" of at least {}", number_text(range.low));
   if (high) return fmt::format(" of at most {}", number_text(range.high));
   return "";

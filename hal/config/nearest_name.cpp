@@ -21,6 +21,11 @@ std::pair<std::string_view, std::string_view> split_leaf(std::string_view path) 
   return {path.substr(0, dot), path.substr(dot + 1)};
 }
 
+/// "yaw" for "yaw_deg": whole words left out at the end, most often the unit.
+bool is_beginning(std::string_view name, std::string_view of) {
+  return of.size() > name.size() && of.starts_with(name) && of[name.size()] == '_';
+}
+
 }  // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -50,7 +55,10 @@ std::optional<std::string> nearest_path(std::string_view path, std::span<const s
   std::size_t least = 0;
   for (const std::string& candidate : known) {
     const auto [known_group, known_leaf] = split_leaf(candidate);
-    const std::size_t by_leaf = edit_distance(leaf, known_leaf) + (group == known_group ? 0 : 1);
+    const std::size_t leaf_distance = is_beginning(leaf, known_leaf) || is_beginning(known_leaf, leaf)
+                                          ? 1
+                                          : edit_distance(leaf, known_leaf);
+    const std::size_t by_leaf = leaf_distance + (group == known_group ? 0 : 1);
     const std::size_t distance = std::min(by_leaf, edit_distance(path, candidate));
     if (!best || distance < least) {
       best = &candidate;

@@ -58,7 +58,12 @@ struct RobotModel {
   Pose X_FH = Pose::Identity();
 
   [[nodiscard]] bool in_hand(int link) const { return in_hand_[static_cast<std::size_t>(link)]; }
-  std::vector<bool> in_hand_;  ///< For each link.
+  /// For each link.
+  std::vector<bool> in_hand_;
+  /// For each link, which position turns it: -1 none, A1 to A7 from 0, then inner, outer, spread joints.
+  std::vector<int> turned_by_;
+  /// Links from the root to the palm.
+  std::vector<int> palm_chain_;
 
   [[nodiscard]] JointVector lower_rad() const;
   [[nodiscard]] JointVector upper_rad() const;

@@ -8,6 +8,7 @@
 #include "hal/robot_model/robot_model.hpp"
 #include "hal/types/geometry.hpp"
 #include "hal/types/joints.hpp"
+#include "hal/types/result.hpp"
 
 namespace colift::planner {
 
@@ -29,24 +30,31 @@ struct ArmGeometry {
 struct IkSolution {
   hal::JointVector q_rad = hal::JointVector::Zero();
   double elbow_rad = 0.0;  ///< Redundancy angle: of the elbow about the line from shoulder to wrist, 0 = up.
-  int branch = 0;          ///< Bit 0: sign of A2, bit 1: sign of A4, bit 2: sign of A6.
+  int branch = 0;          ///< Bit 0: A2 negative, bit 1: A4 negative, bit 2: A6 negative.
 };
 
+/// Where the elbow stands in that joint position. With the wrist straight above or below the shoulder, where
+/// there is no up, 0 is towards Wx; with a straight arm the angle that the joints turn about the arm's line.
+[[nodiscard]] double elbow_angle(const ArmGeometry& arm, const hal::JointVector& q_rad);
+
 /// All joint positions within the limits less `margin_rad` that put the flange there with this elbow angle:
-/// up to 8. Returns how many. Closed form; real-time safe.
+/// up to 8. Returns how many. In singular positions (A2 or A6 zero), where two joints turn about one line,
+/// both turn by half. Closed form; real-time safe.
 int solve_ik(const ArmGeometry& arm, const hal::Pose& X_WF, double elbow_rad, double margin_rad,
              std::array<IkSolution, 8>& out);
 
 /// The same over elbow angles (-pi, pi] in `steps`, best first by distance to the limits and manipulability
-/// (score 0 to 1). Empty when the pose cannot be reached.
+/// (score 0 to 1: nearness of the joint nearest to its limit times sqrt |sin A4 sin A6|). Where no step has a
+/// solution, one elbow angle in the middle of each interval that the joint limits leave, in closed form
+/// (Shimizu et al., T-RO 2008): empty only when the pose cannot be reached.
 struct ScoredIk : IkSolution {
   double score = 0.0;
 };
 [[nodiscard]] std::vector<ScoredIk> all_ik(const ArmGeometry& arm, const hal::Pose& X_WF, double margin_rad,
                                            int steps = 36);
 
-/// Follows a pose from a near joint position: same branch, elbow angle kept or moved least. nullopt when it
-/// leaves the limits or jumps by more than `max_step_rad` in any joint.
+/// Follows a pose from a near joint position: the solution next to it, elbow angle kept or moved least.
+/// nullopt when it leaves the limits or jumps by more than `max_step_rad` in any joint. Real-time safe.
 [[nodiscard]] std::optional<hal::JointVector> follow_ik(const ArmGeometry& arm, const hal::Pose& X_WF,
                                                         const hal::JointVector& near_rad, double margin_rad,
                                                         double max_step_rad);

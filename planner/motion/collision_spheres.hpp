@@ -1,8 +1,5 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -21,10 +18,24 @@ struct LinkSphere {
 /// does not touch. Generated from the model.
 struct SphereModel {
   std::vector<LinkSphere> spheres;              ///< By link, links ascending.
-  std::vector<std::pair<int, int>> self_pairs;  ///< Links that can meet each other (never neighbours).
+  std::vector<std::pair<int, int>> self_pairs;  ///< Links that can meet each other, the lower one first.
 };
 
-/// `excess_m`: how far a sphere may stand out of a link's surface.
-[[nodiscard]] SphereModel cover_with_spheres(const hal::RobotModel& model, double excess_m = 0.012);
+/// `excess_m`: how far a sphere may stand out of a link's surface. The round ends of cylinders, which other
+/// links mostly cover, stand out farther, and so do boxes that would take over 32 spheres.
+[[nodiscard]] SphereModel cover_with_spheres(const hal::RobotModel& model, double excess_m = 0.009);
+
+/// The spheres of one shape, in the frame of its link. Each part of a regular division of the shape lies in a
+/// sphere of its own.
+void cover_shape(const hal::LinkShape& shape, double excess_m,
+                 std::vector<std::pair<hal::Vec3, double>>& out);
+
+/// The moving body of each link: 0 fixed to W, k carried by joint Ak. The hand's own joints do not count.
+[[nodiscard]] std::vector<int> arm_body(const hal::RobotModel& model);
+
+/// Whether two links are asked at all if they meet. Neighbours always do; arm links with one body between
+/// them are kept apart by the maker's joint limits, while the simple shapes that stand for them (at the
+/// wrist) are not; the hand's own joints are not planned.
+[[nodiscard]] bool may_meet(const hal::RobotModel& model, const std::vector<int>& body, int a, int b);
 
 }  // namespace colift::planner

@@ -8,6 +8,7 @@
 
 #include "hal/config/range.hpp"
 #include "hal/types/result.hpp"
+#include "hal/types/time.hpp"
 #include "planner/grasp_candidate.hpp"
 #include "planner/hand_model.hpp"
 #include "planner/motion/arm_ik.hpp"
@@ -48,7 +49,8 @@ struct PlannerConfig {
       "Step along straight ways of the hand (m).");
     v("elbow_steps", elbow_steps, hal::Range{4, 360}, "Elbow angles that are tried for a pose.");
     v("goals", goals, hal::Range{1, 64}, "Joint positions of the pre-grasp that are planned to, best first.");
-    v("plan_s", plan_s, hal::Range{0.01, 30}, "Longest search for a way (s).");
+    v("plan_s", plan_s, hal::Range{0.01, 30},
+      "Longest search for a way (s, as work at the speed of docs/benchmarks.md: the same on every machine).");
     v("exact_step_rad", exact_step_rad, hal::Range{0.005, 0.3},
       "Step of the exact check of a final path (rad).");
     v("blend_rad", blend_rad, hal::Range{0, 0.5}, "How far corners of a path are rounded (rad).");
@@ -78,16 +80,21 @@ struct MotionPlan {
   Trajectory home;      ///< Pre-grasp to start.
   Reach reach;
   hal::Pose X_WH_grasp = hal::Pose::Identity();
-  double plan_ms = 0.0, shortcut_ms = 0.0, exact_ms = 0.0;
-  std::size_t states_checked = 0;
+  std::string note;  ///< What is unusual about it ("at the start the forearm comes ..."); mostly empty.
+  /// Where the time went (0 without a clock): reach and search, shortcuts, rounding and timing, exact check.
+  double plan_ms = 0.0, shortcut_ms = 0.0, trajectory_ms = 0.0, exact_ms = 0.0;
+  std::size_t states_checked = 0;  ///< By the fast checker.
 };
 
 /// Plans motions in one collision scene. Deterministic for a seed. One planner, one thread.
 class MotionPlanner {
  public:
+  /// `clock` only times the stages of a plan; it may be null, and has to outlive the planner.
   MotionPlanner(const hal::RobotModel& model, const HandModel& hand, const PlannerConfig& config,
-                std::uint64_t seed);
+                std::uint64_t seed, const hal::Clock* clock = nullptr);
   ~MotionPlanner();
+  MotionPlanner(MotionPlanner&&) noexcept;
+  MotionPlanner& operator=(MotionPlanner&&) noexcept;
 
   /// A new collision world; what was judged before is forgotten. The map has to outlive its use here.
   void set_scene(std::shared_ptr<const CollisionScene> scene, const perception::WorldMap& map,
@@ -101,7 +108,7 @@ class MotionPlanner {
   void judge(std::vector<GraspCandidate>& candidates, double lift_m);
 
   /// From a joint position to the grasp. Errors: NotFound with the step that failed and why (start, reach,
-  /// transit, approach, exact check).
+  /// goal, transit, approach, exact check).
   [[nodiscard]] hal::Result<MotionPlan> plan(const hal::JointVector& start_rad, const GraspCandidate& grasp,
                                              double lift_m);
   /// From anywhere to a joint position with an open hand. Errors: as plan().

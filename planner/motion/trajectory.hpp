@@ -22,8 +22,8 @@ struct JointSample {
                    ddq_rad_s2 = hal::JointVector::Zero();
 };
 
-/// A jerk-limited motion through joint space that starts and ends at rest. The path is followed exactly at
-/// its way points' corners within `blend_rad`.
+/// A jerk-limited motion through joint space that starts and ends at rest, without acceleration. Position,
+/// velocity and acceleration are continuous.
 class Trajectory {
  public:
   Trajectory() = default;
@@ -44,15 +44,26 @@ class Trajectory {
     JointSample at;  ///< At its start.
     hal::JointVector jerk_rad_s3 = hal::JointVector::Zero();
   };
+  [[nodiscard]] static JointSample after(const Piece& piece, double dt_s);
+
   double duration_s_ = 0.0;
   hal::JointVector start_ = hal::JointVector::Zero(), goal_ = hal::JointVector::Zero();
   std::vector<Piece> pieces_;
 };
 
 /// Time-parameterises a path of joint way points within velocity, acceleration and jerk limits, deviating
-/// from the polyline at its corners by at most `blend_rad` in any joint (0: stops at each corner). Errors:
-/// BadInput (fewer than one way point, not finite, limits not positive).
+/// from the polyline at its corners by at most `blend_rad` in any joint (0: stops at each corner). A straight
+/// path is followed in the shortest time. At corners the direction turns at constant speed in a ramp of
+/// constant jerk, acceleration, jerk, so the limits hold exactly. Errors: BadInput (fewer than one way point,
+/// not finite, limits not positive, blend negative).
 [[nodiscard]] hal::Result<Trajectory> make_trajectory(std::span<const hal::JointVector> path,
                                                       const MotionLimits& limits, double blend_rad);
+
+/// Time-parameterises a dense path (a straight line of the hand, a point per centimetre) without stopping:
+/// one jerk-limited speed profile along a smooth curve through its points, then stretched in time until the
+/// limits hold exactly. Takes `at_least_s` or longer. Errors: as make_trajectory().
+[[nodiscard]] hal::Result<Trajectory> make_trajectory_along(std::span<const hal::JointVector> path,
+                                                            const MotionLimits& limits,
+                                                            double at_least_s = 0.0);
 
 }  // namespace colift::planner

@@ -57,6 +57,9 @@ inline Float4 both(Float4 a, Float4 b) {
 inline bool any(Float4 mask) {
   return _mm_movemask_ps(mask.v) != 0;
 }
+inline bool all(Float4 mask) {
+  return _mm_movemask_ps(mask.v) == 15;
+}
 inline Float4 select(Float4 mask, Float4 yes, Float4 no) {
   return _mm_or_ps(_mm_and_ps(mask.v, yes.v), _mm_andnot_ps(mask.v, no.v));
 }
@@ -116,6 +119,9 @@ inline Float4 both(Float4 a, Float4 b) {
 }
 inline bool any(Float4 mask) {
   return mask.v[0] != 0.0f || mask.v[1] != 0.0f || mask.v[2] != 0.0f || mask.v[3] != 0.0f;
+}
+inline bool all(Float4 mask) {
+  return mask.v[0] != 0.0f && mask.v[1] != 0.0f && mask.v[2] != 0.0f && mask.v[3] != 0.0f;
 }
 inline Float4 select(Float4 mask, Float4 yes, Float4 no) {
   Float4 r;

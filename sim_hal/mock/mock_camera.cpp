@@ -16,16 +16,6 @@ using State = hal::DeviceHealth::State;
 MockCamera::MockCamera(CameraScript script, hal::ManualClock& clock)
     : script_(std::move(script)), clock_(clock), start_(clock.now()) {}
 
-void MockCamera::inject(Fault fault, std::uint64_t first, std::uint64_t count) {
-  injections_.push_back({fault, first, count});
-}
-
-const MockCamera::Injection* MockCamera::fault_at(std::uint64_t frame) const {
-  for (auto it = injections_.rbegin(); it != injections_.rend(); ++it)
-    if (frame >= it->first && frame - it->first < it->count) return &*it;
-  return nullptr;
-}
-
 hal::Timestamp MockCamera::due(std::uint64_t frame) const {
   return start_ + script_.period * static_cast<hal::Duration::rep>(frame);
 }
@@ -50,8 +40,7 @@ hal::Result<> MockCamera::configure() {
         script_.world ? "a" : "no", k.width, k.height, script_.period.count());
     return hal::failure(ErrorCode::BadConfig, "mock_camera.configure", health_.last_error);
   }
-  const Injection* fault = fault_at(newest_due());
-  if (fault && fault->fault == Fault::Unplug) return lose_link("mock_camera.configure");
+  if (faults_.at(newest_due()) == Fault::Unplug) return lose_link("mock_camera.configure");
   // what went by while the link was down was never seen
   if (health_.state == State::Lost) next_ = std::max(next_, newest_due());
   health_.state = State::Opening;
@@ -85,16 +74,16 @@ hal::Result<hal::DepthFrame> MockCamera::next_frame(std::chrono::milliseconds pa
   // the newest frame that is due already, unless a fault keeps it back
   std::uint64_t frame = std::max(next_, newest_due());
   if (due(frame) <= clock_.now())
-    while (frame > next_ && fault_at(frame) && fault_at(frame)->fault == Fault::Drop) --frame;
+    while (frame > next_ && faults_.at(frame) == Fault::Drop) --frame;
   for (; std::max(due(frame), clock_.now()) <= deadline; ++frame) {
-    const Injection* fault = fault_at(frame);
+    const auto fault = faults_.at(frame);
     if (due(frame) > clock_.now()) clock_.advance(due(frame) - clock_.now());
-    if (fault && fault->fault == Fault::Drop) {
+    if (fault == Fault::Drop) {
       ++health_.rejected;
       next_ = frame + 1;
       continue;
     }
-    if (fault && fault->fault == Fault::Unplug) return lose_link(kWhere);
+    if (fault == Fault::Unplug) return lose_link(kWhere);
     return deliver(frame, fault);
   }
   if (deadline > clock_.now()) clock_.advance(deadline - clock_.now());
@@ -103,7 +92,7 @@ hal::Result<hal::DepthFrame> MockCamera::next_frame(std::chrono::milliseconds pa
   return hal::failure(ErrorCode::Timeout, kWhere, health_.last_error);
 }
 
-hal::Result<hal::DepthFrame> MockCamera::deliver(std::uint64_t frame, const Injection* fault) {
+hal::Result<hal::DepthFrame> MockCamera::deliver(std::uint64_t frame, std::optional<Fault> fault) {
   next_ = frame + 1;
   health_.state = State::Streaming;
   ++health_.accepted;
@@ -111,13 +100,13 @@ hal::Result<hal::DepthFrame> MockCamera::deliver(std::uint64_t frame, const Inje
   image.exposed_at = due(frame);
   if (!fault) {
     last_good_ = image.depth_m;
-  } else if (fault->fault == Fault::Freeze) {
+  } else if (fault == Fault::Freeze) {
     // a camera that freezes with its first frame shows that one
     if (last_good_.empty()) last_good_ = image.depth_m;
     image.depth_m = last_good_;
-  } else if (fault->fault == Fault::AllNan) {
+  } else if (fault == Fault::AllNan) {
     std::fill(image.depth_m.begin(), image.depth_m.end(), std::numeric_limits<float>::quiet_NaN());
-  } else if (fault->fault == Fault::WrongSize) {
+  } else if (fault == Fault::WrongSize) {
     image.depth_m.resize(image.depth_m.size() / 2);
   }
   return image;

@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "hal/depth_camera.hpp"
+#include "sim_hal/mock/fault_plan.hpp"
 #include "sim_hal/mock/kinect_noise.hpp"
 #include "sim_hal/mock/ray_caster.hpp"
 #include "sim_hal/mock/shapes.hpp"
@@ -39,7 +41,9 @@ class MockCamera final : public hal::DepthCamera {
   MockCamera(CameraScript script, hal::ManualClock& clock);
 
   /// Frames `first` to `first + count - 1` suffer the fault. Later calls win where they overlap.
-  void inject(Fault fault, std::uint64_t first, std::uint64_t count = 1);
+  void inject(Fault fault, std::uint64_t first, std::uint64_t count = 1) {
+    faults_.inject(fault, first, count);
+  }
 
   /// Errors: BadConfig (no world, no pixels, no period), LinkLost (unplugged).
   [[nodiscard]] hal::Result<> configure() override;
@@ -49,21 +53,16 @@ class MockCamera final : public hal::DepthCamera {
   [[nodiscard]] hal::Result<hal::DepthFrame> next_frame(std::chrono::milliseconds patience) override;
 
  private:
-  struct Injection {
-    Fault fault;
-    std::uint64_t first, count;
-  };
-  [[nodiscard]] const Injection* fault_at(std::uint64_t frame) const;
   [[nodiscard]] hal::Timestamp due(std::uint64_t frame) const;
   [[nodiscard]] std::uint64_t newest_due() const;
   [[nodiscard]] hal::DepthFrame render(std::uint64_t frame) const;
-  [[nodiscard]] hal::Result<hal::DepthFrame> deliver(std::uint64_t frame, const Injection* fault);
+  [[nodiscard]] hal::Result<hal::DepthFrame> deliver(std::uint64_t frame, std::optional<Fault> fault);
   [[nodiscard]] tl::unexpected<hal::Error> lose_link(std::string where);
 
   CameraScript script_;
   hal::ManualClock& clock_;
   hal::Timestamp start_;
-  std::vector<Injection> injections_;
+  FaultPlan<Fault> faults_;
   std::uint64_t next_ = 0;  // first frame that has not been delivered
   std::vector<float> last_good_;
   hal::DeviceHealth health_;

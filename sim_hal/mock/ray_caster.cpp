@@ -277,6 +277,17 @@ void cast_part(const Part& part, double ray_y, Row& row) {
   return cast_flat<3, 3>(part, ray_y, row);
 }
 
+// turns inverse depth into depth and the normal's part of the ray into the cosine, for the whole row
+void finish(Row& row, float one_plus_y2) {
+  const Float4 one(1.0f), y2(one_plus_y2), zero(0.0f), nothing(std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t u = 0; u < row.w.size(); u += 4) {
+    const Float4 hit = greater(Float4::load(&row.shape[u]), Float4(-0.5f)), x = Float4::load(&row.ray_x[u]);
+    const Float4 cosine = Float4::load(&row.normal_dot_ray[u]) / sqrt(x * x + y2);
+    select(hit, min(cosine, one), zero).store(&row.normal_dot_ray[u]);
+    select(hit, one / Float4::load(&row.w[u]), nothing).store(&row.w[u]);
+  }
+}
+
 }  // namespace
 
 Rendering cast_rays(const World& world, const hal::CameraIntrinsics& intrinsics, const Pose& X_WC) {
@@ -292,6 +303,9 @@ Rendering cast_rays(const World& world, const hal::CameraIntrinsics& intrinsics,
   for (const Shape& shape : world.shapes)
     image.reflectivity.push_back(static_cast<float>(shape.reflectivity));
 
+  std::vector<Label> labels{Label::Nothing};
+  for (const Shape& shape : world.shapes) labels.push_back(shape.label);
+
   const PartList list(world, intrinsics, X_WC);
   Row row((width + 3) / 4 * 4);
   for (std::size_t u = 0; u < row.ray_x.size(); ++u)
@@ -305,17 +319,13 @@ Rendering cast_rays(const World& world, const hal::CameraIntrinsics& intrinsics,
       if (static_cast<int>(v) >= part.v_begin && static_cast<int>(v) < part.v_end)
         cast_part(part, ray_y, row);
 
-    const float y2 = static_cast<float>(ray_y * ray_y) + 1.0f;
     const std::size_t begin = v * width;
-    for (std::size_t u = 0; u < width; ++u) {
-      const auto shape = static_cast<std::int16_t>(row.shape[u]);
-      const bool hit = shape >= 0;
-      image.shape[begin + u] = shape;
-      image.label[begin + u] = hit ? world.shapes[static_cast<std::size_t>(shape)].label : Label::Nothing;
-      image.depth_m[begin + u] = hit ? 1.0f / row.w[u] : std::numeric_limits<float>::quiet_NaN();
-      const float cosine = row.normal_dot_ray[u] / std::sqrt(row.ray_x[u] * row.ray_x[u] + y2);
-      image.cos_incidence[begin + u] = hit ? std::min(cosine, 1.0f) : 0.0f;
-    }
+    finish(row, static_cast<float>(ray_y * ray_y) + 1.0f);
+    std::copy_n(row.w.begin(), width, &image.depth_m[begin]);
+    std::copy_n(row.normal_dot_ray.begin(), width, &image.cos_incidence[begin]);
+    for (std::size_t u = 0; u < width; ++u) image.shape[begin + u] = static_cast<std::int16_t>(row.shape[u]);
+    for (std::size_t u = 0; u < width; ++u)
+      image.label[begin + u] = labels[static_cast<std::size_t>(image.shape[begin + u] + 1)];
   }
   return image;
 }

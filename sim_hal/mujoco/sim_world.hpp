@@ -28,8 +28,9 @@ struct SimTruth {
   Pose X_WT = Pose::Identity();  ///< Object.
   double mass_kg = 0.0;
   Vec3 cog_W = Vec3::Zero();
-  double tilt_rad = 0.0;                ///< Between the object's up axis now and at time 0.
-  double height_m = 0.0;                ///< Rise of the centre of gravity since time 0.
+  double tilt_rad = 0.0;  ///< Between the object's up axis now and at time 0; of a cylinder, which may roll,
+                          ///< the rise of its axis.
+  double height_m = 0.0;  ///< Rise of the centre of gravity since time 0.
   Vec3 robot_force_W = Vec3::Zero();    ///< Of the hand's contacts on the object (N).
   Vec3 robot_torque_W = Vec3::Zero();   ///< The same about the palm (N m).
   Vec3 partner_force_W = Vec3::Zero();  ///< Of the partner on the object (N).
@@ -40,6 +41,8 @@ struct SimTruth {
   bool robot_hit_something =
       false;  ///< A link of the arm or the palm's back met anything, at any time so far.
   hal::JointVector q_rad = hal::JointVector::Zero();
+  int troubles =
+      0;  ///< Times that the physics diverged or had no room for contacts; anything but 0 is a bug.
 };
 
 /// One scenario under physics: floor, clutter, object, LWR 4+, BarrettHand and partner. MuJoCo 2.2 at 1 ms,
@@ -73,6 +76,7 @@ class SimWorld {
 
   [[nodiscard]] const Scenario& scenario() const;
   [[nodiscard]] const SimConfig& config() const;
+  [[nodiscard]] const hal::RobotModel& model() const;
   [[nodiscard]] std::uint64_t seed() const;
 
  private:

@@ -21,7 +21,12 @@ struct ObjectParts {
 };
 
 /// Table: a 2.5 cm top on four legs. Box: a solid. Cylinder: lies along Tx on the floor, or on what its
-/// clutter gives it. Chair: seat, four legs, back rest. Errors: BadConfig (sizes that make no object).
+/// clutter gives it. Chair: seat, four legs, back rest (two posts and two slats) on the side of -Ty. Bodies:
+/// the pieces as given. Errors: BadConfig (sizes that make no object, centre of gravity outside of it), with
+/// the scenario's entry as `where` ("object.size").
 [[nodiscard]] hal::Result<ObjectParts> object_parts(const ScenarioObject& object);
+
+/// The clutter in W, Label::Clutter; cylinders stand upright.
+[[nodiscard]] std::vector<Shape> clutter_shapes(const Scenario& scenario);
 
 }  // namespace colift::sim_hal

@@ -5,6 +5,7 @@
 
 #include "hal/recorded/recorded_camera.hpp"
 #include "sim_hal/mock/mock_camera.hpp"
+#include "sim_hal/mujoco/sim_devices.hpp"
 
 namespace colift {
 namespace {
@@ -34,10 +35,18 @@ struct MockRig {
   }
 };
 
+struct SimRig {
+  std::unique_ptr<sim_hal::SimWorld> world =
+      sim_hal::SimWorld::make(sim_hal::built_in_scenario(), hal::built_in_robot(), 1, sim_hal::SimConfig{})
+          .value();
+  std::unique_ptr<hal::DepthCamera> owned = sim_hal::make_sim_camera(*world);
+  hal::DepthCamera& camera = *owned;
+};
+
 }  // namespace
 
 TEMPLATE_TEST_CASE("a depth camera gives nothing before it is configured and activated", "[camera][contract]",
-                   RecordedRig, MockRig) {
+                   RecordedRig, MockRig, SimRig) {
   TestType rig;
   const auto early = rig.camera.next_frame(10ms);
   REQUIRE_FALSE(early);
@@ -51,7 +60,7 @@ TEMPLATE_TEST_CASE("a depth camera gives nothing before it is configured and act
 }
 
 TEMPLATE_TEST_CASE("frames are whole, in metres, and NaN where nothing was seen", "[camera][contract]",
-                   RecordedRig, MockRig) {
+                   RecordedRig, MockRig, SimRig) {
   TestType rig;
   REQUIRE(rig.camera.configure());
   REQUIRE(rig.camera.activate());
@@ -75,7 +84,8 @@ TEMPLATE_TEST_CASE("frames are whole, in metres, and NaN where nothing was seen"
   }
 }
 
-TEMPLATE_TEST_CASE("each frame is newer than the one before", "[camera][contract]", RecordedRig, MockRig) {
+TEMPLATE_TEST_CASE("each frame is newer than the one before", "[camera][contract]", RecordedRig, MockRig,
+                   SimRig) {
   TestType rig;
   REQUIRE(rig.camera.configure());
   REQUIRE(rig.camera.activate());
@@ -91,7 +101,7 @@ TEMPLATE_TEST_CASE("each frame is newer than the one before", "[camera][contract
 }
 
 TEMPLATE_TEST_CASE("a camera at rest gives nothing, and goes on when it is activated again",
-                   "[camera][contract]", RecordedRig, MockRig) {
+                   "[camera][contract]", RecordedRig, MockRig, SimRig) {
   TestType rig;
   REQUIRE(rig.camera.configure());
   REQUIRE(rig.camera.activate());
@@ -103,7 +113,7 @@ TEMPLATE_TEST_CASE("a camera at rest gives nothing, and goes on when it is activ
   CHECK(rig.camera.next_frame(1s));
 }
 
-TEMPLATE_TEST_CASE("health counts what was handed out", "[camera][contract]", RecordedRig, MockRig) {
+TEMPLATE_TEST_CASE("health counts what was handed out", "[camera][contract]", RecordedRig, MockRig, SimRig) {
   TestType rig;
   CHECK(rig.camera.health().accepted == 0);
   REQUIRE(rig.camera.configure());

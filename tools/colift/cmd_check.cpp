@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "control/task_machine.hpp"
 #include "hal/config/config_file.hpp"
 #include "hal/config/effective_yaml.hpp"
 #include "tools/colift/commands.hpp"
@@ -10,7 +11,36 @@
 
 namespace colift::tools {
 
-int cmd_check(const CommonOptions& common, bool help) {
+namespace {
+
+/// The rules of the job: a drawing for people, a list for programs.
+int show_rules(bool json) {
+  if (!json) {
+    std::fputs(control::graph().c_str(), stdout);
+    return kDone;
+  }
+  nlohmann::ordered_json j = {{"schema", "colift.rules/1"}};
+  for (int t = 0; t < control::kTasks; ++t) {
+    const auto task = static_cast<control::Task>(t);
+    j["states"].push_back({{"state", control::word(task)},
+                           {"waits_for", control::waits_for(task)},
+                           {"end", control::is_end(task)},
+                           {"loaded", control::is_loaded(task)},
+                           {"moving", control::is_moving(task)}});
+  }
+  for (const control::Rule& rule : control::rules())
+    j["rules"].push_back({{"from", control::word(rule.from)},
+                          {"on", control::word(rule.on)},
+                          {"to", control::word(rule.to)},
+                          {"because", rule.because}});
+  std::puts(j.dump().c_str());
+  return kDone;
+}
+
+}  // namespace
+
+int cmd_check(const CommonOptions& common, const CheckOptions& options) {
+  if (options.graph) return show_rules(common.json);
   control::Config config;
   hal::FieldTable table = hal::table_of(config);
   if (auto done = hal::apply_command_line(table, common.config_files, common.settings); !done)
@@ -18,7 +48,7 @@ int cmd_check(const CommonOptions& common, bool help) {
   const auto setup = load_setup(common);
   if (!setup) return report_error("check", setup.error());
 
-  const std::string yaml = hal::effective_yaml(table, help);
+  const std::string yaml = hal::effective_yaml(table, options.explain);
   if (common.json) {
     nlohmann::ordered_json j = {{"schema", "colift.check/1"}, {"ok", true}, {"hand", setup->hand.name}};
     j["changed"] = nlohmann::ordered_json::object();

@@ -12,7 +12,12 @@ namespace colift::tools {
 /// look, then the decision for a partner's grasp. 0 a grasp was chosen, 1 none, 2 bad input or configuration.
 [[nodiscard]] int cmd_decide(const CommonOptions& common, const DecideOptions& options);
 
-/// Reads configuration and hand and prints what would be used. 0 usable, 2 not.
-[[nodiscard]] int cmd_check(const CommonOptions& common, bool help);
+/// The whole job on the robot or the simulated rig. 0 lifted (or a dry run found its way), 1 refused or
+/// aborted, 2 bad input or configuration, 3 a device failed, 130 interrupted.
+[[nodiscard]] int cmd_run(const CommonOptions& common, const RunOptions& options);
+
+/// Reads configuration and hand and prints what would be used, or draws the rules of the job. 0 usable, 2
+/// not.
+[[nodiscard]] int cmd_check(const CommonOptions& common, const CheckOptions& options);
 
 }  // namespace colift::tools

@@ -1,34 +1,27 @@
 #include "tools/colift/look_json.hpp"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
+#include "tools/colift/grasp_json.hpp"
 #include "tools/colift/words.hpp"
 
 namespace colift::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using hal::Vec3;
-
-Json array(const Vec3& v) {
-  return Json::array({v.x(), v.y(), v.z()});
-}
 
 Json box(const hal::OrientedBox& b) {
-  return {{"center", array(b.center)},
-          {"axes", Json::array({array(b.axes.col(0)), array(b.axes.col(1)), array(b.axes.col(2))})},
-          {"size", array(b.size)}};
-}
-
-Json sigma(const Eigen::Matrix3d& covariance) {
-  return array(covariance.diagonal().cwiseMax(0.0).cwiseSqrt());
+  return {{"center", json_array(b.center)},
+          {"axes",
+           Json::array({json_array(b.axes.col(0)), json_array(b.axes.col(1)), json_array(b.axes.col(2))})},
+          {"size", json_array(b.size)}};
 }
 
 Json ground(const perception::Scene& scene) {
   if (!scene.ground) return nullptr;
   const auto& g = *scene.ground;
-  return {{"normal", array(g.plane.normal)},
+  return {{"normal", json_array(g.plane.normal)},
           {"offset", g.plane.offset},
           {"inliers", g.inliers},
           {"rms", g.rms_m}};
@@ -38,10 +31,10 @@ Json target(const perception::Scene& scene) {
   if (!scene.target) return nullptr;
   const auto& t = *scene.target;
   return {{"points", t.points.size()},
-          {"aabb", {{"min", array(t.aabb.min())}, {"max", array(t.aabb.max())}}},
+          {"aabb", {{"min", json_array(t.aabb.min())}, {"max", json_array(t.aabb.max())}}},
           {"obb", box(t.obb)},
-          {"cog", array(t.cog)},
-          {"cog_sigma", sigma(t.cog_covariance)},
+          {"cog", json_array(t.cog)},
+          {"cog_sigma", json_sigma(t.cog_covariance)},
           {"shape", box(t.shape)},
           {"because", t.because}};
 }
@@ -49,40 +42,22 @@ Json target(const perception::Scene& scene) {
 Json surface(const perception::Surface& s) {
   if (const auto* r = std::get_if<perception::Rectangle>(&s)) {
     return {{"kind", "rectangle"},
-            {"center", array(r->center)},
-            {"normal", array(r->normal)},
-            {"u", array(r->u)},
-            {"v", array(r->v)},
+            {"center", json_array(r->center)},
+            {"normal", json_array(r->normal)},
+            {"u", json_array(r->u)},
+            {"v", json_array(r->v)},
             {"size", Json::array({r->size.x(), r->size.y()})},
             {"fill", r->fill}};
   }
   const auto& c = std::get<perception::Cylinder>(s);
   return {{"kind", "cylinder"},
-          {"center", array(c.center)},
-          {"axis", array(c.axis)},
+          {"center", json_array(c.center)},
+          {"axis", json_array(c.axis)},
           {"radius", c.radius},
           {"length", c.length}};
 }
 
-Json candidate(const planner::GraspCandidate& c) {
-  Json j = {{"id", c.id},
-            {"kind", planner::name_of(c.kind)},
-            {"position", array(c.position)},
-            {"approach", array(c.approach)},
-            {"closing", array(c.closing)},
-            {"width", c.width},
-            {"surface", c.surface},
-            {"verdict", word(c.verdict)}};
-  if (c.stability && std::isfinite(*c.stability)) j["stability"] = *c.stability;
-  if (!c.because.empty()) j["because"] = c.because;
-  return j;
-}
-
-Json wrench(const hal::Wrench& w) {
-  return {{"force", array(w.force)}, {"torque", array(w.torque)}};
-}
-
-Json look(const Seen& seen, const char* schema, const std::vector<planner::GraspCandidate>& candidates) {
+Json look(const Seen& seen, const char* schema, Json candidates) {
   const control::Look& l = seen.look;
   Json j = {{"schema", schema},
             {"method", l.method == control::Method::Fast ? "fast" : "thesis"},
@@ -93,12 +68,13 @@ Json look(const Seen& seen, const char* schema, const std::vector<planner::Grasp
             {"target", target(l.scene)}};
   j["surfaces"] = Json::array();
   for (const auto& s : l.scene.surfaces) j["surfaces"].push_back(surface(s));
-  j["candidates"] = Json::array();
-  for (const auto& c : candidates) j["candidates"].push_back(candidate(c));
+  j["candidates"] = std::move(candidates);
   j["others"] = Json::array();
   for (const auto& r : l.rejected) {
-    j["others"].push_back(
-        {{"kind", word(r.kind)}, {"center", array(r.center)}, {"pixels", r.pixels}, {"because", r.because}});
+    j["others"].push_back({{"kind", word(r.kind)},
+                           {"center", json_array(r.center)},
+                           {"pixels", r.pixels},
+                           {"because", r.because}});
   }
   j["because"] = l.because;
   j["timing_ms"] = {{"ground", l.ms.ground},
@@ -112,38 +88,23 @@ Json look(const Seen& seen, const char* schema, const std::vector<planner::Grasp
 }  // namespace
 
 std::string look_document(const Seen& seen) {
-  return look(seen, "colift.look/1", seen.look.candidates).dump();
+  Json candidates = Json::array();
+  for (const auto& c : seen.look.candidates) candidates.push_back(candidate_json(c));
+  return look(seen, "colift.look/1", std::move(candidates)).dump();
 }
 
 std::string decide_document(const Seen& seen, const control::Outcome& o) {
-  Json j = look(seen, "colift.decide/1", o.candidates);
-  for (std::size_t i = 0; i < o.decision.scores.size(); ++i) {
-    if (!o.decision.scores[i]) continue;
-    j["candidates"][i]["share"] = o.decision.scores[i]->share;
-    j["candidates"][i]["cost"] = o.decision.scores[i]->cost;
-  }
+  Json j = look(seen, "colift.decide/1", candidates_json(o));
   if (o.partner) {
-    j["partner"] = {{"position", array(o.partner->position)},
-                    {"sigma", sigma(o.partner->covariance)},
+    j["partner"] = {{"position", json_array(o.partner->position)},
+                    {"sigma", json_sigma(o.partner->covariance)},
                     {"points", o.partner->points},
                     {"because", o.partner_because}};
   } else {
     j["partner"] = nullptr;
   }
-  const auto& d = o.decision;
-  if (d.chosen) {
-    const auto& s = *d.scores[*d.chosen];
-    j["decision"] = {{"candidate", o.candidates[*d.chosen].id},
-                     {"share", d.share},
-                     {"cost", d.cost},
-                     {"because", d.because},
-                     {"optimum", array(d.optimum)},
-                     {"partner", wrench(s.wrenches.partner)},
-                     {"robot", wrench(s.wrenches.robot)}};
-  } else {
-    j["decision"] = nullptr;
-    j["because"] = d.because;
-  }
+  j["decision"] = decision_json(o);
+  if (!o.decision.chosen) j["because"] = o.decision.because;
   j["timing_ms"]["partner"] = o.partner_ms;
   j["timing_ms"]["decision"] = o.decision_ms;
   j["timing_ms"]["total"] = seen.look.ms.total + o.partner_ms + o.decision_ms;

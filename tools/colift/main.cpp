@@ -15,6 +15,7 @@ namespace {
 
 using colift::tools::CommonOptions;
 using colift::tools::LookOptions;
+using colift::tools::RunOptions;
 
 void add_common(CLI::App& command, CommonOptions& o) {
   command
@@ -50,6 +51,21 @@ void add_look(CLI::App& command, LookOptions& o) {
       ->type_name("OUT.html");
 }
 
+void add_run(CLI::App& command, RunOptions& o) {
+  command.add_option("--scenario", o.scenario, "What the simulated rig holds (default: the built-in table)")
+      ->type_name("FILE");
+  command.add_option("--robot", o.robot, "Which devices (default: the simulated rig)")->type_name("FILE");
+  command.add_option("--method", o.method, "fast (default) or thesis");
+  command.add_option("--seed", o.seed, "Same scenario, seed and program: same result, bit for bit")
+      ->type_name("N");
+  command.add_option("--share", o.share, "Part of the load that the robot shall carry, between 0 and 1")
+      ->type_name("S");
+  command.add_flag("--dry-run", o.dry_run, "Sees, decides and plans; moves nothing");
+  command.add_option("--report", o.report, "Writes one HTML page with pictures, curves and reasons")
+      ->type_name("FILE.html");
+  command.add_option("--png", o.png, "Writes a picture of the lift")->type_name("OUT.png");
+}
+
 int run(int argc, char** argv) {
   CLI::App app(
       "CoLift carries large objects together with a person: it sees where the person grasps, and decides\n"
@@ -64,7 +80,7 @@ int run(int argc, char** argv) {
   LookOptions look;
   colift::tools::DecideOptions decide;
   std::string problem;
-  bool explain = false;
+  colift::tools::CheckOptions check;
 
   CLI::App* look_command = app.add_subcommand(
       "look", "Perception of one recorded frame: ground, target, surfaces, grasp candidates");
@@ -93,9 +109,18 @@ int run(int argc, char** argv) {
   rank_command->add_option("PROBLEM.json", problem, "The problem; - reads it from stdin")->required();
   add_common(*rank_command, common);
 
+  colift::tools::RunOptions run;
+  CLI::App* run_command = app.add_subcommand(
+      "run", "The whole job: watch, decide, approach, lift together, lower, release, retreat");
+  add_run(*run_command, run);
+  add_common(*run_command, common);
+
   CLI::App* check_command = app.add_subcommand(
       "check", "Reads configuration and hand, touches no device, prints what would be used");
-  check_command->add_flag("--explain", explain, "With what each entry means and what it may be");
+  check_command->add_flag("--explain", check.explain, "With what each entry means and what it may be");
+  check_command->add_flag("--graph", check.graph,
+                          "Prints the states of the job and what leads from one to the other, as a Graphviz "
+                          "drawing; with --json the rules");
   add_common(*check_command, common);
 
   try {
@@ -109,7 +134,8 @@ int run(int argc, char** argv) {
                                    [&](const CLI::App* c) { return c->get_name() == first; });
     if (first[0] != '-' && !known)
       std::fprintf(
-          stderr, "colift: \"%s\" is no command; there are look, decide, rank and check; see colift --help\n",
+          stderr,
+          "colift: \"%s\" is no command; there are run, look, decide, rank and check; see colift --help\n",
           first.c_str());
     else
       std::fprintf(stderr, "colift: %s; see colift --help\n", e.what());
@@ -117,8 +143,9 @@ int run(int argc, char** argv) {
   }
   if (look_command->parsed()) return colift::tools::cmd_look(common, look);
   if (decide_command->parsed()) return colift::tools::cmd_decide(common, decide);
+  if (run_command->parsed()) return colift::tools::cmd_run(common, run);
   if (rank_command->parsed()) return colift::tools::cmd_rank(problem, common.json);
-  return colift::tools::cmd_check(common, explain);
+  return colift::tools::cmd_check(common, check);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -8,7 +9,14 @@
 namespace colift::tools {
 
 /// Exit codes of the program (what scripts rely on).
-enum Exit : int { kDone = 0, kNoGoal = 1, kBadInput = 2, kDeviceFailed = 3, kInternal = 4 };
+enum Exit : int {
+  kDone = 0,
+  kNoGoal = 1,
+  kBadInput = 2,
+  kDeviceFailed = 3,
+  kInternal = 4,
+  kInterrupted = 130
+};
 
 /// What every command takes.
 struct CommonOptions {
@@ -37,6 +45,22 @@ struct DecideOptions {
   std::optional<std::filesystem::path> partner_cloud;
   std::string share;    ///< Part of the load for the robot; empty: by epsilon.
   std::string epsilon;  ///< Empty: as configured.
+};
+
+struct CheckOptions {
+  bool explain = false;
+  bool graph = false;  ///< The rules of the job instead of the configuration.
+};
+
+struct RunOptions {
+  std::optional<std::filesystem::path> scenario;  ///< Unset: the built-in table.
+  std::optional<std::filesystem::path> robot;     ///< Unset: the simulated rig.
+  std::string method;
+  std::string share;
+  std::uint64_t seed = 1;
+  bool dry_run = false;
+  std::optional<std::filesystem::path> report;
+  std::optional<std::filesystem::path> png;  ///< Picture of the lift.
 };
 
 }  // namespace colift::tools

@@ -6,11 +6,13 @@
 
 #include "hal/config/config_file.hpp"
 #include "tools/colift/numbers.hpp"
+#include "tools/colift/weights.hpp"
 
 namespace colift::tools {
 
-hal::Result<Setup> load_setup(const CommonOptions& common) {
+hal::Result<Setup> load_setup(const CommonOptions& common, const control::Config& defaults) {
   Setup setup;
+  setup.config = defaults;
   hal::FieldTable table = hal::table_of(setup.config);
   if (auto done = hal::apply_command_line(table, common.config_files, common.settings); !done)
     return tl::unexpected(done.error());
@@ -24,10 +26,8 @@ hal::Result<Setup> load_setup(const CommonOptions& common) {
 }
 
 hal::Result<Seen> look_at_file(const LookOptions& options, const Setup& setup) {
-  const std::string method = options.method.empty() ? setup.config.method : options.method;
-  if (method != "fast" && method != "thesis")
-    return hal::failure(hal::ErrorCode::BadInput, "--method",
-                        fmt::format("\"{}\" is not known, expected fast or thesis", method));
+  const auto method = parse_method(options.method, setup.config);
+  if (!method) return tl::unexpected(method.error());
 
   Seen seen;
   control::LookInput input;
@@ -38,7 +38,7 @@ hal::Result<Seen> look_at_file(const LookOptions& options, const Setup& setup) {
     input.base_frame_known = true;
   }
   if (!options.at.empty()) {
-    if (method == "thesis")
+    if (*method == control::Method::Thesis)
       return hal::failure(hal::ErrorCode::BadInput, "--at",
                           "goes with --method fast: the thesis takes the largest cluster");
     const auto at = parse_point(options.at, "--at");
@@ -51,9 +51,8 @@ hal::Result<Seen> look_at_file(const LookOptions& options, const Setup& setup) {
   input.X_WC = seen.X_WF * seen.file.X_FC;
   input.frame = std::move(seen.file.frame);
 
-  auto look =
-      control::look(std::move(input), method == "fast" ? control::Method::Fast : control::Method::Thesis,
-                    setup.config, setup.hand, hal::SteadyClock(), setup.hand_tables);
+  auto look = control::look(std::move(input), *method, setup.config, setup.hand, hal::SteadyClock(),
+                            setup.hand_tables);
   if (!look) return tl::unexpected(look.error());
   seen.look = std::move(*look);
   return seen;

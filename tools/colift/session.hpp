@@ -12,13 +12,15 @@
 
 namespace colift::tools {
 
-/// Configuration and hand of one call of the program. Errors: BadConfig, with the place.
+/// Configuration and hand of one call of the program: files and --set over `defaults`. Errors: BadConfig,
+/// with the place.
 struct Setup {
   control::Config config;
   planner::HandModel hand;
   std::shared_ptr<const planner::HandCollision> hand_tables;  ///< Made once, for every look.
 };
-[[nodiscard]] hal::Result<Setup> load_setup(const CommonOptions& common);
+[[nodiscard]] hal::Result<Setup> load_setup(const CommonOptions& common,
+                                            const control::Config& defaults = {});
 
 /// A frame that was looked at.
 struct Seen {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "hal/config/config_file.hpp"
+#include "tools/colift/grasp_rows.hpp"
 #include "tools/colift/words.hpp"
 #include "tools/picture/report.hpp"
 #include "tools/picture/scene_picture.hpp"
@@ -47,17 +48,8 @@ picture::Report report_of(const Seen& seen, const control::Outcome* outcome, con
   r.notes = picture.notes;
   r.pictures.push_back(
       {picture::scene_picture_png(picture), "What was seen in the frame and what was decided."});
-  const auto& candidates = outcome ? outcome->candidates : l.candidates;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const auto& c = candidates[i];
-    picture::ReportCandidate row{c.id,     planner::name_of(c.kind), c.verdict, {}, {}, c.stability, c.width,
-                                 c.because};
-    if (outcome && i < outcome->decision.scores.size() && outcome->decision.scores[i]) {
-      row.share = outcome->decision.scores[i]->share;
-      row.cost = outcome->decision.scores[i]->cost;
-    }
-    r.candidates.push_back(std::move(row));
-  }
+  r.candidates = outcome ? candidate_rows(outcome->candidates, outcome->decision.scores)
+                         : candidate_rows(l.candidates, {});
   for (const auto& s : l.scene.surfaces) r.surfaces.push_back(surface_line(s));
   r.timing = {{"ground", l.ms.ground},
               {"target", l.ms.target},

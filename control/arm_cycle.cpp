@@ -1,0 +1,263 @@
+#include "control/arm_cycle.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hal/braking_law.hpp"
+
+namespace colift::control {
+
+namespace {
+
+constexpr double kAtRest_rad_s = 1e-9;
+constexpr double kBlendIn_s = 0.5;       // in which a way's offset from the command is taken out
+constexpr double kRateSlope_s = 25.0;    // 1/s: where a way hardly moves its speed may change at once
+constexpr double kRateJerk_s2 = 2500.0;  // 1/s^2
+constexpr double kArmAgain = 0.8;        // of the contact limit: a watch that saw contact waits for less
+
+hal::JointBounds bounds_of(const hal::JointVector& lower, const hal::JointVector& upper,
+                           const hal::JointVector& velocity, double acceleration, int i) {
+  return {lower[i], upper[i], velocity[i], acceleration};
+}
+
+/// From 1 to 0 with the way's first half second (or all of it), at rest at both ends.
+double offset_left(double way_s, double duration_s) {
+  const double span = std::min(kBlendIn_s, duration_s);
+  if (span <= 0.0) return 1.0;
+  const double x = std::clamp(way_s / span, 0.0, 1.0);
+  return 1.0 - x * x * x * (10.0 + x * (-15.0 + 6.0 * x));
+}
+
+double towards(double from, double to, double most) {
+  return from + std::clamp(to - from, -most, most);
+}
+
+}  // namespace
+
+ArmCycle::ArmCycle(const hal::RobotModel& model, const TaskConfig& task, const CycleLimits& limits)
+    : model_(&model),
+      limits_(limits),
+      contact_limit_n_(task.contact_n),
+      lower_(model.lower_rad().array() + limits.limit_margin_rad),
+      upper_(model.upper_rad().array() - limits.limit_margin_rad),
+      velocity_(limits.velocity_part * model.velocity_rad_s()),
+      superposed_(model.effort_nm().cwiseMin(limits.superposed_nm)),
+      stiffness_(task.stiffness_nm_rad),
+      stiffness_goal_(task.stiffness_nm_rad) {}
+
+void ArmCycle::hold() {
+  if (mode_ == Mode::Way)
+    rate_goal_ = 0.0;
+  else
+    mode_ = Mode::Hold;
+}
+
+hal::Result<> ArmCycle::follow(std::shared_ptr<const planner::Trajectory> way) {
+  constexpr const char* kWhere = "arm_cycle.follow";
+  if (!way || way->empty()) return hal::failure(hal::ErrorCode::BadInput, kWhere, "the way is empty");
+  if (!running_) return hal::failure(hal::ErrorCode::NotReady, kWhere, "the arm is not commanded yet");
+  if (!at_rest())
+    return hal::failure(hal::ErrorCode::NotReady, kWhere, "the arm is still moving; hold() first");
+  int joint = 0;
+  const double off = (q_ - way->start()).cwiseAbs().maxCoeff(&joint);
+  if (!(off <= limits_.start_tolerance_rad))
+    return hal::failure(hal::ErrorCode::BadInput, kWhere,
+                        fmt::format("the way starts {:.4f} rad away from the command in A{} (limit {:.4f})",
+                                    off, joint + 1, limits_.start_tolerance_rad));
+  way_ = std::move(way);
+  way_offset_ = q_ - way_->start();
+  way_s_ = 0.0;
+  rate_ = rate_goal_ = 1.0;  // the way itself starts at rest
+  rate_slope_ = 0.0;
+  mode_ = Mode::Way;
+  on_way_ = true;
+  tare_ = rest_tau_;
+  lag_at_start_ = rest_lag_;
+  contact_ = hal::Wrench{};
+  armed_ = true;
+  why_ = Contact::None;
+  return {};
+}
+
+void ArmCycle::resume(double speed) {
+  run_way(std::clamp(speed, 0.0, 1.0));
+}
+
+void ArmCycle::back(double speed) {
+  run_way(-std::clamp(speed, 0.0, 1.0));
+}
+
+void ArmCycle::run_way(double rate) {
+  if (!on_way_) return;
+  mode_ = Mode::Way;
+  rate_goal_ = rate;
+  why_ = Contact::None;
+  armed_ = false;  // until it is quiet: the way back from a contact begins in it
+}
+
+void ArmCycle::servo(const hal::JointVector& q_rad, const hal::JointVector& tau_superposed_nm) {
+  if (!running_ || !q_rad.allFinite() || !tau_superposed_nm.allFinite()) return;
+  if (mode_ != Mode::Servo) servo_before_ = q_rad;
+  mode_ = Mode::Servo;
+  on_way_ = false;
+  servo_q_ = q_rad;
+  superpose(tau_superposed_nm);
+}
+
+void ArmCycle::superpose(const hal::JointVector& tau_nm) {
+  if (tau_nm.allFinite()) tau_goal_ = tau_nm.cwiseMax(-superposed_).cwiseMin(superposed_);
+}
+
+void ArmCycle::set_stiffness(double nm_rad) {
+  if (std::isfinite(nm_rad)) stiffness_goal_ = std::max(0.0, nm_rad);
+}
+
+hal::ImpedanceCommand ArmCycle::step(const hal::ArmState& state) {
+  const double gap_s = time_.advance(state.measured_at);
+  const bool usable = state.may_command && state.q_rad.allFinite();
+  if (!usable || !running_ || std::abs(gap_s) > limits_.gap_s) {
+    start_from(state, usable);
+  } else if (gap_s > 0.0) {
+    const double dt = time_.step_s();
+    const hal::JointVector before = q_;
+    if (mode_ == Mode::Way)
+      step_way(dt);
+    else if (mode_ == Mode::Servo)
+      step_servo(dt);
+    else
+      step_hold(dt);
+    dq_ = (q_ - before) / dt;
+    stiffness_ = towards(stiffness_, stiffness_goal_, limits_.stiffness_slope_nm_rad_s * dt);
+    for (int i = 0; i < hal::kArmJoints; ++i)
+      tau_[i] = towards(tau_[i], tau_goal_[i], limits_.torque_slope_nm_s * dt);
+    watch(state, gap_s);
+  }
+  hal::ImpedanceCommand command;
+  command.q_rad = q_;
+  command.stiffness_nm_rad.setConstant(stiffness_);
+  command.tau_superposed_nm = tau_;
+  return command;
+}
+
+void ArmCycle::start_from(const hal::ArmState& state, bool usable) {
+  running_ = usable;
+  if (usable) ++starts_;
+  if (state.q_rad.allFinite()) q_ = state.q_rad;
+  dq_.setZero();
+  tau_.setZero();
+  tau_goal_.setZero();
+  mode_ = Mode::Hold;
+  on_way_ = false;
+  if (state.tau_external_nm.allFinite()) rest_tau_ = state.tau_external_nm;
+  rest_lag_.setZero();
+}
+
+void ArmCycle::step_hold(double dt_s) {
+  for (int i = 0; i < hal::kArmJoints; ++i)
+    q_[i] +=
+        dt_s * hal::braking_velocity(q_[i], dq_[i], dt_s,
+                                     bounds_of(lower_, upper_, velocity_, limits_.acceleration_rad_s2, i));
+}
+
+void ArmCycle::step_way(double dt_s) {
+  // The way's own time runs with `rate_`. Its change is bounded so that way and change together keep the
+  // acceleration: |q'' r^2 + q' r'| <= a for every joint, with q' and q'' taken along the way.
+  const planner::JointSample at = way_->sample(way_s_);
+  double least = -kRateSlope_s, most = kRateSlope_s, jerk = kRateJerk_s2;
+  for (int i = 0; i < hal::kArmJoints; ++i) {
+    const double v = std::abs(at.dq_rad_s[i]);
+    if (v < 1e-6) continue;
+    const double own = at.ddq_rad_s2[i] * rate_ * rate_ * (at.dq_rad_s[i] > 0.0 ? 1.0 : -1.0);
+    least = std::max(least, std::min(0.0, (-limits_.acceleration_rad_s2 - own) / v));
+    most = std::min(most, std::max(0.0, (limits_.acceleration_rad_s2 - own) / v));
+    jerk = std::min(jerk, limits_.jerk_rad_s3 / v);
+  }
+  const double left = rate_goal_ - rate_;
+  // the slope that can still be taken back until the goal is reached
+  const double wanted = std::copysign(std::sqrt(2.0 * jerk * std::abs(left)), left);
+  rate_slope_ = std::clamp(towards(rate_slope_, wanted, jerk * dt_s), least, most);
+  if (std::abs(left) <= std::abs(rate_slope_) * dt_s || left == 0.0) {
+    rate_ = rate_goal_;
+    rate_slope_ = 0.0;
+  } else {
+    rate_ += rate_slope_ * dt_s;
+  }
+  way_s_ = std::clamp(way_s_ + rate_ * dt_s, 0.0, way_->duration_s());
+  q_ = way_->sample(way_s_).q_rad + offset_left(way_s_, way_->duration_s()) * way_offset_;
+  if (const double end = rate_goal_ > 0.0 ? way_->duration_s() : 0.0; rate_goal_ != 0.0 && way_s_ == end) {
+    rate_ = rate_slope_ = 0.0;  // the way itself is at rest at its ends
+    mode_ = Mode::Hold;
+  }
+}
+
+void ArmCycle::step_servo(double dt_s) {
+  for (int i = 0; i < hal::kArmJoints; ++i) {
+    const hal::JointBounds b = bounds_of(lower_, upper_, velocity_, limits_.acceleration_rad_s2, i);
+    // velocity of the set point itself; one that jumps has none
+    double w = (servo_q_[i] - servo_before_[i]) / dt_s;
+    if (std::abs(w) > b.velocity_rad_s) w = 0.0;
+    const double off = servo_q_[i] - q_[i] - w * dt_s;
+    const double near =
+        std::min(std::abs(off) / dt_s, hal::stoppable_speed(std::abs(off), dt_s, b.acceleration_rad_s2));
+    const hal::VelocityRange allowed = hal::allowed_velocity(q_[i], dq_[i], dt_s, b);
+    q_[i] += dt_s * std::clamp(w + std::copysign(near, off), allowed.low, allowed.high);
+  }
+  servo_before_ = servo_q_;
+}
+
+void ArmCycle::watch(const hal::ArmState& state, double dt_s) {
+  if (!state.tau_external_nm.allFinite()) return;
+  const hal::JointVector lag = q_ - state.q_rad;
+  if (mode_ != Mode::Way && at_rest()) {
+    const double part = std::min(1.0, dt_s / limits_.rest_filter_s);
+    rest_tau_ += part * (state.tau_external_nm - rest_tau_);
+    rest_lag_ += part * (lag - rest_lag_);
+  }
+  if (mode_ != Mode::Way) return;
+
+  const hal::Wrench now = palm_wrench(*model_, state.q_rad, state.tau_external_nm - tare_);
+  const double part = limits_.contact_filter_s > 0.0 ? 1.0 - std::exp(-dt_s / limits_.contact_filter_s) : 1.0;
+  contact_.force += part * (now.force - contact_.force);
+  const double force = contact_.force.norm();
+  lag_rad_ = (lag - lag_at_start_).cwiseAbs().maxCoeff(&lag_joint_);
+  const bool quiet = force < kArmAgain * contact_limit_n_ && lag_rad_ < kArmAgain * limits_.follow_error_rad;
+  armed_ = armed_ || quiet;
+  if (!watch_ || !armed_ || why_ != Contact::None) return;
+  if (force > contact_limit_n_)
+    why_ = Contact::Force;
+  else if (lag_rad_ > limits_.follow_error_rad)
+    why_ = Contact::Lag;
+  if (why_ != Contact::None) {
+    seen_n_ = force;
+    seen_lag_rad_ = lag_rad_;
+    seen_joint_ = lag_joint_;
+  }
+}
+
+bool ArmCycle::at_rest() const {
+  return dq_.cwiseAbs().maxCoeff() < kAtRest_rad_s;
+}
+
+bool ArmCycle::done() const {
+  if (!running_ || !at_rest()) return false;
+  if (mode_ == Mode::Servo) return (servo_q_ - q_).cwiseAbs().maxCoeff() < 1e-6;
+  return mode_ == Mode::Hold || (rate_goal_ == 0.0 && rate_ == 0.0);
+}
+
+double ArmCycle::progress() const {
+  if (!on_way_ || way_->duration_s() <= 0.0) return 1.0;
+  return way_s_ / way_->duration_s();
+}
+
+std::string ArmCycle::why_blocked() const {
+  if (why_ == Contact::Force)
+    return fmt::format("met something with {:.0f} N on the way (limit {:.0f} N)", seen_n_, contact_limit_n_);
+  if (why_ == Contact::Lag)
+    return fmt::format("A{} does not follow: {:.3f} rad behind (limit {:.3f} rad)", seen_joint_ + 1,
+                       seen_lag_rad_, limits_.follow_error_rad);
+  return {};
+}
+
+}  // namespace colift::control

@@ -1,0 +1,126 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "control/load_estimator.hpp"
+#include "control/task_config.hpp"
+#include "hal/arm.hpp"
+#include "hal/cycle_time.hpp"
+#include "hal/robot_model/robot_model.hpp"
+#include "planner/motion/trajectory.hpp"
+
+namespace colift::control {
+
+/// Limits of what the cycle adds of its own accord: stops, corrections, ramps. Wider than those of a planned
+/// motion (planner::MotionLimits), tighter than those of the last gate (hal::GuardConfig).
+struct CycleLimits {
+  double velocity_part = 0.9;              ///< Of the joints' velocity limits.
+  double acceleration_rad_s2 = 5.0;        ///< Of stops and of servo().
+  double jerk_rad_s3 = 200.0;              ///< Of stops on the path.
+  double limit_margin_rad = 0.02;          ///< Kept from the joint limits.
+  double start_tolerance_rad = 0.03;       ///< Greatest distance between a way's start and the command.
+  double stiffness_slope_nm_rad_s = 3000;  ///< Change of stiffness in a second.
+  double superposed_nm = 50;               ///< Most torque that is added, and never more than a joint bears.
+  double torque_slope_nm_s = 150;          ///< Change of superposed torque in a second.
+  double contact_filter_s = 0.004;         ///< Time constant of the contact watch.
+  double rest_filter_s = 0.1;              ///< Time constant of what is felt at rest, the watch's zero.
+  double follow_error_rad = 0.06;          ///< The arm lags by more: it does not follow.
+  double gap_s = 0.05;                     ///< A longer time between two states starts from rest again.
+};
+
+/// Makes exactly one command for each cycle of the arm: holds, follows a planned way, or serves a set point,
+/// always within limits and without a step in position or velocity. One thread; step() does not allocate.
+///
+/// The first command, and the first after may_command was lost or the states had a gap, is the measured pose
+/// at rest: whatever was going on is over then (starts() tells), and the cycle holds.
+class ArmCycle {
+ public:
+  ArmCycle(const hal::RobotModel& model, const TaskConfig& task, const CycleLimits& limits = {});
+
+  /// Comes to rest (a way: on the path) and stays there. A halted way can be resumed or run back.
+  void hold();
+  /// Starts a way at its first cycle. Errors: NotReady (not at rest), BadInput (no way, or it starts
+  /// elsewhere than the arm is commanded to: by how much, in which joint). Plan from commanded(), not from
+  /// the measured pose: the arm's springs are loaded.
+  [[nodiscard]] hal::Result<> follow(std::shared_ptr<const planner::Trajectory> way);
+  /// Goes on along the halted way with `speed` (0 to 1) of its planned speed; also slows a running one.
+  /// Nothing happens when the arm has left the way (servo(), a start from the measured pose).
+  void resume(double speed = 1.0);
+  /// Goes back the way it came, to its start, also from its end, with `speed` of the planned speed.
+  void back(double speed = 1.0);
+  /// Serves a set point, given anew in every cycle by whoever knows it: joint positions, and the torque to be
+  /// added (ramped). A set point that runs away is followed within limits, without overshoot.
+  void servo(const hal::JointVector& q_rad, const hal::JointVector& tau_superposed_nm);
+  /// Torque to be added from now on, ramped and limited; hold() and follow() keep it, so that a load stays
+  /// borne: set it to zero when the hand is empty.
+  void superpose(const hal::JointVector& tau_nm);
+  /// Stiffness from now on, ramped; TaskConfig's at first.
+  void set_stiffness(double nm_rad);
+
+  /// The answer to one cycle.
+  [[nodiscard]] hal::ImpedanceCommand step(const hal::ArmState& state);
+
+  /// At rest where it was sent: at the way's end (after back(): its start; after hold(): anywhere), at the
+  /// set point.
+  [[nodiscard]] bool done() const;
+  [[nodiscard]] bool at_rest() const;
+  /// Part of the way that lies behind, 0 to 1; 1 without a way.
+  [[nodiscard]] double progress() const;
+  /// Joint positions of the last command.
+  [[nodiscard]] const hal::JointVector& commanded() const { return q_; }
+  /// Counts the starts from the measured pose; a change says that a motion was cut off.
+  [[nodiscard]] std::uint32_t starts() const { return starts_; }
+
+  /// While a way is followed: a force at the palm above TaskConfig::contact_n since the way began, or an arm
+  /// that does not follow. Latched until the next follow(), resume() or back(). The watch only tells; whoever
+  /// asks calls hold(). Switched off by watch_contact(false), as for the last way into the object.
+  [[nodiscard]] bool blocked() const { return why_ != Contact::None; }
+  /// Why, as a sentence with numbers. Allocates.
+  [[nodiscard]] std::string why_blocked() const;
+  void watch_contact(bool on) { watch_ = on; }
+  /// Force at the palm against what was felt at rest before the way began (N).
+  [[nodiscard]] double contact_force_n() const { return contact_.force.norm(); }
+
+ private:
+  enum class Mode { Hold, Way, Servo };
+  enum class Contact { None, Force, Lag };
+
+  void start_from(const hal::ArmState& state, bool usable);
+  void step_hold(double dt_s);
+  void step_way(double dt_s);
+  void step_servo(double dt_s);
+  void watch(const hal::ArmState& state, double dt_s);
+  void run_way(double rate);
+
+  const hal::RobotModel* model_;
+  CycleLimits limits_;
+  double contact_limit_n_;
+  hal::JointVector lower_, upper_, velocity_, superposed_;
+
+  Mode mode_ = Mode::Hold;
+  bool running_ = false;  ///< A first command was made, and no gap came since.
+  std::uint32_t starts_ = 0;
+  hal::CycleTime time_;
+
+  hal::JointVector q_ = hal::JointVector::Zero(), dq_ = hal::JointVector::Zero();
+  hal::JointVector servo_q_ = hal::JointVector::Zero(), servo_before_ = hal::JointVector::Zero();
+  hal::JointVector tau_ = hal::JointVector::Zero(), tau_goal_ = hal::JointVector::Zero();
+  double stiffness_, stiffness_goal_;
+
+  std::shared_ptr<const planner::Trajectory> way_;
+  bool on_way_ = false;  ///< The command stands on the way: it can be run on and back.
+  hal::JointVector way_offset_ = hal::JointVector::Zero();  ///< Command minus the way's start, blended out.
+  double way_s_ = 0.0, rate_ = 0.0, rate_slope_ = 0.0, rate_goal_ = 0.0;
+
+  bool watch_ = true, armed_ = true;
+  Contact why_ = Contact::None;
+  hal::Wrench contact_;
+  hal::JointVector rest_tau_ = hal::JointVector::Zero(), tare_ = hal::JointVector::Zero();
+  hal::JointVector rest_lag_ = hal::JointVector::Zero(), lag_at_start_ = hal::JointVector::Zero();
+  double lag_rad_ = 0.0, seen_n_ = 0.0, seen_lag_rad_ = 0.0;
+  int lag_joint_ = 0, seen_joint_ = 0;
+};
+
+}  // namespace colift::control

@@ -1,0 +1,134 @@
+#pragma once
+
+// Inside of TaskRunner: what is known during one job, and what is done in each state. Not for other folders.
+
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "control/arm_cycle.hpp"
+#include "control/lift_controller.hpp"
+#include "control/load_estimator.hpp"
+#include "control/task_runner.hpp"
+
+namespace colift::control {
+
+/// An event and what is to be said about it, beyond the rule's own words.
+struct Happening {
+  Event event;
+  std::string detail;
+};
+
+class Job {
+ public:
+  Job(hal::Robot& robot, const RigView& rig, const Config& config, const JobOptions& options,
+      const hal::Clock& stopwatch);
+
+  [[nodiscard]] hal::Result<> start_devices();
+  /// One cycle: news of the devices, work of the state, change of state, command. False when the job has
+  /// ended.
+  bool cycle(const JobHooks& hooks);
+  /// Lets the devices rest and closes the record.
+  RunRecord finish();
+
+ private:
+  // devices.cpp: what the devices say
+  void read_devices();
+  void read_camera();
+  void lose(const std::string& device, const std::string& what);
+  [[nodiscard]] std::optional<Happening> emergency(const JobHooks& hooks);
+
+  // before_contact.cpp: from Observe to the closing hand
+  [[nodiscard]] std::optional<Happening> observe();
+  [[nodiscard]] std::optional<Happening> await_partner();
+  [[nodiscard]] std::optional<Happening> decide();
+  [[nodiscard]] std::optional<Happening> plan();
+  [[nodiscard]] std::optional<Happening> approach();
+  [[nodiscard]] std::optional<Happening> halt();
+  [[nodiscard]] std::optional<Happening> back_off();
+  /// Looks at a new frame for the partner; what he did, if anything.
+  std::optional<perception::PartnerEvent> watch_partner();
+  [[nodiscard]] bool choose();
+  void apply_refusals(std::vector<planner::GraspCandidate>& candidates) const;
+
+  // with_object.cpp: from the closing hand to the way home
+  [[nodiscard]] std::optional<Happening> close();
+  [[nodiscard]] std::optional<Happening> verify();
+  [[nodiscard]] std::optional<Happening> await_ready();
+  [[nodiscard]] std::optional<Happening> lift();
+  [[nodiscard]] std::optional<Happening> hold();
+  [[nodiscard]] std::optional<Happening> lower();
+  [[nodiscard]] std::optional<Happening> release();
+  [[nodiscard]] std::optional<Happening> retreat();
+  void back_to_pre_grasp();
+  void watch_object();
+  [[nodiscard]] std::optional<Happening> serve_lift();
+  [[nodiscard]] std::optional<Happening> beyond_limits() const;
+  void summarise_hold();
+
+  [[nodiscard]] std::optional<Happening> work();
+  void apply(const Happening& happening, const JobHooks& hooks);
+  void enter(Task from);
+  void tell(const JobHooks& hooks, bool changed);
+  [[nodiscard]] bool follow(const planner::Trajectory& way);
+
+  [[nodiscard]] double in_state_s() const { return hal::seconds(now_ - since_); }
+  [[nodiscard]] RobotPosture posture() const { return {arm_.q_rad, hal::posture_of(hand_)}; }
+  [[nodiscard]] hal::Pose palm() const { return hal::hand_pose(rig_.model, arm_.q_rad); }
+
+  hal::Robot& robot_;
+  RigView rig_;
+  Config config_;
+  JobOptions options_;
+  const hal::Clock& stopwatch_;
+  planner::ArmGeometry geometry_;
+
+  Task state_ = Task::Observe;
+  hal::Timestamp now_{0}, began_{0}, since_{0}, told_{0}, wall_start_{0};
+  RunRecord record_;
+  std::string doing_, partner_note_;
+  std::optional<double> done_;
+
+  // devices
+  hal::ArmState arm_;
+  hal::HandState hand_;
+  std::optional<hal::DepthFrame> frame_;  ///< New in this cycle.
+  hal::Timestamp frame_at_{0}, hand_at_{0}, reopen_at_{0};
+  int arm_misses_ = 0;
+  bool camera_lost_ = false, hand_silent_ = false, arm_silent_ = false;
+  std::string arm_trouble_, hand_trouble_;
+
+  // before contact
+  Watch watch_;
+  std::unique_ptr<planner::MotionPlanner> planner_;
+  hal::JointVector home_rad_ = hal::JointVector::Zero();
+  ArmCycle cycle_;
+  LoadEstimator load_;
+  std::vector<planner::GraspCandidate>
+      judged_;  ///< Of the look, with reach: what every decision starts from.
+  std::vector<planner::GraspCandidate> refused_;  ///< In this decision, because no way leads there.
+  double see_ms_ = 0.0;
+  int leg_ =
+      0;  ///< Of the way there: 0 transit, 1 straight approach; of the way back: 2 braking, 3 back, 4 home.
+  bool was_near_ = false;  ///< The way back began on the straight approach.
+  bool moved_ = false;
+  int approaches_ = 0, refused_commands_ = 0;
+  std::uint32_t starts_ = 0;  ///< Of the arm cycle when the way began.
+  Event off_because_ = Event::PartnerMoved;
+  hal::Timestamp waits_since_{0};
+
+  // with the object
+  LiftController lift_;
+  LiftController::Role role_ = LiftController::Role::Lead;
+  hal::Pose X_WH_closed_ = hal::Pose::Identity();
+  std::optional<perception::ObjectMotion> motion_;
+  hal::Timestamp served_at_{0}, settled_at_{0};
+  double partner_rise_m_ = 0.0, partner_top_m_ = 0.0, tilt_rad_ = NAN, slip_m_ = NAN;
+  int slipping_ = 0, tilting_ = 0;
+  double hold_load_n_ = NAN;
+  bool lifted_ = false;
+  bool failed_ = false;  ///< The job goes home without its goal.
+  std::string failed_because_, last_because_;
+};
+
+}  // namespace colift::control

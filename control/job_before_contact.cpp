@@ -1,0 +1,214 @@
+// From the first look to the hand at the grasp: nothing touches the object yet.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "control/job.hpp"
+
+namespace colift::control {
+namespace {
+
+using perception::PartnerEvent;
+using perception::PartnerKind;
+
+constexpr int kTries = 8;           // grasps for which a way is looked for
+constexpr int kApproaches = 5;      // a partner who changes his mind more often is left alone
+constexpr double kBackSpeed = 0.6;  // of the planned speed, on the way back
+
+std::string seconds_text(double s) {
+  return fmt::format("{:.1f} s", s);
+}
+
+}  // namespace
+
+std::optional<Happening> Job::observe() {
+  if (frame_) watch_.add_reference(std::move(*frame_), posture());
+  const int have = watch_.reference_frames(), want = config_.task.reference_frames;
+  doing_ = fmt::format("{} of {} frames of the scene", have, want);
+  done_ = static_cast<double>(have) / want;
+  if (have < want) {
+    if (in_state_s() > config_.task.patience_s)
+      return Happening{Event::TimeOut, "the camera showed nothing for " + seconds_text(in_state_s())};
+    return std::nullopt;
+  }
+  if (auto seen = watch_.understand(posture()); !seen) {
+    // somebody walked through the picture: another one, for a while
+    if (seen.error().code == hal::ErrorCode::NotFound && in_state_s() < config_.task.patience_s) {
+      watch_.forget_reference();
+      doing_ = seen.error().detail;
+      return std::nullopt;
+    }
+    return Happening{Event::NothingToCarry, seen.error().detail};
+  }
+  Look& look = watch_.look();
+  if (!look.scene.target) {
+    record_.look = look;
+    return Happening{Event::NothingToCarry, look.because};
+  }
+  planner_->set_scene(std::make_shared<planner::CollisionScene>(planner::make_collision_scene(
+                          watch_.map(), look.scene.ground->plane, {}, config_.motion.scene)),
+                      watch_.map(), hal::Vec3::UnitZ());
+  planner_->judge(look.candidates, config_.task.lift_height_m);
+  look.because = planner::explain(look.candidates);
+  record_.look = look;
+  return Happening{Event::SceneKnown, look.because};
+}
+
+std::optional<PartnerEvent> Job::watch_partner() {
+  if (!frame_) return watch_.no_frame(now_);
+  auto sight = watch_.watch_partner(*frame_, posture());
+  if (!sight) {
+    partner_note_ = sight.error().detail;
+    return std::nullopt;
+  }
+  partner_note_ = sight->partner.because;
+  if (sight->event) partner_note_ = sight->event->because;
+  see_ms_ = sight->compute_ms;
+  return sight->event;
+}
+
+std::optional<Happening> Job::await_partner() {
+  const auto event = watch_partner();
+  if (event && event->kind == PartnerEvent::Kind::Grasped)
+    return Happening{Event::PartnerGrasped, event->because};
+  const double waited = hal::seconds(now_ - waits_since_);
+  doing_ = partner_note_;
+  if (waited > config_.task.patience_s)
+    return Happening{Event::NobodyCame, "nobody took hold of the object within " + seconds_text(waited)};
+  return std::nullopt;
+}
+
+void Job::apply_refusals(std::vector<planner::GraspCandidate>& candidates) const {
+  for (auto& c : candidates)
+    for (const auto& r : refused_)
+      if ((c.position - r.position).norm() < 1e-6 && c.approach.dot(r.approach) > 1.0 - 1e-9)
+        c.verdict = planner::Verdict::Unreachable, c.because = r.because;
+}
+
+bool Job::choose() {
+  const auto grasp = watch_.tracker().grasp();
+  if (!grasp) return false;
+  const Judge reach = [this](std::vector<planner::GraspCandidate>& more) {
+    planner_->judge(more, config_.task.lift_height_m);
+    apply_refusals(more);
+  };
+  apply_refusals(watch_.look().candidates);
+  auto outcome = decide_for(watch_.look(), *grasp, config_, stopwatch_, reach);
+  if (!outcome) {
+    failed_because_ = outcome.error().text();
+    return false;
+  }
+  record_.decision = std::move(*outcome);
+  if (!record_.decision->decision.chosen) failed_because_ = record_.decision->decision.because;
+  return record_.decision->decision.chosen.has_value();
+}
+
+std::optional<Happening> Job::decide() {
+  if (frame_) record_.frame_partner = *frame_;
+  const hal::Timestamp start = stopwatch_.now();
+  const bool chosen = choose();
+  record_.timing.decision_compute_ms = see_ms_ + 1e3 * hal::seconds(stopwatch_.now() - start);
+  record_.timing.grasp_to_decision_s = hal::seconds(now_ - watch_.tracker().since());
+  if (!chosen) return Happening{Event::NoGraspFits, failed_because_};
+  return Happening{Event::GraspChosen, record_.decision->decision.because};
+}
+
+std::optional<Happening> Job::plan() {
+  const hal::Timestamp start = stopwatch_.now();
+  planner_->set_scene(
+      std::make_shared<planner::CollisionScene>(planner::make_collision_scene(
+          watch_.map(), watch_.look().scene.ground->plane, watch_.partner_points(), config_.motion.scene)),
+      watch_.map(), hal::Vec3::UnitZ());
+  std::string why;
+  for (int i = 0; i < kTries; ++i) {
+    auto& candidates = record_.decision->candidates;
+    auto& chosen = candidates[*record_.decision->decision.chosen];
+    auto plan = planner_->plan(cycle_.commanded(), chosen, config_.task.lift_height_m);
+    if (plan) {
+      record_.timing.plan_ms = 1e3 * hal::seconds(stopwatch_.now() - start);
+      record_.plan = std::move(*plan);
+      if (options_.dry_run) return Happening{Event::NoWay, "a dry run ends here: nothing was moved"};
+      return Happening{Event::PlanReady,
+                       fmt::format("the way takes {:.1f} s",
+                                   record_.plan->transit.duration_s() + record_.plan->approach.duration_s())};
+    }
+    why = plan.error().detail;
+    // the next best, then: this one stays refused for the rest of this decision
+    refused_.push_back(chosen);
+    refused_.back().because = why;
+    if (!choose()) break;
+  }
+  record_.timing.plan_ms = 1e3 * hal::seconds(stopwatch_.now() - start);
+  return Happening{Event::NoWay, why};
+}
+
+bool Job::follow(const planner::Trajectory& way) {
+  if (way.empty()) return true;
+  const auto started = cycle_.follow(std::make_shared<planner::Trajectory>(way));
+  if (!started) failed_because_ = started.error().detail;
+  return started.has_value();
+}
+
+std::optional<Happening> Job::approach() {
+  const planner::MotionPlan& plan = *record_.plan;
+  const auto event = watch_partner();
+  if (event && event->kind != PartnerEvent::Kind::Grasped) {
+    const bool moved = event->kind == PartnerEvent::Kind::Moved;
+    return Happening{moved ? Event::PartnerMoved : Event::PartnerLetGo, event->because};
+  }
+  if (cycle_.blocked()) return Happening{Event::Blocked, cycle_.why_blocked()};
+  if (cycle_.starts() != starts_)
+    return Happening{Event::Blocked, "the arm's controller interrupted the motion"};
+  const double whole = plan.transit.duration_s() + plan.approach.duration_s();
+  const double behind = leg_ == 0
+                            ? cycle_.progress() * plan.transit.duration_s()
+                            : plan.transit.duration_s() + cycle_.progress() * plan.approach.duration_s();
+  done_ = whole > 0.0 ? behind / whole : 1.0;
+  doing_ = leg_ == 0 ? "on the way to the pre-grasp" : "straight to the grasp";
+  if (in_state_s() > 2.0 * whole + 5.0) return Happening{Event::TimeOut, "the way takes too long"};
+  if (hand_.moving || !cycle_.done()) return std::nullopt;
+  if (leg_ == 0) {
+    leg_ = 1;
+    load_.end_tare();
+    if (!follow(plan.approach)) return Happening{Event::Blocked, failed_because_};
+    return std::nullopt;
+  }
+  return Happening{Event::Arrived, ""};
+}
+
+std::optional<Happening> Job::halt() {
+  if (!camera_lost_) return Happening{Event::CameraBack, ""};
+  if (in_state_s() > config_.task.patience_s) return Happening{Event::TimeOut, ""};
+  return std::nullopt;
+}
+
+std::optional<Happening> Job::back_off() {
+  // the partner may take hold again meanwhile; that is seen once the way is clear
+  (void)watch_partner();
+  if (in_state_s() > 60.0) return Happening{Event::TimeOut, "the way back takes too long"};
+  const bool in_vain = approaches_ >= kApproaches;
+  const auto back = [&](const char* where) {
+    return Happening{in_vain ? Event::BackInVain : Event::BackHome, where};
+  };
+  if (leg_ == 2) {  // braking
+    if (!cycle_.at_rest()) return std::nullopt;
+    if (off_because_ == Event::PartnerMoved && !was_near_ && !in_vain)
+      return back("at rest, clear of the object");
+    cycle_.back(kBackSpeed);
+    leg_ = 3;
+    return std::nullopt;
+  }
+  if (cycle_.blocked()) return Happening{Event::Blocked, cycle_.why_blocked()};
+  if (!cycle_.done() || !cycle_.at_rest()) return std::nullopt;
+  if (leg_ == 3 && was_near_) {
+    // clear of the object: who only moved his hand is followed from here
+    if (off_because_ == Event::PartnerMoved && !in_vain) return back("clear of the object");
+    leg_ = 4;
+    if (!follow(record_.plan->home)) return Happening{Event::Blocked, failed_because_};
+    return std::nullopt;
+  }
+  return back("back where it started");
+}
+
+}  // namespace colift::control

@@ -1,0 +1,106 @@
+// What the devices say, and what is done when one of them says nothing.
+
+#include <fmt/format.h>
+
+#include "control/job.hpp"
+
+namespace colift::control {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int kArmMisses = 20;  // cycles in a row; Franka stops at 20 too
+constexpr hal::Duration kHandSilent = 200ms;
+constexpr hal::Duration kCameraSilent = 300ms;
+constexpr hal::Duration kReopenEvery = 2s;  // a camera that is gone is asked for no more often
+
+bool right_size(const hal::DepthFrame& f) {
+  return f.depth_m.size() ==
+         static_cast<std::size_t>(f.intrinsics.width) * static_cast<std::size_t>(f.intrinsics.height);
+}
+
+}  // namespace
+
+hal::Result<> Job::start_devices() {
+  hal::Device* const devices[] = {robot_.arm.get(), robot_.hand.get(), robot_.camera.get()};
+  for (hal::Device* device : devices) {
+    if (auto ok = device->configure(); !ok) return ok;
+  }
+  for (hal::Device* device : devices) {
+    if (auto ok = device->activate(); !ok) return ok;
+  }
+  began_ = now_ = since_ = frame_at_ = hand_at_ = waits_since_ = robot_.clock->now();
+  wall_start_ = stopwatch_.now();
+  auto state = robot_.arm->wait_cycle();
+  if (!state) return tl::unexpected(state.error());
+  arm_ = *state;
+  home_rad_ = arm_.q_commanded_rad;
+  now_ = robot_.clock->now();
+  return {};
+}
+
+void Job::lose(const std::string& device, const std::string& what) {
+  record_.faults.push_back({now_ - began_, device, what});
+}
+
+void Job::read_devices() {
+  if (auto state = robot_.arm->wait_cycle()) {
+    arm_ = *state;
+    arm_misses_ = 0;
+    arm_silent_ = false;
+  } else {
+    ++arm_misses_;
+    arm_trouble_ = state.error().text();
+    const bool gone = state.error().code != hal::ErrorCode::Timeout || arm_misses_ >= kArmMisses;
+    if (gone && !arm_silent_) lose("arm", arm_trouble_);
+    arm_silent_ = arm_silent_ || gone;
+  }
+  now_ = robot_.clock->now();
+
+  if (auto state = robot_.hand->state()) {
+    hand_ = *state;
+    hand_at_ = now_;
+    if (hand_silent_) lose("hand", "answers again");
+    hand_silent_ = false;
+  } else {
+    hand_trouble_ = state.error().text();
+    const bool gone = state.error().code != hal::ErrorCode::Timeout || now_ - hand_at_ > kHandSilent;
+    if (gone && !hand_silent_) lose("hand", hand_trouble_);
+    hand_silent_ = hand_silent_ || gone;
+  }
+  read_camera();
+}
+
+void Job::read_camera() {
+  frame_.reset();
+  auto frame = robot_.camera->next_frame(0ms);
+  const bool good = frame && right_size(*frame) && frame->exposed_at > frame_at_;
+  if (good) {
+    if (camera_lost_) lose("camera", "is back");
+    camera_lost_ = false;
+    frame_at_ = frame->exposed_at;
+    frame_ = std::move(*frame);
+    return;
+  }
+  const bool unplugged = !frame && frame.error().code == hal::ErrorCode::LinkLost;
+  if (!camera_lost_ && (unplugged || now_ - frame_at_ > kCameraSilent)) {
+    camera_lost_ = true;
+    reopen_at_ = now_ + kReopenEvery;
+    lose("camera", unplugged ? frame.error().text()
+                             : fmt::format("no picture for {:.1f} s", hal::seconds(now_ - frame_at_)));
+  }
+  if (camera_lost_ && unplugged && now_ >= reopen_at_) {
+    reopen_at_ = now_ + kReopenEvery;
+    if (robot_.camera->configure()) (void)robot_.camera->activate();
+  }
+}
+
+std::optional<Happening> Job::emergency(const JobHooks& hooks) {
+  if (hooks.interrupted && hooks.interrupted()) return Happening{Event::Interrupted, "asked to end"};
+  if (arm_silent_) return Happening{Event::ArmLost, arm_trouble_};
+  if (hand_silent_) return Happening{Event::HandLost, hand_trouble_};
+  if (camera_lost_) return Happening{Event::CameraLost, "the camera gives no picture"};
+  return std::nullopt;
+}
+
+}  // namespace colift::control

@@ -1,0 +1,96 @@
+#include "control/lift_controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace colift::control {
+namespace {
+
+constexpr double kFeedForward_s = 0.25;    // time constant: slower than the object swings, faster than a lift
+constexpr double kFollowSpeed_m_s = 0.08;  // a person who lifts 5 cm in 2 s peaks at 0.047 m/s
+constexpr double kFollowGain_1_s = 4.0;
+constexpr double kFollowAcceleration_m_s2 = 0.4;
+constexpr double kLimitMargin_rad = 0.02;
+constexpr double kLargestStep_rad = 0.05;  // in one cycle; more is a jump to another posture
+constexpr double kAtRest_m = 0.002;
+
+// height along a minimum-jerk profile from 0 to 1
+double minimum_jerk(double s) {
+  const double x = std::clamp(s, 0.0, 1.0);
+  return x * x * x * (10.0 + x * (-15.0 + 6.0 * x));
+}
+
+}  // namespace
+
+LiftController::LiftController(const hal::RobotModel& model, const planner::ArmGeometry& arm,
+                               const TaskConfig& config)
+    : model_(&model), arm_(arm), config_(config) {}
+
+void LiftController::start(const hal::JointVector& q_commanded_rad) {
+  q_rad_ = q_commanded_rad;
+  X_WF0_ = planner::flange_pose(arm_, q_commanded_rad);
+  height_m_ = speed_m_s_ = from_m_ = to_m_ = time_s_ = span_s_ = partner_rise_m_ = 0.0;
+  fed_ = {};
+}
+
+void LiftController::lift(Role role) {
+  role_ = role;
+  from_m_ = height_m_;
+  to_m_ = config_.lift_height_m;
+  time_s_ = 0.0;
+  span_s_ = config_.lift_s;
+}
+
+void LiftController::lower() {
+  // who followed up follows down; but the ground is reached in any case
+  from_m_ = height_m_;
+  to_m_ = 0.0;
+  time_s_ = 0.0;
+  span_s_ = config_.lift_s;
+  role_ = Role::Lead;
+}
+
+double LiftController::next_height(double dt_s) {
+  if (role_ == Role::Lead) {
+    time_s_ = std::min(time_s_ + dt_s, span_s_);
+    return from_m_ + (to_m_ - from_m_) * minimum_jerk(span_s_ > 0.0 ? time_s_ / span_s_ : 1.0);
+  }
+  const double goal = std::clamp(partner_rise_m_, 0.0, to_m_);
+  const double wanted = std::clamp(kFollowGain_1_s * (goal - height_m_), -kFollowSpeed_m_s, kFollowSpeed_m_s);
+  const double change = kFollowAcceleration_m_s2 * dt_s;
+  speed_m_s_ += std::clamp(wanted - speed_m_s_, -change, change);
+  return height_m_ + speed_m_s_ * dt_s;
+}
+
+bool LiftController::at_rest() const {
+  if (role_ == Role::Lead) return time_s_ >= span_s_;
+  return std::abs(to_m_ - height_m_) < kAtRest_m && std::abs(speed_m_s_) < kAtRest_m;
+}
+
+std::optional<LiftController::Command> LiftController::step(double dt_s,
+                                                            const std::optional<hal::Wrench>& felt) {
+  height_m_ = next_height(dt_s);
+  hal::Pose X_WF = X_WF0_;
+  X_WF.translation().z() += height_m_;
+  const auto q = planner::follow_ik(arm_, X_WF, q_rad_, kLimitMargin_rad, kLargestStep_rad);
+  if (!q) return std::nullopt;
+  q_rad_ = *q;
+
+  if (felt) {
+    // sideways the arm stays as soft as its impedance: that is the partner's freedom
+    hal::Wrench borne;
+    borne.force.z() = std::clamp(felt->force.z(), -config_.max_load_n, config_.max_load_n);
+    borne.torque = felt->torque;
+    const double a = dt_s / (kFeedForward_s + dt_s);
+    fed_.force += a * (borne.force - fed_.force);
+    fed_.torque += a * (borne.torque - fed_.torque);
+  }
+  Command command;
+  command.q_rad = q_rad_;
+  Eigen::Matrix<double, 6, 1> wrench;
+  wrench << fed_.force, fed_.torque;
+  command.tau_superposed_nm = -(hal::jacobian(*model_, q_rad_, hal::Vec3::Zero()).transpose() * wrench);
+  return command;
+}
+
+}  // namespace colift::control

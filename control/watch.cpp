@@ -1,0 +1,196 @@
+#include "control/watch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "perception/reference_image.hpp"
+#ifdef COLIFT_THESIS
+#include "perception/thesis/thesis_partner.hpp"
+#include "perception/thesis/thesis_target.hpp"
+#endif
+
+namespace colift::control {
+namespace {
+
+using perception::PartnerKind;
+
+bool shows_anything(const hal::DepthFrame& frame) {
+  if (frame.depth_m.size() !=
+      static_cast<std::size_t>(frame.intrinsics.width) * static_cast<std::size_t>(frame.intrinsics.height))
+    return false;
+  return std::any_of(frame.depth_m.begin(), frame.depth_m.end(), [](float d) { return d > 0.0f; });
+}
+
+}  // namespace
+
+struct Watch::Impl {
+  Impl(Method m, const Config& c, const RigView& r, const hal::Clock& s)
+      : method(m), config(c), rig(r), stopwatch(s), map(c.map), tracker(c.tracker) {}
+
+  Method method;
+  const Config& config;
+  RigView rig;
+  const hal::Clock& stopwatch;
+
+  std::vector<hal::DepthFrame> frames;
+  std::optional<perception::SelfFilter> filter;
+  Look look;
+  perception::WorldMap map;
+  std::optional<perception::PartnerFinder> finder;
+  std::optional<perception::ObjectFollower> follower;
+  perception::PartnerTracker tracker;
+  std::vector<Eigen::Vector3f> partner_points;
+#ifdef COLIFT_THESIS
+  perception::PclCloud thesis_before;
+#endif
+
+  // the robot's own pixels are nobody's
+  const std::vector<std::uint32_t>& hide_robot(hal::DepthFrame& frame, const RobotPosture& robot) {
+    if (!filter) filter.emplace(rig.model, frame.intrinsics, rig.X_WC, config.noise, config.self_filter);
+    return filter->remove(frame, robot.q_rad, robot.hand);
+  }
+
+  hal::Result<> make_finders(const perception::ReferenceImage& reference) {
+    const auto& target = *look.scene.target;
+    if (method == Method::Fast) {
+      auto made = perception::PartnerFinder::make(reference, target, *look.scene.ground, config.noise,
+                                                  config.partner);
+      if (!made) return tl::unexpected(made.error());
+      finder.emplace(std::move(*made));
+      auto followed = perception::ObjectFollower::make(reference, target, config.noise, config.object_motion);
+      if (!followed) return tl::unexpected(followed.error());
+      follower.emplace(std::move(*followed));
+    }
+#ifdef COLIFT_THESIS
+    if (method == Method::Thesis) {
+      thesis_before = perception::thesis_cloud(look.cloud, config.thesis);
+      perception::Target seen = target;
+      seen.pixels = perception::thesis_pixels(look.cloud, target, config.thesis);
+      auto followed = perception::ObjectFollower::make(reference, seen, config.noise, config.object_motion);
+      if (!followed) return tl::unexpected(followed.error());
+      follower.emplace(std::move(*followed));
+    }
+#endif
+    return {};
+  }
+
+  void make_map(const RobotPosture& robot) {
+    std::vector<std::uint32_t> target_pixels = look.scene.target->pixels;
+#ifdef COLIFT_THESIS
+    if (method == Method::Thesis)
+      target_pixels = perception::thesis_pixels(look.cloud, *look.scene.target, config.thesis);
+#endif
+    map = perception::WorldMap(config.map);
+    map.insert(look.cloud, target_pixels);
+    map.carve_robot(rig.model, robot.q_rad, robot.hand);
+    std::vector<hal::Vec3> points;
+    points.reserve(look.scene.target->points.size());
+    for (const auto& p : look.scene.target->points) points.emplace_back(p.cast<double>());
+    map.set_target(points);
+  }
+
+  hal::Result<perception::PartnerSighting> sight_thesis(
+      [[maybe_unused]] const perception::OrganisedCloud& cloud) {
+#ifdef COLIFT_THESIS
+    perception::PartnerSighting sighting;
+    const auto now = perception::thesis_cloud(cloud, config.thesis);
+    sighting.grasp = perception::thesis_partner(thesis_before, now, look.scene.target->points, config.thesis,
+                                                &sighting.because);
+    sighting.kind = sighting.grasp ? PartnerKind::Grasp : PartnerKind::None;
+    return sighting;
+#else
+    return hal::failure(hal::ErrorCode::BadConfig, "method",
+                        "this build has no thesis method (COLIFT_THESIS=OFF)");
+#endif
+  }
+};
+
+Watch::Watch(Method method, const Config& config, const RigView& rig, const hal::Clock& stopwatch)
+    : impl_(std::make_unique<Impl>(method, config, rig, stopwatch)) {}
+Watch::~Watch() = default;
+
+void Watch::add_reference(hal::DepthFrame frame, const RobotPosture& robot) {
+  if (!shows_anything(frame)) return;
+  impl_->hide_robot(frame, robot);
+  impl_->frames.push_back(std::move(frame));
+}
+
+int Watch::reference_frames() const {
+  return static_cast<int>(impl_->frames.size());
+}
+
+void Watch::forget_reference() {
+  impl_->frames.clear();
+}
+
+hal::Result<> Watch::understand(const RobotPosture& robot) {
+  Impl& i = *impl_;
+  const auto reference = perception::build_reference(i.frames, i.rig.X_WC, i.config.noise);
+  if (!reference) return tl::unexpected(reference.error());
+
+  LookInput input;
+  input.frame = i.frames.back();
+  input.frame.depth_m = reference->cloud.depth_m;
+  input.X_WC = i.rig.X_WC;
+  input.base_frame_known = true;
+  auto seen = control::look(std::move(input), i.method, i.config, i.rig.hand, i.stopwatch, i.rig.hand_tables);
+  if (!seen) return tl::unexpected(seen.error());
+  i.look = std::move(*seen);
+  i.frames.clear();
+  if (!i.look.scene.target || !i.look.scene.ground) return {};
+  if (auto made = i.make_finders(*reference); !made) return made;
+  i.make_map(robot);
+  return {};
+}
+
+Look& Watch::look() {
+  return impl_->look;
+}
+const perception::WorldMap& Watch::map() const {
+  return impl_->map;
+}
+
+hal::Result<Sight> Watch::watch_partner(hal::DepthFrame frame, const RobotPosture& robot) {
+  Impl& i = *impl_;
+  const hal::Timestamp start = i.stopwatch.now();
+  i.hide_robot(frame, robot);
+  const hal::Timestamp at = frame.exposed_at;
+  const perception::OrganisedCloud cloud = perception::deproject(frame, i.rig.X_WC);
+  auto sighting = i.method == Method::Fast ? i.finder->find(cloud) : i.sight_thesis(cloud);
+  if (!sighting) return tl::unexpected(sighting.error());
+  i.partner_points.clear();
+  for (const std::uint32_t p : sighting->pixels)
+    i.partner_points.emplace_back(cloud.x[p], cloud.y[p], cloud.z[p]);
+  Sight out;
+  // a scene that moved says nothing about hands
+  if (sighting->kind != PartnerKind::ObjectMoved) out.event = i.tracker.update(at, *sighting);
+  out.partner = std::move(*sighting);
+  out.compute_ms = 1e3 * hal::seconds(i.stopwatch.now() - start);
+  return out;
+}
+
+std::optional<perception::PartnerEvent> Watch::no_frame(hal::Timestamp now) {
+  return impl_->tracker.tick(now);
+}
+const perception::PartnerTracker& Watch::tracker() const {
+  return impl_->tracker;
+}
+void Watch::forget_partner() {
+  impl_->tracker = perception::PartnerTracker(impl_->config.tracker);
+}
+const std::vector<Eigen::Vector3f>& Watch::partner_points() const {
+  return impl_->partner_points;
+}
+
+std::optional<perception::ObjectMotion> Watch::watch_object(hal::DepthFrame frame,
+                                                            const RobotPosture& robot) {
+  Impl& i = *impl_;
+  if (!i.follower || !shows_anything(frame)) return std::nullopt;
+  i.hide_robot(frame, robot);
+  return i.follower->update(perception::deproject(frame, i.rig.X_WC));
+}
+
+}  // namespace colift::control

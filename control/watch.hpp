@@ -1,0 +1,80 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "control/config.hpp"
+#include "control/look.hpp"
+#include "hal/robot_model/robot_model.hpp"
+#include "perception/object_motion.hpp"
+#include "perception/partner_grasp.hpp"
+#include "perception/partner_tracker.hpp"
+#include "perception/self_filter.hpp"
+#include "perception/world_map.hpp"
+
+namespace colift::control {
+
+/// What seeing needs to know about the rig, beside the configuration.
+struct RigView {
+  const hal::RobotModel& model;
+  const planner::HandModel& hand;
+  std::shared_ptr<const planner::HandCollision> hand_tables;
+  hal::Pose X_WC = hal::Pose::Identity();
+};
+
+/// Where the robot is when a frame is taken.
+struct RobotPosture {
+  hal::JointVector q_rad = hal::JointVector::Zero();
+  hal::HandPosture hand;
+};
+
+/// One frame, seen with the scene in mind.
+struct Sight {
+  perception::PartnerSighting partner;
+  std::optional<perception::PartnerEvent> event;
+  double compute_ms = 0.0;
+};
+
+/// Everything that the camera tells during one job: first the scene (several frames averaged, the robot's own
+/// pixels removed), then frame by frame where the partner's hands are, then how the object moves. One job,
+/// one thread.
+class Watch {
+ public:
+  Watch(Method method, const Config& config, const RigView& rig, const hal::Clock& stopwatch);
+  ~Watch();
+
+  /// Collects a frame of the scene before anybody comes. Frames that show nothing at all are left out.
+  void add_reference(hal::DepthFrame frame, const RobotPosture& robot);
+  [[nodiscard]] int reference_frames() const;
+  void forget_reference();
+
+  /// Makes scene, candidates, collision map and partner finder from the collected frames. Whether there is
+  /// something to carry stands in the look. Errors: NotFound (the frames show nothing, or things moved
+  /// meanwhile), BadInput.
+  [[nodiscard]] hal::Result<> understand(const RobotPosture& robot);
+
+  [[nodiscard]] Look& look();
+  [[nodiscard]] const perception::WorldMap& map() const;
+
+  /// Looks for the partner's hands; the tracker turns touches into events.
+  [[nodiscard]] hal::Result<Sight> watch_partner(hal::DepthFrame frame, const RobotPosture& robot);
+  /// The camera gave nothing: a silent one must not keep a grasp alive.
+  std::optional<perception::PartnerEvent> no_frame(hal::Timestamp now);
+  [[nodiscard]] const perception::PartnerTracker& tracker() const;
+  void forget_partner();
+
+  /// Points of the partner in the last frame, in W: his hands, arms and body near the object.
+  [[nodiscard]] const std::vector<Eigen::Vector3f>& partner_points() const;
+
+  /// Where the object is now against the scene; nullopt when too little of it is seen.
+  [[nodiscard]] std::optional<perception::ObjectMotion> watch_object(hal::DepthFrame frame,
+                                                                     const RobotPosture& robot);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace colift::control

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+
+#include "hal/hand.hpp"
+
+namespace colift::sim_hal {
+
+/// What the drives of the hand see of it at one moment.
+struct HandReading {
+  std::array<double, hal::kFingers> inner_rad{}, inner_rad_s{}, outer_rad{}, outer_rad_s{};
+  std::array<double, 2> spread_rad{}, spread_rad_s{};
+  std::array<double, hal::kFingers> strain_nm{};     ///< Of contacts on the outer link about its joint.
+  std::array<double, hal::kFingers> tip_force_n{};   ///< Normal forces on the outer link.
+  std::array<double, hal::kFingers> link_force_n{};  ///< Normal forces on both links, but not of fingers.
+};
+
+struct HandTorque {
+  std::array<double, hal::kFingers> inner_nm{}, outer_nm{};
+  std::array<double, 2> spread_nm{};
+};
+
+/// The drives of a BarrettHand. One motor per finger turns a worm for the inner and one for the outer link,
+/// a third as far. A worm is never turned back by its link: between worm and link there is only the stiffness
+/// of the gear, so a motor that stops has locked its finger. The motor stops when its torque, or the strain
+/// gauge's at the outer joint, is at the limit. When the inner link is blocked and nothing is at the outer
+/// one, the clutch of the inner gear gives way (breakaway): its worm stays, the outer link goes on. Ratios
+/// and ranges: maker's tables. Opening goes the same way back.
+class HandDrive {
+ public:
+  void preshape(double spread_rad);
+  void open();
+  void close(double torque_nm);
+  void stop() { mode_ = Mode::Still; }
+
+  /// One step of 1 ms.
+  [[nodiscard]] HandTorque tick(const HandReading& reading);
+
+  [[nodiscard]] bool moving() const { return mode_ != Mode::Still; }
+  [[nodiscard]] bool held() const { return held_; }
+  /// Number of grasps that ended on contact so far: tells that the fingers were locked anew.
+  [[nodiscard]] int grasps() const { return grasps_; }
+
+ private:
+  enum class Mode { Still, Opening, Closing };
+  struct Finger {
+    double inner_rad = 0.0, outer_rad = 0.0;      ///< Worms, as angles of their links ...
+    double inner_rad_s = 0.0, outer_rad_s = 0.0;  ///< ... and how fast they turn.
+    double speed_rad_s = 0.0;                     ///< Of the motor, as an angle of the inner link.
+    bool broken_away = false;
+    int still_ms = 0;
+  };
+
+  void close_finger(int i, const HandReading& reading, double inner_nm, double outer_nm);
+  static bool open_finger(Finger& finger);
+
+  Mode mode_ = Mode::Still;
+  std::array<Finger, hal::kFingers> fingers_;
+  double spread_rad_ = 0.0, spread_goal_rad_ = 0.0;
+  double limit_nm_ = 0.0;
+  int still_ms_ = 0, grasps_ = 0;
+  bool held_ = false;
+};
+
+}  // namespace colift::sim_hal

@@ -1,0 +1,157 @@
+#include "sim_hal/mujoco/sim_partner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim_hal/mock/hash_random.hpp"
+
+namespace colift::sim_hal {
+namespace {
+
+constexpr double kTick_s = 0.001;
+constexpr double kUp_n_m = 7000.0, kSide_n_m = 1500.0, kDamping_ns_m = 150.0, kStrength_n = 250.0;
+constexpr double kTurn_nm_rad = 8.0, kTurnDamping = 0.4, kTurnStrength_nm = 1.5;
+constexpr double kFastest_m_s = 0.25, kFollow_per_s = 20.0, kLevel_per_s = 0.5, kMostLevelled_m = 0.02;
+constexpr double kSeenTilt_rad = 0.009;                    // half a degree: a smaller tilt nobody sees
+constexpr double kOnGround_m = 0.001, kRelax_per_s = 1.0;  // what rests on the ground he does not strain at
+constexpr double kOffGround_m = 0.01;  // below that he lets it down instead of levelling it
+constexpr double kRegrasp_s = 1.0, kSeenBefore_s = 0.6;
+constexpr double kLeadAfter_s = 1.0, kLead_s = 2.0;
+constexpr double kTremor_m = 0.0005;
+constexpr std::uint64_t kTremorStream = 0x7e3;
+
+double min_jerk(double x) {
+  const double t = std::clamp(x, 0.0, 1.0);
+  return t * t * t * (10.0 + t * (-15.0 + 6.0 * t));
+}
+
+Vec3 at_most(const Vec3& v, double length) {
+  const double n = v.norm();
+  return n > length ? Vec3(v * (length / n)) : v;
+}
+
+}  // namespace
+
+SimPartner::SimPartner(const ScenarioPartner& partner, const ScenarioTask& task, std::uint64_t seed)
+    : partner_(partner), task_(task) {
+  Draws draws(seed, kTremorStream);
+  for (std::size_t i = 0; i < 3; ++i) {
+    tremor_hz_[i] = draws.between(8.0, 10.0);
+    tremor_rad_[i] = draws.between(0.0, 2.0 * std::numbers::pi);
+  }
+  if (partner.kind == "none") return;
+  holds_.push_back({partner.grasp, partner.arrives_s, std::nullopt});
+  std::vector<PartnerScriptEvent> events = partner.events;
+  std::stable_sort(events.begin(), events.end(),
+                   [](const auto& a, const auto& b) { return a.at_s < b.at_s; });
+  for (const PartnerScriptEvent& event : events) {
+    if (!holds_.back().until_s) holds_.back().until_s = std::max(event.at_s, holds_.back().from_s);
+    if (event.action == "move" && event.to)
+      holds_.push_back({*event.to, event.at_s + kRegrasp_s, std::nullopt});
+  }
+}
+
+const PartnerHold* SimPartner::holding(double t_s) const {
+  for (const PartnerHold& hold : holds_) {
+    if (t_s >= hold.from_s && (!hold.until_s || t_s < *hold.until_s)) return &hold;
+  }
+  return nullptr;
+}
+
+const PartnerHold* SimPartner::hold_to_show(double t_s) const {
+  const PartnerHold* shown = nullptr;
+  for (const PartnerHold& hold : holds_) {
+    if (!shown || t_s >= hold.from_s - kSeenBefore_s) shown = &hold;
+  }
+  return shown;
+}
+
+void SimPartner::take_hold(const PartnerHold& hold, const PartnerView& view) {
+  grip_ = {};
+  grip_.hold = &hold;
+  grip_.start_W = view.X_WT * hold.grasp_T;
+  grip_.R_WT = view.X_WT.linear();
+}
+
+// his own sag under the load tilts the object towards him: that he sees and takes out
+void SimPartner::follow(const Seen& seen) {
+  const double off_m = seen.robot_m - seen.own_m;
+  const double felt_m = off_m - std::clamp(off_m, -seen.unseen_m, seen.unseen_m);
+  grip_.levelled_m =
+      std::clamp(grip_.levelled_m + kLevel_per_s * kTick_s * felt_m, -kMostLevelled_m, kMostLevelled_m);
+  const double up = std::clamp(seen.robot_m / kOffGround_m, 0.0, 1.0);
+  const double goal = std::max(seen.robot_m + up * grip_.levelled_m, 0.0);
+  const double speed = kFollow_per_s * (goal - grip_.wish_m);
+  grip_.wish_m += kTick_s * std::clamp(speed, -kFastest_m_s, kFastest_m_s);
+}
+
+void SimPartner::lead(const PartnerView& view, const Seen& now) {
+  if (!robot_T_) return;
+  const double t = view.t_s - locked_at_s_ - kLeadAfter_s;
+  const double up = min_jerk(t / kLead_s) - min_jerk((t - kLead_s - task_.hold_s) / kLead_s);
+  const double goal = task_.height * up;
+  if (up > 0.0) {
+    grip_.levelled_m = std::clamp(grip_.levelled_m + kLevel_per_s * kTick_s * (goal - now.own_m),
+                                  -kMostLevelled_m, kMostLevelled_m);
+  } else {
+    grip_.levelled_m = 0.0;
+  }
+  grip_.wish_m = goal + grip_.levelled_m;
+}
+
+Vec3 SimPartner::tremor(double t_s) const {
+  Vec3 p;
+  for (int i = 0; i < 3; ++i) {
+    const auto a = static_cast<std::size_t>(i);
+    p[i] = kTremor_m * std::sin(2.0 * std::numbers::pi * tremor_hz_[a] * t_s + tremor_rad_[a]);
+  }
+  return p;
+}
+
+std::optional<SimPartner::Action> SimPartner::tick(const PartnerView& view) {
+  // a grip that is renewed in the air is no new start
+  if (view.robot_T && view.robot_T != robot_T_ && grip_.wish_m < kOnGround_m) {
+    robot_T_ = view.robot_T;
+    robot_z_m_ = (view.X_WT * *robot_T_).z();
+    locked_at_s_ = view.t_s;
+  }
+  const PartnerHold* hold = holding(view.t_s);
+  if (!hold || partner_.kind == "support") {
+    grip_.hold = nullptr;
+    return std::nullopt;
+  }
+  if (grip_.hold != hold) {
+    take_hold(*hold, view);
+    past_.fill({});
+  }
+  const Vec3 at_W = view.X_WT * hold->grasp_T;
+  Seen now;
+  if (robot_T_) {
+    now.robot_m = (view.X_WT * *robot_T_).z() - robot_z_m_;
+    now.unseen_m = kSeenTilt_rad * (*robot_T_ - hold->grasp_T).norm();
+  }
+  now.own_m = at_W.z() - grip_.start_W.z();
+  Seen& seen = past_[tick_++ % past_.size()];
+  if (partner_.kind == "leader") {
+    lead(view, now);
+  } else {
+    follow(seen);
+    if (seen.robot_m < kOnGround_m)
+      grip_.start_W += kRelax_per_s * kTick_s * (at_W - grip_.start_W - Vec3(0.0, 0.0, grip_.wish_m));
+  }
+  seen = now;
+
+  const Vec3 wish_W = grip_.start_W + Vec3(0.0, 0.0, grip_.wish_m) + tremor(view.t_s);
+  const Vec3 stiffness(kSide_n_m, kSide_n_m, kUp_n_m);
+  const Vec3 v_W = view.v_W + view.w_W.cross(at_W - view.X_WT.translation());
+  Action action;
+  action.at_W = at_W;
+  action.force_W = at_most(stiffness.cwiseProduct(wish_W - at_W) - kDamping_ns_m * v_W, kStrength_n);
+  const Eigen::AngleAxisd turned(view.X_WT.linear() * grip_.R_WT.transpose());
+  action.torque_W =
+      at_most(-kTurn_nm_rad * turned.angle() * turned.axis() - kTurnDamping * view.w_W, kTurnStrength_nm);
+  return action;
+}
+
+}  // namespace colift::sim_hal

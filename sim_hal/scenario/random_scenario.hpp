@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstdint>
+
+#include "sim_hal/scenario/scenario.hpp"
+
+namespace colift::sim_hal {
+
+enum class RandomKind { Table, Box };
+
+/// A scenario drawn from a seed, for figures over many lifts: a table or a long box of random size, mass,
+/// friction and pose whose near side the robot reaches, a partner who takes the far side, and a camera that
+/// sees both from the side. Same seed, same scenario.
+[[nodiscard]] Scenario random_scenario(RandomKind kind, std::uint64_t seed);
+
+}  // namespace colift::sim_hal

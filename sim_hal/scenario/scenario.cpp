@@ -1,0 +1,260 @@
+#include "sim_hal/scenario/scenario.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <utility>
+
+#include "hal/config/config_file.hpp"
+#include "hal/config/field_value.hpp"
+#include "hal/config/yaml_tree.hpp"
+#include "sim_hal/scenario/object_parts.hpp"
+#include "sim_hal/scenario/scenario_blocks.hpp"
+
+namespace colift::sim_hal {
+namespace {
+
+using hal::Result;
+using hal::YamlNode;
+using hal::YamlPlace;
+using hal::YamlTree;
+
+constexpr std::size_t kMaxParts = 50, kMaxClutter = 100, kMaxEvents = 100;
+
+/// Place of "object.parts[2].size" in a document, or of the last thing on the way to it that there is.
+YamlPlace place_of(const YamlTree& tree, std::string_view path) {
+  std::uint32_t index = tree.root;
+  YamlPlace place = tree.at(index).place;
+  while (!path.empty()) {
+    const YamlNode& node = tree.at(index);
+    const std::size_t end = std::min(path.find_first_of(".["), path.size());
+    if (path[0] == '[') {
+      const auto item = static_cast<std::size_t>(std::strtoul(path.data() + 1, nullptr, 10));
+      if (node.kind != YamlNode::Kind::List || item >= node.children.size()) return place;
+      index = node.children[item];
+      path.remove_prefix(std::min(path.find(']') + 1, path.size()));
+    } else {
+      if (node.kind != YamlNode::Kind::Map) return place;
+      std::size_t i = 0;
+      while (i + 1 < node.children.size() && tree.at(node.children[i]).text != path.substr(0, end)) i += 2;
+      if (i + 1 >= node.children.size()) return place;
+      index = node.children[i + 1];
+      place = tree.at(node.children[i]).place;
+      path.remove_prefix(end);
+    }
+    // an empty value has no place of its own
+    if (tree.at(index).kind != YamlNode::Kind::Null) place = tree.at(index).place;
+    if (path.starts_with('.')) path.remove_prefix(1);
+  }
+  return place;
+}
+
+/// What the blocks have to be together.
+class Checker {
+ public:
+  Checker(const ScenarioBlock& file, const YamlTree& tree, const std::string& name)
+      : file_(file), tree_(tree), name_(name) {}
+
+  Result<> run() const {
+    if (auto done = check_object(); !done) return done;
+    if (auto done = check_clutter(); !done) return done;
+    if ((file_.camera.xyz - file_.camera.look_at).norm() < 0.05)
+      return refuse("camera.look_at",
+                    "camera.look_at is where the camera is, expected a point at least 5 cm away");
+    if (auto done = check_partner(); !done) return done;
+    if (file_.faults.size() > kMaxEvents) return too_many("faults", file_.faults.size(), kMaxEvents);
+    for (std::size_t i = 0; i < file_.faults.size(); ++i)
+      if (file_.faults[i].action == "blind" && file_.faults[i].device != "camera")
+        return refuse(
+            fmt::format("faults[{}].do", i),
+            fmt::format("faults[{}].do is blind, but that only a camera can be; {} expects one of freeze, "
+                        "drop, unplug, corrupt, late, silent",
+                        i, file_.faults[i].device));
+    return {};
+  }
+
+  tl::unexpected<hal::Error> refuse(std::string_view path, std::string because) const {
+    return hal::failure(hal::ErrorCode::BadConfig, hal::place_text(name_, place_of(tree_, path)),
+                        std::move(because));
+  }
+
+ private:
+  tl::unexpected<hal::Error> too_many(std::string_view path, std::size_t found, std::size_t most) const {
+    return refuse(path, fmt::format("{} has {} entries, expected at most {}", path, found, most));
+  }
+
+  Result<> check_sizes(const std::string& path, const std::string& kind,
+                       const std::vector<double>& size) const {
+    const bool round = kind == "cylinder";
+    const std::size_t expected = round ? 2 : 3;
+    if (size.size() == expected) return {};
+    const std::string_view meaning = round             ? "radius and length"
+                                     : kind == "table" ? "length and width of the top, height"
+                                     : kind == "chair" ? "width and depth of the seat, total height"
+                                                       : "x, y and z";
+    return refuse(path, fmt::format("{} has {} numbers, but a {} expects {}: {}", path, size.size(), kind,
+                                    expected, meaning));
+  }
+
+  Result<> check_object() const {
+    const ObjectBlock& object = file_.object;
+    if (object.kind != "bodies") {
+      if (!object.parts.empty())
+        return refuse("object.parts",
+                      fmt::format("object.parts belongs to kind bodies, but object.kind is {}", object.kind));
+      return check_sizes("object.size", object.kind, object.size);
+    }
+    if (!object.size.empty())
+      return refuse("object.size",
+                    "object.size has no meaning for kind bodies, expected none: the parts have sizes");
+    if (object.parts.empty())
+      return refuse("object.parts", "object.parts is empty, but kind bodies expects at least one part");
+    if (object.parts.size() > kMaxParts) return too_many("object.parts", object.parts.size(), kMaxParts);
+    std::size_t with_mass = 0;
+    double together = 0.0;
+    for (std::size_t i = 0; i < object.parts.size(); ++i) {
+      const PartBlock& part = object.parts[i];
+      if (auto done = check_sizes(fmt::format("object.parts[{}].size", i), part.shape, part.size); !done)
+        return done;
+      with_mass += part.mass ? 1 : 0;
+      together += part.mass.value_or(0.0);
+    }
+    if (with_mass != 0 && with_mass != object.parts.size())
+      return refuse("object.parts",
+                    fmt::format("{} of {} parts have a mass, expected all or none (object.mass is "
+                                "then shared out by volume)",
+                                with_mass, object.parts.size()));
+    if (with_mass > 0 && object.mass && std::abs(*object.mass - together) > 0.01 * together)
+      return refuse("object.mass", fmt::format("object.mass is {}, but the parts weigh {:.6g} together",
+                                               *object.mass, together));
+    return {};
+  }
+
+  Result<> check_clutter() const {
+    if (file_.clutter.size() > kMaxClutter) return too_many("clutter", file_.clutter.size(), kMaxClutter);
+    for (std::size_t i = 0; i < file_.clutter.size(); ++i) {
+      const ClutterBlock& each = file_.clutter[i];
+      if (auto done = check_sizes(fmt::format("clutter[{}].size", i), each.shape, each.size); !done)
+        return done;
+    }
+    return {};
+  }
+
+  Result<> check_partner() const {
+    const std::vector<EventBlock>& events = file_.partner.events;
+    if (events.size() > kMaxEvents) return too_many("partner.events", events.size(), kMaxEvents);
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      const std::string path = fmt::format("partner.events[{}]", i);
+      if (events[i].action == "move" && !events[i].to)
+        return refuse(path, path + ".to is missing, expected a list of 3 numbers: where he moves");
+      if (events[i].action != "move" && events[i].to)
+        return refuse(path + ".to", path + ".to belongs to do: move, but found do: " + events[i].action);
+      if (file_.partner.kind == "none")
+        return refuse(path, path + " is given, but partner.kind is none: nobody is there to do it");
+    }
+    return {};
+  }
+
+  const ScenarioBlock& file_;
+  const YamlTree& tree_;
+  const std::string& name_;
+};
+
+/// Entries that have to be there, and the group that lacks one.
+Result<> check_required(const hal::FieldTable& table, const Checker& checker, bool partner_needed) {
+  for (const hal::Field& field : table.fields()) {
+    const bool required =
+        field.presence == hal::Presence::Required || (partner_needed && field.path == "partner.grasp");
+    if (!required || field.origin != hal::kDefaultOrigin) continue;
+    const std::size_t dot = field.path.rfind('.');
+    const std::string group = dot == std::string::npos ? "" : field.path.substr(0, dot);
+    return checker.refuse(group,
+                          fmt::format("{} is missing, expected {}", field.path, hal::expectation(field)));
+  }
+  return {};
+}
+
+ScenarioObject object_of(const ObjectBlock& block) {
+  ScenarioObject object;
+  object.kind = block.kind;
+  object.size = block.size;
+  object.mass = block.mass.value_or(object.mass);
+  object.cog_offset = block.cog_offset;
+  object.xyz = block.pose.xyz;
+  object.yaw_deg = block.pose.yaw_deg;
+  object.friction = block.friction;
+  const auto volume = [](const PartBlock& part) {
+    return part.shape == "cylinder" ? std::numbers::pi * part.size[0] * part.size[0] * part.size[1]
+                                    : part.size[0] * part.size[1] * part.size[2];
+  };
+  double whole = 0.0, together = 0.0;
+  for (const PartBlock& part : block.parts) whole += volume(part);
+  for (const PartBlock& part : block.parts) {
+    const double mass = part.mass ? *part.mass : object.mass * volume(part) / whole;
+    together += mass;
+    object.parts.push_back({part.shape, part.size, part.xyz, part.rpy_deg, mass});
+  }
+  if (!block.parts.empty()) object.mass = together;
+  return object;
+}
+
+Scenario scenario_of(const ScenarioBlock& file) {
+  Scenario s;
+  s.object = object_of(file.object);
+  for (const ClutterBlock& c : file.clutter) s.clutter.push_back({c.shape, c.size, c.xyz, c.yaw_deg});
+  s.camera = {file.camera.xyz, file.camera.look_at, file.camera.noise};
+  s.partner.kind = file.partner.kind;
+  s.partner.grasp = file.partner.grasp;
+  s.partner.arrives_s = file.partner.arrives_s;
+  for (const EventBlock& e : file.partner.events) s.partner.events.push_back({e.at_s, e.action, e.to});
+  s.task = {file.task.kind, file.task.height, file.task.hold_s};
+  for (const FaultBlock& f : file.faults) s.faults.push_back({f.at_s, f.device, f.action, f.for_s});
+  return s;
+}
+
+}  // namespace
+
+Result<Scenario> parse_scenario(const std::string& yaml, const std::string& name) {
+  const auto tree = hal::parse_yaml(yaml, name);
+  if (!tree) return tl::unexpected(tree.error());
+  ScenarioBlock file;
+  hal::FieldTable table = hal::table_of(file);
+  if (auto done = hal::apply_yaml_text(table, yaml, name); !done) return tl::unexpected(done.error());
+  const Checker checker(file, *tree, name);
+  if (auto done = check_required(table, checker, file.partner.kind != "none"); !done)
+    return tl::unexpected(done.error());
+  if (auto done = checker.run(); !done) return tl::unexpected(done.error());
+
+  Scenario scenario = scenario_of(file);
+  scenario.name = std::filesystem::path(name).stem().string();
+  // what makes no object names the entry; here it gets its place
+  if (auto parts = object_parts(scenario.object); !parts)
+    return checker.refuse(parts.error().where, parts.error().detail);
+  return scenario;
+}
+
+Result<Scenario> load_scenario(const std::filesystem::path& file) {
+  const auto text = hal::read_yaml_file(file);
+  if (!text) return tl::unexpected(text.error());
+  return parse_scenario(*text, hal::quotable(file.string(), 300));
+}
+
+Scenario built_in_scenario() {
+  const std::string yaml =
+#include "built_in_scenario.inc"
+      ;
+  return parse_scenario(yaml, "table.yaml").value();
+}
+
+Pose object_pose(const ScenarioObject& object) {
+  Pose X_WT = Pose::Identity();
+  X_WT.linear() =
+      Eigen::AngleAxisd(object.yaw_deg * std::numbers::pi / 180.0, Vec3::UnitZ()).toRotationMatrix();
+  X_WT.translation() = object.xyz;
+  return X_WT;
+}
+
+}  // namespace colift::sim_hal

@@ -1,0 +1,181 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/config/range.hpp"
+#include "sim_hal/scenario/scenario.hpp"
+
+namespace colift::sim_hal {
+
+// A scenario file as it is written, block by block, with what each entry may be. What a kind asks of its
+// entries together is checked in scenario.cpp.
+
+inline constexpr hal::Range kSize_m{0.001, 5.0};
+inline constexpr hal::Range kPlace_m{-20.0, 20.0};
+inline constexpr hal::Range kAngle_deg{-360.0, 360.0};
+inline constexpr hal::Range kMass_kg{0.001, 100.0};
+inline constexpr hal::Range kFriction{std::numeric_limits<double>::min(), 3.0};
+inline constexpr hal::Range kHeight_m{std::numeric_limits<double>::min(), 0.5};
+inline constexpr hal::Range kTime_s{0.0, 36000.0};
+
+struct PoseBlock {
+  Vec3 xyz = Vec3::Zero();
+  double yaw_deg = 0.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("xyz", xyz, kPlace_m, "Of the object frame in the robot base frame (m).");
+    v("yaw_deg", yaw_deg, kAngle_deg, "Turn about the vertical (deg).");
+  }
+};
+
+struct PartBlock {
+  std::string shape;
+  std::vector<double> size;
+  Vec3 xyz = Vec3::Zero(), rpy_deg = Vec3::Zero();
+  std::optional<double> mass;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    constexpr auto kRequired = hal::Presence::Required;
+    v("shape", shape, hal::Choices{"box", "cylinder"}, "What it is.", kRequired);
+    v("size", size, kSize_m, "box: x, y, z; cylinder: radius, length (m).", kRequired);
+    v("xyz", xyz, kPlace_m, "Middle of the piece in the object frame (m).", kRequired);
+    v("rpy_deg", rpy_deg, kAngle_deg, "Roll, pitch, yaw about the fixed axes (deg).");
+    v("mass", mass, kMass_kg, "Of this piece (kg); all pieces have one, or none.");
+  }
+};
+
+struct ObjectBlock {
+  std::string kind;
+  std::vector<double> size;
+  std::optional<double> mass;
+  Vec3 cog_offset = Vec3::Zero();
+  PoseBlock pose;
+  double friction = 0.7;
+  std::vector<PartBlock> parts;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("kind", kind, hal::Choices{"table", "box", "cylinder", "chair", "bodies"}, "What it is.",
+      hal::Presence::Required);
+    v("size", size, kSize_m, "As the kind asks (m).");
+    v("mass", mass, kMass_kg, "Of the whole object (kg).");
+    v("cog_offset", cog_offset, kPlace_m, "Centre of gravity from that of uniform density (m).");
+    v("pose", pose, "Where the object stands.");
+    v("friction", friction, kFriction, "Coefficient of sliding friction.");
+    v("parts", parts, "Pieces of kind bodies.");
+  }
+};
+
+struct ClutterBlock {
+  std::string shape;
+  std::vector<double> size;
+  Vec3 xyz = Vec3::Zero();
+  double yaw_deg = 0.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    constexpr auto kRequired = hal::Presence::Required;
+    v("shape", shape, hal::Choices{"box", "cylinder"}, "What it is; a cylinder stands upright.", kRequired);
+    v("size", size, kSize_m, "box: x, y, z; cylinder: radius, length (m).", kRequired);
+    v("xyz", xyz, kPlace_m, "Lowest middle point in the robot base frame (m).", kRequired);
+    v("yaw_deg", yaw_deg, kAngle_deg, "Turn about the vertical (deg).");
+  }
+};
+
+struct CameraBlock {
+  Vec3 xyz = ScenarioCamera{}.xyz, look_at = ScenarioCamera{}.look_at;
+  std::string noise = ScenarioCamera{}.noise;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("xyz", xyz, kPlace_m, "Where the camera is (m).");
+    v("look_at", look_at, kPlace_m, "The point in the middle of its image (m).");
+    v("noise", noise, hal::Choices{"kinect", "none"}, "How it measures.");
+  }
+};
+
+struct EventBlock {
+  double at_s = 0.0;
+  std::string action;
+  std::optional<Vec3> to;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    constexpr auto kRequired = hal::Presence::Required;
+    v("at_s", at_s, kTime_s, "When (s).", kRequired);
+    v("do", action, hal::Choices{"let-go", "move"}, "What the partner does.", kRequired);
+    v("to", to, kPlace_m, "Where he takes hold again, in the object frame (m).");
+  }
+};
+
+struct PartnerBlock {
+  std::string kind = ScenarioPartner{}.kind;
+  Vec3 grasp = Vec3::Zero();
+  double arrives_s = ScenarioPartner{}.arrives_s;
+  std::vector<EventBlock> events;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("kind", kind, hal::Choices{"compliant", "leader", "support", "none"}, "How the partner lifts.");
+    v("grasp", grasp, kPlace_m, "Where he takes hold, in the object frame (m).");
+    v("arrives_s", arrives_s, kTime_s, "When his hand is on the object (s).");
+    v("events", events, "What he does later.");
+  }
+};
+
+struct TaskBlock {
+  std::string kind = ScenarioTask{}.kind;
+  double height = ScenarioTask{}.height, hold_s = ScenarioTask{}.hold_s;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("kind", kind, hal::Choices{"lift"}, "What is to be done.");
+    v("height", height, kHeight_m, "How high (m).");
+    v("hold_s", hold_s, kTime_s, "How long at the top (s).");
+  }
+};
+
+struct FaultBlock {
+  double at_s = 0.0;
+  std::string device, action;
+  double for_s = DeviceFaultEvent{}.for_s;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    constexpr auto kRequired = hal::Presence::Required;
+    v("at_s", at_s, kTime_s, "When (s).", kRequired);
+    v("device", device, hal::Choices{"camera", "arm", "hand"}, "Which device fails.", kRequired);
+    v("do", action, hal::Choices{"freeze", "drop", "unplug", "corrupt", "blind", "late", "silent"},
+      "How it fails.", kRequired);
+    v("for_s", for_s, kTime_s, "How long (s).");
+  }
+};
+
+struct ScenarioBlock {
+  std::string schema;
+  ObjectBlock object;
+  std::vector<ClutterBlock> clutter;
+  CameraBlock camera;
+  PartnerBlock partner;
+  TaskBlock task;
+  std::vector<FaultBlock> faults;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("schema", schema, hal::Choices{"colift.scenario/1"}, "Which rules this file follows.",
+      hal::Presence::Required);
+    v("object", object, "What is lifted.");
+    v("clutter", clutter, "What stands around.");
+    v("camera", camera, "Where the camera is.");
+    v("partner", partner, "Who lifts along.");
+    v("task", task, "What is to be done.");
+    v("faults", faults, "What fails.");
+  }
+};
+
+}  // namespace colift::sim_hal

@@ -1,0 +1,93 @@
+#include "tests/support/simulated_lift.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "control/task_runner.hpp"
+#include "hal/guarded_arm.hpp"
+#include "hal/guarded_hand.hpp"
+#include "sim_hal/mujoco/sim_devices.hpp"
+
+namespace colift::tests {
+namespace {
+
+class WorldClock final : public hal::Clock {
+ public:
+  explicit WorldClock(const hal::Clock& clock) : clock_(clock) {}
+  [[nodiscard]] hal::Timestamp now() const override { return clock_.now(); }
+
+ private:
+  const hal::Clock& clock_;
+};
+
+}  // namespace
+
+SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method, std::uint64_t seed,
+                       control::Config config) {
+  const hal::RobotModel& model = hal::built_in_robot();
+  auto made = sim_hal::SimWorld::make(scenario, model, seed, {});
+  if (!made) throw std::runtime_error(made.error().text());
+  const std::unique_ptr<sim_hal::SimWorld> world = std::move(*made);
+  hal::Robot robot;
+  robot.arm = std::make_unique<hal::GuardedArm>(sim_hal::make_sim_arm(*world), model, config.guard_arm);
+  robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(*world), config.guard_hand);
+  robot.camera = sim_hal::make_sim_camera(*world);
+  robot.clock = std::make_unique<WorldClock>(world->clock());
+
+  config.task.lift_height_m = scenario.task.height;
+  config.task.hold_s = scenario.task.hold_s;
+  if (method == control::Method::Thesis) {
+    config.decision.weights = planner::SharingWeights::thesis();
+    config.decision.max_sideways = std::numeric_limits<double>::infinity();
+  }
+  const planner::HandModel hand;
+  const auto tables = std::make_shared<planner::HandCollision>(hand, config.candidates.collision);
+  const hal::SteadyClock wall;
+  const control::RigView rig{model, hand, tables, sim_hal::camera_pose(scenario.camera)};
+  control::TaskRunner runner(robot, rig, config, {method, seed, false, world->truth().mass_kg}, wall);
+
+  SimulatedLift lift;
+  std::optional<hal::Vec3> partner;
+  int n = 0;
+  double tilt = 0, height = 0, share = 0, slip = 0;
+  control::JobHooks hooks;
+  hooks.status = [&](const control::JobStatus& status) {
+    const sim_hal::SimTruth truth = world->truth();
+    if (status.state == control::Task::Decide) partner = truth.partner_W;
+    if (status.state != control::Task::Hold) return;
+    ++n;
+    tilt += truth.tilt_rad * 180.0 / std::numbers::pi;
+    height += truth.height_m;
+    slip = std::max(slip, truth.slip_m);
+    share += truth.robot_force_W.z() /
+             (truth.robot_force_W.z() + truth.partner_force_W.z() + truth.floor_force_W.z());
+  };
+  auto record = runner.run(hooks);
+  if (!record) throw std::runtime_error(record.error().text());
+  lift.record = std::move(*record);
+  if (n > 0) {
+    lift.tilt_deg = tilt / n;
+    lift.height_m = height / n;
+    lift.share_robot = share / n;
+    lift.slip_m = slip;
+  }
+  if (partner && lift.record.decision && lift.record.decision->partner)
+    lift.partner_error_m = (lift.record.decision->partner->position - *partner).norm();
+  lift.hit_something = world->truth().robot_hit_something;
+  return lift;
+}
+
+double quantile(std::vector<double> values, double p) {
+  std::erase_if(values, [](double v) { return std::isnan(v); });
+  if (values.empty()) return NAN;
+  std::sort(values.begin(), values.end());
+  const double at = p * static_cast<double>(values.size() - 1);
+  const auto low = static_cast<std::size_t>(at);
+  const std::size_t high = std::min(low + 1, values.size() - 1);
+  return values[low] + (at - std::floor(at)) * (values[high] - values[low]);
+}
+
+}  // namespace colift::tests

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "control/config.hpp"
+#include "hal/robot.hpp"
+#include "hal/robot_model/robot_model.hpp"
+#include "hal/types/result.hpp"
+#include "tools/colift/run_view.hpp"
+#include "tools/picture/solid_scene.hpp"
+
+namespace colift::tools {
+
+/// What a simulated rig knows beyond its devices. Empty on a real one.
+struct RigTruth {
+  std::function<TruthSample(hal::Timestamp began)> sample;
+  std::function<picture::SolidScene()> scene;         ///< Everything, where it is now.
+  std::function<std::optional<hal::Vec3>()> partner;  ///< Where he holds the object.
+  double mass_kg = 0.0;
+  hal::Vec3 cog = hal::Vec3::Zero();  ///< In W, at the start.
+};
+
+/// The devices of one run behind their guards, and what goes with them.
+struct Rig {
+  std::shared_ptr<void> world;  ///< Simulation behind the devices; outlives them.
+  std::shared_ptr<const hal::RobotModel> model;
+  hal::Robot robot;
+  hal::Pose X_WC = hal::Pose::Identity();
+  std::string name;
+  std::optional<RigTruth> truth;
+};
+
+/// What a run does beyond its rig, as the scenario says.
+struct RunTask {
+  std::string scenario;  ///< Name, for people.
+  double lift_height_m = 0.05, hold_s = 2.0;
+};
+
+/// Reads a scenario's name and task. Errors: BadConfig with file:line:column.
+[[nodiscard]] hal::Result<RunTask> read_task(const std::optional<std::filesystem::path>& scenario);
+
+/// Opens the devices that `robot` names (unset: the simulated rig); the only place that knows back ends by
+/// name. Errors: BadConfig with the place; what the devices say.
+[[nodiscard]] hal::Result<Rig> open_rig(const std::optional<std::filesystem::path>& robot,
+                                        const std::optional<std::filesystem::path>& scenario,
+                                        std::uint64_t seed, const control::Config& config);
+
+}  // namespace colift::tools

@@ -1,0 +1,180 @@
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <numbers>
+
+#include "control/task_runner.hpp"
+#include "tools/colift/back_ends.hpp"
+#include "tools/colift/commands.hpp"
+#include "tools/colift/run_json.hpp"
+#include "tools/colift/run_progress.hpp"
+#include "tools/colift/run_report.hpp"
+#include "tools/colift/session.hpp"
+#include "tools/colift/weights.hpp"
+
+namespace colift::tools {
+namespace {
+
+std::atomic<int> asked_to_end{0};
+
+// the first signal ends the job safely, the second one the program
+void on_signal(int number) {
+  if (asked_to_end.exchange(1) != 0) {
+    std::signal(number, SIG_DFL);
+    std::raise(number);
+  }
+}
+
+struct SignalGuard {
+  SignalGuard() {
+    asked_to_end = 0;
+    std::signal(SIGINT, on_signal);
+    std::signal(SIGTERM, on_signal);
+  }
+  ~SignalGuard() {
+    std::signal(SIGINT, SIG_DFL);
+    std::signal(SIGTERM, SIG_DFL);
+  }
+  SignalGuard(const SignalGuard&) = delete;
+  SignalGuard& operator=(const SignalGuard&) = delete;
+};
+
+RunSetting setting_of(const CommonOptions& common, const RunOptions& options, const RunTask& task,
+                      const Rig& rig, control::Method method, const control::Config& config) {
+  RunSetting s;
+  s.scenario = rig.truth ? task.scenario : "";
+  s.robot = rig.name;
+  s.method = method == control::Method::Fast ? "fast" : "thesis";
+  s.seed = options.seed;
+  if (!options.share.empty()) s.share = 1.0 / (1.0 + std::pow(config.decision.weights.epsilon, 2));
+  s.command = common.command;
+  s.simulated = rig.truth.has_value();
+  s.dry_run = options.dry_run;
+  s.X_WC = rig.X_WC;
+  s.model = rig.model.get();
+  s.lift_height_m = config.task.lift_height_m;
+  s.hold_s = config.task.hold_s;
+  s.max_tilt_rad = config.task.max_tilt_deg * std::numbers::pi / 180.0;
+  s.max_slip_m = config.task.max_slip_m;
+  return s;
+}
+
+RunStatus status_of(const control::JobStatus& job, const Rig& rig) {
+  RunStatus s;
+  s.t_s = hal::seconds(job.now);
+  s.state = job.state;
+  s.in_state_s = hal::seconds(job.now - job.since);
+  s.because = job.because;
+  s.now = job.doing;
+  s.done = job.done;
+  s.devices = {{"arm", rig.robot.arm->health(), 0.0},
+               {"hand", rig.robot.hand->health(), 0.0},
+               {"camera", rig.robot.camera->health(), 0.0}};
+  s.partner = job.partner_W;
+  s.partner_note = job.partner_note;
+  if (const auto& outcome = job.record->decision; outcome && outcome->decision.chosen) {
+    s.candidate = outcome->candidates[*outcome->decision.chosen].id;
+    s.share_predicted = outcome->decision.share;
+  }
+  if (control::is_loaded(job.state)) s.load_n = job.load_n;
+  s.height_m = job.height_m;
+  s.tilt_rad = job.tilt_rad;
+  s.slip_m = job.slip_m;
+  for (const auto& fault : job.record->faults) s.faults.push_back(fault.device + ": " + fault.what);
+  return s;
+}
+
+/// What a simulated run knows of the truth, collected while it goes on.
+struct Diary {
+  RunTruth truth;
+  RunScenes scenes;
+
+  void on_status(const control::JobStatus& job, const RigTruth& rig, hal::Timestamp began) {
+    using control::Task;
+    if (job.state == Task::Decide) truth.partner = rig.partner();
+    if (control::is_loaded(job.state)) truth.curve.push_back(rig.sample(began));
+  }
+  void on_change(control::Task from, control::Task to, const RigTruth& rig) {
+    using control::Task;
+    if (to == Task::AwaitReady) scenes.before = rig.scene();
+    if (from == Task::Hold) scenes.lifted = rig.scene();
+  }
+};
+
+int exit_code(const control::RunRecord& record, const RunOptions& options) {
+  if (asked_to_end != 0) return kInterrupted;
+  if (record.outcome == control::RunRecord::Result::Lifted) return kDone;
+  if (record.device_failed) return kDeviceFailed;
+  if (options.dry_run && record.plan) return kDone;
+  return kNoGoal;
+}
+
+}  // namespace
+
+int cmd_run(const CommonOptions& common, const RunOptions& options) {
+  const auto task = read_task(options.scenario);
+  if (!task) return report_error("run", task.error());
+  control::Config defaults;
+  defaults.task.lift_height_m = task->lift_height_m;
+  defaults.task.hold_s = task->hold_s;
+  auto setup = load_setup(common, defaults);
+  if (!setup) return report_error("run", setup.error());
+  const auto method = parse_method(options.method, setup->config);
+  if (!method) return report_error("run", method.error());
+  if (auto set = set_weights(*method, options.share, "", setup->config); !set)
+    return report_error("run", set.error());
+  auto rig = open_rig(options.robot, options.scenario, options.seed, setup->config);
+  if (!rig) return report_error("run", rig.error());
+
+  const RunSetting setting = setting_of(common, options, *task, *rig, *method, setup->config);
+  const hal::SteadyClock wall;
+  Diary diary;
+  if (rig->truth) {
+    diary.truth.mass_kg = rig->truth->mass_kg;
+    diary.truth.cog = rig->truth->cog;
+  }
+  control::JobOptions job{*method, options.seed, options.dry_run, rig->truth ? rig->truth->mass_kg : 0.0};
+  const control::RigView view{*rig->model, setup->hand, setup->hand_tables, rig->X_WC};
+  control::TaskRunner runner(rig->robot, view, setup->config, job, wall);
+
+  const SignalGuard signals;
+  std::optional<RunProgress> progress(std::in_place, stderr,
+                                      progress_style(stderr, common.json, common.quiet), setting, wall);
+  const hal::Timestamp began = rig->robot.clock->now();
+  control::JobHooks hooks;
+  hooks.interrupted = [] { return asked_to_end != 0; };
+  hooks.status = [&](const control::JobStatus& status) {
+    if (rig->truth) diary.on_status(status, *rig->truth, began);
+    progress->show(status_of(status, *rig));
+  };
+  hooks.changed = [&](control::Task from, control::Task to) {
+    if (rig->truth) diary.on_change(from, to, *rig->truth);
+  };
+  const auto record = runner.run(hooks);
+  progress->end();
+  progress.reset();
+  if (!record) {
+    report_error("run", record.error());
+    return kDeviceFailed;
+  }
+
+  const RunView run{*record, setting, rig->truth ? &diary.truth : nullptr,
+                    rig->truth ? &diary.scenes : nullptr};
+  if (common.json)
+    std::puts(run_document(run).c_str());
+  else
+    std::fputs((common.quiet ? record->because + "\n" : run_summary(run)).c_str(), stdout);
+  std::fflush(stdout);
+  if (options.report) {
+    if (auto written = write_run_report(*options.report, run); !written)
+      return report_error("run", written.error());
+    if (!common.quiet) std::fprintf(stderr, "report: %s\n", options.report->c_str());
+  }
+  if (options.png) {
+    if (auto written = write_lift_picture(*options.png, run); !written)
+      return report_error("run", written.error());
+  }
+  return exit_code(*record, options);
+}
+
+}  // namespace colift::tools
