@@ -73,4 +73,13 @@ struct Config {
   }
 };
 
+/// Where `colift run` starts from, before files and --set: as Config, but the hand may move through space
+/// that the camera did not see, because a moving arm feels what is there (docs/decisions/0009).
+[[nodiscard]] inline Config run_defaults() {
+  Config config;
+  config.candidates.collision.unseen_fraction = 1.0;
+  config.candidates.collision.max_unseen_m = 0.25;
+  return config;
+}
+
 }  // namespace colift::control

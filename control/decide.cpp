@@ -45,7 +45,7 @@ hal::Result<> see_thesis([[maybe_unused]] const Look& look, [[maybe_unused]] con
 
 hal::Result<> find_partner(const Look& look, const PartnerInput& input, const Config& c, Outcome& out) {
   if (input.position_W) {
-    out.partner = PartnerGrasp{*input.position_W, Eigen::Matrix3d::Zero(), 0};
+    out.partner = PartnerGrasp{*input.position_W, Eigen::Matrix3d::Zero(), 0, {}};
     out.partner_because = "the partner's grasp was given";
     return {};
   }

@@ -112,6 +112,8 @@ void Job::apply(const Happening& happening, const JobHooks& hooks) {
   }
   if (happening.event == Event::ArmLost || happening.event == Event::HandLost) record_.device_failed = true;
   off_because_ = happening.event;
+  if (happening.event == Event::GripBad || happening.event == Event::HandEmpty)
+    if (from == Task::Close || from == Task::Verify) refuse_grip("a grip here failed: " + happening.detail);
   enter(from);
   if (hooks.changed) hooks.changed(from, state_);
   tell(hooks, true);
@@ -172,6 +174,7 @@ void Job::enter(Task from) {
       break;
     case Task::Release:
       cycle_.hold();
+      cycle_.superpose(hal::JointVector::Zero());
       if (const auto opening = robot_.hand->release(); !opening) lose("hand", opening.error().text());
       break;
     case Task::Retreat:

@@ -61,6 +61,8 @@ class Job {
   [[nodiscard]] std::optional<Happening> release();
   [[nodiscard]] std::optional<Happening> retreat();
   void back_to_pre_grasp();
+  [[nodiscard]] bool object_stays() const;
+  void refuse_grip(const std::string& why);
   void watch_object();
   [[nodiscard]] std::optional<Happening> serve_lift();
   [[nodiscard]] std::optional<Happening> beyond_limits() const;
@@ -93,6 +95,7 @@ class Job {
   hal::ArmState arm_;
   hal::HandState hand_;
   std::optional<hal::DepthFrame> frame_;  ///< New in this cycle.
+  std::vector<float> last_depth_m_;
   hal::Timestamp frame_at_{0}, hand_at_{0}, reopen_at_{0};
   int arm_misses_ = 0;
   bool camera_lost_ = false, hand_silent_ = false, arm_silent_ = false;
@@ -107,6 +110,11 @@ class Job {
   std::vector<planner::GraspCandidate>
       judged_;  ///< Of the look, with reach: what every decision starts from.
   std::vector<planner::GraspCandidate> refused_;  ///< In this decision, because no way leads there.
+  struct FailedGrip {
+    hal::Vec3 position;
+    std::string why;
+  };
+  std::vector<FailedGrip> failed_grips_;
   double see_ms_ = 0.0;
   int leg_ =
       0;  ///< Of the way there: 0 transit, 1 straight approach; of the way back: 2 braking, 3 back, 4 home.

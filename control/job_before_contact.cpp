@@ -12,9 +12,11 @@ namespace {
 using perception::PartnerEvent;
 using perception::PartnerKind;
 
-constexpr int kTries = 8;           // grasps for which a way is looked for
-constexpr int kApproaches = 5;      // a partner who changes his mind more often is left alone
-constexpr double kBackSpeed = 0.6;  // of the planned speed, on the way back
+constexpr double kSamePlace_m = 0.06;   // where a grip failed, none is tried again
+constexpr double kSecondWait_s = 10.0;  // for a partner who was there already
+constexpr int kTries = 8;               // grasps for which a way is looked for
+constexpr int kApproaches = 5;          // a partner who changes his mind more often is left alone
+constexpr double kBackSpeed = 0.6;      // of the planned speed, on the way back
 
 std::string seconds_text(double s) {
   return fmt::format("{:.1f} s", s);
@@ -74,7 +76,8 @@ std::optional<Happening> Job::await_partner() {
     return Happening{Event::PartnerGrasped, event->because};
   const double waited = hal::seconds(now_ - waits_since_);
   doing_ = partner_note_;
-  if (waited > config_.task.patience_s)
+  const double patience = moved_ ? std::min(kSecondWait_s, config_.task.patience_s) : config_.task.patience_s;
+  if (waited > patience)
     return Happening{Event::NobodyCame, "nobody took hold of the object within " + seconds_text(waited)};
   return std::nullopt;
 }
@@ -84,6 +87,10 @@ void Job::apply_refusals(std::vector<planner::GraspCandidate>& candidates) const
     for (const auto& r : refused_)
       if ((c.position - r.position).norm() < 1e-6 && c.approach.dot(r.approach) > 1.0 - 1e-9)
         c.verdict = planner::Verdict::Unreachable, c.because = r.because;
+  for (auto& c : candidates)
+    for (const auto& f : failed_grips_)
+      if ((c.position - f.position).norm() < kSamePlace_m)
+        c.verdict = planner::Verdict::Unstable, c.because = f.why;
 }
 
 bool Job::choose() {
@@ -100,7 +107,11 @@ bool Job::choose() {
     return false;
   }
   record_.decision = std::move(*outcome);
-  if (!record_.decision->decision.chosen) failed_because_ = record_.decision->decision.because;
+  if (!record_.decision->decision.chosen) {
+    // the rule says already that no grasp fits
+    failed_because_ = record_.decision->decision.because;
+    if (failed_because_.starts_with("no grasp: ")) failed_because_.erase(0, 10);
+  }
   return record_.decision->decision.chosen.has_value();
 }
 

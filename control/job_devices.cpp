@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cstring>
+
 #include "control/job.hpp"
 
 namespace colift::control {
@@ -17,6 +19,11 @@ constexpr hal::Duration kReopenEvery = 2s;  // a camera that is gone is asked fo
 bool right_size(const hal::DepthFrame& f) {
   return f.depth_m.size() ==
          static_cast<std::size_t>(f.intrinsics.width) * static_cast<std::size_t>(f.intrinsics.height);
+}
+
+// bit by bit: pixels that see nothing are NaN
+bool same_pixels(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
 }  // namespace
@@ -35,6 +42,8 @@ hal::Result<> Job::start_devices() {
   if (!state) return tl::unexpected(state.error());
   arm_ = *state;
   home_rad_ = arm_.q_commanded_rad;
+  last_because_ = "starts to look";
+  record_.states.push_back({hal::Timestamp(0), state_, last_because_});
   now_ = robot_.clock->now();
   return {};
 }
@@ -74,8 +83,11 @@ void Job::read_devices() {
 void Job::read_camera() {
   frame_.reset();
   auto frame = robot_.camera->next_frame(0ms);
-  const bool good = frame && right_size(*frame) && frame->exposed_at > frame_at_;
+  // a picture that shows the moving arm where it was is an old one, whatever its stamp says
+  const bool frozen = frame && is_moving(state_) && same_pixels(frame->depth_m, last_depth_m_);
+  const bool good = frame && right_size(*frame) && frame->exposed_at > frame_at_ && !frozen;
   if (good) {
+    last_depth_m_ = frame->depth_m;
     if (camera_lost_) lose("camera", "is back");
     camera_lost_ = false;
     frame_at_ = frame->exposed_at;

@@ -20,7 +20,8 @@ constexpr double kFell_m = 0.02;    // the partner's end came down by this while
 constexpr double kLetGoLoad = 1.4;  // ... or the load grew by this factor
 constexpr double kLetGoLoad_n = 6.0;
 constexpr double kReadyPatience_s = 20.0;
-constexpr int kApproaches = 2;  // a grip that failed is tried once more
+constexpr int kGrips = 2;           // a grip that failed is tried elsewhere, once
+constexpr double kMoved_m = 0.006;  // an object that moved by more is another scene
 constexpr double kGravity_m_s2 = 9.81;
 
 double deg(double rad) {
@@ -111,6 +112,7 @@ std::optional<Happening> Job::await_ready() {
 }
 
 std::optional<Happening> Job::beyond_limits() const {
+  if (!hand_.held) return Happening{Event::HandEmpty, "the hand has lost the object"};
   if (tilting_ >= kInARow)
     return Happening{Event::LimitReached, fmt::format("the object tilts by {:.1f} deg (limit {:.1f})",
                                                       deg(tilt_rad_), config_.task.max_tilt_deg)};
@@ -120,7 +122,6 @@ std::optional<Happening> Job::beyond_limits() const {
   if (load_.load_n() > config_.task.max_load_n)
     return Happening{Event::LimitReached, fmt::format("the load of {:.0f} N is above the limit of {:.0f} N",
                                                       load_.load_n(), config_.task.max_load_n)};
-  if (!hand_.held) return Happening{Event::LimitReached, "the hand has lost the object"};
   return std::nullopt;
 }
 
@@ -141,7 +142,8 @@ std::optional<Happening> Job::lift() {
       lift_.role() == LiftController::Role::Lead ? "lifts, the partner comes along" : "follows the partner";
   if (auto limit = beyond_limits()) return limit;
   if (in_state_s() > config_.task.lift_s + config_.task.patience_s)
-    return Happening{Event::LimitReached, "the height is not reached in time"};
+    return Happening{Event::TimeOut,
+                     fmt::format("{:.1f} cm after {:.0f} s", 1e2 * lift_.height_m(), in_state_s())};
   if (!lift_.at_rest()) {
     settled_at_ = now_;
     return std::nullopt;
@@ -207,10 +209,24 @@ void Job::back_to_pre_grasp() {
   if (!back || !follow(*back)) failed_because_ = back ? failed_because_ : back.error().detail;
 }
 
+// whether the object still stands as the scene was seen, so that what was decided on still holds
+bool Job::object_stays() const {
+  if (!motion_) return true;
+  const hal::Vec3& cog = watch_.look().scene.target->cog;
+  return (motion_->X_WTnow_WTref * cog - cog).norm() < kMoved_m;
+}
+
+// where a grip failed, none is tried again
+void Job::refuse_grip(const std::string& why) {
+  const auto& chosen = record_.decision->candidates[*record_.decision->decision.chosen];
+  failed_grips_.push_back({chosen.position, why});
+}
+
 std::optional<Happening> Job::retreat() {
   doing_ = leg_ == 0 ? "straight back" : "home";
   if (cycle_.blocked()) return Happening{Event::Blocked, cycle_.why_blocked()};
   if (in_state_s() > 60.0) return Happening{Event::TimeOut, "the way home takes too long"};
+  watch_object();
   if (!cycle_.done() || !cycle_.at_rest()) return std::nullopt;
   if (leg_ == 0) {
     leg_ = 1;
@@ -224,7 +240,7 @@ std::optional<Happening> Job::retreat() {
     return std::nullopt;
   }
   if (!failed_) return Happening{Event::BackHome, ""};
-  if (approaches_ < kApproaches && off_because_ == Event::HandOpen && !lifted_)
+  if (approaches_ < kGrips && off_because_ == Event::HandOpen && !lifted_)
     return Happening{Event::TryAgain, failed_because_};
   return Happening{Event::BackInVain, failed_because_};
 }

@@ -146,6 +146,9 @@ hal::Result<> Watch::understand(const RobotPosture& robot) {
   return {};
 }
 
+const Look& Watch::look() const {
+  return impl_->look;
+}
 Look& Watch::look() {
   return impl_->look;
 }

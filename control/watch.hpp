@@ -56,6 +56,7 @@ class Watch {
   [[nodiscard]] hal::Result<> understand(const RobotPosture& robot);
 
   [[nodiscard]] Look& look();
+  [[nodiscard]] const Look& look() const;
   [[nodiscard]] const perception::WorldMap& map() const;
 
   /// Looks for the partner's hands; the tracker turns touches into events.

@@ -240,6 +240,7 @@ float PartnerFinder::hand_gap(float depth_m) const {
 std::optional<PartnerContact> PartnerFinder::contact(int hand) {
   const auto& patches = grid_.patches();
   double area = 0.0, touching = 0.0, depth = 0.0;
+  Vec3 skin = Vec3::Zero();
   hand_.clear();
   const auto of_hand =
       std::count_if(skin_.begin(), skin_.end(), [hand](const Skin& s) { return s.hand == hand; });
@@ -249,6 +250,7 @@ std::optional<PartnerContact> PartnerFinder::contact(int hand) {
     if (s.hand != hand) continue;
     area += s.area_m2;
     depth += s.area_m2 * s.depth_m;
+    skin += static_cast<double>(s.area_m2) * s.point.cast<double>();
     if (s.distance_m <= touch_gap(s.depth_m)) touching += s.area_m2;
     if (count++ % stride != 0) continue;
     hand_.push_back({s.point, patches[static_cast<std::size_t>(s.patch)], s.area_m2});
@@ -257,7 +259,7 @@ std::optional<PartnerContact> PartnerFinder::contact(int hand) {
   const ContactEstimate found =
       estimate_contact(hand_, {patches, rim_, X_WC_.translation().cast<float>()},
                        {config_.along_sigma_m, config_.cross_sigma_m, 0.5 * noise_.sigma(depth / area)});
-  return PartnerContact{found.position, found.covariance, all};
+  return PartnerContact{found.position, found.covariance, all, skin / area};
 }
 
 // All touches that may be hands go to the sighting; returns the number of the others.
@@ -340,6 +342,7 @@ hal::Result<PartnerSighting> PartnerFinder::find(const OrganisedCloud& current) 
     grasp.position += hand.position / n;
     grasp.covariance += hand.covariance / (n * n);
     grasp.points += hand.points;
+    grasp.skin = grasp.skin.value_or(Vec3::Zero()) + hand.skin / n;
   }
   sighting.grasp = grasp;
   const double sigma = std::sqrt(grasp.covariance.trace() / 3.0);

@@ -68,7 +68,8 @@ enum class PartnerKind {
 struct PartnerContact {
   Vec3 position = Vec3::Zero();  ///< Middle of the contact, on the object.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  std::size_t points = 0;  ///< Changed points of the hand that the estimate rests on.
+  std::size_t points = 0;    ///< Changed points of the hand that the estimate rests on.
+  Vec3 skin = Vec3::Zero();  ///< Middle of its visible skin on the object: steadier than the contact.
 };
 
 struct PartnerSighting {

@@ -28,6 +28,7 @@ std::optional<PartnerGrasp> PartnerTracker::grasp() const {
   grasp.position = mean_;
   grasp.covariance = mean_covariance_ * (config_.common_error + (1.0 - config_.common_error) / samples_);
   grasp.points = points_;
+  grasp.skin = skin_;
   return grasp;
 }
 
@@ -39,6 +40,7 @@ void PartnerTracker::start(hal::Timestamp at, const PartnerGrasp& seen) {
   mean_ = seen.position;
   mean_covariance_ = seen.covariance;
   points_ = seen.points;
+  skin_ = seen.skin;
 }
 
 void PartnerTracker::add(hal::Timestamp at, const PartnerGrasp& seen) {
@@ -48,9 +50,13 @@ void PartnerTracker::add(hal::Timestamp at, const PartnerGrasp& seen) {
   mean_ += (seen.position - mean_) / samples_;
   mean_covariance_ += (seen.covariance - mean_covariance_) / samples_;
   points_ = seen.points;
+  if (skin_ && seen.skin) *skin_ += (*seen.skin - *skin_) / samples_;
 }
 
 bool PartnerTracker::elsewhere(const PartnerGrasp& seen) const {
+  // a hand that hides its contact leaves two places to choose from; while its skin stays, only the choice has
+  // changed
+  if (skin_ && seen.skin && (*seen.skin - *skin_).norm() < config_.moved_m) return false;
   const Vec3 difference = seen.position - mean_;
   // what all frames share cannot move the hand; only the rest can look like a movement
   const Eigen::Matrix3d random =
@@ -95,6 +101,12 @@ std::optional<PartnerEvent> PartnerTracker::update(hal::Timestamp at, const Part
   }
   if (!contact) return std::nullopt;
   if (state_ == State::Away) {
+    start(at, *sighting.grasp);
+    return confirm(at);
+  }
+  // a hand that is still on its way does not dwell
+  const auto& skin = sighting.grasp->skin;
+  if (state_ == State::Touching && skin_ && skin && (*skin - *skin_).norm() > config_.rest_m) {
     start(at, *sighting.grasp);
     return confirm(at);
   }

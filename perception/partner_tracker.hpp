@@ -11,6 +11,7 @@ namespace colift::perception {
 
 struct TrackerConfig {
   double dwell_s = 0.3;       ///< A touch becomes a grasp when it stays this long at one place.
+  double rest_m = 0.012;      ///< A hand whose skin strays no farther than this from its mean rests.
   double let_go_s = 0.15;     ///< No contact for longer than this: let go. Shorter gaps are drop-outs.
   double moved_m = 0.03;      ///< The hand is elsewhere when it is farther from its place than this ...
   double moved_sigmas = 3.0;  ///< ... and than this many standard deviations of the difference.
@@ -21,6 +22,8 @@ struct TrackerConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v("dwell_s", dwell_s, hal::Range{0.0, 10.0}, "How long a touch stays at one place to be a grasp.");
+    v("rest_m", rest_m, hal::Range{0.0, 1.0},
+      "A hand that moves no farther than this is at rest; its dwell counts.");
     v("let_go_s", let_go_s, hal::Range{0.0, 10.0}, "Longest gap without contact that is not letting go.");
     v("moved_m", moved_m, hal::Range{0.0, 1.0}, "Smallest distance that counts as a moved hand.");
     v("moved_sigmas", moved_sigmas, hal::Range{0.0, 20.0}, "The same in standard deviations.");
@@ -82,6 +85,7 @@ class PartnerTracker {
   Vec3 mean_ = Vec3::Zero();
   Eigen::Matrix3d mean_covariance_ = Eigen::Matrix3d::Zero();
   std::size_t points_ = 0;
+  std::optional<Vec3> skin_;  ///< Mean, as mean_.
 };
 
 }  // namespace colift::perception

@@ -61,6 +61,13 @@ double distance_to(const hal::LinkShape& shape, const Vec3& p_S) {
   return (p_S.cwiseAbs() - half).cwiseMax(0.0).norm();
 }
 
+/// OctoMap's own function with the header would print to stderr.
+void write_bt(const octomap::OcTree& tree, std::ostream& out) {
+  out << "# Octomap OcTree binary file\nid " << tree.getTreeType() << "\nsize " << tree.size() << "\nres "
+      << tree.getResolution() << "\ndata\n";
+  if (tree.size() > 0) tree.writeBinaryData(out);
+}
+
 }  // namespace
 
 struct WorldMap::Impl {
@@ -203,7 +210,7 @@ hal::Result<> WorldMap::save(const std::filesystem::path& file) const {
   part += ".part";
   {
     std::ofstream out(part, std::ios::binary);
-    if (out) tree().writeBinaryConst(out);
+    if (out) write_bt(tree(), out);
     out.flush();
     if (!out) return hal::failure(hal::ErrorCode::BadInput, file.string(), "cannot be written");
   }

@@ -28,8 +28,10 @@ struct GraspCandidate {
   Vec3 position = Vec3::Zero();   ///< Grasp point on the object's surface.
   Vec3 approach = Vec3::UnitZ();  ///< Unit vector in which the palm moves.
   Vec3 closing = Vec3::UnitY();   ///< Unit vector along which the fingers close; perpendicular to approach.
-  double width = 0.0;             ///< Extent of the object between the fingers (m).
-  int surface = -1;               ///< Index of the surface it was generated on.
+  double depth_m =
+      0.0;  ///< How far behind the grasp point, along approach, the pads press: there the load hangs.
+  double width = 0.0;  ///< Extent of the object between the fingers (m).
+  int surface = -1;    ///< Index of the surface it was generated on.
   std::optional<double>
       stability;  ///< Margin of the grasp against slipping; unset where it is assumed (thesis).
   Verdict verdict = Verdict::Ok;

@@ -27,6 +27,11 @@ GraspCandidate on_line(const GraspLine& line, const Vec3& position) {
   return c;
 }
 
+/// How far behind the grasped face the pads press (m).
+double pad_depth(const GraspCandidate& c, const HandModel& hand) {
+  return std::max(0.0, contact_at_width(hand, c.width).height_m - hand.gap(c));
+}
+
 /// An edge grasp repeats an Ega5 grasp that takes the same rim from the same side.
 bool repeats_ega5(const GraspCandidate& edge, const std::vector<GraspCandidate>& found, double reach) {
   return std::any_of(found.begin(), found.end(), [&](const GraspCandidate& c) {
@@ -71,6 +76,7 @@ CandidateConfig thesis_candidates() {
   CandidateConfig config;
   config.edges = false;
   config.wraps = false;
+  config.pads_bear = false;
   config.collision.refuse_unseen = false;
   config.collision.obstacles.surroundings = false;
   config.stability.enabled = false;
@@ -121,6 +127,7 @@ std::vector<GraspCandidate> CandidateFinder::find() const {
       GraspCandidate c = on_line(line, line.from + f * (line.to - line.from));
       if (c.kind == GraspKind::Edge && repeats_ega5(c, found, 0.5 * config_.step_m)) continue;
       judge(c);
+      if (config_.pads_bear) c.depth_m = pad_depth(c, hand_);
       found.push_back(std::move(c));
     }
   }
@@ -165,6 +172,7 @@ std::vector<GraspCandidate> CandidateFinder::near(const Vec3& point,
       continue;
     }
     judge(c);
+    if (config_.pads_bear) c.depth_m = pad_depth(c, hand_);
     c.id = next_id++;
     found.push_back(std::move(c));
   }

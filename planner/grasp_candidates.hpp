@@ -23,6 +23,7 @@ struct CandidateConfig {
   double end_margin_m = 0.04;
   double min_width_m = 0.004;
   double min_length_m = 0.015;
+  bool pads_bear = true;
   bool edges = true;
   double assumed_thickness_m = 0.03;
   double edge_probe_m = 0.03;
@@ -43,6 +44,9 @@ struct CandidateConfig {
       "Distance of the outermost grasps from a surface's ends (m).");
     v("min_width_m", min_width_m, hal::Range{0, 0.2}, "Thinner surfaces are not grasped (m).");
     v("min_length_m", min_length_m, hal::Range{0, 1}, "Shorter surfaces are not grasped (m).");
+    v("pads_bear", pads_bear,
+      "Whether the load is taken to hang where the pads press, behind the face; the thesis takes the face "
+      "itself.");
     v("edges", edges, "Whether rims of plates are grasped.");
     v("assumed_thickness_m", assumed_thickness_m, hal::Range{0.001, 0.5},
       "Of a plate whose edge was not seen (m).");

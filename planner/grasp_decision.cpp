@@ -116,7 +116,7 @@ hal::Result<Decision> decide_grasp(std::vector<GraspCandidate>& candidates, cons
   d.scores.resize(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     GraspCandidate& c = candidates[i];
-    const Vec3 robot = c.position - input.cog;
+    const Vec3 robot = c.position + c.depth_m * c.approach - input.cog;
     if (c.verdict == Verdict::Ok) judge_geometry(c, input, config);
     auto wrenches = limited->wrenches(partner, robot, lift);
     if (!wrenches && c.verdict == Verdict::Ok) {

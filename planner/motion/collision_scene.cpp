@@ -12,7 +12,7 @@ using perception::CellGrid;
 using perception::CellState;
 
 /// How far the fields reach beyond the margin: the largest group of spheres that is asked for at once (m).
-constexpr double kInHisHands = 0.08;  // beyond the partner clearance (m)
+constexpr double kInHisHands = 0.13;  // beyond the partner clearance (m)
 constexpr double kReach = 0.28;
 
 using Cell = std::array<int, 3>;

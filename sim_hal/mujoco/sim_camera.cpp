@@ -20,7 +20,8 @@ using State = hal::DeviceHealth::State;
 using std::chrono::milliseconds;
 
 constexpr std::uint64_t kFramesPerSecond = 30;
-constexpr auto kLate = milliseconds(200);  // how much later than it should a late frame comes
+constexpr auto kStall = milliseconds(100);  // three frames that did not come
+constexpr auto kLate = milliseconds(200);   // how much later than it should a late frame comes
 
 /// The newest frame whose exposure is not after a time.
 std::uint64_t newest_due(hal::Timestamp now) {
@@ -84,9 +85,13 @@ class SimCamera final : public hal::DepthCamera {
       late_ = std::move(image);
     }
     if (deadline > now()) world_.advance(deadline - now());
-    health_.state = State::Stalled;
-    health_.last_error = fmt::format("no frame within {} ms", patience.count());
-    return hal::failure(ErrorCode::Timeout, kWhere, health_.last_error);
+    const std::string none = fmt::format("no frame within {} ms", patience.count());
+    // who only asks whether there is one already has not waited in vain
+    if (patience > milliseconds(0) || now() - handed_out_at_ > kStall) {
+      health_.state = State::Stalled;
+      health_.last_error = none;
+    }
+    return hal::failure(ErrorCode::Timeout, kWhere, none);
   }
 
  private:
@@ -133,6 +138,7 @@ class SimCamera final : public hal::DepthCamera {
   hal::DepthFrame hand_out(hal::DepthFrame image) {
     health_.state = State::Streaming;
     ++health_.accepted;
+    handed_out_at_ = now();
     return image;
   }
 
@@ -143,6 +149,7 @@ class SimCamera final : public hal::DepthCamera {
   hal::CameraIntrinsics intrinsics_;
   std::vector<DeviceFaultEvent> faults_;
   std::uint64_t next_ = 0;  // first frame that has not been exposed
+  hal::Timestamp handed_out_at_{0};
   std::vector<float> last_good_;
   std::optional<hal::DepthFrame> late_;
   hal::DeviceHealth health_;

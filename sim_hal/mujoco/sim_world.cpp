@@ -204,7 +204,7 @@ hal::Result<std::unique_ptr<SimWorld>> SimWorld::make(const Scenario& scenario, 
   });
   impl->X_WT0 = impl->physics->object_pose();
   impl->physics->read(impl->arm_reading, impl->hand_reading);
-  if (scenario.partner.kind != "support") impl->place_partners();
+  impl->place_partners();
   return std::unique_ptr<SimWorld>(new SimWorld(std::move(impl)));
 }
 

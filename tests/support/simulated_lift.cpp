@@ -56,7 +56,8 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
   control::JobHooks hooks;
   hooks.status = [&](const control::JobStatus& status) {
     const sim_hal::SimTruth truth = world->truth();
-    if (status.state == control::Task::Decide) partner = truth.partner_W;
+    const bool decided = status.state == control::Task::Plan || status.state == control::Task::Approach;
+    if (status.state == control::Task::Decide || (decided && !partner)) partner = truth.partner_W;
     if (status.state != control::Task::Hold) return;
     ++n;
     tilt += truth.tilt_rad * 180.0 / std::numbers::pi;

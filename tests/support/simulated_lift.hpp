@@ -23,7 +23,7 @@ struct SimulatedLift {
 };
 
 [[nodiscard]] SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method,
-                                     std::uint64_t seed, control::Config config = {});
+                                     std::uint64_t seed, control::Config config = control::run_defaults());
 
 /// Value below which the part `p` of the numbers lies; NaN of none.
 [[nodiscard]] double quantile(std::vector<double> values, double p);

@@ -160,6 +160,7 @@ hal::Result<Rig> open_rig(const std::optional<std::filesystem::path>& robot,
   rig.robot.camera = sim_hal::make_sim_camera(*shared);
   rig.robot.clock = std::make_unique<WorldClock>(shared->clock());
   rig.X_WC = sim_hal::camera_pose(read->camera);
+  rig.home_rad = shared->arm_state().q_rad;
   rig.truth = truth_of(shared, rig.model);
   return rig;
 }

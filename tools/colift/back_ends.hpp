@@ -31,6 +31,7 @@ struct Rig {
   std::shared_ptr<const hal::RobotModel> model;
   hal::Robot robot;
   hal::Pose X_WC = hal::Pose::Identity();
+  hal::JointVector home_rad = hal::JointVector::Zero();  ///< Where the arm stands at the start.
   std::string name;
   std::optional<RigTruth> truth;
 };

@@ -52,6 +52,9 @@ RunSetting setting_of(const CommonOptions& common, const RunOptions& options, co
   s.dry_run = options.dry_run;
   s.X_WC = rig.X_WC;
   s.model = rig.model.get();
+  s.home_rad = rig.home_rad;
+  for (const std::string& file : common.config_files) s.config.emplace_back(file, "--config");
+  for (const std::string& setting : common.settings) s.config.emplace_back(setting, "--set");
   s.lift_height_m = config.task.lift_height_m;
   s.hold_s = config.task.hold_s;
   s.max_tilt_rad = config.task.max_tilt_deg * std::numbers::pi / 180.0;
@@ -91,12 +94,14 @@ struct Diary {
 
   void on_status(const control::JobStatus& job, const RigTruth& rig, hal::Timestamp began) {
     using control::Task;
-    if (job.state == Task::Decide) truth.partner = rig.partner();
+    // he may rest on the object a moment before he bears on it
+    const bool decided = job.state == Task::Plan || job.state == Task::Approach;
+    if (job.state == Task::Decide || (decided && !truth.partner)) truth.partner = rig.partner();
     if (control::is_loaded(job.state)) truth.curve.push_back(rig.sample(began));
   }
   void on_change(control::Task from, control::Task to, const RigTruth& rig) {
     using control::Task;
-    if (to == Task::AwaitReady) scenes.before = rig.scene();
+    if (to == Task::AwaitReady || (control::is_end(to) && !scenes.before)) scenes.before = rig.scene();
     if (from == Task::Hold) scenes.lifted = rig.scene();
   }
 };
@@ -114,7 +119,7 @@ int exit_code(const control::RunRecord& record, const RunOptions& options) {
 int cmd_run(const CommonOptions& common, const RunOptions& options) {
   const auto task = read_task(options.scenario);
   if (!task) return report_error("run", task.error());
-  control::Config defaults;
+  control::Config defaults = control::run_defaults();
   defaults.task.lift_height_m = task->lift_height_m;
   defaults.task.hold_s = task->hold_s;
   auto setup = load_setup(common, defaults);
