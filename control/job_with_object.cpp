@@ -21,7 +21,7 @@ constexpr double kLetGoLoad = 1.4;  // ... or the load grew by this factor
 constexpr double kLetGoLoad_n = 6.0;
 constexpr double kReadyPatience_s = 20.0;
 constexpr int kGrips = 2;           // a grip that failed is tried elsewhere, once
-constexpr double kMoved_m = 0.006;  // an object that moved by more is another scene
+constexpr double kMoved_m = 0.003;  // an object that moved by more is another scene
 constexpr double kGravity_m_s2 = 9.81;
 
 double deg(double rad) {

@@ -65,6 +65,11 @@ bool PartnerTracker::elsewhere(const PartnerGrasp& seen) const {
          std::max(config_.moved_m, config_.moved_sigmas * sigma_along(random, difference));
 }
 
+bool PartnerTracker::strays(const PartnerGrasp& seen) const {
+  return skin_ && seen.skin && (*seen.skin - *skin_).norm() > config_.rest_m &&
+         (seen.position - mean_).norm() > config_.rest_m;
+}
+
 std::optional<PartnerEvent> PartnerTracker::lose(hal::Timestamp at, const std::string& seen_instead) {
   const bool held = state_ == State::Holding;
   state_ = State::Away;
@@ -104,9 +109,10 @@ std::optional<PartnerEvent> PartnerTracker::update(hal::Timestamp at, const Part
     start(at, *sighting.grasp);
     return confirm(at);
   }
-  // a hand that is still on its way does not dwell
-  const auto& skin = sighting.grasp->skin;
-  if (state_ == State::Touching && skin_ && skin && (*skin - *skin_).norm() > config_.rest_m) {
+  // a hand that is still on its way does not dwell; one frame that shows less of it is no way
+  if (state_ == State::Touching && strays(*sighting.grasp)) {
+    last_contact_ = at;
+    if (++elsewhere_in_a_row_ < config_.moved_frames) return std::nullopt;
     start(at, *sighting.grasp);
     return confirm(at);
   }

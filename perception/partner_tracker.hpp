@@ -72,6 +72,7 @@ class PartnerTracker {
  private:
   void start(hal::Timestamp at, const PartnerGrasp& seen);
   void add(hal::Timestamp at, const PartnerGrasp& seen);
+  [[nodiscard]] bool strays(const PartnerGrasp& seen) const;
   [[nodiscard]] bool elsewhere(const PartnerGrasp& seen) const;
   std::optional<PartnerEvent> lose(hal::Timestamp at, const std::string& seen_instead);
   std::optional<PartnerEvent> confirm(hal::Timestamp at);

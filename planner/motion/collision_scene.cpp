@@ -57,6 +57,44 @@ void mark_around(const CellGrid& grid, std::span<const Eigen::Vector3f> points, 
   }
 }
 
+/// Frees what a depth image strews around the edges of the target: lone groups of a few cells right beside
+/// it. Larger groups, and small ones elsewhere, are things.
+void drop_specks(const CellGrid& grid, std::span<const hal::Vec3> target_cells,
+                 std::vector<std::uint8_t>& occupied) {
+  constexpr int kBeside = 4;
+  constexpr std::size_t kFew = 6;
+  std::vector<std::uint8_t> done(occupied.size(), 0);
+  std::vector<Cell> group;
+  const auto inside = [&](const Cell& c) {
+    return c[0] >= 0 && c[1] >= 0 && c[2] >= 0 && c[0] < grid.nx && c[1] < grid.ny && c[2] < grid.nz;
+  };
+  const auto each_around = [&](const Cell& c, int reach, auto&& visit) {
+    for (int dz = -reach; dz <= reach; ++dz)
+      for (int dy = -reach; dy <= reach; ++dy)
+        for (int dx = -reach; dx <= reach; ++dx) {
+          const Cell n{c[0] + dx, c[1] + dy, c[2] + dz};
+          if (inside(n)) visit(n, index_of(grid, n[0], n[1], n[2]));
+        }
+  };
+  for (const hal::Vec3& middle : target_cells) {
+    each_around(cell_of(grid, middle), kBeside, [&](const Cell& seed, std::size_t at) {
+      if (!occupied[at] || done[at]) return;
+      group.assign(1, seed);
+      done[at] = 1;
+      for (std::size_t k = 0; k < group.size(); ++k) {
+        const Cell from = group[k];
+        each_around(from, 1, [&](const Cell& n, std::size_t i) {
+          if (!occupied[i] || done[i]) return;
+          done[i] = 1;
+          group.push_back(n);
+        });
+      }
+      if (group.size() >= kFew) return;
+      for (const Cell& c : group) occupied[index_of(grid, c[0], c[1], c[2])] = 0;
+    });
+  }
+}
+
 }  // namespace
 
 CollisionScene make_collision_scene(const perception::WorldMap& map, const hal::Plane& ground,
@@ -75,11 +113,14 @@ CollisionScene make_collision_scene(const perception::WorldMap& map, const hal::
         const CellState state = grid.cells[i];
         const bool occupied = state == CellState::Occupied;
         measured[i] = occupied;
-        kept_out[i] = occupied || (state == CellState::Hidden && config.hidden_is_obstacle) ||
-                      (state == CellState::OutOfView && config.out_of_view_is_obstacle);
+        const double x = first.x() + grid.cell_m * ix, y = first.y() + grid.cell_m * iy;
+        const bool unseen = (state == CellState::Hidden && config.hidden_is_obstacle) ||
+                            (state == CellState::OutOfView && config.out_of_view_is_obstacle);
+        kept_out[i] = occupied || (unseen && std::hypot(x, y) > config.own_space_m);
       }
     }
   }
+  drop_specks(grid, map.target_cells(), measured);
   const double partner = config.partner_clearance_m - config.margin_m;
   if (partner >= 0.0) {
     mark_around(grid, partner_points, partner, measured);

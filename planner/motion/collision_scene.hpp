@@ -15,6 +15,7 @@ struct SceneConfig {
   double margin_m = 0.01;
   bool hidden_is_obstacle = true;
   bool out_of_view_is_obstacle = false;
+  double own_space_m = 0.5;
   double ground_clearance_m = 0.005;
   double partner_clearance_m = 0.12;
 
@@ -25,6 +26,10 @@ struct SceneConfig {
       "Whether the arm keeps out of space behind what was seen; the hand has a rule of its own for it.");
     v("out_of_view_is_obstacle", out_of_view_is_obstacle,
       "The same for space at which the camera does not look.");
+    v("own_space_m", own_space_m, hal::Range{0, 2},
+      "Horizontal distance from the robot's axis within which unseen space counts as free: whoever sets the "
+      "robot up "
+      "keeps it clear (m).");
     v("ground_clearance_m", ground_clearance_m, hal::Range{0, 0.2},
       "Distance that links keep from the ground (m).");
     v("partner_clearance_m", partner_clearance_m, hal::Range{0, 1},

@@ -311,10 +311,7 @@ World SimWorld::shapes() const {
     for (const hal::LinkShape& s : impl_->model.links[static_cast<std::size_t>(link)].shapes)
       world.shapes.push_back(robot_shape(s, X_WL));
   }
-  if (impl_->support_stands) {
-    world.shapes.push_back(
-        box(impl_->support->center_W, impl_->support->size, impl_->support->yaw_rad, Label::Partner));
-  }
+  // a block under the object is felt and not seen: it stands for the person who is drawn holding it
   const double t = impl_->now_s();
   if (const PartnerHold* hold = impl_->partner.hold_to_show(t); hold && !impl_->figures.empty()) {
     const auto index = static_cast<std::size_t>(hold - impl_->partner.holds().data());
