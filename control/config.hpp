@@ -79,6 +79,7 @@ struct Config {
   Config config;
   config.candidates.collision.unseen_fraction = 1.0;
   config.candidates.collision.max_unseen_m = 0.25;
+  config.candidates.side_clearance_m = 0.03;
   return config;
 }
 

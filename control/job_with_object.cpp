@@ -21,7 +21,7 @@ constexpr double kLetGoLoad = 1.4;  // ... or the load grew by this factor
 constexpr double kLetGoLoad_n = 6.0;
 constexpr double kReadyPatience_s = 20.0;
 constexpr int kGrips = 2;           // a grip that failed is tried elsewhere, once
-constexpr double kMoved_m = 0.003;  // an object that moved by more is another scene
+constexpr double kMoved_m = 0.004;  // an object that moved by more is another scene
 constexpr double kGravity_m_s2 = 9.81;
 
 double deg(double rad) {
@@ -77,7 +77,8 @@ void Job::watch_object() {
     partner_rise_m_ = motion_->rise(record_.decision->partner->position, up);
     partner_top_m_ = std::max(partner_top_m_, partner_rise_m_);
     tilt_rad_ = motion_->tilt(up);
-    slip_m_ = (motion_->X_WTnow_WTref * grasp - grasp - (X_WH.translation() - grasp)).norm();
+    // along the lift: across it a flat or round object may not show how far it went
+    slip_m_ = std::abs(motion_->rise(grasp, up) - (X_WH.translation() - grasp).dot(up));
     sample.object_rise_m = motion_->rise(watch_.look().scene.target->cog, up);
     sample.tilt_rad = tilt_rad_;
     sample.slip_m = slip_m_;
@@ -212,8 +213,14 @@ void Job::back_to_pre_grasp() {
 // whether the object still stands as the scene was seen, so that what was decided on still holds
 bool Job::object_stays() const {
   if (!motion_) return true;
-  const hal::Vec3& cog = watch_.look().scene.target->cog;
-  return (motion_->X_WTnow_WTref * cog - cog).norm() < kMoved_m;
+  // a turn shows at the corners
+  const hal::OrientedBox& box = watch_.look().scene.target->obb;
+  for (int corner = 0; corner < 8; ++corner) {
+    const hal::Vec3 half(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5);
+    const hal::Vec3 p = box.center + box.axes * box.size.cwiseProduct(half);
+    if ((motion_->X_WTnow_WTref * p - p).norm() > kMoved_m) return false;
+  }
+  return true;
 }
 
 // where a grip failed, none is tried again
@@ -240,8 +247,7 @@ std::optional<Happening> Job::retreat() {
     return std::nullopt;
   }
   if (!failed_) return Happening{Event::BackHome, ""};
-  if (approaches_ < kGrips && off_because_ == Event::HandOpen && !lifted_)
-    return Happening{Event::TryAgain, failed_because_};
+  if (approaches_ < kGrips && !lifted_ && object_stays()) return Happening{Event::TryAgain, failed_because_};
   return Happening{Event::BackInVain, failed_because_};
 }
 

@@ -12,7 +12,7 @@ struct TaskConfig {
   double lift_height_m = 0.05;
   double lift_s = 2.0;
   double hold_s = 2.0;
-  double close_torque_nm = 0.75;
+  double close_torque_nm = 1.0;
   double stiffness_nm_rad = 1500.0;
   double max_tilt_deg = 5.0;
   double max_slip_m = 0.02;

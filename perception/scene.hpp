@@ -75,7 +75,8 @@ struct PartnerGrasp {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   std::size_t points =
       0;  ///< Changed points that the estimate rests on; 0 when the position was given by a person.
-  std::optional<Vec3> skin;  ///< Middle of the hands' visible skin: where it stays, no hand has moved (m).
+  std::optional<Vec3> skin =
+      std::nullopt;  ///< Middle of the hands' visible skin: where it stays, no hand has moved (m).
 };
 
 }  // namespace colift::perception

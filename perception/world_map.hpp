@@ -22,7 +22,7 @@ struct WorldMapConfig {
   double cell_m = 0.02;
   double max_range_m = 3.5;
   double robot_padding_m = 0.03;
-  hal::Vec3 min_m{-1.2, -1.2, -0.05}, max_m{1.6, 1.2, 1.6};
+  hal::Vec3 min_m{-1.2, -1.2, -0.05}, max_m{1.8, 1.2, 1.5};
 
   template <class Visitor>
   void visit(Visitor& v) {

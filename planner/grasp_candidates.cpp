@@ -202,6 +202,18 @@ bool CandidateFinder::same_when_turned(const Collision& met) const {
   return met.part == palm.part && palm.center_m.head<2>().norm() == 0.0;
 }
 
+std::optional<Collision> CandidateFinder::beside(const GraspCandidate& candidate) const {
+  if (candidate.kind != GraspKind::Edge || config_.side_clearance_m <= 0.0) return std::nullopt;
+  const Vec3 along = candidate.closing.cross(candidate.approach);
+  for (const double side : {-config_.side_clearance_m, config_.side_clearance_m}) {
+    GraspCandidate aside = candidate;
+    aside.position += side * along;
+    auto met = collision_->check(collision_->place(aside, seen()), obstacles_);
+    if (met && met->with == Collision::With::Object) return met;
+  }
+  return std::nullopt;
+}
+
 void CandidateFinder::judge(GraspCandidate& candidate) const {
   auto met = collides(candidate, std::numeric_limits<double>::infinity());
   const GraspCandidate first = candidate;
@@ -231,6 +243,11 @@ void CandidateFinder::judge(GraspCandidate& candidate) const {
     candidate.verdict = Verdict::Collision;
     candidate.because = met->text();
     candidate.miss_m = met->miss_m();
+  } else if (const auto near_by = beside(candidate)) {
+    candidate.verdict = Verdict::Collision;
+    candidate.because = fmt::format("{:.0f} mm aside {}: only part of what stands there is seen",
+                                    1e3 * config_.side_clearance_m, near_by->text());
+    candidate.miss_m = near_by->miss_m();
   } else if (candidate.stability && *candidate.stability < config_.stability.min_margin) {
     candidate.verdict = Verdict::Unstable;
     candidate.because = fmt::format("the fingers hold {:.0f} % of a share of {:.0f} N",

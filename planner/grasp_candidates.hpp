@@ -25,6 +25,7 @@ struct CandidateConfig {
   double min_length_m = 0.015;
   bool pads_bear = true;
   bool edges = true;
+  double side_clearance_m = 0.0;
   double assumed_thickness_m = 0.03;
   double edge_probe_m = 0.03;
   double edge_jump_m = 0.04;
@@ -48,6 +49,10 @@ struct CandidateConfig {
       "Whether the load is taken to hang where the pads press, behind the face; the thesis takes the face "
       "itself.");
     v("edges", edges, "Whether rims of plates are grasped.");
+    v("side_clearance_m", side_clearance_m, hal::Range{0, 0.2},
+      "A hand on a rim that would meet the object this far aside is refused: of a leg only the faces towards "
+      "the camera "
+      "are seen (m).");
     v("assumed_thickness_m", assumed_thickness_m, hal::Range{0.001, 0.5},
       "Of a plate whose edge was not seen (m).");
     v("edge_probe_m", edge_probe_m, hal::Range{0.001, 0.2}, "How far beyond a rim the view is tested (m).");
@@ -106,6 +111,8 @@ class CandidateFinder {
   /// A gap that keeps the fingers off the ground, if there is one with which they still hold.
   [[nodiscard]] std::optional<double> raised_gap(const GraspCandidate& candidate, const Collision& met) const;
   /// A palm in the middle of the hand meets the same when the hand is turned by half a turn.
+  /// What a hand on a rim would meet of the object if it stood a little aside.
+  [[nodiscard]] std::optional<Collision> beside(const GraspCandidate& candidate) const;
   [[nodiscard]] bool same_when_turned(const Collision& met) const;
   /// What is `enough_m` deep ends the search.
   [[nodiscard]] std::optional<Collision> collides(const GraspCandidate& candidate, double enough_m) const;

@@ -12,7 +12,7 @@ using perception::CellGrid;
 using perception::CellState;
 
 /// How far the fields reach beyond the margin: the largest group of spheres that is asked for at once (m).
-constexpr double kInHisHands = 0.13;  // beyond the partner clearance (m)
+constexpr double kInHisHands = 0.17;  // beyond the partner clearance (m)
 constexpr double kReach = 0.28;
 
 using Cell = std::array<int, 3>;
@@ -135,7 +135,7 @@ CollisionScene make_collision_scene(const perception::WorldMap& map, const hal::
     const Cell c = cell_of(grid, middle);
     const bool inside =
         c[0] >= 0 && c[1] >= 0 && c[2] >= 0 && c[0] < grid.nx && c[1] < grid.ny && c[2] < grid.nz;
-    if (!inside || in_his_hands[index_of(grid, c[0], c[1], c[2])] == 0)
+    if (inside && in_his_hands[index_of(grid, c[0], c[1], c[2])] == 0)
       scene.carried_W.push_back(middle.cast<float>());
     if (!inside) continue;
     target[index_of(grid, c[0], c[1], c[2])] = 1;
