@@ -63,10 +63,24 @@ TEST_CASE("cells at the ground are the ground's, those above are obstacles") {
   CHECK(scene.obstacles.distance({0.51f, -0.49f, 0.05f}) == 0.0f);
 }
 
+TEST_CASE("unseen space around the robot's own axis is free") {
+  const test::CollisionWorld world;
+  planner::SceneConfig config;
+  config.out_of_view_is_obstacle = true;
+  config.own_space_m = 0.0;
+  const auto strict = planner::make_collision_scene(world.map, world.ground, {}, config);
+  config.own_space_m = 0.5;
+  const auto usual = planner::make_collision_scene(world.map, world.ground, {}, config);
+  const Eigen::Vector3f behind(-0.25f, 0.0f, 0.6f);
+  CHECK(strict.arm_obstacles.distance(behind) == 0.0f);
+  CHECK(usual.arm_obstacles.distance(behind) > 0.0f);
+}
+
 TEST_CASE("hidden space keeps the arm out but not the hand, and only as configured") {
   const test::CollisionWorld world;
   const auto& grid = world.map.grid();
   planner::SceneConfig config;
+  config.own_space_m = 0.0;
   const auto usual = planner::make_collision_scene(world.map, world.ground, {}, config);
   config.hidden_is_obstacle = false;
   const auto seen_only = planner::make_collision_scene(world.map, world.ground, {}, config);
@@ -167,20 +181,35 @@ TEST_CASE("a carried object may leave what it stood on upwards, and meet nothing
     fast.set_carry_origin(X_WH);
     return fast;
   };
+  // a post: fewer cells beside the target would be a speck of the depth image
+  const auto post = [](const hal::Vec3& top) {
+    std::vector<hal::Vec3> cells;
+    for (int i = 0; i < 14; ++i) cells.push_back(top - hal::Vec3(0, 0, 0.02 * i));
+    return cells;
+  };
+  const auto plate = [](const hal::Vec3& middle) {
+    std::vector<hal::Vec3> cells;
+    for (int i = -2; i <= 2; ++i)
+      for (int j = -2; j <= 2; ++j) cells.push_back(middle + hal::Vec3(0.02 * i, 0.02 * j, 0));
+    return cells;
+  };
   auto nothing_near = carrying(scene_with({}));
   CHECK(nothing_near.is_free(q));
   CHECK(nothing_near.is_free(turned(0.2)));
 
   // an obstacle where the end of the bar will come to
   const hal::Vec3 swung = Eigen::AngleAxisd(0.2, hal::Vec3::UnitZ()) * end;
-  auto in_the_way = carrying(scene_with({swung}));
+  auto in_the_way = carrying(scene_with(post(swung + hal::Vec3(0, 0, 0.06))));
   CHECK(in_the_way.is_free(q));
   const Touch touch = in_the_way.what_touches(turned(0.2));
   CHECK(touch.with == Touch::With::Carried);
   CHECK(touch.text().find("the carried object") == 0);
 
+  // a lone cell there is a speck
+  CHECK(carrying(scene_with({swung})).is_free(turned(0.2)));
+
   // a support two cells below is touched at the start, and excused only while the bar rises
-  auto supported = carrying(scene_with({end - hal::Vec3(0, 0, 0.04)}));
+  auto supported = carrying(scene_with(plate(end - hal::Vec3(0, 0, 0.04))));
   CHECK(supported.is_free(q));
   hal::JointVector down = q;
   down[1] += 0.06;
