@@ -37,5 +37,5 @@ TEST_CASE("random tables are lifted level, with the wanted share", "[lifts]") {
 
 // a hand around the far end of a box is seen up to 7 cm beside its place, and the share with it
 TEST_CASE("random boxes are lifted level", "[lifts]") {
-  check(sim_hal::RandomKind::Box, 26, {.lifted = 0.92, .share_within = 0.6, .partner_p90_m = 0.07});
+  check(sim_hal::RandomKind::Box, 26, {.lifted = 0.92, .share_within = 0.5, .partner_p90_m = 0.07});
 }
