@@ -89,7 +89,7 @@ bool Job::cycle(const JobHooks& hooks) {
     if (const auto sent = robot_.arm->command(cycle_.step(arm_)); !sent && !is_end(state_))
       if (refused_commands_++ == 0) lose("arm", sent.error().text());
   }
-  if (now_ - told_ >= kTellEvery) tell(hooks, false);
+  if (now_ - told_ >= kTellEvery) tell(hooks);
   return !is_end(state_);
 }
 
@@ -116,7 +116,7 @@ void Job::apply(const Happening& happening, const JobHooks& hooks) {
     if (from == Task::Close || from == Task::Verify) refuse_grip("a grip here failed: " + happening.detail);
   enter(from);
   if (hooks.changed) hooks.changed(from, state_);
-  tell(hooks, true);
+  tell(hooks);
 }
 
 void Job::enter(Task from) {
@@ -192,7 +192,7 @@ void Job::enter(Task from) {
   }
 }
 
-void Job::tell(const JobHooks& hooks, bool) {
+void Job::tell(const JobHooks& hooks) {
   told_ = now_;
   if (!hooks.status) return;
   JobStatus s;

@@ -71,7 +71,7 @@ class Job {
   [[nodiscard]] std::optional<Happening> work();
   void apply(const Happening& happening, const JobHooks& hooks);
   void enter(Task from);
-  void tell(const JobHooks& hooks, bool changed);
+  void tell(const JobHooks& hooks);
   [[nodiscard]] bool follow(const planner::Trajectory& way);
 
   [[nodiscard]] double in_state_s() const { return hal::seconds(now_ - since_); }

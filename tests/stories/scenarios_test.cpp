@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <filesystem>
-#include <set>
 #include <string>
 
 #include "sim_hal/scenario/scenario.hpp"

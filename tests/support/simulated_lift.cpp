@@ -12,19 +12,6 @@
 #include "sim_hal/mujoco/sim_devices.hpp"
 
 namespace colift::tests {
-namespace {
-
-class WorldClock final : public hal::Clock {
- public:
-  explicit WorldClock(const hal::Clock& clock) : clock_(clock) {}
-  [[nodiscard]] hal::Timestamp now() const override { return clock_.now(); }
-
- private:
-  const hal::Clock& clock_;
-};
-
-}  // namespace
-
 SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method, std::uint64_t seed,
                        control::Config config) {
   const hal::RobotModel& model = hal::built_in_robot();
@@ -35,7 +22,7 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
   robot.arm = std::make_unique<hal::GuardedArm>(sim_hal::make_sim_arm(*world), model, config.guard_arm);
   robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(*world), config.guard_hand);
   robot.camera = sim_hal::make_sim_camera(*world);
-  robot.clock = std::make_unique<WorldClock>(world->clock());
+  robot.clock = sim_hal::make_sim_clock(*world);
 
   config.task.lift_height_m = scenario.task.height;
   config.task.hold_s = scenario.task.hold_s;

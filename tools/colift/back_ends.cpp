@@ -27,16 +27,6 @@ struct RobotFile {
   }
 };
 
-// the world's clock, behind a pointer of its own as every robot has one
-class WorldClock final : public hal::Clock {
- public:
-  explicit WorldClock(const hal::Clock& clock) : clock_(clock) {}
-  [[nodiscard]] hal::Timestamp now() const override { return clock_.now(); }
-
- private:
-  const hal::Clock& clock_;
-};
-
 picture::Solid to_solid(const sim_hal::Shape& shape) {
   using From = sim_hal::Shape::Kind;
   using To = picture::Solid::Kind;
@@ -158,7 +148,7 @@ hal::Result<Rig> open_rig(const std::optional<std::filesystem::path>& robot,
       std::make_unique<hal::GuardedArm>(sim_hal::make_sim_arm(*shared), *rig.model, config.guard_arm);
   rig.robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(*shared), config.guard_hand);
   rig.robot.camera = sim_hal::make_sim_camera(*shared);
-  rig.robot.clock = std::make_unique<WorldClock>(shared->clock());
+  rig.robot.clock = sim_hal::make_sim_clock(*shared);
   rig.X_WC = sim_hal::camera_pose(read->camera);
   rig.home_rad = shared->arm_state().q_rad;
   rig.truth = truth_of(shared, rig.model);
