@@ -17,7 +17,7 @@ class LatestValue {
   /// Writing thread only.
   void write(const T& value) {
     places_[back_] = value;
-    back_ = between_.exchange(static_cast<unsigned>(back_) | kNew, std::memory_order_acq_rel) & kPlace;
+    back_ = between_.exchange(back_ | kNew, std::memory_order_acq_rel) & kPlace;
   }
 
   /// Reading thread only: true when there was a newer value than the last one read.

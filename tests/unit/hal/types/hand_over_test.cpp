@@ -15,7 +15,8 @@ namespace {
 /// Torn when its parts disagree.
 struct Whole {
   std::array<std::uint64_t, 32> parts{};
-  explicit Whole(std::uint64_t x = 0) { parts.fill(x); }
+  Whole() = default;
+  explicit Whole(std::uint64_t x) { parts.fill(x); }
   [[nodiscard]] bool torn() const {
     for (const std::uint64_t p : parts)
       if (p != parts[0]) return true;
