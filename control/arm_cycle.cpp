@@ -77,7 +77,7 @@ hal::Result<> ArmCycle::follow(std::shared_ptr<const planner::Trajectory> way) {
   lag_at_start_ = rest_lag_;
   contact_ = hal::Wrench{};
   armed_ = true;
-  why_ = Contact::None;
+  blocked_ = {};
   return {};
 }
 
@@ -93,7 +93,7 @@ void ArmCycle::run_way(double rate) {
   if (!on_way_) return;
   mode_ = Mode::Way;
   rate_goal_ = rate;
-  why_ = Contact::None;
+  blocked_ = {};
   armed_ = false;  // until it is quiet: the way back from a contact begins in it
 }
 
@@ -221,19 +221,18 @@ void ArmCycle::watch(const hal::ArmState& state, double dt_s) {
   const double part = limits_.contact_filter_s > 0.0 ? 1.0 - std::exp(-dt_s / limits_.contact_filter_s) : 1.0;
   contact_.force += part * (now.force - contact_.force);
   const double force = contact_.force.norm();
-  lag_rad_ = (lag - lag_at_start_).cwiseAbs().maxCoeff(&lag_joint_);
-  const bool quiet = force < kArmAgain * contact_limit_n_ && lag_rad_ < kArmAgain * limits_.follow_error_rad;
+  int joint = 0;
+  const double lag_rad = (lag - lag_at_start_).cwiseAbs().maxCoeff(&joint);
+  const bool quiet = force < kArmAgain * contact_limit_n_ && lag_rad < kArmAgain * limits_.follow_error_rad;
   armed_ = armed_ || quiet;
-  if (!watch_ || !armed_ || why_ != Contact::None) return;
+  if (!watch_ || !armed_ || blocked()) return;
+  Contact why = Contact::None;
   if (force > contact_limit_n_)
-    why_ = Contact::Force;
-  else if (lag_rad_ > limits_.follow_error_rad)
-    why_ = Contact::Lag;
-  if (why_ != Contact::None) {
-    seen_n_ = force;
-    seen_lag_rad_ = lag_rad_;
-    seen_joint_ = lag_joint_;
-  }
+    why = Contact::Force;
+  else if (lag_rad > limits_.follow_error_rad)
+    why = Contact::Lag;
+  if (why != Contact::None)
+    blocked_ = {why, force, contact_limit_n_, joint, lag_rad, limits_.follow_error_rad};
 }
 
 bool ArmCycle::at_rest() const {
@@ -251,12 +250,13 @@ double ArmCycle::progress() const {
   return way_s_ / way_->duration_s();
 }
 
-std::string ArmCycle::why_blocked() const {
-  if (why_ == Contact::Force)
-    return fmt::format("met something with {:.0f} N on the way (limit {:.0f} N)", seen_n_, contact_limit_n_);
-  if (why_ == Contact::Lag)
-    return fmt::format("A{} does not follow: {:.3f} rad behind (limit {:.3f} rad)", seen_joint_ + 1,
-                       seen_lag_rad_, limits_.follow_error_rad);
+std::string describe(const ArmCycle::Blockage& b) {
+  using Contact = ArmCycle::Contact;
+  if (b.why == Contact::Force)
+    return fmt::format("met something with {:.0f} N on the way (limit {:.0f} N)", b.force_n, b.force_limit_n);
+  if (b.why == Contact::Lag)
+    return fmt::format("A{} does not follow: {:.3f} rad behind (limit {:.3f} rad)", b.joint + 1, b.lag_rad,
+                       b.lag_limit_rad);
   return {};
 }
 

@@ -37,6 +37,15 @@ struct CycleLimits {
 /// at rest: whatever was going on is over then (starts() tells), and the cycle holds.
 class ArmCycle {
  public:
+  enum class Contact { None, Force, Lag };
+  /// What ended a way, and the limit that it broke.
+  struct Blockage {
+    Contact why = Contact::None;
+    double force_n = 0.0, force_limit_n = 0.0;
+    int joint = 0;  ///< That lags most, from 0.
+    double lag_rad = 0.0, lag_limit_rad = 0.0;
+  };
+
   ArmCycle(const hal::RobotModel& model, const TaskConfig& task, const CycleLimits& limits = {});
 
   /// Comes to rest (a way: on the path) and stays there. A halted way can be resumed or run back.
@@ -72,20 +81,21 @@ class ArmCycle {
   [[nodiscard]] const hal::JointVector& commanded() const { return q_; }
   /// Counts the starts from the measured pose; a change says that a motion was cut off.
   [[nodiscard]] std::uint32_t starts() const { return starts_; }
+  /// The controller takes commands; else the cycle repeats the measured pose.
+  [[nodiscard]] bool running() const { return running_; }
 
   /// While a way is followed: a force at the palm above TaskConfig::contact_n since the way began, or an arm
   /// that does not follow. Latched until the next follow(), resume() or back(). The watch only tells; whoever
   /// asks calls hold(). Switched off by watch_contact(false), as for the last way into the object.
-  [[nodiscard]] bool blocked() const { return why_ != Contact::None; }
-  /// Why, as a sentence with numbers. Allocates.
-  [[nodiscard]] std::string why_blocked() const;
+  [[nodiscard]] bool blocked() const { return blocked_.why != Contact::None; }
+  /// Why, with numbers; describe() makes a sentence of it.
+  [[nodiscard]] const Blockage& blockage() const { return blocked_; }
   void watch_contact(bool on) { watch_ = on; }
   /// Force at the palm against what was felt at rest before the way began (N).
   [[nodiscard]] double contact_force_n() const { return contact_.force.norm(); }
 
  private:
   enum class Mode { Hold, Way, Servo };
-  enum class Contact { None, Force, Lag };
 
   void start_from(const hal::ArmState& state, bool usable);
   void step_hold(double dt_s);
@@ -115,12 +125,13 @@ class ArmCycle {
   double way_s_ = 0.0, rate_ = 0.0, rate_slope_ = 0.0, rate_goal_ = 0.0;
 
   bool watch_ = true, armed_ = true;
-  Contact why_ = Contact::None;
+  Blockage blocked_;
   hal::Wrench contact_;
   hal::JointVector rest_tau_ = hal::JointVector::Zero(), tare_ = hal::JointVector::Zero();
   hal::JointVector rest_lag_ = hal::JointVector::Zero(), lag_at_start_ = hal::JointVector::Zero();
-  double lag_rad_ = 0.0, seen_n_ = 0.0, seen_lag_rad_ = 0.0;
-  int lag_joint_ = 0, seen_joint_ = 0;
 };
+
+/// A blockage as a sentence with numbers; empty when there is none.
+[[nodiscard]] std::string describe(const ArmCycle::Blockage& blockage);
 
 }  // namespace colift::control

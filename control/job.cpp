@@ -10,7 +10,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr hal::Duration kTellEvery = 33ms;
-constexpr int kCyclesAtEnd = 20;  // the arm gets its last set point some more times before it is left alone
 
 planner::ArmGeometry geometry_of(const hal::RobotModel& model) {
   // every model that load_robot() lets pass has this arm
@@ -29,9 +28,7 @@ Job::Job(hal::Robot& robot, const RigView& rig, const Config& config, const JobO
       geometry_(geometry_of(rig.model)),
       watch_(options.method, config_, rig, stopwatch),
       planner_(std::make_unique<planner::MotionPlanner>(rig.model, rig.hand, config.motion, options.seed)),
-      cycle_(rig.model, config.task),
-      load_(rig.model, config.load),
-      lift_(rig.model, geometry_, config.task) {}
+      loop_(*robot.arm, rig.model, geometry_, config.task, config.load, options.drive) {}
 
 std::optional<Happening> Job::work() {
   switch (state_) {
@@ -76,7 +73,6 @@ std::optional<Happening> Job::work() {
 
 bool Job::cycle(const JobHooks& hooks) {
   read_devices();
-  load_.update(arm_.measured_at, arm_.q_rad, arm_.tau_external_nm);
   // trouble first; where it means nothing, the work goes on
   const auto trouble = emergency(hooks);
   if (trouble && next(state_, trouble->event)) {
@@ -84,10 +80,10 @@ bool Job::cycle(const JobHooks& hooks) {
   } else if (const auto happening = work()) {
     apply(*happening, hooks);
   }
-  // a cycle that was missed has no answer
-  if (arm_misses_ == 0) {
-    if (const auto sent = robot_.arm->command(cycle_.step(arm_)); !sent && !is_end(state_))
-      if (refused_commands_++ == 0) lose("arm", sent.error().text());
+  loop_.end_cycle();
+  if (loop_.view().refused_commands > 0 && !refusal_told_ && !is_end(state_)) {
+    refusal_told_ = true;
+    lose("arm", loop_.view().refusal.str());
   }
   if (now_ - told_ >= kTellEvery) tell(hooks);
   return !is_end(state_);
@@ -135,16 +131,16 @@ void Job::enter(Task from) {
       moved_ = true;
       ++approaches_;
       leg_ = 0;
-      load_.start_tare();
+      loop_.start_tare();
       if (const auto opened = robot_.hand->preshape(0.0); !opened) lose("hand", opened.error().text());
-      starts_ = cycle_.starts();
+      starts_ = loop_.starts();
       (void)follow(record_.plan->transit);
       break;
     case Task::Halt:
-      cycle_.hold();
+      loop_.hold();
       break;
     case Task::BackOff:
-      cycle_.hold();
+      loop_.hold();
       was_near_ = leg_ == 1;
       leg_ = 2;
       break;
@@ -159,9 +155,8 @@ void Job::enter(Task from) {
       break;
     case Task::Lift:
       lifted_ = true;
-      served_at_ = settled_at_ = now_;
-      lift_.start(cycle_.commanded());
-      lift_.lift(role_);
+      settled_at_ = now_;
+      loop_.start_lift(role_);
       break;
     case Task::Hold:
       hold_load_n_ = NAN;
@@ -170,11 +165,11 @@ void Job::enter(Task from) {
     case Task::Lower:
       summarise_hold();
       settled_at_ = now_;
-      lift_.lower();
+      loop_.lower();
       break;
     case Task::Release:
-      cycle_.hold();
-      cycle_.superpose(hal::JointVector::Zero());
+      loop_.hold();
+      loop_.unload();
       if (const auto opening = robot_.hand->release(); !opening) lose("hand", opening.error().text());
       break;
     case Task::Retreat:
@@ -185,7 +180,7 @@ void Job::enter(Task from) {
     case Task::Refused:
     case Task::Aborted:
     case Task::Done:
-      cycle_.hold();
+      loop_.hold();
       break;
     default:
       break;
@@ -204,7 +199,7 @@ void Job::tell(const JobHooks& hooks) {
   s.done = done_;
   if (const auto grasp = watch_.tracker().grasp()) s.partner_W = grasp->position;
   s.partner_note = partner_note_;
-  s.load_n = load_.load_n();
+  s.load_n = loop_.view().load_n;
   if (is_loaded(state_) && !record_.curve.empty()) {
     const LiftSample& last = record_.curve.back();
     s.height_m = last.palm_height_m;
@@ -216,12 +211,7 @@ void Job::tell(const JobHooks& hooks) {
 
 RunRecord Job::finish() {
   // at rest before it is left alone, whatever it was doing
-  for (int i = 0; i < 400 && (i < kCyclesAtEnd || !cycle_.at_rest()) && !arm_silent_; ++i) {
-    auto state = robot_.arm->wait_cycle();
-    if (!state) break;
-    arm_ = *state;
-    (void)robot_.arm->command(cycle_.step(arm_));
-  }
+  loop_.finish();
   record_.hand_keeps_grip = hand_.held;
   robot_.hand->stop();
   robot_.arm->deactivate();

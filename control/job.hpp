@@ -6,9 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "control/arm_cycle.hpp"
-#include "control/lift_controller.hpp"
-#include "control/load_estimator.hpp"
+#include "control/arm_loop.hpp"
 #include "control/task_runner.hpp"
 
 namespace colift::control {
@@ -64,7 +62,7 @@ class Job {
   [[nodiscard]] bool object_stays() const;
   void refuse_grip(const std::string& why);
   void watch_object();
-  [[nodiscard]] std::optional<Happening> serve_lift();
+  [[nodiscard]] std::optional<Happening> serve_lift() const;
   [[nodiscard]] std::optional<Happening> beyond_limits() const;
   void summarise_hold();
 
@@ -97,7 +95,6 @@ class Job {
   std::optional<hal::DepthFrame> frame_;  ///< New in this cycle.
   std::vector<float> last_depth_m_;
   hal::Timestamp frame_at_{0}, hand_at_{0}, reopen_at_{0};
-  int arm_misses_ = 0;
   bool camera_lost_ = false, hand_silent_ = false, arm_silent_ = false;
   std::string arm_trouble_, hand_trouble_;
 
@@ -105,8 +102,7 @@ class Job {
   Watch watch_;
   std::unique_ptr<planner::MotionPlanner> planner_;
   hal::JointVector home_rad_ = hal::JointVector::Zero();
-  ArmCycle cycle_;
-  LoadEstimator load_;
+  ArmLoop loop_;
   std::vector<planner::GraspCandidate>
       judged_;  ///< Of the look, with reach: what every decision starts from.
   std::vector<planner::GraspCandidate> refused_;  ///< In this decision, because no way leads there.
@@ -120,17 +116,17 @@ class Job {
       0;  ///< Of the way there: 0 transit, 1 straight approach; of the way back: 2 braking, 3 back, 4 home.
   bool was_near_ = false;  ///< The way back began on the straight approach.
   bool moved_ = false;
-  int approaches_ = 0, refused_commands_ = 0;
+  int approaches_ = 0;
+  bool refusal_told_ = false;
   std::uint32_t starts_ = 0;  ///< Of the arm cycle when the way began.
   Event off_because_ = Event::PartnerMoved;
   hal::Timestamp waits_since_{0};
 
   // with the object
-  LiftController lift_;
   LiftController::Role role_ = LiftController::Role::Lead;
   hal::Pose X_WH_closed_ = hal::Pose::Identity();
   std::optional<perception::ObjectMotion> motion_;
-  hal::Timestamp served_at_{0}, settled_at_{0};
+  hal::Timestamp settled_at_{0};
   double partner_rise_m_ = 0.0, partner_top_m_ = 0.0, tilt_rad_ = NAN, slip_m_ = NAN;
   int slipping_ = 0, tilting_ = 0;
   double hold_load_n_ = NAN;

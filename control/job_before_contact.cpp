@@ -135,7 +135,7 @@ std::optional<Happening> Job::plan() {
   for (int i = 0; i < kTries; ++i) {
     auto& candidates = record_.decision->candidates;
     auto& chosen = candidates[*record_.decision->decision.chosen];
-    auto plan = planner_->plan(cycle_.commanded(), chosen, config_.task.lift_height_m);
+    auto plan = planner_->plan(loop_.commanded(), chosen, config_.task.lift_height_m);
     if (plan) {
       record_.timing.plan_ms = 1e3 * hal::seconds(stopwatch_.now() - start);
       record_.plan = std::move(*plan);
@@ -156,7 +156,7 @@ std::optional<Happening> Job::plan() {
 
 bool Job::follow(const planner::Trajectory& way) {
   if (way.empty()) return true;
-  const auto started = cycle_.follow(std::make_shared<planner::Trajectory>(way));
+  const auto started = loop_.follow(way);
   if (!started) failed_because_ = started.error().detail;
   return started.has_value();
 }
@@ -168,20 +168,20 @@ std::optional<Happening> Job::approach() {
     const bool moved = event->kind == PartnerEvent::Kind::Moved;
     return Happening{moved ? Event::PartnerMoved : Event::PartnerLetGo, event->because};
   }
-  if (cycle_.blocked()) return Happening{Event::Blocked, cycle_.why_blocked()};
-  if (cycle_.starts() != starts_)
+  if (loop_.blocked()) return Happening{Event::Blocked, loop_.why_blocked()};
+  if (loop_.starts() != starts_)
     return Happening{Event::Blocked, "the arm's controller interrupted the motion"};
   const double whole = plan.transit.duration_s() + plan.approach.duration_s();
   const double behind = leg_ == 0
-                            ? cycle_.progress() * plan.transit.duration_s()
-                            : plan.transit.duration_s() + cycle_.progress() * plan.approach.duration_s();
+                            ? loop_.progress() * plan.transit.duration_s()
+                            : plan.transit.duration_s() + loop_.progress() * plan.approach.duration_s();
   done_ = whole > 0.0 ? behind / whole : 1.0;
   doing_ = leg_ == 0 ? "on the way to the pre-grasp" : "straight to the grasp";
   if (in_state_s() > 2.0 * whole + 5.0) return Happening{Event::TimeOut, "the way takes too long"};
-  if (hand_.moving || !cycle_.done()) return std::nullopt;
+  if (hand_.moving || !loop_.done()) return std::nullopt;
   if (leg_ == 0) {
     leg_ = 1;
-    load_.end_tare();
+    loop_.end_tare();
     if (!follow(plan.approach)) return Happening{Event::Blocked, failed_because_};
     return std::nullopt;
   }
@@ -203,15 +203,15 @@ std::optional<Happening> Job::back_off() {
     return Happening{in_vain ? Event::BackInVain : Event::BackHome, where};
   };
   if (leg_ == 2) {  // braking
-    if (!cycle_.at_rest()) return std::nullopt;
+    if (!loop_.at_rest()) return std::nullopt;
     if (off_because_ == Event::PartnerMoved && !was_near_ && !in_vain)
       return back("at rest, clear of the object");
-    cycle_.back(kBackSpeed);
+    loop_.back(kBackSpeed);
     leg_ = 3;
     return std::nullopt;
   }
-  if (cycle_.blocked()) return Happening{Event::Blocked, cycle_.why_blocked()};
-  if (!cycle_.done() || !cycle_.at_rest()) return std::nullopt;
+  if (loop_.blocked()) return Happening{Event::Blocked, loop_.why_blocked()};
+  if (!loop_.done() || !loop_.at_rest()) return std::nullopt;
   if (leg_ == 3 && was_near_) {
     // clear of the object: who only moved his hand is followed from here
     if (off_because_ == Event::PartnerMoved && !in_vain) return back("clear of the object");

@@ -11,6 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr hal::Duration kArmPatience = 2s;  // for the first cycle
 constexpr int kArmMisses = 20;  // cycles in a row; Franka stops at 20 too
 constexpr hal::Duration kHandSilent = 200ms;
 constexpr hal::Duration kCameraSilent = 300ms;
@@ -38,9 +39,8 @@ hal::Result<> Job::start_devices() {
   }
   began_ = now_ = since_ = frame_at_ = hand_at_ = waits_since_ = robot_.clock->now();
   wall_start_ = stopwatch_.now();
-  auto state = robot_.arm->wait_cycle();
-  if (!state) return tl::unexpected(state.error());
-  arm_ = *state;
+  if (auto started = loop_.start(kArmPatience); !started) return started;
+  arm_ = loop_.view().state;
   home_rad_ = arm_.q_commanded_rad;
   last_because_ = "starts to look";
   record_.states.push_back({hal::Timestamp(0), state_, last_because_});
@@ -53,14 +53,14 @@ void Job::lose(const std::string& device, const std::string& what) {
 }
 
 void Job::read_devices() {
-  if (auto state = robot_.arm->wait_cycle()) {
-    arm_ = *state;
-    arm_misses_ = 0;
+  loop_.begin_cycle();
+  const ArmView& view = loop_.view();
+  arm_ = view.state;
+  if (view.misses == 0) {
     arm_silent_ = false;
   } else {
-    ++arm_misses_;
-    arm_trouble_ = state.error().text();
-    const bool gone = state.error().code != hal::ErrorCode::Timeout || arm_misses_ >= kArmMisses;
+    arm_trouble_ = view.trouble.str();
+    const bool gone = view.link_lost || view.misses >= kArmMisses;
     if (gone && !arm_silent_) lose("arm", arm_trouble_);
     arm_silent_ = arm_silent_ || gone;
   }

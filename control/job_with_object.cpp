@@ -70,7 +70,7 @@ void Job::watch_object() {
   sample.state = state_;
   const hal::Pose X_WH = palm();
   sample.palm_height_m = X_WH.translation().z() - X_WH_closed_.translation().z();
-  sample.load_n = load_.load_n();
+  sample.load_n = loop_.view().load_n;
   sample.object_rise_m = sample.tilt_rad = sample.slip_m = NAN;
   if (motion_) {
     const hal::Vec3 grasp = X_WH_closed_.translation();
@@ -82,7 +82,7 @@ void Job::watch_object() {
     sample.object_rise_m = motion_->rise(watch_.look().scene.target->cog, up);
     sample.tilt_rad = tilt_rad_;
     sample.slip_m = slip_m_;
-    lift_.see_partner(partner_rise_m_);
+    loop_.see_partner(partner_rise_m_);
     tilting_ = deg(tilt_rad_) > config_.task.max_tilt_deg ? tilting_ + 1 : 0;
     slipping_ = slip_m_ > config_.task.max_slip_m ? slipping_ + 1 : 0;
   }
@@ -120,38 +120,34 @@ std::optional<Happening> Job::beyond_limits() const {
   if (slipping_ >= kInARow)
     return Happening{Event::LimitReached, fmt::format("the object slips {:.0f} mm in the hand (limit {:.0f})",
                                                       1e3 * slip_m_, 1e3 * config_.task.max_slip_m)};
-  if (load_.load_n() > config_.task.max_load_n)
+  if (loop_.view().load_n > config_.task.max_load_n)
     return Happening{Event::LimitReached, fmt::format("the load of {:.0f} N is above the limit of {:.0f} N",
-                                                      load_.load_n(), config_.task.max_load_n)};
+                                                      loop_.view().load_n, config_.task.max_load_n)};
   return std::nullopt;
 }
 
-std::optional<Happening> Job::serve_lift() {
-  const double dt = hal::seconds(now_ - served_at_);
-  served_at_ = now_;
-  const auto command = lift_.step(dt, load_.wrench_W());
-  if (!command) return Happening{Event::LimitReached, "the arm has come to the end of its reach"};
-  cycle_.servo(command->q_rad, command->tau_superposed_nm);
-  return std::nullopt;
+std::optional<Happening> Job::serve_lift() const {
+  if (!loop_.end_of_reach()) return std::nullopt;
+  return Happening{Event::LimitReached, "the arm has come to the end of its reach"};
 }
 
 std::optional<Happening> Job::lift() {
   watch_object();
   if (auto stuck = serve_lift()) return stuck;
-  done_ = lift_.height_m() / config_.task.lift_height_m;
+  done_ = loop_.view().height_m / config_.task.lift_height_m;
   doing_ =
-      lift_.role() == LiftController::Role::Lead ? "lifts, the partner comes along" : "follows the partner";
+      loop_.view().role == LiftController::Role::Lead ? "lifts, the partner comes along" : "follows the partner";
   if (auto limit = beyond_limits()) return limit;
   if (in_state_s() > config_.task.lift_s + config_.task.patience_s)
     return Happening{Event::TimeOut,
-                     fmt::format("{:.1f} cm after {:.0f} s", 1e2 * lift_.height_m(), in_state_s())};
-  if (!lift_.at_rest()) {
+                     fmt::format("{:.1f} cm after {:.0f} s", 1e2 * loop_.view().height_m, in_state_s())};
+  if (!loop_.lift_at_rest()) {
     settled_at_ = now_;
     return std::nullopt;
   }
   if (hal::seconds(now_ - settled_at_) < kSettle_s) return std::nullopt;
   return Happening{Event::AtHeight, fmt::format("{:.1f} cm up, tilt {:.1f} deg, load {:.0f} N",
-                                                1e2 * lift_.height_m(), deg(tilt_rad_), load_.load_n())};
+                                                1e2 * loop_.view().height_m, deg(tilt_rad_), loop_.view().load_n)};
 }
 
 std::optional<Happening> Job::hold() {
@@ -162,14 +158,14 @@ std::optional<Happening> Job::hold() {
   done_ = in_state_s() / std::max(config_.task.hold_s, 1e-3);
   doing_ = "holds the object up";
   if (auto limit = beyond_limits()) return limit;
-  const double load = load_.load_n();
+  const double load = loop_.view().load_n;
   // slow mean of the load; what deviates quickly is news
   const double a = std::isnan(hold_load_n_) ? 1.0 : 0.005;
   if (std::isnan(hold_load_n_)) hold_load_n_ = load;
   const bool fell = motion_ && partner_top_m_ - partner_rise_m_ > kFell_m;
   const bool heavier = load > kLetGoLoad * hold_load_n_ && load > hold_load_n_ + kLetGoLoad_n;
   hold_load_n_ += a * (load - hold_load_n_);
-  if (lift_.role() == LiftController::Role::Follow && fell && !heavier)
+  if (loop_.view().role == LiftController::Role::Follow && fell && !heavier)
     return Happening{Event::HoldOver, "the partner lowers"};
   if (fell || heavier)
     return Happening{Event::PartnerLetGo, heavier ? fmt::format("the load grew to {:.0f} N", load)
@@ -182,14 +178,14 @@ std::optional<Happening> Job::hold() {
 std::optional<Happening> Job::lower() {
   watch_object();
   if (auto stuck = serve_lift()) return Happening{Event::OnGround, stuck->detail};
-  done_ = 1.0 - lift_.height_m() / std::max(config_.task.lift_height_m, 1e-3);
+  done_ = 1.0 - loop_.view().height_m / std::max(config_.task.lift_height_m, 1e-3);
   doing_ = "lowers together with the partner";
-  if (!lift_.at_rest()) {
+  if (!loop_.lift_at_rest()) {
     settled_at_ = now_;
     return std::nullopt;
   }
   if (hal::seconds(now_ - settled_at_) < kSettle_s) return std::nullopt;
-  return Happening{Event::OnGround, fmt::format("the load is {:.0f} N", load_.load_n())};
+  return Happening{Event::OnGround, fmt::format("the load is {:.0f} N", loop_.view().load_n)};
 }
 
 std::optional<Happening> Job::release() {
@@ -201,7 +197,7 @@ std::optional<Happening> Job::release() {
 
 void Job::back_to_pre_grasp() {
   // from where the arm is commanded now, which is the grasp but for what lift and lowering left over
-  std::vector<hal::JointVector> points{cycle_.commanded()};
+  std::vector<hal::JointVector> points{loop_.commanded()};
   const planner::Trajectory& way = record_.plan->retreat;
   const double s = way.duration_s();
   constexpr int kPoints = 12;
@@ -231,10 +227,10 @@ void Job::refuse_grip(const std::string& why) {
 
 std::optional<Happening> Job::retreat() {
   doing_ = leg_ == 0 ? "straight back" : "home";
-  if (cycle_.blocked()) return Happening{Event::Blocked, cycle_.why_blocked()};
+  if (loop_.blocked()) return Happening{Event::Blocked, loop_.why_blocked()};
   if (in_state_s() > 60.0) return Happening{Event::TimeOut, "the way home takes too long"};
   watch_object();
-  if (!cycle_.done() || !cycle_.at_rest()) return std::nullopt;
+  if (!loop_.done() || !loop_.at_rest()) return std::nullopt;
   if (leg_ == 0) {
     leg_ = 1;
     const auto& home = record_.plan->home;
@@ -242,7 +238,7 @@ std::optional<Happening> Job::retreat() {
       if (!follow(home)) return Happening{Event::Blocked, failed_because_};
       return std::nullopt;
     }
-    auto way = planner_->plan_to(cycle_.commanded(), home_rad_);
+    auto way = planner_->plan_to(loop_.commanded(), home_rad_);
     if (!way || !follow(*way)) return Happening{Event::Blocked, way ? failed_because_ : way.error().detail};
     return std::nullopt;
   }

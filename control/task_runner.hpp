@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "control/arm_loop.hpp"
 #include "control/run_record.hpp"
 #include "control/watch.hpp"
 #include "hal/robot.hpp"
@@ -40,12 +41,13 @@ struct JobOptions {
   std::uint64_t seed = 0;
   bool dry_run = false;        ///< Sees, decides and plans, moves nothing.
   double known_mass_kg = 0.0;  ///< Of the object, when somebody knows it; 0: estimated from the load.
+  Drive drive = Drive::InStep;
 };
 
 /// Does the whole job once: sees, waits for the partner, decides, plans, approaches, closes, lifts together,
 /// holds, lowers, releases, retreats. The rules stand in task_machine; here is what is done in each state.
-/// One thread: each cycle waits for the arm, looks whether the camera or the hand has news, and gives the arm
-/// its command.
+/// Each cycle looks what the arm, the hand and the camera have to say, and asks the arm's loop for what comes
+/// next. The loop runs in the same thread (simulation in lock step) or in its own (Drive).
 class TaskRunner {
  public:
   /// Robot, rig and configuration have to outlive the runner; `stopwatch` measures computing time only.

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "control/arm_loop.hpp"
 #include "control/config.hpp"
 #include "hal/robot.hpp"
 #include "hal/robot_model/robot_model.hpp"
@@ -32,6 +33,7 @@ struct Rig {
   hal::Robot robot;
   hal::Pose X_WC = hal::Pose::Identity();
   hal::JointVector home_rad = hal::JointVector::Zero();  ///< Where the arm stands at the start.
+  control::Drive drive = control::Drive::InStep;           ///< Who runs the arm's cycle.
   std::string name;
   std::optional<RigTruth> truth;
 };

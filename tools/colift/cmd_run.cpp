@@ -138,7 +138,8 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
     diary.truth.mass_kg = rig->truth->mass_kg;
     diary.truth.cog = rig->truth->cog;
   }
-  control::JobOptions job{*method, options.seed, options.dry_run, rig->truth ? rig->truth->mass_kg : 0.0};
+  control::JobOptions job{*method, options.seed, options.dry_run, rig->truth ? rig->truth->mass_kg : 0.0,
+                          rig->drive};
   const control::RigView view{*rig->model, setup->hand, setup->hand_tables, rig->X_WC};
   control::TaskRunner runner(rig->robot, view, setup->config, job, wall);
 

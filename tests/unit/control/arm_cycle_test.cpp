@@ -388,7 +388,7 @@ TEST_CASE("a push on the way is told within 10 ms, a lesser one or an old one is
     rig.step();
   }
   CHECK(cycles <= 10);
-  CHECK_THAT(rig.cycle.why_blocked(), Catch::Matchers::Contains("limit 30 N"));
+  CHECK_THAT(control::describe(rig.cycle.blockage()), Catch::Matchers::Contains("limit 30 N"));
 
   // back out of it: the contact that is still there does not count, a new one does
   rig.cycle.hold();
@@ -416,7 +416,7 @@ TEST_CASE("an arm that does not follow its command is told", "[cycle]") {
   }
   CHECK(rig.cycle.blocked());
   CHECK(lag < rig.limits.follow_error_rad + 0.002);
-  CHECK_THAT(rig.cycle.why_blocked(), Catch::Matchers::Contains("A7 does not follow"));
+  CHECK_THAT(control::describe(rig.cycle.blockage()), Catch::Matchers::Contains("A7 does not follow"));
 }
 
 TEST_CASE("answering a cycle allocates nothing", "[cycle]") {

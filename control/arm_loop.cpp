@@ -1,0 +1,177 @@
+#include "control/arm_loop.hpp"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <thread>
+
+#include "hal/types/latest_value.hpp"
+#include "hal/types/spsc_ring.hpp"
+
+namespace colift::control {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int kCyclesAtEnd = 20;    // the arm gets its last set point some more times before it is left alone
+constexpr int kMostCyclesAtEnd = 400;
+constexpr auto kTaskPeriod = 4ms;   // of a task that does not run the arm's cycle itself
+
+}  // namespace
+
+struct ArmLoop::Threaded {
+  hal::LatestValue<ArmView> views;
+  hal::SpscRing<ArmRequest, 64> requests;
+  std::atomic<bool> end{false}, ended{false};
+  std::thread thread;
+
+  void run(hal::Arm& arm, ArmMotion& motion);
+};
+
+void ArmLoop::Threaded::run(hal::Arm& arm, ArmMotion& motion) {
+  ArmRequest request;
+  int left = kMostCyclesAtEnd, rests = 0;
+  while (left > 0 && rests < kCyclesAtEnd) {
+    motion.measured(arm.wait_cycle());
+    while (requests.pop(request)) motion.take(request);
+    if (const auto command = motion.command()) motion.sent(arm.command(*command));
+    const ArmView& view = motion.view();
+    views.write(view);
+    if (!end.load(std::memory_order_relaxed)) continue;
+    --left;
+    if (view.at_rest || view.link_lost) ++rests;
+  }
+  ended.store(true);
+}
+
+ArmLoop::ArmLoop(hal::Arm& arm, const hal::RobotModel& model, const planner::ArmGeometry& geometry,
+                 const TaskConfig& task, const LoadConfig& load, Drive drive)
+    : arm_(arm),
+      motion_(model, geometry, task, load),
+      contact_limit_n_(task.contact_n),
+      thread_(drive == Drive::Thread ? std::make_unique<Threaded>() : nullptr) {}
+
+ArmLoop::~ArmLoop() {
+  finish();
+}
+
+hal::Result<> ArmLoop::start(hal::Duration patience) {
+  hal::Duration waited{0};
+  for (;;) {
+    auto state = arm_.wait_cycle();
+    motion_.measured(state);
+    if (state) break;
+    // a controller that paces slowly is waited for by its own cycles, each of which has an end
+    if (state.error().code != hal::ErrorCode::Timeout || (waited += kTaskPeriod) > patience)
+      return tl::unexpected(state.error());
+  }
+  if (const auto command = motion_.command()) motion_.sent(arm_.command(*command));
+  view_ = motion_.view();
+  if (thread_) thread_->thread = std::thread([this] { thread_->run(arm_, motion_); });
+  return {};
+}
+
+void ArmLoop::finish() noexcept {
+  if (thread_ && thread_->thread.joinable()) {
+    ask({ArmRequest::Kind::Hold, 0, nullptr, 0.0, {}});
+    thread_->end = true;
+    thread_->thread.join();
+    (void)thread_->views.read(view_);
+    thread_.reset();
+  } else if (!thread_ && view_.cycles > 0 && !view_.link_lost) {
+    motion_.take({ArmRequest::Kind::Hold, ++last_id_, nullptr, 0.0, {}});
+    for (int i = 0; i < kMostCyclesAtEnd && (i < kCyclesAtEnd || !motion_.view().at_rest); ++i) {
+      begin_cycle();
+      if (view_.misses > 0) break;
+      end_cycle();
+    }
+    view_.cycles = 0;  // finished
+  }
+}
+
+void ArmLoop::begin_cycle() {
+  if (thread_) {
+    std::this_thread::sleep_for(kTaskPeriod);
+    (void)thread_->views.read(view_);
+    return;
+  }
+  motion_.measured(arm_.wait_cycle());
+  view_ = motion_.view();
+}
+
+void ArmLoop::end_cycle() {
+  if (thread_) return;
+  if (const auto command = motion_.command()) motion_.sent(arm_.command(*command));
+  view_ = motion_.view();
+}
+
+void ArmLoop::ask(ArmRequest request) {
+  request.id = ++last_id_;
+  if (!thread_) {
+    motion_.take(request);
+    view_ = motion_.view();
+    return;
+  }
+  // full only when the arm's thread has stood still for a quarter of a second: then its link is gone, and
+  // nothing that could be asked matters until it is back
+  while (!thread_->requests.push(request) && !thread_->ended) std::this_thread::sleep_for(1ms);
+}
+
+void ArmLoop::hold() {
+  ask({ArmRequest::Kind::Hold, 0, nullptr, 0.0, {}});
+}
+
+hal::Result<> ArmLoop::follow(const planner::Trajectory& way) {
+  constexpr const char* kWhere = "arm_loop.follow";
+  if (!view_.running) return hal::failure(hal::ErrorCode::NotReady, kWhere, "the arm is not commanded yet");
+  if (!at_rest())
+    return hal::failure(hal::ErrorCode::NotReady, kWhere, "the arm is still moving; hold() first");
+  int joint = 0;
+  const double off = (view_.commanded_rad - way.start()).cwiseAbs().maxCoeff(&joint);
+  if (!(off <= limits_.start_tolerance_rad))
+    return hal::failure(hal::ErrorCode::BadInput, kWhere,
+                        fmt::format("the way starts {:.4f} rad away from the command in A{} (limit {:.4f})",
+                                    off, joint + 1, limits_.start_tolerance_rad));
+  ways_.push_back(std::make_shared<const planner::Trajectory>(way));
+  ask({ArmRequest::Kind::Follow, 0, ways_.back(), 0.0, {}});
+  return {};
+}
+
+void ArmLoop::back(double speed) {
+  ask({ArmRequest::Kind::Back, 0, nullptr, speed, {}});
+}
+
+void ArmLoop::unload() {
+  ask({ArmRequest::Kind::Unload, 0, nullptr, 0.0, {}});
+}
+
+void ArmLoop::start_tare() {
+  ask({ArmRequest::Kind::StartTare, 0, nullptr, 0.0, {}});
+}
+
+void ArmLoop::end_tare() {
+  ask({ArmRequest::Kind::EndTare, 0, nullptr, 0.0, {}});
+}
+
+void ArmLoop::start_lift(LiftController::Role role) {
+  ask({ArmRequest::Kind::StartLift, 0, nullptr, 0.0, role});
+}
+
+void ArmLoop::lower() {
+  ask({ArmRequest::Kind::Lower, 0, nullptr, 0.0, {}});
+}
+
+void ArmLoop::see_partner(double rise_m) {
+  ask({ArmRequest::Kind::SeePartner, 0, nullptr, rise_m, {}});
+}
+
+bool ArmLoop::blocked() const {
+  return current() && (view_.blocked.why != ArmCycle::Contact::None || view_.way_refused);
+}
+
+std::string ArmLoop::why_blocked() const {
+  if (view_.way_refused) return "the arm had moved before the way began";
+  return describe(view_.blocked);
+}
+
+}  // namespace colift::control

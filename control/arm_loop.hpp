@@ -1,0 +1,78 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "control/arm_motion.hpp"
+#include "hal/arm.hpp"
+
+namespace colift::control {
+
+/// Who runs the arm's cycle.
+enum class Drive {
+  InStep,  ///< The task itself, once in each of its own cycles: simulation in lock step, bit for bit the same.
+  Thread,  ///< A thread of its own, which never waits for the task: the robot.
+};
+
+/// The arm as the task sees it: requests go in, a view of the last cycle comes out. With Drive::Thread both go
+/// through wait-free slots, and a way that is asked for starts a cycle later; done(), blocked() and the rest
+/// always speak of the last request, never of the one before.
+class ArmLoop {
+ public:
+  ArmLoop(hal::Arm& arm, const hal::RobotModel& model, const planner::ArmGeometry& geometry,
+          const TaskConfig& task, const LoadConfig& load, Drive drive);
+  ~ArmLoop();
+  ArmLoop(const ArmLoop&) = delete;
+  ArmLoop& operator=(const ArmLoop&) = delete;
+
+  /// The first cycle; the arm is configured and active. Errors: what its first cycles say, for `patience`.
+  [[nodiscard]] hal::Result<> start(hal::Duration patience);
+  /// Brings the arm to rest, answers some cycles more, and ends the thread. Never throws, ends in bounded time.
+  void finish() noexcept;
+
+  /// Begins a cycle of the task: waits for the arm's next cycle (InStep) or for a few milliseconds (Thread).
+  void begin_cycle();
+  /// Ends it: the arm's command goes out (InStep).
+  void end_cycle();
+
+  // Requests.
+  void hold();
+  /// Errors: NotReady, BadInput (ArmCycle::follow).
+  [[nodiscard]] hal::Result<> follow(const planner::Trajectory& way);
+  void back(double speed);
+  void unload();
+  void start_tare();
+  void end_tare();
+  void start_lift(LiftController::Role role);
+  void lower();
+  void see_partner(double rise_m);
+
+  // The last cycle.
+  [[nodiscard]] const ArmView& view() const { return view_; }
+  [[nodiscard]] bool done() const { return current() && view_.done; }
+  [[nodiscard]] bool at_rest() const { return current() && view_.at_rest; }
+  [[nodiscard]] bool lift_at_rest() const { return current() && view_.lift_at_rest; }
+  [[nodiscard]] bool end_of_reach() const { return current() && view_.end_of_reach; }
+  [[nodiscard]] double progress() const { return current() ? view_.progress : 0.0; }
+  [[nodiscard]] bool blocked() const;
+  [[nodiscard]] std::string why_blocked() const;
+  [[nodiscard]] const hal::JointVector& commanded() const { return view_.commanded_rad; }
+  [[nodiscard]] std::uint32_t starts() const { return view_.starts; }
+
+ private:
+  struct Threaded;
+  [[nodiscard]] bool current() const { return view_.answered == last_id_; }
+  void ask(ArmRequest request);
+
+  hal::Arm& arm_;
+  ArmMotion motion_;
+  CycleLimits limits_;
+  double contact_limit_n_;
+  ArmView view_;
+  std::uint32_t last_id_ = 0;
+  std::vector<std::shared_ptr<const planner::Trajectory>> ways_;  ///< Kept: none is freed in the arm's cycle.
+  std::unique_ptr<Threaded> thread_;
+};
+
+}  // namespace colift::control
