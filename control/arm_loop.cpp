@@ -5,8 +5,8 @@
 #include <atomic>
 #include <thread>
 
-#include "hal/types/latest_value.hpp"
 #include "hal/types/spsc_ring.hpp"
+#include "hal/types/triple_buffer.hpp"
 
 namespace colift::control {
 namespace {
@@ -20,7 +20,7 @@ constexpr auto kTaskPeriod = 4ms;   // of a task that does not run the arm's cyc
 }  // namespace
 
 struct ArmLoop::Threaded {
-  hal::LatestValue<ArmView> views;
+  hal::TripleBuffer<ArmView> views;
   hal::SpscRing<ArmRequest, 64> requests;
   std::atomic<bool> end{false}, ended{false};
   std::thread thread;
@@ -29,11 +29,10 @@ struct ArmLoop::Threaded {
 };
 
 void ArmLoop::Threaded::run(hal::Arm& arm, ArmMotion& motion) {
-  ArmRequest request;
   int left = kMostCyclesAtEnd, rests = 0;
   while (left > 0 && rests < kCyclesAtEnd) {
     motion.measured(arm.wait_cycle());
-    while (requests.pop(request)) motion.take(request);
+    while (const auto request = requests.pop()) motion.take(*request);
     if (const auto command = motion.command()) motion.sent(arm.command(*command));
     const ArmView& view = motion.view();
     views.write(view);

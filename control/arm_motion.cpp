@@ -79,6 +79,7 @@ std::optional<hal::ImpedanceCommand> ArmMotion::command() {
   // a contact stops the way in the cycle in which it is felt; what follows from it, the task decides
   if (cycle_.blocked() && !stopped_by_contact_) cycle_.hold();
   stopped_by_contact_ = cycle_.blocked();
+  if (!view_.state.may_command) return std::nullopt;
   return command;
 }
 

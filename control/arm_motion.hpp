@@ -1,14 +1,13 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string>
 
 #include "control/arm_cycle.hpp"
 #include "control/lift_controller.hpp"
 #include "control/load_estimator.hpp"
+#include "hal/types/short_text.hpp"
 
 namespace colift::control {
 
@@ -30,19 +29,6 @@ struct ArmRequest {
   std::shared_ptr<const planner::Trajectory> way;
   double number = 0.0;
   LiftController::Role role = LiftController::Role::Lead;
-};
-
-/// Words of fixed length, so that they can leave the arm's cycle without an allocation.
-class ShortText {
- public:
-  void set(const std::string& text) {
-    size_ = text.copy(letters_.data(), letters_.size());
-  }
-  [[nodiscard]] std::string str() const { return {letters_.data(), size_}; }
-
- private:
-  std::array<char, 184> letters_{};
-  std::size_t size_ = 0;
 };
 
 /// What the task knows of the arm after a cycle. Copied without allocation.
@@ -73,7 +59,7 @@ struct ArmView {
   int misses = 0;                        ///< In a row, until now.
   bool link_lost = false;                ///< The last error was not a mere miss.
   std::uint64_t refused_commands = 0;    ///< By the last gate or by the controller.
-  ShortText trouble, refusal;
+  hal::ShortText trouble, refusal;
 };
 
 /// Everything that happens in one cycle of the arm: what it feels, the lift, the motion, the command. One
@@ -86,7 +72,7 @@ class ArmMotion {
   /// What the controller measured, or why it did not.
   void measured(const hal::Result<hal::ArmState>& state);
   void take(const ArmRequest& request);
-  /// The answer to the last cycle; none to one that was missed.
+  /// The answer to the last cycle; none to one that was missed or whose controller takes no commands.
   [[nodiscard]] std::optional<hal::ImpedanceCommand> command();
   /// What became of it.
   void sent(const hal::Result<>& result);

@@ -32,6 +32,7 @@ class Device {
   /// Brings the device to rest; always succeeds and may be called any number of times.
   virtual void deactivate() noexcept = 0;
 
+  /// From one thread, which may be another one than the device's own.
   [[nodiscard]] virtual DeviceHealth health() const = 0;
 };
 

@@ -10,6 +10,8 @@
 
 #include "hal/braking_law.hpp"
 #include "hal/cycle_time.hpp"
+#include "hal/types/latest_value.hpp"
+#include "hal/types/short_text.hpp"
 
 namespace colift::hal {
 
@@ -42,8 +44,9 @@ struct GuardedArm::Impl {
   JointVector hard_lower, hard_upper, torque_limit;
 
   std::atomic<bool> active{false};
-  std::uint64_t accepted = 0, rejected = 0;
-  std::string last_error;
+  // told to whoever asks, from another thread
+  std::atomic<std::uint64_t> accepted{0}, rejected{0};
+  LatestValue<ShortText> last_error;
 
   // what was measured
   CycleTime time;                               ///< Of all states, good or not.
@@ -67,7 +70,7 @@ struct GuardedArm::Impl {
 
   tl::unexpected<Error> reject(ErrorCode code, const char* where, std::string detail) {
     ++rejected;
-    last_error = fmt::format("{}: {}", where, detail);
+    last_error.write(ShortText(fmt::format("{}: {}", where, detail)));
     return failure(code, where, std::move(detail));
   }
 
@@ -118,7 +121,7 @@ struct GuardedArm::Impl {
     if (auto done = inner->command(c); !done) {
       engaged = false;  // nobody knows what the arm follows now: from the measured pose
       ++rejected;
-      last_error = done.error().text();
+      last_error.write(ShortText(done.error().text()));
       return done;
     }
     if (dt > 0.0) dq = (c.q_rad - sent.q_rad) / dt;
@@ -236,7 +239,7 @@ void GuardedArm::deactivate() noexcept {
 DeviceHealth GuardedArm::health() const {
   DeviceHealth h = impl_->inner->health();
   h.rejected += impl_->rejected;
-  if (!impl_->last_error.empty()) h.last_error = impl_->last_error;
+  if (const ShortText error = impl_->last_error.read(); !error.empty()) h.last_error = error.str();
   return h;
 }
 
@@ -248,7 +251,7 @@ Result<ArmState> GuardedArm::wait_cycle() {
   if (!state) {
     if (state.error().code != ErrorCode::Timeout) g.engaged = false;
     ++g.rejected;
-    g.last_error = state.error().text();
+    g.last_error.write(ShortText(state.error().text()));
     return state;
   }
   if (g.out_of_order(state->measured_at))

@@ -6,7 +6,7 @@ namespace colift::sim_hal {
 
 Fault fault_now(const SimWorld& world, std::string_view device) {
   const auto ms = [](double s) { return std::chrono::milliseconds(std::llround(1000.0 * s)); };
-  const hal::Timestamp now = world.clock().now();
+  const hal::Duration now = world.elapsed();
   for (const DeviceFaultEvent& event : world.scenario().faults) {
     if (event.device != device || now < ms(event.at_s) || now >= ms(event.at_s + event.for_s)) continue;
     if (event.action == "drop" || event.action == "silent") return Fault::Drop;

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <mutex>
 
 #include "sim_hal/mujoco/arm_control.hpp"
 #include "sim_hal/mujoco/mjcf.hpp"
@@ -92,7 +94,19 @@ hal::JointVector SimConfig::home_rad() {
   return q;
 }
 
+/// Moved by one thread, read by others.
+class WorldClock final : public hal::Clock {
+ public:
+  explicit WorldClock(hal::Timestamp start) : now_(start.count()) {}
+  [[nodiscard]] hal::Timestamp now() const override { return hal::Timestamp(now_.load()); }
+  void advance(hal::Duration by) { now_.fetch_add(by.count()); }
+
+ private:
+  std::atomic<hal::Timestamp::rep> now_;
+};
+
 struct SimWorld::Impl {
+  std::mutex mutex = {};  // of everything below; the clock is read without it
   Scenario scenario;
   hal::RobotModel model;
   ObjectParts object;
@@ -104,7 +118,7 @@ struct SimWorld::Impl {
   SimPartner partner;
   std::optional<SupportBlock> support;
   bool support_stands = false;
-  hal::ManualClock clock = {};
+  WorldClock clock;
   std::vector<PartnerFigure> figures = {};  // one for each of the partner's holds
   std::vector<Shape> clutter;
 
@@ -123,7 +137,7 @@ struct SimWorld::Impl {
   void tick();
   void note_grasp();
   [[nodiscard]] Pose palm() const { return physics->link_pose(model.palm); }
-  [[nodiscard]] double now_s() const { return hal::seconds(clock.now()); }
+  [[nodiscard]] double now_s() const { return hal::seconds(clock.now() - config.start_at); }
   void place_partners();
 };
 
@@ -189,7 +203,7 @@ hal::Result<std::unique_ptr<SimWorld>> SimWorld::make(const Scenario& scenario, 
   auto physics = Physics::make(mjcf(scenario, model, *object, support), model, config.start_rad);
   if (!physics) return tl::unexpected(physics.error());
   if (auto done = check_overlap((*physics)->overlap()); !done) return tl::unexpected(done.error());
-  auto impl = std::make_unique<Impl>(Impl{
+  std::unique_ptr<Impl> impl(new Impl{
       .scenario = scenario,
       .model = model,
       .object = std::move(*object),
@@ -200,6 +214,7 @@ hal::Result<std::unique_ptr<SimWorld>> SimWorld::make(const Scenario& scenario, 
       .hand = {},
       .partner = SimPartner(scenario.partner, scenario.task, seed),
       .support = support,
+      .clock = WorldClock(config.start_at),
       .clutter = clutter_shapes(scenario),
   });
   impl->X_WT0 = impl->physics->object_pose();
@@ -212,11 +227,19 @@ const hal::Clock& SimWorld::clock() const {
   return impl_->clock;
 }
 
+hal::Duration SimWorld::elapsed() const {
+  return impl_->clock.now() - impl_->config.start_at;
+}
+
 void SimWorld::advance(hal::Duration by) {
-  for (auto ticks = by / kTick; ticks > 0; --ticks) impl_->tick();
+  for (auto ticks = by / kTick; ticks > 0; --ticks) {
+    const std::scoped_lock lock(impl_->mutex);
+    impl_->tick();
+  }
 }
 
 SimTruth SimWorld::truth() const {
+  const std::scoped_lock lock(impl_->mutex);
   const Physics& physics = *impl_->physics;
   const ContactReading& contacts = physics.contacts();
   SimTruth truth;
@@ -248,6 +271,7 @@ SimTruth SimWorld::truth() const {
 }
 
 hal::ArmState SimWorld::arm_state() const {
+  const std::scoped_lock lock(impl_->mutex);
   hal::ArmState state;
   state.measured_at = impl_->clock.now();
   state.q_rad = impl_->arm_reading.q_rad;
@@ -258,14 +282,17 @@ hal::ArmState SimWorld::arm_state() const {
 }
 
 void SimWorld::command_arm(const hal::ImpedanceCommand& command) {
+  const std::scoped_lock lock(impl_->mutex);
   impl_->arm.command(command, static_cast<int>(impl_->config.arm_period / kTick));
 }
 
 void SimWorld::hold_arm() {
+  const std::scoped_lock lock(impl_->mutex);
   impl_->arm.hold();
 }
 
 hal::HandState SimWorld::hand_state() const {
+  const std::scoped_lock lock(impl_->mutex);
   const HandReading& reading = impl_->hand_reading;
   hal::HandState state;
   state.measured_at = impl_->clock.now();
@@ -280,22 +307,27 @@ hal::HandState SimWorld::hand_state() const {
 }
 
 void SimWorld::preshape_hand(double spread_rad) {
+  const std::scoped_lock lock(impl_->mutex);
   impl_->hand.preshape(spread_rad);
 }
 
 void SimWorld::close_hand(double torque_nm) {
+  const std::scoped_lock lock(impl_->mutex);
   impl_->hand.close(torque_nm);
 }
 
 void SimWorld::open_hand() {
+  const std::scoped_lock lock(impl_->mutex);
   impl_->hand.open();
 }
 
 void SimWorld::stop_hand() {
+  const std::scoped_lock lock(impl_->mutex);
   impl_->hand.stop();
 }
 
 World SimWorld::shapes() const {
+  const std::scoped_lock lock(impl_->mutex);
   World world;
   const Pose X_WT = impl_->physics->object_pose();
   for (const ObjectParts::Part& part : impl_->object.parts) {

@@ -18,7 +18,8 @@ namespace colift::sim_hal {
 
 struct SimConfig {
   hal::Duration arm_period = std::chrono::milliseconds(5);  ///< Time between two commands: FRI's usual cycle.
-  hal::JointVector start_rad = home_rad();                  ///< Where the arm stands at time 0.
+  hal::JointVector start_rad = home_rad();                  ///< Where the arm stands at the start.
+  hal::Timestamp start_at{0};  ///< What clock() shows at the start: the robot's time, when it runs in real time.
   [[nodiscard]] static hal::JointVector home_rad();
 };
 
@@ -46,7 +47,8 @@ struct SimTruth {
 };
 
 /// One scenario under physics: floor, clutter, object, LWR 4+, BarrettHand and partner. MuJoCo 2.2 at 1 ms,
-/// implicit in advance(). Deterministic: same scenario, model, seed and calls, same bits. One thread.
+/// implicit in advance(). Deterministic: same scenario, model, seed and calls, same bits. Any thread: emulated
+/// devices share a world in real time; a call waits at most for one millisecond's step of the physics.
 class SimWorld {
  public:
   /// Errors: BadConfig (object below the floor or in the robot, grasp of the partner far off the surface).
@@ -57,6 +59,8 @@ class SimWorld {
   ~SimWorld();
 
   [[nodiscard]] const hal::Clock& clock() const;
+  /// Since the start: the time of the scenario.
+  [[nodiscard]] hal::Duration elapsed() const;
   /// Moves time and everything in it; whole milliseconds.
   void advance(hal::Duration by);
   [[nodiscard]] SimTruth truth() const;

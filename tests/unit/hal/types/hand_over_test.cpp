@@ -3,10 +3,11 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstdint>
+#include <optional>
 #include <thread>
 
-#include "hal/types/latest_value.hpp"
 #include "hal/types/spsc_ring.hpp"
+#include "hal/types/triple_buffer.hpp"
 
 using namespace colift;
 
@@ -27,7 +28,7 @@ struct Whole {
 }  // namespace
 
 TEST_CASE("The latest value is read once, and older ones are never seen") {
-  hal::LatestValue<int> slot;
+  hal::TripleBuffer<int> slot;
   int got = -1;
   CHECK_FALSE(slot.read(got));
   slot.write(1);
@@ -42,7 +43,7 @@ TEST_CASE("The latest value is read once, and older ones are never seen") {
 
 TEST_CASE("A value is never torn, and never goes backwards") {
   constexpr std::uint64_t kLast = 300'000;
-  hal::LatestValue<Whole> slot;
+  hal::TripleBuffer<Whole> slot;
   std::thread writer([&] {
     for (std::uint64_t i = 1; i <= kLast; ++i) slot.write(Whole(i));
   });
@@ -62,15 +63,12 @@ TEST_CASE("A value is never torn, and never goes backwards") {
 
 TEST_CASE("A ring keeps the order, and says when it is full") {
   hal::SpscRing<int, 4> ring;
-  int got = 0;
-  CHECK_FALSE(ring.pop(got));
+  CHECK_FALSE(ring.pop());
   for (int i = 0; i < 4; ++i) CHECK(ring.push(i));
   CHECK_FALSE(ring.push(4));
-  for (int i = 0; i < 4; ++i) {
-    REQUIRE(ring.pop(got));
-    CHECK(got == i);
-  }
-  CHECK_FALSE(ring.pop(got));
+  CHECK(ring.refused() == 1);
+  for (int i = 0; i < 4; ++i) CHECK(ring.pop() == i);
+  CHECK_FALSE(ring.pop());
 }
 
 TEST_CASE("Through a small ring everything arrives, once and in order") {
@@ -80,11 +78,11 @@ TEST_CASE("Through a small ring everything arrives, once and in order") {
     for (std::uint64_t i = 1; i <= kLast; ++i)
       while (!ring.push(Whole(i))) std::this_thread::yield();
   });
-  Whole got;
   std::uint64_t wrong = 0;
   for (std::uint64_t i = 1; i <= kLast; ++i) {
-    while (!ring.pop(got)) std::this_thread::yield();
-    if (got.torn() || got.parts[0] != i) ++wrong;
+    std::optional<Whole> got;
+    while (!(got = ring.pop())) std::this_thread::yield();
+    if (got->torn() || got->parts[0] != i) ++wrong;
   }
   producer.join();
   CHECK(wrong == 0);
