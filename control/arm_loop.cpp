@@ -79,10 +79,11 @@ void ArmLoop::finish() noexcept {
     thread_.reset();
   } else if (!thread_ && view_.cycles > 0 && !view_.link_lost) {
     motion_.take({ArmRequest::Kind::Hold, ++last_id_, nullptr, 0.0, {}});
-    for (int i = 0; i < kMostCyclesAtEnd && (i < kCyclesAtEnd || !motion_.view().at_rest); ++i) {
+    for (int left = kMostCyclesAtEnd, rests = 0; left > 0 && rests < kCyclesAtEnd; --left) {
       begin_cycle();
       if (view_.misses > 0) break;
       end_cycle();
+      if (view_.at_rest) ++rests;
     }
     view_.cycles = 0;  // finished
   }
