@@ -5,6 +5,7 @@
 #include <atomic>
 #include <thread>
 
+#include "hal/os/realtime.hpp"
 #include "hal/types/spsc_ring.hpp"
 #include "hal/types/triple_buffer.hpp"
 
@@ -14,23 +15,49 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr int kCyclesAtEnd = 20;    // the arm gets its last set point some more times before it is left alone
-constexpr int kMostCyclesAtEnd = 400;
-constexpr auto kTaskPeriod = 4ms;   // of a task that does not run the arm's cycle itself
+constexpr int kMostCyclesAtEnd = 1000;
+constexpr int kMissesAtStart = 50;
+constexpr auto kTaskPeriod = 4ms;  // of a task that does not run the arm's cycle itself
+
+bool moves(ArmRequest::Kind kind) {
+  using Kind = ArmRequest::Kind;
+  return kind == Kind::Hold || kind == Kind::Follow || kind == Kind::Back || kind == Kind::StartLift ||
+         kind == Kind::Lower;
+}
+
+/// Activation and the first good cycle, in the thread that makes all the others.
+hal::Result<> begin(hal::Arm& arm, ArmMotion& motion) {
+  if (auto active = arm.activate(); !active) return active;
+  for (int misses = 0;; ++misses) {
+    const auto state = arm.wait_cycle();
+    motion.measured(state);
+    if (state) break;
+    if (state.error().code != hal::ErrorCode::Timeout || misses >= kMissesAtStart)
+      return tl::unexpected(state.error());
+  }
+  if (const auto command = motion.command()) motion.sent(arm.command(*command));
+  return {};
+}
 
 }  // namespace
 
 struct ArmLoop::Threaded {
   hal::TripleBuffer<ArmView> views;
   hal::SpscRing<ArmRequest, 64> requests;
-  std::atomic<bool> end{false}, ended{false};
+  std::atomic<bool> begun{false}, end{false}, ended{false};
+  hal::Result<> beginning;  ///< Read once `begun`.
+  hal::RealtimeReport realtime;
   std::thread thread;
 
   void run(hal::Arm& arm, ArmMotion& motion);
 };
 
 void ArmLoop::Threaded::run(hal::Arm& arm, ArmMotion& motion) {
-  int left = kMostCyclesAtEnd, rests = 0;
-  while (left > 0 && rests < kCyclesAtEnd) {
+  realtime = hal::ask_for_realtime({});
+  beginning = begin(arm, motion);
+  if (beginning) views.write(motion.view());
+  begun.store(true, std::memory_order_release);
+  for (int left = beginning ? kMostCyclesAtEnd : 0, rests = 0; left > 0 && rests < kCyclesAtEnd;) {
     motion.measured(arm.wait_cycle());
     while (const auto request = requests.pop()) motion.take(*request);
     if (const auto command = motion.command()) motion.sent(arm.command(*command));
@@ -40,6 +67,7 @@ void ArmLoop::Threaded::run(hal::Arm& arm, ArmMotion& motion) {
     --left;
     if (view.at_rest || view.link_lost) ++rests;
   }
+  arm.deactivate();
   ended.store(true);
 }
 
@@ -47,46 +75,45 @@ ArmLoop::ArmLoop(hal::Arm& arm, const hal::RobotModel& model, const planner::Arm
                  const TaskConfig& task, const LoadConfig& load, Drive drive)
     : arm_(arm),
       motion_(model, geometry, task, load),
-      contact_limit_n_(task.contact_n),
       thread_(drive == Drive::Thread ? std::make_unique<Threaded>() : nullptr) {}
 
 ArmLoop::~ArmLoop() {
   finish();
 }
 
-hal::Result<> ArmLoop::start(hal::Duration patience) {
-  hal::Duration waited{0};
-  for (;;) {
-    auto state = arm_.wait_cycle();
-    motion_.measured(state);
-    if (state) break;
-    // a controller that paces slowly is waited for by its own cycles, each of which has an end
-    if (state.error().code != hal::ErrorCode::Timeout || (waited += kTaskPeriod) > patience)
-      return tl::unexpected(state.error());
+hal::Result<> ArmLoop::start() {
+  hal::Result<> beginning;
+  if (thread_) {
+    thread_->thread = std::thread([this] { thread_->run(arm_, motion_); });
+    while (!thread_->begun.load(std::memory_order_acquire)) std::this_thread::sleep_for(kTaskPeriod);
+    beginning = thread_->beginning;
+    realtime_ = thread_->realtime.words;
+    (void)thread_->views.read(view_);
+  } else {
+    beginning = begin(arm_, motion_);
+    view_ = motion_.view();
   }
-  if (const auto command = motion_.command()) motion_.sent(arm_.command(*command));
-  view_ = motion_.view();
-  if (thread_) thread_->thread = std::thread([this] { thread_->run(arm_, motion_); });
-  return {};
+  started_ = beginning.has_value();
+  return beginning;
 }
 
 void ArmLoop::finish() noexcept {
   if (thread_ && thread_->thread.joinable()) {
-    ask({ArmRequest::Kind::Hold, 0, nullptr, 0.0, {}});
+    if (started_) ask({ArmRequest::Kind::Hold, 0, nullptr, 0.0, {}});
     thread_->end = true;
     thread_->thread.join();
     (void)thread_->views.read(view_);
-    thread_.reset();
-  } else if (!thread_ && view_.cycles > 0 && !view_.link_lost) {
-    motion_.take({ArmRequest::Kind::Hold, ++last_id_, nullptr, 0.0, {}});
+  } else if (started_) {
+    hold();
     for (int left = kMostCyclesAtEnd, rests = 0; left > 0 && rests < kCyclesAtEnd; --left) {
       begin_cycle();
       if (view_.misses > 0) break;
       end_cycle();
       if (view_.at_rest) ++rests;
     }
-    view_.cycles = 0;  // finished
+    arm_.deactivate();
   }
+  started_ = false;
 }
 
 void ArmLoop::begin_cycle() {
@@ -107,6 +134,7 @@ void ArmLoop::end_cycle() {
 
 void ArmLoop::ask(ArmRequest request) {
   request.id = ++last_id_;
+  if (moves(request.kind)) motion_id_ = last_id_;
   if (!thread_) {
     motion_.take(request);
     view_ = motion_.view();

@@ -26,10 +26,13 @@ class ArmLoop {
   ArmLoop(const ArmLoop&) = delete;
   ArmLoop& operator=(const ArmLoop&) = delete;
 
-  /// The first cycle; the arm is configured and active. Errors: what its first cycles say, for `patience`.
-  [[nodiscard]] hal::Result<> start(hal::Duration patience);
-  /// Brings the arm to rest, answers some cycles more, and ends the thread. Never throws, ends in bounded time.
+  /// Activates the arm, which is configured, and makes its first cycle. A thread of its own gets real-time
+  /// priority first. Errors: those of the activation and of the first cycles.
+  [[nodiscard]] hal::Result<> start();
+  /// Brings the arm to rest, answers some cycles more, deactivates the arm and ends the thread. In bounded time.
   void finish() noexcept;
+  /// What the machine granted to the arm's thread, in sentences; empty with Drive::InStep.
+  [[nodiscard]] const std::vector<std::string>& realtime() const { return realtime_; }
 
   /// Begins a cycle of the task: waits for the arm's next cycle (InStep) or for a few milliseconds (Thread).
   void begin_cycle();
@@ -62,16 +65,18 @@ class ArmLoop {
 
  private:
   struct Threaded;
-  [[nodiscard]] bool current() const { return view_.answered == last_id_; }
+  /// The view knows of everything that was asked of the motion.
+  [[nodiscard]] bool current() const { return view_.answered >= motion_id_; }
   void ask(ArmRequest request);
 
   hal::Arm& arm_;
   ArmMotion motion_;
   CycleLimits limits_;
-  double contact_limit_n_;
   ArmView view_;
-  std::uint32_t last_id_ = 0;
+  std::uint32_t last_id_ = 0, motion_id_ = 0;  ///< Of the last request; of the last one that moves the arm.
   std::vector<std::shared_ptr<const planner::Trajectory>> ways_;  ///< Kept: none is freed in the arm's cycle.
+  std::vector<std::string> realtime_;
+  bool started_ = false;
   std::unique_ptr<Threaded> thread_;
 };
 

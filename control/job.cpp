@@ -214,7 +214,6 @@ RunRecord Job::finish() {
   loop_.finish();
   record_.hand_keeps_grip = hand_.held;
   robot_.hand->stop();
-  robot_.arm->deactivate();
   robot_.camera->deactivate();
   using Result = RunRecord::Result;
   switch (state_) {

@@ -41,6 +41,7 @@ class Job {
   [[nodiscard]] std::optional<Happening> await_partner();
   [[nodiscard]] std::optional<Happening> decide();
   [[nodiscard]] std::optional<Happening> plan();
+  [[nodiscard]] Happening find_way();
   [[nodiscard]] std::optional<Happening> approach();
   [[nodiscard]] std::optional<Happening> halt();
   [[nodiscard]] std::optional<Happening> back_off();
@@ -95,7 +96,7 @@ class Job {
   std::optional<hal::DepthFrame> frame_;  ///< New in this cycle.
   std::vector<float> last_depth_m_;
   hal::Timestamp frame_at_{0}, hand_at_{0}, reopen_at_{0};
-  bool camera_lost_ = false, hand_silent_ = false, arm_silent_ = false;
+  bool camera_lost_ = false, hand_silent_ = false, arm_silent_ = false, had_command_ = false;
   std::string arm_trouble_, hand_trouble_;
 
   // before contact

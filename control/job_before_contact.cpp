@@ -126,6 +126,12 @@ std::optional<Happening> Job::decide() {
 }
 
 std::optional<Happening> Job::plan() {
+  auto happening = find_way();
+  watch_.looked_away(robot_.clock->now() - now_);
+  return happening;
+}
+
+Happening Job::find_way() {
   const hal::Timestamp start = stopwatch_.now();
   planner_->set_scene(
       std::make_shared<planner::CollisionScene>(planner::make_collision_scene(

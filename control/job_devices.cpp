@@ -11,7 +11,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr hal::Duration kArmPatience = 2s;  // for the first cycle
 constexpr int kArmMisses = 20;  // cycles in a row; Franka stops at 20 too
 constexpr hal::Duration kHandSilent = 200ms;
 constexpr hal::Duration kCameraSilent = 300ms;
@@ -30,16 +29,18 @@ bool same_pixels(const std::vector<float>& a, const std::vector<float>& b) {
 }  // namespace
 
 hal::Result<> Job::start_devices() {
-  hal::Device* const devices[] = {robot_.arm.get(), robot_.hand.get(), robot_.camera.get()};
+  hal::Device* const devices[] = {robot_.camera.get(), robot_.hand.get(), robot_.arm.get()};
   for (hal::Device* device : devices) {
     if (auto ok = device->configure(); !ok) return ok;
   }
   for (hal::Device* device : devices) {
+    if (device == robot_.arm.get()) continue;  // activated by its loop, in the thread that answers its cycles
     if (auto ok = device->activate(); !ok) return ok;
   }
+  if (auto started = loop_.start(); !started) return started;
+  record_.realtime = loop_.realtime();
   began_ = now_ = since_ = frame_at_ = hand_at_ = waits_since_ = robot_.clock->now();
   wall_start_ = stopwatch_.now();
-  if (auto started = loop_.start(kArmPatience); !started) return started;
   arm_ = loop_.view().state;
   home_rad_ = arm_.q_commanded_rad;
   last_because_ = "starts to look";
@@ -56,7 +57,15 @@ void Job::read_devices() {
   loop_.begin_cycle();
   const ArmView& view = loop_.view();
   arm_ = view.state;
-  if (view.misses == 0) {
+  if (view.misses == 0 && had_command_ && !arm_.may_command) {
+    // whatever took the command away, a person has to look first
+    if (!arm_silent_) {
+      arm_trouble_ = "the arm's controller takes no commands any more: " + robot_.arm->health().last_error;
+      lose("arm", arm_trouble_);
+    }
+    arm_silent_ = true;
+  } else if (view.misses == 0) {
+    had_command_ = arm_.may_command;
     arm_silent_ = false;
   } else {
     arm_trouble_ = view.trouble.str();

@@ -64,7 +64,8 @@ struct RunRecord {
   std::optional<LiftSummary> lift;
   RunTiming timing;
   std::vector<DeviceNote> faults;
-  bool device_failed = false;    ///< Arm or hand were lost.
+  std::vector<std::string> realtime;  ///< What the machine granted to the arm's thread, where it has one.
+  bool device_failed = false;         ///< Arm or hand were lost.
   bool hand_keeps_grip = false;  ///< The run ended with a closed, loaded hand.
 };
 

@@ -178,6 +178,9 @@ hal::Result<Sight> Watch::watch_partner(hal::DepthFrame frame, const RobotPostur
 std::optional<perception::PartnerEvent> Watch::no_frame(hal::Timestamp now) {
   return impl_->tracker.tick(now);
 }
+void Watch::looked_away(hal::Duration how_long) {
+  impl_->tracker.looked_away(how_long);
+}
 const perception::PartnerTracker& Watch::tracker() const {
   return impl_->tracker;
 }

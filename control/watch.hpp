@@ -63,6 +63,8 @@ class Watch {
   [[nodiscard]] hal::Result<Sight> watch_partner(hal::DepthFrame frame, const RobotPosture& robot);
   /// The camera gave nothing: a silent one must not keep a grasp alive.
   std::optional<perception::PartnerEvent> no_frame(hal::Timestamp now);
+  /// The robot was busy for so long, and no frame was looked at.
+  void looked_away(hal::Duration how_long);
   [[nodiscard]] const perception::PartnerTracker& tracker() const;
   void forget_partner();
 

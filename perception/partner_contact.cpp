@@ -17,13 +17,23 @@ constexpr float kHandBreadth_m = 0.082F;
 // Only the camera's side of a finger is seen; its middle lies one radius behind.
 constexpr float kFingerRadius_m = 0.010F;
 constexpr float kLocal_m = 0.16F;
-constexpr float kFromEnd_m = 0.03F;
+// How near the middle of a hand comes to the visible end of an edge (m). Ends are read from patches and come
+// out about 15 mm short; the hand may stick out beyond them.
+constexpr float kFromEnd_m = 0.012F;
 constexpr float kClearlyBetter_m = 0.02F;
 constexpr double kAround_rad = 0.25;
 // A palm on a bar, as of the synthetic hand: half its length around the bar, its thickness, and up to which
 // angle from the camera all is seen.
 constexpr float kHalfPalm_m = 0.035F, kPalmThickness_m = 0.028F, kFrontal_rad = 0.3F;
 constexpr float kThickestBoard_m = 0.05F;
+// Skin on a face: its greatest height, the distance of its patch from the face's plane, and how far it may
+// lie beside its patch (m). An edge of a face is no steeper to it than this sine.
+constexpr float kOnFace_m = 0.035F, kOfFace_m = 0.012F, kBesideFace_m = 0.012F, kInFace = 0.3F;
+// Fingers lie on a face when more than this part of the hand does. What does not, lies beyond an edge that it
+// holds, but for this (m). A hand that speaks against a line as a whole makes it this much worse (m).
+constexpr float kFewFingers = 0.1F, kInside_m = -0.005F, kMisplaced_m = 0.25F;
+// How far from the hand a face's end is looked for, and the breadth of what is counted to it (m).
+constexpr float kBesideHand_m = 0.10F, kAlongEnd_m = 0.03F;
 // Half the thickness of a board that people carry (m).
 constexpr float kHalfBoard_m = 0.012F;
 
@@ -97,6 +107,96 @@ float tightness(std::span<const HandPoint> hand, const EdgeLine& line) {
     area += h.area_m2;
   }
   return sum / area;
+}
+
+// Whether skin lies right above a face, not beside its end.
+bool lies_on(const HandPoint& h, const Face& face) {
+  const Eigen::Vector3f off = h.point - h.on_object;
+  const float high = face.normal.dot(off);
+  return high > 0.0F && high < kOnFace_m && std::abs(face.normal.dot(h.on_object - face.point)) < kOfFace_m &&
+         (off - high * face.normal).norm() < kBesideFace_m;
+}
+
+// Whether a line is an edge of a face.
+bool borders(const EdgeLine& line, const Face& face) {
+  return std::abs(face.normal.dot(line.direction)) < kInFace &&
+         std::abs(face.normal.dot(line.point - face.point)) < kThickestBoard_m;
+}
+
+// The face that most of the fingers lie on, if there is one.
+const Face* finger_face(std::span<const HandPoint> hand, const std::vector<Face>& faces) {
+  const Face* best = nullptr;
+  float area = 0.0F, most = 0.0F;
+  for (const HandPoint& h : hand) area += h.area_m2;
+  for (const Face& f : faces) {
+    float on = 0.0F;
+    for (const HandPoint& h : hand) on += lies_on(h, f) ? h.area_m2 : 0.0F;
+    if (on <= std::max(most, kFewFingers * area)) continue;
+    most = on;
+    best = &f;
+  }
+  return best;
+}
+
+// Part of a hand that speaks against a line: what lies on a face that the line does not end; and, of a line
+// that ends the face with the fingers, what is neither on a face nor beyond it.
+float misplaced(std::span<const HandPoint> hand, const EdgeLine& line, const std::vector<Face>& faces,
+                const Face* fingers) {
+  Eigen::Vector3f out = Eigen::Vector3f::Zero();
+  if (fingers != nullptr && borders(line, *fingers)) {
+    out = fingers->normal.cross(line.direction).normalized();
+    if (out.dot(fingers->point - line.point) > 0.0F) out = -out;
+  }
+  float wrong = 0.0F, area = 0.0F;
+  for (const HandPoint& h : hand) {
+    area += h.area_m2;
+    const auto on = std::find_if(faces.begin(), faces.end(), [&h](const Face& f) { return lies_on(h, f); });
+    if (on != faces.end())
+      wrong += borders(line, *on) ? 0.0F : h.area_m2;
+    else if (out.dot(h.point - line.point) < kInside_m)
+      wrong += 0.5F * h.area_m2;  // it may be a finger that is bent or the wrist, so it counts half
+  }
+  return wrong / area;
+}
+
+// Ends of a face beside the hand that are seen too flat to show in the outline: across each edge of the face,
+// where the face's points end.
+std::vector<EdgeLine> flat_ends(const LocalShape& shape, const Face& face, const GraspedObject& object,
+                                const Eigen::Vector3f& place) {
+  std::vector<EdgeLine> ends;
+  for (const EdgeLine& line : shape.edges()) {
+    if (!borders(line, face)) continue;
+    const Eigen::Vector3f across = face.normal.cross(line.direction).normalized();
+    const float at = line.direction.dot(place - line.point);
+    float begin = at, end = at;
+    for (const Eigen::Vector3f& p : object.surface) {
+      if (std::abs(face.normal.dot(p - face.point)) > kOfFace_m || (p - place).norm() > kLocal_m) continue;
+      const float t = line.direction.dot(p - line.point);
+      begin = std::min(begin, t);
+      end = std::max(end, t);
+    }
+    for (const float t : {begin, end}) {
+      // what ends farther away may go on outside of the part that is looked at
+      if (std::abs(t - at) > kBesideHand_m) continue;
+      EdgeLine found{line.point + t * line.direction, across, 0.0F, 0.0F, false};
+      for (const Eigen::Vector3f& p : object.surface) {
+        if (std::abs(face.normal.dot(p - face.point)) > kOfFace_m) continue;
+        if (std::abs(line.direction.dot(p - found.point)) > kAlongEnd_m) continue;
+        const float s = across.dot(p - found.point);
+        if (std::abs(s) > kLocal_m) continue;
+        found.begin = std::min(found.begin, s);
+        found.end = std::max(found.end, s);
+      }
+      const auto known = [&](const EdgeLine& other) {
+        return borders(other, face) && std::abs(other.direction.dot(across)) > 0.9F &&
+               std::abs(line.direction.dot(other.point - found.point)) < kAlongEnd_m;
+      };
+      if (std::none_of(shape.edges().begin(), shape.edges().end(), known) &&
+          std::none_of(ends.begin(), ends.end(), known))
+        ends.push_back(found);
+    }
+  }
+  return ends;
 }
 
 Eigen::Matrix3d spread(const Eigen::Vector3f& direction, double along_m, double across_m) {
@@ -192,7 +292,12 @@ ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedO
   const EdgeLine* best = nullptr;
   Along along;
   float tightest = 0.12F, second = 0.12F, displaced = 0.0F;
-  for (const EdgeLine& line : shape.edges()) {
+  const Face* face = finger_face(hand, shape.faces());
+  std::vector<EdgeLine> lines = shape.edges();
+  if (face != nullptr)
+    for (const EdgeLine& end : flat_ends(shape, *face, object, on_object)) lines.push_back(end);
+  for (const EdgeLine& line : lines) {
+    const float wrong = misplaced(hand, line, shape.faces(), face);
     Along here = place_along(hand, line, object.eye, 0.03F, 0.07F);
     const float wanted = here.middle;
     // half a hand does not fit beside the end of an edge
@@ -200,7 +305,7 @@ ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedO
       here.middle = std::clamp(here.middle, line.begin + kFromEnd_m, line.end - kFromEnd_m);
     else
       here.middle = 0.5F * (line.begin + line.end);
-    const float tight = tightness(hand, line) + 0.7F * std::abs(wanted - here.middle);
+    const float tight = tightness(hand, line) + 0.7F * std::abs(wanted - here.middle) + kMisplaced_m * wrong;
     if (tight >= tightest) {
       second = std::min(second, tight);
       continue;

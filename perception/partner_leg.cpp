@@ -7,9 +7,11 @@ namespace colift::perception {
 namespace {
 
 // Placed between 491 hands and 412 legs in synthetic frames (docs/decisions/0003).
-constexpr double kLow_m = 0.20;         // what is touched lower may be held by a hand beside the ground
-constexpr double kHip_m = 0.85;         // higher than this no leg touches
-constexpr double kFoot_m = 0.12;        // what lies lower is a foot
+constexpr double kLow_m = 0.20;   // what is touched lower may be held by a hand beside the ground
+constexpr double kHip_m = 0.85;   // higher than this no leg touches
+constexpr double kFoot_m = 0.12;  // what lies lower is a foot
+// Skin of the wrist below a palm that hangs from an edge (m): of a low touch, what lies lower is a foot.
+constexpr double kWristBelow_m = 0.145;
 constexpr double kUnder_m = 0.20;       // how far aside a leg's foot stands at most
 constexpr double kStanding_m2 = 0.001;  // hands higher than kLow_m have nothing there
 constexpr double kBesideFrom_m = 0.10, kBesideTo_m = 0.25;
@@ -31,6 +33,9 @@ LegSign leg_sign(const OrganisedCloud& current, std::span<const std::uint32_t> b
   const double per_pixel = static_cast<double>(kEvery) / (current.intrinsics.fx * current.intrinsics.fy);
   constexpr auto kPass2 = static_cast<float>(kPassTo_m * kPassTo_m);
   constexpr auto kAround2 = static_cast<float>(kAround_m * kAround_m);
+  float foot = static_cast<float>(kFoot_m);
+  if (static_cast<double>(touch_height) >= kLow_m)
+    foot = std::min(foot, touch_height - static_cast<float>(kWristBelow_m));
   double under = 0.0, beside = 0.0, above = 0.0, below = 0.0, around = 0.0;
   for (std::size_t k = 0; k < body_pixels.size(); k += kEvery) {
     const std::uint32_t i = body_pixels[k];
@@ -45,7 +50,7 @@ LegSign leg_sign(const OrganisedCloud& current, std::span<const std::uint32_t> b
       if (rise > static_cast<float>(kPassFrom_m)) above += area;
       if (rise < -static_cast<float>(kPassFrom_m)) below += area;
     }
-    if (touch_height + rise > static_cast<float>(kFoot_m)) continue;
+    if (touch_height + rise > foot) continue;
     if (aside < static_cast<float>(kUnder_m)) under += area;
     if (aside > static_cast<float>(kBesideFrom_m) && aside < static_cast<float>(kBesideTo_m)) beside += area;
   }

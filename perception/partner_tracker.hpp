@@ -61,6 +61,9 @@ class PartnerTracker {
   /// No frame came, and it is `now`: a camera that fell silent must not keep a grasp alive.
   std::optional<PartnerEvent> tick(hal::Timestamp now);
 
+  /// Nobody looked for so long: that time does not count as a hand that was not seen.
+  void looked_away(hal::Duration how_long) { last_contact_ += how_long; }
+
   [[nodiscard]] State state() const { return state_; }
 
   /// Filtered contact: recursive mean since the hand rests there. Set while Touching or Holding.

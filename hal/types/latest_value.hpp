@@ -43,9 +43,7 @@ class LatestValue {
   }
 
   /// How many values were written after the first, empty one.
-  [[nodiscard]] std::uint64_t count() const noexcept {
-    return turn_.load(std::memory_order_acquire) / 2 - 1;
-  }
+  [[nodiscard]] std::uint64_t count() const noexcept { return turn_.load(std::memory_order_acquire) / 2 - 1; }
 
  private:
   static constexpr std::size_t kWords = (sizeof(T) + 7) / 8;

@@ -29,6 +29,8 @@ inline const std::array<float, 4096>& normal_quantiles() {
   return table;
 }
 
+inline constexpr int kMostSteps = 4;  ///< That a ray wanders.
+
 /// How far the ray of a pixel wanders at an edge (px), over the same quantiles.
 inline const std::array<std::int8_t, 4096>& wander_steps() {
   static const auto table = [] {
@@ -37,20 +39,6 @@ inline const std::array<std::int8_t, 4096>& wander_steps() {
     for (std::size_t i = 0; i < steps.size(); ++i)
       steps[i] = static_cast<std::int8_t>(std::lround(kJitter_px * normal_quantiles()[i]));
     return steps;
-  }();
-  return table;
-}
-
-/// theta^2 / (pi/2 - theta)^2 over 256 times the cosine, the growth of axial noise at grazing angles (Nguyen,
-/// Izadi, Lovell 2012).
-inline const std::array<float, 257>& grazing_growth() {
-  static const auto table = [] {
-    std::array<float, 257> g{};
-    for (std::size_t i = 0; i < g.size(); ++i) {
-      const double theta = std::acos(std::max(static_cast<double>(i) / 256.0, 0.02));
-      g[i] = static_cast<float>(std::pow(theta / (std::numbers::pi / 2 - theta), 2));
-    }
-    return g;
   }();
   return table;
 }

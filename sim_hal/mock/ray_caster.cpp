@@ -1,189 +1,30 @@
 #include "sim_hal/mock/ray_caster.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "sim_hal/mock/float4.hpp"
-
-// Everything is done in inverse depth w = 1 / z of the ray (x, y, 1). There a plane is a linear function of
-// the pixel, so a convex body with flat faces is hit where the smallest w of the faces that the camera is in
-// front of exceeds the largest w of the others: no division, no branch. A quadric adds one square root.
-// Values that grow with the row are computed in double, so that single precision along the row costs no
-// accuracy that a sensor could see.
 
 namespace colift::sim_hal {
 namespace {
 
-struct Linear {
-  double x = 0.0, y = 0.0, one = 0.0;
-
-  [[nodiscard]] float at_row(double ray_y) const { return static_cast<float>(y * ray_y + one); }
-};
-
-Linear linear(const Vec3& n) {
-  return {n.x(), n.y(), n.z()};
-}
-
-// a convex piece of a shape, in camera coordinates, and the part of the image that it can cover
-struct Part {
-  enum class Kind { Flat, Cylinder, Sphere };
-  Kind kind = Kind::Flat;
-  int shape = 0;
-  int u_begin = 0, u_end = 0, v_begin = 0, v_end = 0;
-  int fronts = 0, backs = 0;
-  Linear front[6], back[6];  // w of the planes before and behind which the camera stands
-  float front_distance[6] = {};
-  // quadric c w^2 + 2 b w + a = 0 with a = |direction|^2 and b^2 - a c = r^2 a - |miss|^2
-  Linear direction[3], miss[3], b;
-  double c = 0.0, radius = 0.0;
-};
-
-void add_plane(Part& part, const Vec3& n, const Vec3& point) {
-  const double offset = n.dot(point);
-  // a camera within the plane sees it as a line: a hair's breadth beside is as true and needs no special case
-  const double e = std::abs(offset) > 1e-7 ? offset : std::copysign(1e-7, offset);
-  if (e < 0) {
-    part.front_distance[part.fronts] = static_cast<float>(-e);
-    part.front[part.fronts++] = linear(n / e);
-  } else {
-    part.back[part.backs++] = linear(n / e);
-  }
-}
-
-// false where the part is out of sight
-bool set_window(Part& part, const Pose& X_CS, const Vec3& half, const hal::CameraIntrinsics& k) {
-  double u_low = 1e9, u_high = -1e9, v_low = 1e9, v_high = -1e9;
-  int behind = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 sign(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-    const Vec3 p = X_CS * Vec3(half.cwiseProduct(sign));
-    if (p.z() < 1e-3) {
-      ++behind;
-      continue;
-    }
-    const double u = k.fx * p.x() / p.z() + k.cx, v = k.fy * p.y() / p.z() + k.cy;
-    u_low = std::min(u_low, u), u_high = std::max(u_high, u);
-    v_low = std::min(v_low, v), v_high = std::max(v_high, v);
-  }
-  if (behind == 8) return false;
-  if (behind > 0) u_low = v_low = -1e9, u_high = v_high = 1e9;
-  const auto pixel = [](double value, int size) {
-    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(size)));
-  };
-  part.u_begin = pixel(u_low - 1, k.width), part.u_end = pixel(u_high + 2, k.width);
-  part.v_begin = pixel(v_low - 1, k.height), part.v_end = pixel(v_high + 2, k.height);
-  return part.u_begin < part.u_end && part.v_begin < part.v_end;
-}
-
-class PartList {
- public:
-  PartList(const World& world, const hal::CameraIntrinsics& k, const Pose& X_WC) : k_(k) {
-    const Pose X_CW = X_WC.inverse();
-    for (std::size_t i = 0; i < world.shapes.size(); ++i)
-      add(world.shapes[i], static_cast<int>(i), X_CW * world.shapes[i].X_WS);
-  }
-  [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
-
- private:
-  void add(const Shape& shape, int index, const Pose& X_CS) {
-    switch (shape.kind) {
-      case Shape::Kind::Box:
-        return add_box(index, X_CS, 0.5 * shape.size);
-      case Shape::Kind::Cylinder:
-        return add_cylinder(index, X_CS, shape.size[0], 0.5 * shape.size[1]);
-      case Shape::Kind::Sphere:
-        return add_sphere(index, X_CS.translation(), shape.size[0]);
-      case Shape::Kind::Capsule: {
-        const Vec3 cap(0, 0, 0.5 * shape.size[1]);
-        add_cylinder(index, X_CS, shape.size[0], cap.z());
-        add_sphere(index, X_CS * cap, shape.size[0]);
-        return add_sphere(index, X_CS * Vec3(-cap), shape.size[0]);
-      }
-      case Shape::Kind::HalfSpace: {
-        Part part;
-        part.shape = index;
-        part.u_end = k_.width, part.v_end = k_.height;
-        add_plane(part, X_CS.linear().col(2), X_CS.translation());
-        if (part.fronts > 0) parts_.push_back(part);
-        return;
-      }
-    }
-  }
-
-  void add_box(int index, const Pose& X_CS, const Vec3& half) {
-    Part part;
-    part.shape = index;
-    if (!(half.minCoeff() > 0) || !set_window(part, X_CS, half, k_)) return;
-    for (int axis = 0; axis < 3; ++axis)
-      for (const double side : {1.0, -1.0}) {
-        const Vec3 n = side * X_CS.linear().col(axis);
-        add_plane(part, n, X_CS.translation() + half[axis] * n);
-      }
-    if (part.fronts > 0) parts_.push_back(part);
-  }
-
-  void add_cylinder(int index, const Pose& X_CS, double radius, double half_length) {
-    Part part;
-    part.kind = Part::Kind::Cylinder;
-    part.shape = index;
-    if (!(radius > 0) || !(half_length > 0)) return;
-    if (!set_window(part, X_CS, Vec3(radius, radius, half_length), k_)) return;
-    const Vec3 axis = X_CS.linear().col(2);
-    add_plane(part, axis, X_CS.translation() + half_length * axis);
-    add_plane(part, -axis, X_CS.translation() - half_length * axis);
-    // the camera as seen from the cylinder, across its axis
-    const Vec3 ex = X_CS.linear().col(0), ey = X_CS.linear().col(1);
-    const double ox = -ex.dot(X_CS.translation()), oy = -ey.dot(X_CS.translation());
-    part.direction[0] = linear(ex);
-    part.direction[1] = linear(ey);
-    part.miss[0] = linear(ox * ey - oy * ex);
-    set_quadric(part, ox * ex + oy * ey, ox * ox + oy * oy, radius);
-    if (part.c > 0 || part.fronts > 0) parts_.push_back(part);
-  }
-
-  void add_sphere(int index, const Vec3& center_C, double radius) {
-    Part part;
-    part.kind = Part::Kind::Sphere;
-    part.shape = index;
-    Pose X = Pose::Identity();
-    X.translation() = center_C;
-    if (!(radius > 0) || !set_window(part, X, Vec3::Constant(radius), k_)) return;
-    for (int axis = 0; axis < 3; ++axis) {
-      const Vec3 e = Vec3::Unit(axis);
-      part.direction[axis] = linear(e);
-      part.miss[axis] = linear(e.cross(center_C));
-    }
-    set_quadric(part, -center_C, center_C.squaredNorm(), radius);
-    if (part.c > 0) parts_.push_back(part);
-  }
-
-  static void set_quadric(Part& part, const Vec3& b, double distance2, double radius) {
-    part.b = linear(b);
-    part.radius = radius;
-    const double c = distance2 - radius * radius;
-    part.c = std::abs(c) > 1e-9 ? c : std::copysign(1e-9, c);
-  }
-
-  hal::CameraIntrinsics k_;
-  std::vector<Part> parts_;
-};
-
 // what is nearest so far along one image row
 struct Row {
-  std::vector<float> ray_x, w, normal_dot_ray, shape;
+  const float* ray_x;
+  float *w, *normal_dot_ray, *shape;
 
-  explicit Row(std::size_t n) : ray_x(n), w(n), normal_dot_ray(n), shape(n) {}
-
-  void take(int u, Float4 mask, Float4 w_new, Float4 dot_new, Float4 shape_new) {
-    select(mask, w_new, Float4::load(&w[u])).store(&w[u]);
-    select(mask, dot_new, Float4::load(&normal_dot_ray[u])).store(&normal_dot_ray[u]);
-    select(mask, shape_new, Float4::load(&shape[u])).store(&shape[u]);
+  void take(int u, Float4 mask, Float4 w_new, Float4 dot_new, Float4 shape_new) const {
+    select(mask, w_new, Float4::load(w + u)).store(w + u);
+    select(mask, dot_new, Float4::load(normal_dot_ray + u)).store(normal_dot_ray + u);
+    select(mask, shape_new, Float4::load(shape + u)).store(shape + u);
   }
 };
 
 template <int kFronts, int kBacks>
-void cast_flat(const Part& part, double ray_y, Row& row) {
+void cast_flat(const RayPart& part, double ray_y, Columns run, const Row& row) {
   Float4 front_x[kFronts], front_0[kFronts], distance[kFronts], back_x[kBacks + 1], back_0[kBacks + 1];
   for (int i = 0; i < kFronts; ++i) {
     front_x[i] = Float4(static_cast<float>(part.front[i].x));
@@ -195,15 +36,15 @@ void cast_flat(const Part& part, double ray_y, Row& row) {
     back_0[i] = Float4(part.back[i].at_row(ray_y));
   }
   const Float4 shape(static_cast<float>(part.shape));
-  for (int u = part.u_begin & ~3; u < part.u_end; u += 4) {
-    const Float4 x = Float4::load(&row.ray_x[u]);
+  for (int u = run.begin; u < run.end; u += 4) {
+    const Float4 x = Float4::load(row.ray_x + u);
     Float4 in = front_0[0] + front_x[0] * x, e = distance[0];
     for (int i = 1; i < kFronts; ++i) {
       const Float4 w = front_0[i] + front_x[i] * x;
       e = select(greater(in, w), distance[i], e);
       in = min(in, w);
     }
-    Float4 out = Float4::load(&row.w[u]);  // at least 0: what is nearest so far also hides
+    Float4 out = Float4::load(row.w + u);  // at least 0: what is nearest so far also hides
     for (int i = 0; i < kBacks; ++i) out = max(out, back_0[i] + back_x[i] * x);
     const Float4 hit = greater(in, out);
     if (any(hit)) row.take(u, hit, in, in * e, shape);
@@ -211,7 +52,7 @@ void cast_flat(const Part& part, double ray_y, Row& row) {
 }
 
 template <int kDimensions>
-void cast_quadric(const Part& part, double ray_y, Row& row) {
+void cast_quadric(const RayPart& part, double ray_y, Columns run, const Row& row) {
   Float4 d_x[kDimensions], d_0[kDimensions], miss_x[3], miss_0[3];
   constexpr int kMisses = kDimensions == 2 ? 1 : 3;
   for (int i = 0; i < kDimensions; ++i) {
@@ -238,8 +79,8 @@ void cast_quadric(const Part& part, double ray_y, Row& row) {
     end_x[i] = Float4(static_cast<float>(part.back[i].x));
     end_0[i] = Float4(part.back[i].at_row(ray_y));
   }
-  for (int u = part.u_begin & ~3; u < part.u_end; u += 4) {
-    const Float4 x = Float4::load(&row.ray_x[u]);
+  for (int u = run.begin; u < run.end; u += 4) {
+    const Float4 x = Float4::load(row.ray_x + u);
     Float4 a = zero, miss2 = zero;
     for (int i = 0; i < kDimensions; ++i) {
       const Float4 d = d_0[i] + d_x[i] * x;
@@ -256,7 +97,7 @@ void cast_quadric(const Part& part, double ray_y, Row& row) {
     const Float4 minus_b = b_0 + b_x * x;
     Float4 in = outside ? (minus_b + root) * inverse_c : far_in;
     Float4 dot = root * inverse_r;
-    Float4 out = max(Float4::load(&row.w[u]), (minus_b - root) * inverse_c);
+    Float4 out = max(Float4::load(row.w + u), (minus_b - root) * inverse_c);
     for (int i = 0; i < part.fronts; ++i) {
       const Float4 w = cap_0[i] + cap_x[i] * x;
       dot = select(greater(in, w), w * cap_distance[i], dot);
@@ -268,66 +109,154 @@ void cast_quadric(const Part& part, double ray_y, Row& row) {
   }
 }
 
-void cast_part(const Part& part, double ray_y, Row& row) {
-  if (part.kind == Part::Kind::Cylinder) return cast_quadric<2>(part, ray_y, row);
-  if (part.kind == Part::Kind::Sphere) return cast_quadric<3>(part, ray_y, row);
-  if (part.backs == 0) return cast_flat<1, 0>(part, ray_y, row);
-  if (part.fronts == 1) return cast_flat<1, 5>(part, ray_y, row);
-  if (part.fronts == 2) return cast_flat<2, 4>(part, ray_y, row);
-  return cast_flat<3, 3>(part, ray_y, row);
+void cast_part(const RayPart& part, double ray_y, Columns run, const Row& row) {
+  if (part.kind == RayPart::Kind::Cylinder) return cast_quadric<2>(part, ray_y, run, row);
+  if (part.kind == RayPart::Kind::Sphere) return cast_quadric<3>(part, ray_y, run, row);
+  if (part.backs == 0) return cast_flat<1, 0>(part, ray_y, run, row);
+  if (part.fronts == 1) return cast_flat<1, 5>(part, ray_y, run, row);
+  if (part.fronts == 2) return cast_flat<2, 4>(part, ray_y, run, row);
+  return cast_flat<3, 3>(part, ray_y, run, row);
 }
 
-// turns inverse depth into depth and the normal's part of the ray into the cosine, for the whole row
-void finish(Row& row, float one_plus_y2) {
-  const Float4 one(1.0f), y2(one_plus_y2), zero(0.0f), nothing(std::numeric_limits<float>::quiet_NaN());
-  for (std::size_t u = 0; u < row.w.size(); u += 4) {
-    const Float4 hit = greater(Float4::load(&row.shape[u]), Float4(-0.5f)), x = Float4::load(&row.ray_x[u]);
-    const Float4 cosine = Float4::load(&row.normal_dot_ray[u]) / sqrt(x * x + y2);
-    select(hit, min(cosine, one), zero).store(&row.normal_dot_ray[u]);
-    select(hit, one / Float4::load(&row.w[u]), nothing).store(&row.w[u]);
+// A shape that moved by less is not cast anew: a thousandth of the Kinect's smallest step in depth. Counted
+// from where it was when it was cast, so that nothing creeps away.
+constexpr double kUnseen_m = 1e-6;
+
+bool same(const Shape& a, const Shape& b) {
+  return a.kind == b.kind && a.size == b.size && a.label == b.label &&
+         (a.X_WS.matrix() - b.X_WS.matrix()).cwiseAbs().maxCoeff() <= kUnseen_m;
+}
+
+// sets the bits of all groups of four that have one of these columns
+void mark(std::uint64_t* row, const Columns& columns) {
+  if (columns.begin >= columns.end) return;
+  const int first = columns.begin / 4, last = (columns.end - 1) / 4;
+  for (int word = first / 64; word <= last / 64; ++word) {
+    const int low = std::max(first - 64 * word, 0), high = std::min(last - 64 * word, 63);
+    row[word] |= ~std::uint64_t{0} << low & ~std::uint64_t{0} >> (63 - high);
   }
 }
 
 }  // namespace
 
-Rendering cast_rays(const World& world, const hal::CameraIntrinsics& intrinsics, const Pose& X_WC) {
+RayCaster::RayCaster(const hal::CameraIntrinsics& intrinsics, const Pose& X_WC) {
+  image_.intrinsics = intrinsics;
+  image_.X_WC = X_WC;
   const auto width = static_cast<std::size_t>(intrinsics.width);
   const auto height = static_cast<std::size_t>(intrinsics.height);
-  Rendering image;
-  image.intrinsics = intrinsics;
-  image.X_WC = X_WC;
-  image.depth_m.resize(width * height);
-  image.cos_incidence.resize(width * height);
-  image.shape.resize(width * height);
-  image.label.resize(width * height);
-  for (const Shape& shape : world.shapes)
-    image.reflectivity.push_back(static_cast<float>(shape.reflectivity));
+  const std::size_t pixels = width * height, whole = (width + 3) / 4 * 4;
+  image_.depth_m.resize(pixels);
+  image_.cos_incidence.resize(pixels);
+  image_.shape.resize(pixels);
+  image_.label.resize(pixels);
+  for (std::vector<float>* row : {&ray_x_, &w_, &normal_dot_ray_, &shape_}) row->resize(whole);
+  for (std::size_t u = 0; u < whole; ++u)
+    ray_x_[u] = static_cast<float>((static_cast<double>(u) - intrinsics.cx) / intrinsics.fx);
+  words_ = (whole / 4 + 63) / 64;
+}
 
-  std::vector<Label> labels{Label::Nothing};
-  for (const Shape& shape : world.shapes) labels.push_back(shape.label);
+const Rendering& RayCaster::cast(const World& world) {
+  const bool first = stale_.empty();  // nothing is known of any pixel
+  stale_.assign(words_ * static_cast<std::size_t>(image_.intrinsics.height), 0);
+  for (int v = 0; first && v < image_.intrinsics.height; ++v)
+    mark(&stale_[static_cast<std::size_t>(v) * words_], {0, image_.intrinsics.width});
+  take_over(world);
+  for (int v = 0; v < image_.intrinsics.height; ++v) cast_row(v);
+  return image_;
+}
 
-  const PartList list(world, intrinsics, X_WC);
-  Row row((width + 3) / 4 * 4);
-  for (std::size_t u = 0; u < row.ray_x.size(); ++u)
-    row.ray_x[u] = static_cast<float>((static_cast<double>(u) - intrinsics.cx) / intrinsics.fx);
-
-  for (std::size_t v = 0; v < height; ++v) {
-    const double ray_y = (static_cast<double>(v) - intrinsics.cy) / intrinsics.fy;
-    std::fill(row.w.begin(), row.w.end(), 0.0f);
-    std::fill(row.shape.begin(), row.shape.end(), -1.0f);
-    for (const Part& part : list.parts())
-      if (static_cast<int>(v) >= part.v_begin && static_cast<int>(v) < part.v_end)
-        cast_part(part, ray_y, row);
-
-    const std::size_t begin = v * width;
-    finish(row, static_cast<float>(ray_y * ray_y) + 1.0f);
-    std::copy_n(row.w.begin(), width, &image.depth_m[begin]);
-    std::copy_n(row.normal_dot_ray.begin(), width, &image.cos_incidence[begin]);
-    for (std::size_t u = 0; u < width; ++u) image.shape[begin + u] = static_cast<std::int16_t>(row.shape[u]);
-    for (std::size_t u = 0; u < width; ++u)
-      image.label[begin + u] = labels[static_cast<std::size_t>(image.shape[begin + u] + 1)];
+void RayCaster::take_over(const World& world) {
+  const Pose X_CW = image_.X_WC.inverse();
+  for (std::size_t i = world.shapes.size(); i < seen_.size(); ++i) mark_stale(seen_[i].parts);
+  seen_.resize(world.shapes.size());
+  image_.reflectivity.clear();
+  labels_.assign(1, Label::Nothing);
+  for (std::size_t i = 0; i < seen_.size(); ++i) {
+    const Shape& shape = world.shapes[i];
+    image_.reflectivity.push_back(static_cast<float>(shape.reflectivity));
+    labels_.push_back(shape.label);
+    if (seen_[i].known && same(seen_[i].shape, shape)) continue;
+    mark_stale(seen_[i].parts);
+    seen_[i] = {shape, true, ray_parts(shape, static_cast<int>(i), image_.intrinsics, X_CW * shape.X_WS)};
+    mark_stale(seen_[i].parts);
   }
-  return image;
+}
+
+void RayCaster::mark_stale(const std::vector<RayPart>& parts) {
+  for (const RayPart& part : parts) {
+    std::size_t row = static_cast<std::size_t>(part.v_begin) * words_;
+    for (const Columns& columns : part.rows) {
+      mark(&stale_[row], columns);
+      row += words_;
+    }
+  }
+}
+
+void RayCaster::cast_row(int v) {
+  const std::uint64_t* stale = &stale_[static_cast<std::size_t>(v) * words_];
+  if (std::all_of(stale, stale + words_, [](std::uint64_t word) { return word == 0; })) return;
+  row_parts_.clear();
+  for (const Seen& seen : seen_)
+    for (const RayPart& part : seen.parts)
+      if (const Columns columns = part.at_row(v); columns.begin < columns.end)
+        row_parts_.push_back({&part, columns});
+  for (std::size_t word = 0; word < words_; ++word)
+    for (std::uint64_t left = stale[word]; left != 0;) {
+      const int from = std::countr_zero(left), to = from + std::countr_one(left >> from);
+      const int columns = 256 * static_cast<int>(word);  // before those of this word
+      cast_columns(v, {columns + 4 * from, columns + 4 * to});
+      left = to < 64 ? left >> to << to : 0;
+    }
+}
+
+void RayCaster::cast_columns(int v, Columns run) {
+  const double ray_y = (v - image_.intrinsics.cy) / image_.intrinsics.fy;
+  const Row row{ray_x_.data(), w_.data(), normal_dot_ray_.data(), shape_.data()};
+  std::fill(row.w + run.begin, row.w + run.end, 0.0f);
+  std::fill(row.shape + run.begin, row.shape + run.end, -1.0f);
+  for (const auto& [part, columns] : row_parts_) {
+    const Columns both{std::max(run.begin, columns.begin & ~3), std::min(run.end, columns.end)};
+    if (both.begin < both.end) cast_part(*part, ray_y, both, row);
+  }
+  finish(v, run, static_cast<float>(ray_y * ray_y) + 1.0f);
+}
+
+// turns inverse depth into depth and the normal's part of the ray into the cosine
+void RayCaster::finish(int v, Columns run, float one_plus_y2) {
+  const Float4 one(1.0f), y2(one_plus_y2), zero(0.0f), nothing(std::numeric_limits<float>::quiet_NaN());
+  const int width = image_.intrinsics.width;
+  const std::size_t row = static_cast<std::size_t>(v) * static_cast<std::size_t>(width);
+  float *depth = &image_.depth_m[row], *cosine = &image_.cos_incidence[row];
+  std::int16_t* shape = &image_.shape[row];
+  Label* label = &image_.label[row];
+  const Label* labels = labels_.data() + 1;
+  const float *ray_x = ray_x_.data(), *w = w_.data(), *dot = normal_dot_ray_.data(), *nearest = shape_.data();
+  const auto four = [&](int u, float* z, float* cos, std::int16_t* index) {
+    const Float4 x = Float4::load(ray_x + u), hit = greater(Float4::load(nearest + u), Float4(-0.5f));
+    const Float4 facing = Float4::load(dot + u) / sqrt(x * x + y2);
+    select(hit, min(facing, one), zero).store(cos);
+    select(hit, one / Float4::load(w + u), nothing).store(z);
+    truncate(Float4::load(nearest + u), index);
+  };
+  int u = run.begin;
+  for (; u + 4 <= std::min(run.end, width); u += 4) {
+    four(u, depth + u, cosine + u, shape + u);
+    for (int k = u; k < u + 4; ++k) label[k] = labels[shape[k]];
+  }
+  if (u >= std::min(run.end, width)) return;
+  float z[4], cos[4];
+  std::int16_t index[4];
+  four(u, z, cos, index);
+  for (int k = 0; u + k < width; ++k) {
+    depth[u + k] = z[k], cosine[u + k] = cos[k], shape[u + k] = index[k];
+    label[u + k] = labels[index[k]];
+  }
+}
+
+Rendering cast_rays(const World& world, const hal::CameraIntrinsics& intrinsics, const Pose& X_WC) {
+  RayCaster caster(intrinsics, X_WC);
+  (void)caster.cast(world);
+  return std::move(caster.image_);
 }
 
 Pose look_at(const Vec3& eye, const Vec3& target) {

@@ -31,9 +31,13 @@ std::uint64_t newest_due(hal::Timestamp now) {
 
 class SimCamera final : public hal::DepthCamera {
  public:
-  explicit SimCamera(SimWorld& world) : world_(world), X_WC_(camera_pose(world.scenario().camera)) {
-    for (const DeviceFaultEvent& fault : world.scenario().faults)
-      if (fault.device == "camera") faults_.push_back(fault);
+  explicit SimCamera(SimWorld& world)
+      : world_(world), caster_(hal::CameraIntrinsics{}, camera_pose(world.scenario().camera)) {
+    for (const DeviceFaultEvent& fault : world.scenario().faults) {
+      if (fault.device != "camera") continue;
+      faults_.push_back(fault);
+      may_freeze_ |= fault.action == "freeze";
+    }
   }
 
   hal::Result<> configure() override {
@@ -116,7 +120,7 @@ class SimCamera final : public hal::DepthCamera {
   }
 
   hal::DepthFrame expose(std::uint64_t frame, std::string_view fault) {
-    const Rendering truth = cast_rays(world_.shapes(), intrinsics_, X_WC_);
+    const Rendering& truth = caster_.cast(world_.shapes());
     hal::DepthFrame image = world_.scenario().camera.noise == "none"
                                 ? measure_ideal(truth)
                                 : measure(truth, KinectNoise{}, hash(world_.seed(), kNoiseStream, frame));
@@ -129,7 +133,7 @@ class SimCamera final : public hal::DepthCamera {
       std::fill(image.depth_m.begin(), image.depth_m.end(), std::numeric_limits<float>::quiet_NaN());
     } else if (fault == "corrupt") {
       image.depth_m.resize(image.depth_m.size() / 2);
-    } else {
+    } else if (may_freeze_) {
       last_good_ = image.depth_m;
     }
     return image;
@@ -145,9 +149,9 @@ class SimCamera final : public hal::DepthCamera {
   static constexpr std::uint64_t kNoiseStream = 71;
 
   SimWorld& world_;
-  Pose X_WC_;
-  hal::CameraIntrinsics intrinsics_;
+  RayCaster caster_;
   std::vector<DeviceFaultEvent> faults_;
+  bool may_freeze_ = false;
   std::uint64_t next_ = 0;  // first frame that has not been exposed
   hal::Timestamp handed_out_at_{0};
   std::vector<float> last_good_;

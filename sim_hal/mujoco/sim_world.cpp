@@ -97,12 +97,12 @@ hal::JointVector SimConfig::home_rad() {
 /// Moved by one thread, read by others.
 class WorldClock final : public hal::Clock {
  public:
-  explicit WorldClock(hal::Timestamp start) : now_(start.count()) {}
   [[nodiscard]] hal::Timestamp now() const override { return hal::Timestamp(now_.load()); }
+  void set(hal::Timestamp now) { now_ = now.count(); }
   void advance(hal::Duration by) { now_.fetch_add(by.count()); }
 
  private:
-  std::atomic<hal::Timestamp::rep> now_;
+  std::atomic<hal::Timestamp::rep> now_{0};
 };
 
 struct SimWorld::Impl {
@@ -118,7 +118,8 @@ struct SimWorld::Impl {
   SimPartner partner;
   std::optional<SupportBlock> support;
   bool support_stands = false;
-  WorldClock clock;
+  WorldClock clock = {};
+  hal::Timestamp start{0};
   std::vector<PartnerFigure> figures = {};  // one for each of the partner's holds
   std::vector<Shape> clutter;
 
@@ -137,7 +138,7 @@ struct SimWorld::Impl {
   void tick();
   void note_grasp();
   [[nodiscard]] Pose palm() const { return physics->link_pose(model.palm); }
-  [[nodiscard]] double now_s() const { return hal::seconds(clock.now() - config.start_at); }
+  [[nodiscard]] double now_s() const { return hal::seconds(clock.now() - start); }
   void place_partners();
 };
 
@@ -214,7 +215,6 @@ hal::Result<std::unique_ptr<SimWorld>> SimWorld::make(const Scenario& scenario, 
       .hand = {},
       .partner = SimPartner(scenario.partner, scenario.task, seed),
       .support = support,
-      .clock = WorldClock(config.start_at),
       .clutter = clutter_shapes(scenario),
   });
   impl->X_WT0 = impl->physics->object_pose();
@@ -227,8 +227,13 @@ const hal::Clock& SimWorld::clock() const {
   return impl_->clock;
 }
 
+void SimWorld::start_at(hal::Timestamp now) {
+  impl_->start = now;
+  impl_->clock.set(now);
+}
+
 hal::Duration SimWorld::elapsed() const {
-  return impl_->clock.now() - impl_->config.start_at;
+  return impl_->clock.now() - impl_->start;
 }
 
 void SimWorld::advance(hal::Duration by) {

@@ -19,7 +19,6 @@ namespace colift::sim_hal {
 struct SimConfig {
   hal::Duration arm_period = std::chrono::milliseconds(5);  ///< Time between two commands: FRI's usual cycle.
   hal::JointVector start_rad = home_rad();                  ///< Where the arm stands at the start.
-  hal::Timestamp start_at{0};  ///< What clock() shows at the start: the robot's time, when it runs in real time.
   [[nodiscard]] static hal::JointVector home_rad();
 };
 
@@ -59,6 +58,8 @@ class SimWorld {
   ~SimWorld();
 
   [[nodiscard]] const hal::Clock& clock() const;
+  /// Time 0 of the scenario is this time of a robot that lives in real time. Before the first advance().
+  void start_at(hal::Timestamp now);
   /// Since the start: the time of the scenario.
   [[nodiscard]] hal::Duration elapsed() const;
   /// Moves time and everything in it; whole milliseconds.

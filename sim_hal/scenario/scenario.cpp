@@ -66,13 +66,20 @@ class Checker {
                     "camera.look_at is where the camera is, expected a point at least 5 cm away");
     if (auto done = check_partner(); !done) return done;
     if (file_.faults.size() > kMaxEvents) return too_many("faults", file_.faults.size(), kMaxEvents);
-    for (std::size_t i = 0; i < file_.faults.size(); ++i)
+    for (std::size_t i = 0; i < file_.faults.size(); ++i) {
+      const auto& arm_only = FaultBlock::of_controller().names;
+      if (file_.faults[i].device != "arm" && std::ranges::find(arm_only, file_.faults[i].action) != arm_only.end())
+        return refuse(fmt::format("faults[{}].do", i),
+                      fmt::format("faults[{}].do is {}, but that only an arm can do; {} expects one of freeze, drop, "
+                                  "unplug, corrupt, late, silent",
+                                  i, file_.faults[i].action, file_.faults[i].device));
       if (file_.faults[i].action == "blind" && file_.faults[i].device != "camera")
         return refuse(
             fmt::format("faults[{}].do", i),
             fmt::format("faults[{}].do is blind, but that only a camera can be; {} expects one of freeze, "
                         "drop, unplug, corrupt, late, silent",
                         i, file_.faults[i].device));
+    }
     return {};
   }
 

@@ -145,13 +145,26 @@ struct FaultBlock {
   std::string device, action;
   double for_s = DeviceFaultEvent{}.for_s;
 
+  /// What only the arm's controller and its wire can do, and only an emulated one does.
+  static const hal::Choices& of_controller() {
+    static const hal::Choices all{"loss",        "delay",         "reorder",       "duplicate",
+                                  "burst",       "quality",       "monitor",       "emergency-stop",
+                                  "drive-error", "drive-warning", "drives-off",    "temperature",
+                                  "jump",        "nan",           "torque-offset", "contact"};
+    return all;
+  }
+  static hal::Choices choices() {
+    hal::Choices all{"freeze", "drop", "unplug", "corrupt", "blind", "late", "silent"};
+    all.names.insert(all.names.end(), of_controller().names.begin(), of_controller().names.end());
+    return all;
+  }
+
   template <class Visitor>
   void visit(Visitor& v) {
     constexpr auto kRequired = hal::Presence::Required;
     v("at_s", at_s, kTime_s, "When (s).", kRequired);
     v("device", device, hal::Choices{"camera", "arm", "hand"}, "Which device fails.", kRequired);
-    v("do", action, hal::Choices{"freeze", "drop", "unplug", "corrupt", "blind", "late", "silent"},
-      "How it fails.", kRequired);
+    v("do", action, choices(), "How it fails.", kRequired);
     v("for_s", for_s, kTime_s, "How long (s).");
   }
 };

@@ -1,33 +1,111 @@
-// Whole lifts of random tables and boxes with both methods, as a table: lifts_table [COUNT [FIRST_SEED]].
-// Each lift is a line on stderr.
+// Whole lifts of random tables and boxes, and of the shipped scenarios, with both methods side by side, as
+// tables: lifts_table [COUNT [FIRST_SEED]]. Each random lift is a line on stderr. Where the thesis's method
+// does not lift, the table says why.
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "tests/support/lift_figures.hpp"
 
 using namespace colift;
 
-int main(int argc, char** argv) {
-  const int count = argc > 1 ? std::atoi(argv[1]) : 25;
-  const auto first = static_cast<std::uint64_t>(argc > 2 ? std::atoi(argv[2]) : 1);
+namespace {
+
+constexpr control::Method kMethods[] = {control::Method::Fast, control::Method::Thesis};
+
+const char* word(control::Method method) {
+  return method == control::Method::Fast ? "fast" : "thesis";
+}
+
+const char* word(control::RunRecord::Result outcome) {
+  using Result = control::RunRecord::Result;
+  return outcome == Result::Lifted ? "lifted" : outcome == Result::Aborted ? "aborted" : "refused";
+}
+
+/// A sentence without what differs from seed to seed, so that like ones can be counted.
+std::string kind_of(const std::string& because) {
+  std::string out;
+  for (const char c : because) {
+    if (c >= '0' && c <= '9') {
+      if (out.empty() || out.back() != '#') out += '#';
+    } else if (!(c == '.' && !out.empty() && out.back() == '#')) {
+      out += c == '|' ? '/' : c;
+    }
+  }
+  return out;
+}
+
+std::string share_text(const tests::SimulatedLift& lift) {
+  if (lift.record.outcome != control::RunRecord::Result::Lifted)
+    return fmt::format("{}: {}", word(lift.record.outcome), lift.record.because);
+  return fmt::format("lifted, tilt {:.2f} deg, share {:.2f}, partner {:.0f} mm", lift.tilt_deg,
+                     lift.share_robot, 1e3 * lift.partner_error_m);
+}
+
+void random_lifts(int count, std::uint64_t first) {
   fmt::print(
       "| {} lifts each | lifted | tilt median | tilt 95 % | share within 0.07 of 0.5 | partner 90 % | slip "
       "95 % | "
       "times real time |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",
       count);
+  std::map<std::string, int> reasons;  // of what the thesis's method did not lift
   for (const auto kind : {sim_hal::RandomKind::Table, sim_hal::RandomKind::Box}) {
-    for (const auto method : {control::Method::Fast, control::Method::Thesis}) {
+    for (const auto method : kMethods) {
       const auto f = tests::lift_random(kind, method, first, count, [](const std::string& said) {
         std::fprintf(stderr, "%s\n", said.c_str());
       });
-      fmt::print("| {}, {} | {} | {:.2f} deg | {:.2f} deg | {:.0f} % | {:.1f} mm | {:.1f} mm | {:.1f} |\n",
-                 kind == sim_hal::RandomKind::Table ? "tables" : "boxes",
-                 method == control::Method::Fast ? "fast" : "thesis", f.lifted, f.tilt_median_deg,
-                 f.tilt_p95_deg, 100 * f.share_within, 1e3 * f.partner_p90_m, 1e3 * f.slip_p95_m,
-                 f.real_time);
+      const char* what = kind == sim_hal::RandomKind::Table ? "tables" : "boxes";
+      if (f.lifted > 0) {
+        fmt::print("| {}, {} | {} | {:.2f} deg | {:.2f} deg | {:.0f} % | {:.1f} mm | {:.1f} mm | {:.1f} |\n",
+                   what, word(method), f.lifted, f.tilt_median_deg, f.tilt_p95_deg, 100 * f.share_within,
+                   1e3 * f.partner_p90_m, 1e3 * f.slip_p95_m, f.real_time);
+      } else {
+        fmt::print("| {}, {} | 0 | | | | | | {:.1f} |\n", what, word(method), f.real_time);
+      }
+      if (method != control::Method::Thesis) continue;
+      for (const std::string& said : f.not_lifted) {
+        const std::size_t name_end = said.find(": ");
+        ++reasons[kind_of(fmt::format("{}: {}", what, said.substr(name_end + 2)))];
+      }
     }
   }
+  if (reasons.empty()) return;
+  fmt::print("\n| thesis, not lifted | times |\n| --- | ---: |\n");
+  for (const auto& [reason, times] : reasons) fmt::print("| {} | {} |\n", reason, times);
+}
+
+void shipped_scenarios() {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(COLIFT_SCENARIOS))
+    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  fmt::print("\n| shipped scenario, seed 1 | fast | thesis |\n| --- | --- | --- |\n");
+  for (const auto& file : files) {
+    const auto scenario = sim_hal::load_scenario(file.string());
+    if (!scenario) {
+      fmt::print("| {} | not read: {} | |\n", file.stem().string(), scenario.error().text());
+      continue;
+    }
+    std::string row = fmt::format("| {} |", file.stem().string());
+    for (const auto method : kMethods)
+      row += fmt::format(" {} |", share_text(tests::simulate(*scenario, method, 1)));
+    fmt::print("{}\n", row);
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int count = argc > 1 ? std::atoi(argv[1]) : 25;
+  const auto first = static_cast<std::uint64_t>(argc > 2 ? std::atoi(argv[2]) : 1);
+  random_lifts(count, first);
+  shipped_scenarios();
 }

@@ -51,7 +51,6 @@ struct StockPlanner::Impl {
   std::vector<Solid> solids;
   std::unique_ptr<fcl::CollisionObjectd> octree;
   std::shared_ptr<ob::RealVectorStateSpace> space;
-  double resolution = 0.01;
   std::vector<hal::Pose> X_WL;
   std::size_t checks = 0;
 
@@ -81,13 +80,12 @@ struct StockPlanner::Impl {
 };
 
 StockPlanner::StockPlanner(const hal::RobotModel& model, const planner::SphereModel& spheres,
-                           const perception::WorldMap& map, const planner::JointBox& box, double resolution)
+                           const perception::WorldMap& map, const planner::JointBox& box)
     : impl_(std::make_unique<Impl>()) {
   ompl::msg::setLogLevel(ompl::msg::LOG_NONE);
   Impl& m = *impl_;
   m.model = model;
   m.pairs = spheres.self_pairs;
-  m.resolution = resolution;
   for (std::size_t link = 0; link < model.links.size(); ++link) {
     for (const hal::LinkShape& shape : model.links[link].shapes) {
       m.solids.push_back(
@@ -122,11 +120,11 @@ std::size_t StockPlanner::checks() const {
 }
 
 StockPlanner::Outcome StockPlanner::plan(const hal::JointVector& start, const hal::JointVector& goal,
-                                         double limit_s) {
+                                         double limit_s, double resolution) {
   Impl& m = *impl_;
   og::SimpleSetup setup(m.space);
   setup.setStateValidityChecker([&m](const ob::State* state) { return m.is_free(joints(state)); });
-  setup.getSpaceInformation()->setStateValidityCheckingResolution(m.resolution);
+  setup.getSpaceInformation()->setStateValidityCheckingResolution(resolution);
   setup.setPlanner(std::make_shared<og::RRTConnect>(setup.getSpaceInformation()));
   ob::ScopedState<ob::RealVectorStateSpace> from(m.space), to(m.space);
   for (unsigned i = 0; i < hal::kArmJoints; ++i) {

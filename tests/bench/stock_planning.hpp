@@ -13,17 +13,18 @@ namespace colift::bench {
 /// FCL's primitives against FCL's octree and against each other.
 class StockPlanner {
  public:
-  /// `resolution`: OMPL's longest step between checked states as a part of the space's extent; its default is
-  /// 0.01.
   StockPlanner(const hal::RobotModel& model, const planner::SphereModel& pairs,
-               const perception::WorldMap& map, const planner::JointBox& box, double resolution);
+               const perception::WorldMap& map, const planner::JointBox& box);
   ~StockPlanner();
 
   struct Outcome {
     planner::JointPath path;  ///< Empty when none was found within `limit_s`.
     double plan_ms = 0.0, simplify_ms = 0.0;
   };
-  [[nodiscard]] Outcome plan(const hal::JointVector& start, const hal::JointVector& goal, double limit_s);
+  /// `resolution`: OMPL's longest step between checked states as a part of the space's extent; its default is
+  /// 0.01.
+  [[nodiscard]] Outcome plan(const hal::JointVector& start, const hal::JointVector& goal, double limit_s,
+                             double resolution);
   [[nodiscard]] bool is_free(const hal::JointVector& q_rad);
   [[nodiscard]] std::size_t checks() const;
 

@@ -3,9 +3,9 @@
 #include <memory>
 #include <vector>
 
+#include "fri_rig.hpp"
 #include "hal/guarded_arm.hpp"
 #include "sim_hal/mock/mock_arm.hpp"
-#include "sim_rig.hpp"
 
 namespace colift {
 namespace {
@@ -40,6 +40,12 @@ struct GuardedSimRig {
   std::unique_ptr<sim_hal::SimWorld> world = contract_world(false);
   std::unique_ptr<hal::Arm> arm = std::make_unique<hal::GuardedArm>(
       sim_hal::make_sim_arm(*world), hal::built_in_robot(), hal::GuardConfig{});
+};
+
+struct GuardedFriRig : FriRig {
+  GuardedFriRig() {
+    arm = std::make_unique<hal::GuardedArm>(std::move(arm), hal::built_in_robot(), hal::GuardConfig{});
+  }
 };
 
 constexpr double kStill_rad = 0.003;  // a simulated arm gives way a little under its own weight
@@ -78,7 +84,7 @@ double apart(const JointVector& a, const JointVector& b) {
 
 }  // namespace
 
-#define COLIFT_ARMS MockRig, SimRig, GuardedMockRig, GuardedSimRig
+#define COLIFT_ARMS MockRig, SimRig, FriRig, GuardedMockRig, GuardedSimRig, GuardedFriRig
 
 TEMPLATE_TEST_CASE("an arm tells nothing and does nothing before it is configured", "[arm][contract]",
                    COLIFT_ARMS) {

@@ -1,113 +1,86 @@
 #include "tools/colift/back_ends.hpp"
 
-#include "hal/config/config_file.hpp"
+#include <cmath>
+
+#include "hal/fri/fri_arm.hpp"
 #include "hal/guarded_arm.hpp"
 #include "hal/guarded_hand.hpp"
+#include "hal/os/udp_link.hpp"
+#include "sim_hal/emulator/krc_server.hpp"
+#include "sim_hal/emulator/mujoco/krc_world_plant.hpp"
 #include "sim_hal/mujoco/sim_devices.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
 #include "sim_hal/scenario/scenario.hpp"
+#include "tools/colift/rig_truth.hpp"
+#include "tools/colift/robot_file.hpp"
 
 namespace colift::tools {
 namespace {
 
-/// Which devices a rig has: the file behind --robot.
-struct RobotFile {
-  std::string arm = "simulated", hand = "simulated", camera = "simulated";
-  std::string model;
-  double arm_period_ms = 5.0;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v("arm", arm, hal::Choices{"simulated"}, "Back end of the arm.");
-    v("hand", hand, hal::Choices{"simulated"}, "Back end of the hand.");
-    v("camera", camera, hal::Choices{"simulated"}, "Back end of the camera.");
-    v("model", model, "URDF of arm and hand; empty: the built-in LWR 4+ with BarrettHand.");
-    v("arm_period_ms", arm_period_ms, hal::Range{1, 20},
-      "Time between two commands of the simulated arm (ms).");
-  }
-};
-
-picture::Solid to_solid(const sim_hal::Shape& shape) {
-  using From = sim_hal::Shape::Kind;
-  using To = picture::Solid::Kind;
-  using picture::SolidRole;
-  picture::Solid s;
-  s.X_WS = shape.X_WS;
-  s.size = shape.size;
-  switch (shape.kind) {
-    case From::Box:
-      s.kind = To::Box;
-      break;
-    case From::Cylinder:
-      s.kind = To::Cylinder;
-      break;
-    case From::Capsule:
-      s.kind = To::Capsule;
-      break;
-    case From::Sphere:
-      s.kind = To::Sphere;
-      break;
-    case From::HalfSpace:
-      s.kind = To::Ground;
-      break;
-  }
-  switch (shape.label) {
-    case sim_hal::Label::Ground:
-      s.role = SolidRole::Ground;
-      break;
-    case sim_hal::Label::Target:
-      s.role = SolidRole::Target;
-      break;
-    case sim_hal::Label::Partner:
-      s.role = SolidRole::Partner;
-      break;
-    case sim_hal::Label::Robot:
-      s.role = SolidRole::Robot;
-      break;
-    case sim_hal::Label::Wall:
-      s.role = SolidRole::Wall;
-      break;
-    case sim_hal::Label::Clutter:
-    case sim_hal::Label::Nothing:
-      s.role = SolidRole::Clutter;
-      break;
-  }
-  return s;
-}
-
-RigTruth truth_of(const std::shared_ptr<sim_hal::SimWorld>& world,
-                  const std::shared_ptr<const hal::RobotModel>& model) {
-  RigTruth truth;
-  const sim_hal::SimTruth at_start = world->truth();
-  truth.mass_kg = at_start.mass_kg;
-  truth.cog = at_start.cog_W;
-  truth.sample = [world](hal::Timestamp began) {
-    const sim_hal::SimTruth t = world->truth();
-    return TruthSample{hal::seconds(t.at - began),
-                       t.robot_force_W.z(),
-                       t.partner_force_W.z(),
-                       t.floor_force_W.z(),
-                       t.tilt_rad,
-                       t.height_m,
-                       t.slip_m};
-  };
-  truth.partner = [world] { return world->truth().partner_W; };
-  truth.scene = [world, model] {
-    picture::SolidScene scene;
-    for (const sim_hal::Shape& shape : world->shapes().shapes)
-      if (shape.label != sim_hal::Label::Robot) scene.solids.push_back(to_solid(shape));
-    // from the model: arm and hand have colours of their own
-    const auto robot =
-        picture::robot_solids(*model, world->arm_state().q_rad, hal::posture_of(world->hand_state()));
-    scene.solids.insert(scene.solids.end(), robot.begin(), robot.end());
-    return scene;
-  };
-  return truth;
-}
+using World = std::shared_ptr<sim_hal::SimWorld>;
 
 hal::Result<sim_hal::Scenario> read_scenario(const std::optional<std::filesystem::path>& file) {
   if (file) return sim_hal::load_scenario(*file);
   return sim_hal::built_in_scenario();
+}
+
+hal::Result<std::shared_ptr<const hal::RobotModel>> read_model(const std::string& file) {
+  if (file.empty()) return std::make_shared<hal::RobotModel>(hal::built_in_robot());
+  auto model = hal::load_robot(file);
+  if (!model) return tl::unexpected(model.error());
+  return std::make_shared<hal::RobotModel>(std::move(*model));
+}
+
+hal::Result<World> make_world(const RobotFile& file, const sim_hal::Scenario& scenario,
+                              const hal::RobotModel& model, std::uint64_t seed) {
+  sim_hal::SimConfig sim;
+  const double period_ms = file.arm == "simulated" ? file.arm_period_ms : file.fri.cycle_ms;
+  sim.arm_period = std::chrono::milliseconds(std::lround(period_ms));
+  auto world = sim_hal::SimWorld::make(scenario, model, seed, sim);
+  if (!world) return tl::unexpected(world.error());
+  return World(std::move(*world));
+}
+
+/// The controller at the far end of the arm's wire, on the same world as the other simulated devices.
+hal::Result<std::shared_ptr<sim_hal::KrcServer>> start_krc(const RobotFile& file,
+                                                           const sim_hal::Scenario& scenario,
+                                                           const hal::RobotModel& model, sim_hal::SimWorld& world,
+                                                           std::uint64_t seed) {
+  sim_hal::KrcServerConfig config;
+  config.krc.to = {0x7f000001, static_cast<std::uint16_t>(file.fri.port)};
+  config.krc.cycle = world.config().arm_period;
+  config.krc.script = file.fri.script;
+  config.krc.seed = seed;
+  for (const sim_hal::DeviceFaultEvent& event : scenario.faults) {
+    if (event.device != "arm") continue;
+    auto fault = sim_hal::krc_fault(event);
+    if (!fault) return tl::unexpected(fault.error());
+    config.krc.faults.push_back(*fault);
+  }
+  const hal::ArmDynamics dynamics(model, hal::ArmDynamics::Load::Hand);
+  auto server = std::make_shared<sim_hal::KrcServer>(
+      config, dynamics, std::make_unique<sim_hal::KrcWorldPlant>(world, dynamics));
+  world.start_at(hal::SteadyClock().now());
+  if (auto started = server->start(); !started) return tl::unexpected(started.error());
+  return server;
+}
+
+ArmLink link_of(const hal::FriArm& arm, const sim_hal::KrcServer* krc) {
+  ArmLink link;
+  const hal::FriStatus status = arm.status();
+  const hal::AnswerTimes& times = arm.answer_times();
+  link.cycles = status.received;
+  link.answered = status.answered;
+  link.lost = status.lost;
+  link.answer_us = {times.percentile_us(0.5), times.percentile_us(0.99), times.percentile_us(0.999),
+                    times.worst_us()};
+  if (krc == nullptr) return link;
+  const sim_hal::KrcReport report = krc->report();
+  const sim_hal::KrcServerTiming timing = krc->timing();
+  link.controller = ArmLink::Controller{report.sent,  report.answered, report.missed, report.most_missed_in_a_row,
+                                        timing.late, timing.worst_late_ms};
+  for (const auto& broken : report.broken_rules) link.controller->broken_rules.push_back(broken.because);
+  return link;
 }
 
 }  // namespace
@@ -121,37 +94,45 @@ hal::Result<RunTask> read_task(const std::optional<std::filesystem::path>& scena
 hal::Result<Rig> open_rig(const std::optional<std::filesystem::path>& robot,
                           const std::optional<std::filesystem::path>& scenario, std::uint64_t seed,
                           const control::Config& config) {
-  RobotFile file;
-  if (robot) {
-    auto read = hal::load_yaml<RobotFile>(*robot);
-    if (!read) return tl::unexpected(read.error());
-    file = std::move(*read);
-  }
+  const auto file = read_robot_file(robot);
+  if (!file) return tl::unexpected(file.error());
   Rig rig;
   rig.name = robot ? robot->filename().string() : "simulated rig";
-  if (file.model.empty()) {
-    rig.model = std::make_shared<hal::RobotModel>(hal::built_in_robot());
-  } else {
-    auto model = hal::load_robot(file.model);
-    if (!model) return tl::unexpected(model.error());
-    rig.model = std::make_shared<hal::RobotModel>(std::move(*model));
-  }
+  auto model = read_model(file->model);
+  if (!model) return tl::unexpected(model.error());
+  rig.model = std::move(*model);
   const auto read = read_scenario(scenario);
   if (!read) return tl::unexpected(read.error());
-  sim_hal::SimConfig sim;
-  sim.arm_period = std::chrono::microseconds(static_cast<long>(1e3 * file.arm_period_ms));
-  auto world = sim_hal::SimWorld::make(*read, *rig.model, seed, sim);
+
+  auto world = make_world(*file, *read, *rig.model, seed);
   if (!world) return tl::unexpected(world.error());
-  const std::shared_ptr<sim_hal::SimWorld> shared = std::move(*world);
-  rig.world = shared;
-  rig.robot.arm =
-      std::make_unique<hal::GuardedArm>(sim_hal::make_sim_arm(*shared), *rig.model, config.guard_arm);
-  rig.robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(*shared), config.guard_hand);
-  rig.robot.camera = sim_hal::make_sim_camera(*shared);
-  rig.robot.clock = sim_hal::make_sim_clock(*shared);
+  rig.world = *world;
+  std::unique_ptr<hal::Arm> arm;
+  if (file->arm == "simulated") {
+    arm = sim_hal::make_sim_arm(**world);
+    rig.robot.clock = sim_hal::make_sim_clock(**world);
+  } else {
+    rig.drive = control::Drive::Thread;
+    rig.robot.clock = std::make_unique<hal::SteadyClock>();
+    const auto address = hal::parse_endpoint(file->fri.address + ":" + std::to_string(file->fri.port));
+    if (!address) return tl::unexpected(address.error());
+    auto fri = std::make_unique<hal::FriArm>(file->fri, hal::make_udp_link(*address), *rig.robot.clock);
+    std::shared_ptr<sim_hal::KrcServer> krc;
+    if (file->emulator != "never") {
+      auto started = start_krc(*file, *read, *rig.model, **world, seed);
+      if (!started) return tl::unexpected(started.error());
+      krc = std::move(*started);
+    }
+    rig.arm_link = [driver = fri.get(), krc] { return link_of(*driver, krc.get()); };
+    rig.far_ends = krc;
+    arm = std::move(fri);
+  }
+  rig.robot.arm = std::make_unique<hal::GuardedArm>(std::move(arm), *rig.model, config.guard_arm);
+  rig.robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(**world), config.guard_hand);
+  rig.robot.camera = sim_hal::make_sim_camera(**world);
   rig.X_WC = sim_hal::camera_pose(read->camera);
-  rig.home_rad = shared->arm_state().q_rad;
-  rig.truth = truth_of(shared, rig.model);
+  rig.home_rad = (*world)->arm_state().q_rad;
+  rig.truth = truth_of(*world, rig.model);
   return rig;
 }
 

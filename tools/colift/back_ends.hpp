@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "control/arm_loop.hpp"
 #include "control/config.hpp"
@@ -28,7 +29,8 @@ struct RigTruth {
 
 /// The devices of one run behind their guards, and what goes with them.
 struct Rig {
-  std::shared_ptr<void> world;  ///< Simulation behind the devices; outlives them.
+  std::shared_ptr<void> world;     ///< Simulation behind the devices; outlives them.
+  std::shared_ptr<void> far_ends;  ///< Emulators on that world.
   std::shared_ptr<const hal::RobotModel> model;
   hal::Robot robot;
   hal::Pose X_WC = hal::Pose::Identity();
@@ -36,6 +38,7 @@ struct Rig {
   control::Drive drive = control::Drive::InStep;           ///< Who runs the arm's cycle.
   std::string name;
   std::optional<RigTruth> truth;
+  std::function<ArmLink()> arm_link;  ///< Empty where the arm has no wire.
 };
 
 /// What a run does beyond its rig, as the scenario says.

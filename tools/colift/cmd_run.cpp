@@ -164,8 +164,10 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
     return kDeviceFailed;
   }
 
+  std::optional<ArmLink> link;
+  if (rig->arm_link) link = rig->arm_link();
   const RunView run{*record, setting, rig->truth ? &diary.truth : nullptr,
-                    rig->truth ? &diary.scenes : nullptr};
+                    rig->truth ? &diary.scenes : nullptr, link ? &*link : nullptr};
   if (common.json)
     std::puts(run_document(run).c_str());
   else

@@ -8,14 +8,21 @@
 #include <exception>
 #include <string>
 
+#include "tools/colift/cmd_hal.hpp"
 #include "tools/colift/cmd_rank.hpp"
 #include "tools/colift/commands.hpp"
+#include "tools/colift/emulate.hpp"
 
 namespace {
 
 using colift::tools::CommonOptions;
 using colift::tools::LookOptions;
 using colift::tools::RunOptions;
+
+void add_output(CLI::App& command, CommonOptions& o) {
+  command.add_flag("--json", o.json, "Prints one JSON document to stdout and nothing else");
+  command.add_flag("--quiet", o.quiet, "Prints only the result");
+}
 
 void add_common(CLI::App& command, CommonOptions& o) {
   command
@@ -30,8 +37,7 @@ void add_common(CLI::App& command, CommonOptions& o) {
       ->type_name("KEY=VALUE")
       ->take_all()
       ->allow_extra_args(false);
-  command.add_flag("--json", o.json, "Prints one JSON document to stdout and nothing else");
-  command.add_flag("--quiet", o.quiet, "Prints only the result");
+  add_output(command, o);
 }
 
 void add_look(CLI::App& command, LookOptions& o) {
@@ -64,6 +70,110 @@ void add_run(CLI::App& command, RunOptions& o) {
   command.add_option("--report", o.report, "Writes one HTML page with pictures, curves and reasons")
       ->type_name("FILE.html");
   command.add_option("--png", o.png, "Writes a picture of the lift")->type_name("OUT.png");
+}
+
+void add_emulate(CLI::App& command, colift::tools::EmulateOptions& o) {
+  command.add_option("--plant", o.plant, "What is behind the device: mujoco (default) or light")
+      ->type_name("PLANT");
+  command.add_option("--scenario", o.scenario, "What the simulated rig holds, and its faults (default: table)")
+      ->type_name("FILE");
+  command.add_option("--for", o.for_s, "Ends after that time (s)")->type_name("S");
+  command
+      .add_option("--fault", o.faults, "Something goes wrong at T (s); may be given several times")
+      ->type_name("T:KIND[:DURATION]")
+      ->take_all()
+      ->allow_extra_args(false);
+  command.add_option("--speed", o.speed, "Device seconds in a second; 0: as fast as answers come")
+      ->type_name("X");
+  command.add_option("--seed", o.seed, "Of the scenario and of random faults")->type_name("N");
+}
+
+void add_emulate_krc(CLI::App& command, colift::tools::EmulateKrcOptions& o) {
+  command.add_option("--to", o.to, "Where the client listens (default 127.0.0.1:49938)")->type_name("IP:PORT");
+  command.add_option("--from", o.from_port, "The controller's own port (default: any)")->type_name("PORT");
+  command.add_option("--cycle-ms", o.cycle_ms, "Time between two measurements, 1 to 100 (default 2)")
+      ->type_name("N");
+  command.add_option("--script", o.script, "KRL program: colift (default), stanford, tum, vendor or cep");
+  command.add_option("--strategy", o.strategy, "10, 20 or 30 in place of the program's own first strategy");
+  command.add_option("--linger-s", o.linger_s, "Monitor mode between a close and silence (default 1.5)")
+      ->type_name("S");
+  command.add_option("--session-s", o.session_s, "How long the vendor's program commands (default 10)")
+      ->type_name("S");
+  command
+      .add_option("--restart-s", o.restart_s,
+                  "An operator acknowledges faults and restarts the program after that time (default: never)")
+      ->type_name("S");
+  command.add_flag("--strict", o.strict, "Starts only at quality perfect, stays only at ok or better");
+  command.add_flag("--friction", o.friction, "Joint friction of the light plant");
+}
+
+/// A verb of `hal DEVICE`, with what all of them take.
+CLI::App& add_verb(CLI::App& device, const char* name, const char* help, colift::tools::HalOptions& o,
+                   CommonOptions& common) {
+  CLI::App* verb = device.add_subcommand(name, help);
+  verb->add_option("--robot", o.robot, "How the device is reached (default: the driver's own defaults)")
+      ->type_name("FILE");
+  verb->callback([&o, name] { o.verb = name; });
+  add_common(*verb, common);
+  return *verb;
+}
+
+CLI::App* add_hal_arm(CLI::App& hal, colift::tools::HalOptions& o, CommonOptions& common) {
+  CLI::App* arm = hal.add_subcommand("arm", "The KUKA LWR 4+ over FRI");
+  arm->require_subcommand(1);
+  const auto for_s = [&o](CLI::App& verb, const char* help) {
+    verb.add_option("--for", o.for_s, help)->type_name("S");
+  };
+  const auto yes = [&o](CLI::App& verb) {
+    verb.add_flag("--yes", o.yes, "Goes beyond the careful limits of bring-up");
+  };
+  for_s(add_verb(*arm, "state", "How it is, and why command mode would be refused now; nothing moves", o, common),
+        "Looks for that time (default 1.2)");
+  for_s(add_verb(*arm, "watch", "The same all the time, with the times of the answers; nothing moves", o, common),
+        "Ends after that time (default: when interrupted)");
+  for_s(add_verb(*arm, "hold", "Gets command mode, holds the measured pose, leaves", o, common),
+        "Holds for that time (default 10)");
+  CLI::App& move = add_verb(*arm, "move-joint", "Moves one joint by an angle, slowly, and leaves", o, common);
+  move.add_option("N", o.joint, "Joint, 1 to 7 from the base")->required();
+  move.add_option("DEG", o.degrees, "By how many degrees, from where it stands")->required();
+  move.add_option("--speed", o.speed_deg_s, "Degrees per second (default 5)")->type_name("DEG/S");
+  yes(move);
+  add_verb(*arm, "limits", "Limits of each joint: the arm's, those of the guard, those in T1", o, common);
+  CLI::App& stiffness =
+      add_verb(*arm, "stiffness", "Holds with a stiffness of the joints, for a person to feel it", o, common);
+  stiffness.add_option("VALUE", o.stiffness_nm_rad, "N m/rad, 0 to 2000")->required();
+  for_s(stiffness, "Holds for that time (default 30)");
+  yes(stiffness);
+  return arm;
+}
+
+CLI::App* add_hal_hand(CLI::App& hal, colift::tools::HalOptions& o, CommonOptions& common) {
+  CLI::App* hand = hal.add_subcommand("hand", "The BarrettHand over CAN");
+  hand->require_subcommand(1);
+  const auto for_s = [&o](CLI::App& verb, const char* help) {
+    verb.add_option("--for", o.for_s, help)->type_name("S");
+  };
+  const auto yes = [&o](CLI::App& verb) {
+    verb.add_flag("--yes", o.yes, "Opens although the hand holds something, which falls");
+  };
+  const auto torque = [&o](CLI::App& verb) {
+    verb.add_option("--torque", o.torque_nm, "At the fingertips, at most (default 0.5 N m)")->type_name("NM");
+  };
+  yes(add_verb(*hand, "init", "Wakes the pucks and opens all joints to their stops to find their zeros", o, common));
+  for_s(add_verb(*hand, "state", "How it is; nothing moves", o, common), "Looks for that time (default 1)");
+  for_s(add_verb(*hand, "watch", "The same all the time; nothing moves", o, common),
+        "Ends after that time (default: when interrupted)");
+  for_s(add_verb(*hand, "tactile", "Forces on the pads; nothing moves", o, common),
+        "Ends after that time (default: when interrupted)");
+  yes(add_verb(*hand, "open", "Opens the fingers", o, common));
+  torque(add_verb(*hand, "close", "Closes until each finger is held by something or by its stop", o, common));
+  CLI::App& preshape = add_verb(*hand, "preshape", "Opens the fingers and turns the spread", o, common);
+  preshape.add_option("DEG", o.spread_deg, "Spread, 0 to 180 degrees")->required();
+  yes(preshape);
+  CLI::App& grip = add_verb(*hand, "grip", "Closes on an object and watches the grip", o, common);
+  torque(grip);
+  for_s(grip, "Watches it for that time (default 5)");
+  return hand;
 }
 
 int run(int argc, char** argv) {
@@ -115,6 +225,32 @@ int run(int argc, char** argv) {
   add_run(*run_command, run);
   add_common(*run_command, common);
 
+  CLI::App* emulate_command = app.add_subcommand("emulate", "The far end of a device's wire");
+  emulate_command->require_subcommand(1);
+  colift::tools::EmulateKrcOptions krc;
+  CLI::App* krc_command =
+      emulate_command->add_subcommand("krc", "A KUKA KRC2lr behind its Fast Research Interface (UDP)");
+  add_emulate(*krc_command, krc.common);
+  add_emulate_krc(*krc_command, krc);
+  add_output(*krc_command, common);
+
+  CLI::App* hal_command = app.add_subcommand("hal", "Bring-up of one device at a time");
+  hal_command->require_subcommand(1);
+  colift::tools::HalOptions arm;
+  CLI::App* arm_command = add_hal_arm(*hal_command, arm, common);
+  colift::tools::HalOptions hand;
+  CLI::App* hand_command = add_hal_hand(*hal_command, hand, common);
+
+  colift::tools::DoctorOptions doctor;
+  CLI::App* doctor_command =
+      app.add_subcommand("doctor", "This machine: what is found, and the line that repairs it");
+  doctor_command
+      ->add_option("--robot", doctor.robot, "Whose port and bus are looked at (default: the drivers' defaults)")
+      ->type_name("FILE");
+  doctor_command->add_option("--root", doctor.root, "Where /sys, /proc and /dev are looked for (default: /)")
+      ->type_name("FOLDER");
+  add_common(*doctor_command, common);
+
   CLI::App* check_command = app.add_subcommand(
       "check", "Reads configuration and hand, touches no device, prints what would be used");
   check_command->add_flag("--explain", check.explain, "With what each entry means and what it may be");
@@ -135,7 +271,7 @@ int run(int argc, char** argv) {
     if (first[0] != '-' && !known)
       std::fprintf(
           stderr,
-          "colift: \"%s\" is no command; there are run, look, decide, rank and check; see colift --help\n",
+          "colift: \"%s\" is no command; there are run, look, decide, rank, hal, emulate, doctor and check; see colift --help\n",
           first.c_str());
     else
       std::fprintf(stderr, "colift: %s; see colift --help\n", e.what());
@@ -144,6 +280,10 @@ int run(int argc, char** argv) {
   if (look_command->parsed()) return colift::tools::cmd_look(common, look);
   if (decide_command->parsed()) return colift::tools::cmd_decide(common, decide);
   if (run_command->parsed()) return colift::tools::cmd_run(common, run);
+  if (krc_command->parsed()) return colift::tools::cmd_emulate_krc(common, krc);
+  if (hand_command->parsed()) return colift::tools::cmd_hal_hand(common, hand);
+  if (arm_command->parsed()) return colift::tools::cmd_hal_arm(common, arm);
+  if (doctor_command->parsed()) return colift::tools::cmd_doctor(common, doctor);
   if (rank_command->parsed()) return colift::tools::cmd_rank(problem, common.json);
   return colift::tools::cmd_check(common, check);
 }

@@ -68,6 +68,27 @@ Json truth(const RunView& view) {
   return j;
 }
 
+Json arm_link(const ArmLink& link) {
+  Json j;
+  j["cycles"] = link.cycles;
+  j["answered"] = link.answered;
+  j["lost"] = link.lost;
+  j["answer_us"] = {{"p50", link.answer_us.p50},
+                    {"p99", link.answer_us.p99},
+                    {"p999", link.answer_us.p999},
+                    {"worst", link.answer_us.worst}};
+  if (!link.controller) return j;
+  const ArmLink::Controller& c = *link.controller;
+  j["controller"] = {{"sent", c.sent},
+                     {"answered", c.answered},
+                     {"missed", c.missed},
+                     {"most_missed_in_a_row", c.most_missed_in_a_row},
+                     {"late_cycles", c.late},
+                     {"worst_late_ms", c.worst_late_ms},
+                     {"broken_rules", c.broken_rules}};
+  return j;
+}
+
 Json faults(const control::RunRecord& record) {
   Json all = Json::array();
   for (const control::DeviceNote& f : record.faults)
@@ -120,6 +141,7 @@ std::string run_document(const RunView& view) {
             {"lift", lift(record)},
             {"timing", timing(record)}};
   if (view.truth) j["truth"] = truth(view);
+  if (view.arm_link != nullptr) j["arm_link"] = arm_link(*view.arm_link);
   j["faults"] = faults(record);
   j["hand_keeps_grip"] = record.hand_keeps_grip;
   j["candidates"] = candidates(record);

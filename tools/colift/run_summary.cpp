@@ -72,6 +72,16 @@ std::string timing_text(const RunView& view) {
   return text;
 }
 
+std::string link_text(const ArmLink& link) {
+  std::string text =
+      fmt::format("{} of {} datagrams answered, half of them within {} us, 99.9 % within {} us, the slowest in {} us",
+                  link.answered, link.cycles, link.answer_us.p50, link.answer_us.p999, link.answer_us.worst);
+  if (!link.controller) return text;
+  const ArmLink::Controller& c = *link.controller;
+  return text + fmt::format("; the emulated controller missed {} of {} answers and began {} cycles late itself",
+                            c.missed, c.sent, c.late);
+}
+
 }  // namespace
 
 std::string run_summary(const RunView& view, int columns) {
@@ -94,6 +104,7 @@ std::string run_summary(const RunView& view, int columns) {
     out += line("mass", mass_text(view));
   }
   out += line("time", timing_text(view));
+  if (view.arm_link != nullptr) out += line("arm's wire", link_text(*view.arm_link));
   bool first = true;
   for (const control::DeviceNote& f : record.faults) {
     out += line(first ? "faults" : "", fmt::format("{:.2f} s {}: {}", hal::seconds(f.at), f.device, f.what));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -57,12 +58,30 @@ struct RunSetting {
       config;  ///< What differs from the defaults: key, where set.
 };
 
+/// How the arm's wire did in one run.
+struct ArmLink {
+  std::uint64_t cycles = 0, answered = 0, lost = 0;  ///< Datagrams received, answered, and never come.
+  struct AnswerTimes {
+    std::uint64_t p50 = 0, p99 = 0, p999 = 0, worst = 0;
+  } answer_us;  ///< From a datagram's arrival to its answer.
+  /// What the controller at the far end says, when it is an emulated one.
+  struct Controller {
+    std::uint64_t sent = 0, answered = 0, missed = 0;
+    int most_missed_in_a_row = 0;
+    std::uint64_t late = 0;  ///< Cycles that it began late itself.
+    double worst_late_ms = 0.0;
+    std::vector<std::string> broken_rules = {};
+  };
+  std::optional<Controller> controller;
+};
+
 /// Everything about one finished run. Pointers and references are borrowed for the call.
 struct RunView {
   const control::RunRecord& record;
   const RunSetting& setting;
   const RunTruth* truth = nullptr;    ///< Null on a real rig.
   const RunScenes* scenes = nullptr;  ///< Null: drawn from what was seen.
+  const ArmLink* arm_link = nullptr;  ///< Null where the arm has no wire.
 };
 
 /// "lifted", "aborted", "refused".

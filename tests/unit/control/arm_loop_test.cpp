@@ -83,7 +83,7 @@ struct Rig {
   explicit Rig(Drive drive) : arm(drive == Drive::Thread), loop(arm, robot(), geometry(), task, load, drive) {
     arm.sent.reserve(20000);
     arm.let(1);
-    REQUIRE(loop.start(1s));
+    REQUIRE(loop.start());
   }
   ~Rig() {
     arm.open_gate();
@@ -139,6 +139,14 @@ TEST_CASE("What the task asks about is its last request, never the one before") 
   rig.pass(1);
   CHECK_FALSE(rig.loop.done());
   CHECK_FALSE(rig.loop.at_rest());
+}
+
+TEST_CASE("A request that moves nothing does not keep the next way waiting") {
+  Rig rig(Drive::Thread);
+  rig.pass(2);
+  rig.loop.end_tare();
+  CHECK(rig.loop.done());
+  CHECK(rig.loop.follow(way()));
 }
 
 TEST_CASE("A way that starts elsewhere, or while the arm moves, is refused at once") {

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "sim_hal/mock/hash_random.hpp"
@@ -128,6 +129,71 @@ TEST_CASE("every pixel shows what sphere tracing finds along its ray", "[ray_cas
   CHECK(compared > 12000);
   CHECK(skipped < compared / 200);
   CHECK(inside < 12);
+}
+
+namespace {
+
+void require_same_image(const Rendering& a, const Rendering& b) {
+  const std::size_t bytes = a.depth_m.size() * sizeof(float);
+  REQUIRE(a.depth_m.size() == b.depth_m.size());
+  REQUIRE(std::memcmp(a.depth_m.data(), b.depth_m.data(), bytes) == 0);
+  REQUIRE(std::memcmp(a.cos_incidence.data(), b.cos_incidence.data(), bytes) == 0);
+  REQUIRE(a.shape == b.shape);
+  REQUIRE(a.label == b.label);
+  REQUIRE(a.reflectivity == b.reflectivity);
+}
+
+}  // namespace
+
+TEST_CASE("a camera that stands still sees what a new one would see, whatever moves, comes or goes",
+          "[ray_caster]") {
+  const Pose X_WC = look_at({-2.5, 0.4, 1.1}, {0, 0, 0.3});
+  for (const CameraIntrinsics& k : {kSmall, CameraIntrinsics{300, 40, 260.0, 262.0, 151.0, 20.0}}) {
+    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+      RayCaster caster(k, X_WC);
+      World world = random_world(seed, 14);
+      Draws d(seed, 8);
+      for (int frame = 0; frame < 12; ++frame) {
+        CAPTURE(seed, frame);
+        require_same_image(caster.cast(world), cast_rays(world, k, X_WC));
+        Shape& moved = world.shapes[static_cast<std::size_t>(d.below(static_cast<int>(world.shapes.size())))];
+        switch (d.below(6)) {
+          case 0:
+            moved.X_WS.translation() +=
+                Vec3(d.between(-0.2, 0.2), d.between(-0.2, 0.2), d.between(-0.2, 0.2));
+            break;
+          case 1:
+            moved.X_WS.rotate(Eigen::AngleAxisd(d.between(0, 3), Vec3(1, 2, 3).normalized()));
+            break;
+          case 2:
+            moved.label = Label::Partner;
+            moved.reflectivity = d.between(0, 1);
+            break;
+          case 3:
+            moved.size *= d.between(0.5, 1.5);
+            break;
+          case 4:
+            world.shapes.pop_back();
+            break;
+          default:
+            world.shapes.push_back(random_world(seed + 100, 1).shapes[0]);
+            break;
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("what creeps is followed to within a few micrometres", "[ray_caster]") {
+  const CameraIntrinsics k{64, 48, 57.6, 57.6, 32, 24};
+  World world;
+  world.shapes.push_back(box({0, 0, 1.5}, {1, 1, 0.2}, 0.0, Label::Target));
+  RayCaster caster(k, Pose::Identity());
+  for (int frame = 0; frame < 400; ++frame) {
+    const double seen = static_cast<double>(caster.cast(world).depth_m[24 * 64 + 32]);
+    REQUIRE(std::abs(seen - (world.shapes[0].X_WS.translation().z() - 0.1)) < 2e-6);
+    world.shapes[0].X_WS.translation().z() -= 3e-7;
+  }
 }
 
 TEST_CASE("incidence is the cosine between ray and surface normal", "[ray_caster]") {

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/types/result.hpp"
+#include "sim_hal/scenario/scenario.hpp"
+
+namespace colift::sim_hal {
+
+/// Something that goes wrong at a time.
+struct KrcFault {
+  enum class Kind {
+    // of the wire
+    Loss,       ///< All; `value` in a row; or `value` percent.
+    Delay,      ///< By `value` ms.
+    Reorder,    ///< Neighbours change places.
+    Duplicate,  ///< Everything arrives twice.
+    Corrupt,    ///< A byte is turned, or the end is missing.
+    Burst,      ///< `value` datagrams are held back and come at once.
+    // of the controller
+    Quality,        ///< No better than `value` (0 unacceptable ... 3 perfect), whatever the answers are.
+    Monitor,        ///< Out of command mode, drives stay on.
+    EmergencyStop,  ///< Out of command mode, brakes, drives off until the fault ends.
+    DriveError,     ///< Of `joint`: as an emergency stop, with its error bit.
+    DriveWarning,   ///< Of `joint`: its warning bit.
+    DrivesOff,      ///< Power 0 without leaving command mode.
+    Temperature,    ///< Of all drives: `value` degrees Celsius.
+    Freeze,         ///< The same measurement again under new counters.
+    Jump,           ///< The measured position of `joint` is off by `value` rad.
+    NotANumber,     ///< The measured position of `joint` is NaN.
+    TorqueOffset,   ///< The torque sensor of `joint` is off by `value` N m.
+    Contact,        ///< A push of `value` N down on the tool.
+    Unplug,         ///< The controller is switched off and on again.
+  };
+  enum class Way { Both, ToKrc, ToClient };
+
+  double at_s = 0.0, for_s = 0.5;
+  Kind kind = Kind::Loss;
+  Way way = Way::Both;
+  double value = 0.0;
+  bool percent = false;  ///< Of `value`.
+  bool counted = false;  ///< Ends after `value` datagrams and not after a time.
+  int joint = 3;         ///< From 0.
+  std::string text;      ///< As it was asked for.
+
+  [[nodiscard]] bool on_wire() const { return kind <= Kind::Burst; }
+  [[nodiscard]] bool active(double t_s) const { return t_s >= at_s && t_s < at_s + for_s; }
+};
+
+/// Reads "T:KIND[.in|.out][=VALUE[%]][@JOINT][:DURATION]", times in s; .in is what the controller receives,
+/// .out what it sends; default both ways (a counted loss: .in), 0.5 s. Errors: BadInput, with what was
+/// expected.
+[[nodiscard]] hal::Result<KrcFault> parse_krc_fault(std::string_view text);
+
+/// One entry of a scenario's `faults` for the arm. Errors: BadConfig.
+[[nodiscard]] hal::Result<KrcFault> krc_fault(const DeviceFaultEvent& event);
+
+/// The names of all kinds, for people.
+[[nodiscard]] std::string krc_fault_names();
+
+}  // namespace colift::sim_hal

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "hal/config/range.hpp"
+#include "hal/fri/fri_config.hpp"
+#include "hal/types/result.hpp"
+
+namespace colift::tools {
+
+/// Which devices a rig has, and how they are reached: the file behind --robot.
+struct RobotFile {
+  std::string arm = "simulated", hand = "simulated", camera = "simulated";
+  std::string model;
+  double arm_period_ms = 5.0;
+  hal::FriConfig fri;
+  std::string emulator = "never";
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("arm", arm, hal::Choices{"simulated", "fri"}, "Back end of the arm.");
+    v("hand", hand, hal::Choices{"simulated"}, "Back end of the hand.");
+    v("camera", camera, hal::Choices{"simulated"}, "Back end of the camera.");
+    v("model", model, "URDF of arm and hand; empty: the built-in LWR 4+ with BarrettHand.");
+    v("arm_period_ms", arm_period_ms, hal::Range{1, 20},
+      "Time between two commands of the simulated arm (ms).");
+    v("fri", fri, "How the KRC is reached and treated.");
+    v("emulator", emulator, hal::Choices{"never", "always"},
+      "The far end of the arm's wire, in this program, on the scenario's world: for machines without a robot.");
+  }
+};
+
+/// Reads the file; none: the simulated rig. Errors: BadConfig with the place.
+[[nodiscard]] hal::Result<RobotFile> read_robot_file(const std::optional<std::filesystem::path>& file);
+
+}  // namespace colift::tools
