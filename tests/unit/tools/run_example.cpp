@@ -48,8 +48,7 @@ sim_hal::World with_person(double rise_m) {
 }
 
 hal::DepthFrame frame_of(const sim_hal::World& w, const hal::Pose& X_WC, std::uint64_t seed, double t_s) {
-  const hal::CameraIntrinsics half{320, 240, 287.9, 287.9, 160, 120};
-  hal::DepthFrame frame = sim_hal::measure(sim_hal::cast_rays(w, half, X_WC), {}, seed);
+  hal::DepthFrame frame = sim_hal::measure(sim_hal::cast_rays(w, {}, X_WC), {}, seed);
   frame.exposed_at = std::chrono::milliseconds(static_cast<int>(1e3 * t_s));
   return frame;
 }
