@@ -121,7 +121,6 @@ struct GuardedArm::Impl {
     if (auto done = inner->command(c); !done) {
       engaged = false;  // nobody knows what the arm follows now: from the measured pose
       ++rejected;
-      last_error.write(ShortText(done.error().text()));
       return done;
     }
     if (dt > 0.0) dq = (c.q_rad - sent.q_rad) / dt;
@@ -251,7 +250,6 @@ Result<ArmState> GuardedArm::wait_cycle() {
   if (!state) {
     if (state.error().code != ErrorCode::Timeout) g.engaged = false;
     ++g.rejected;
-    g.last_error.write(ShortText(state.error().text()));
     return state;
   }
   if (g.out_of_order(state->measured_at))

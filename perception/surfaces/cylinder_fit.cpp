@@ -46,6 +46,35 @@ double sigma_along(const Vector2d& normal, const FlatPoint& f) {
   return f.sigma_m * std::max(std::abs(normal.dot(f.ray)), kLeastSlant);
 }
 
+/// Residual of a point to a round mantle, across the axis.
+template <class Vector>
+struct Sighting {
+  Vector normal;  ///< Outward, where the ray meets the mantle.
+  double residual_m, sigma_m;
+};
+
+// Weights and normals follow from the ray, not from the point: depth noise would otherwise carry points of
+// the flanks to where they weigh more when they lie too deep, and make far, thin cylinders too thin by a
+// sixth.
+template <class Vector>
+Sighting<Vector> sighting(const Vector& across, const Vector& ray_across, double sigma_m, double radius) {
+  constexpr double kGrazing = 0.94;  // of the radius; beyond, depth tells little
+  const double length = ray_across.norm();
+  if (length > 1e-9) {
+    const Vector along = ray_across / length;
+    const double t = along.dot(across);
+    const Vector beside = across - t * along;
+    if (beside.squaredNorm() < kGrazing * kGrazing * radius * radius) {
+      const double half = std::sqrt(radius * radius - beside.squaredNorm()), slant = half / radius;
+      return {(beside - half * along) / radius, -(t + half) * slant,
+              sigma_m * std::max(length * slant, kLeastSlant)};
+    }
+  }
+  const double r = std::max(across.norm(), 1e-9);
+  const Vector normal = across / r;
+  return {normal, r - radius, sigma_m * std::max(std::abs(normal.dot(ray_across)), kLeastSlant)};
+}
+
 struct Circle {
   Vector2d center = Vector2d::Zero();
   double radius = 0;
@@ -93,11 +122,8 @@ bool fit_circle(const std::vector<FlatPoint>& points, Circle& circle) {
     Matrix3d H = Matrix3d::Zero();
     Vec3 g = Vec3::Zero();
     for (const FlatPoint& f : points) {
-      const Vector2d d = f.p - circle.center;
-      const double r = d.norm();
-      if (r < 1e-9) continue;
-      const Vector2d n = d / r;
-      const double s = sigma_along(n, f), e = (r - circle.radius) / s;
+      const auto [n, off, s] = sighting<Vector2d>(f.p - circle.center, f.ray, f.sigma_m, circle.radius);
+      const double e = off / s;
       const double w = std::abs(e) > 2 ? 2 / std::abs(e) : 1.0;
       const Vec3 J(-n.x() / s, -n.y() / s, -1.0 / s);
       H += w * J * J.transpose();
@@ -179,12 +205,9 @@ bool refine(std::span<const SightedPoint> points, Cylinder& c) {
     for (const SightedPoint& s : points) {
       const Vec3 d = s.p - c.center;
       const double along = c.axis.dot(d);
-      const Vec3 across = d - along * c.axis;
-      const double r = across.norm();
-      if (r < 1e-9) continue;
-      const Vec3 n = across / r;
-      const double sigma = s.sigma_m * std::max(std::abs(n.dot(s.ray)), kLeastSlant);
-      const double e = (r - c.radius) / sigma;
+      const Vec3 across = d - along * c.axis, ray = s.ray - c.axis.dot(s.ray) * c.axis;
+      const auto [n, off, sigma] = sighting<Vec3>(across, ray, s.sigma_m, c.radius);
+      const double e = off / sigma;
       const double w = std::abs(e) > 2 ? (std::abs(e) > 6 ? 0.0 : 2 / std::abs(e)) : 1.0;
       const double n1 = n.dot(e1), n2 = n.dot(e2);
       Vector5 J;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "perception/surfaces/cylinder_fit.hpp"
+#include "perception/surfaces/object_parts.hpp"
 
 namespace colift::perception {
 namespace {
@@ -13,13 +14,15 @@ namespace {
 constexpr std::size_t kMostPoints = 500;
 constexpr std::size_t kLeastPart = 150;  // pixels
 constexpr std::size_t kMostParts = 16;   // that are tried, by size
-constexpr double kJump_sigma = 3.0, kJump_step = 1.5, kJump_m = 0.012;
 constexpr double kInlier_sigma = 3.0;
 constexpr double kLeastInliers = 0.7;  // of a part's pixels, without its flat ends
 constexpr double kEndCos = 0.85;       // a face whose normal is the axis is an end of the cylinder
 constexpr double kLeastLength_radii = 1.0;
-
-using Part = std::vector<std::uint32_t>;
+constexpr double kSameAxisCos = 0.999;
+// of cylinders that are cut out of larger parts
+constexpr std::size_t kMostStrips = 4;  // of a part that suggest cylinders
+constexpr double kTube_radii = 0.15;    // how far beside the mantle pixels are tried with it
+constexpr double kMostOpenRim = 0.6;    // 0.1 for a pipe on blocks, near 1 for the edge of a box
 
 // Angle of (x, y) as a part of a turn, 0 to 1, within 0.0007
 double turn(double x, double y) {
@@ -39,6 +42,7 @@ class Search {
         faces_(faces),
         up_(ground.plane.normal),
         config_(config),
+        parts_(image),
         corner_(image.geometry.ray_W(0, 0)),
         right_(image.geometry.ray_W(1, 0) - corner_),
         down_(image.geometry.ray_W(0, 1) - corner_) {}
@@ -53,41 +57,25 @@ class Search {
     std::stable_sort(tried.begin(), tried.end(),
                      [](const Part& a, const Part& b) { return a.size() > b.size(); });
     if (tried.size() > kMostParts) tried.resize(kMostParts);
-    for (const Part& part : tried)
-      if (auto c = cylinder_of(part)) found.push_back(*c);
+    for (const Part& part : tried) {
+      if (const auto c = cylinder_of(part))
+        found.push_back(*c);
+      else
+        cylinders_within(part, found);
+    }
     if (!found.empty()) drop_remains();
     return found;
   }
 
  private:
   std::vector<Part> parts(const std::vector<bool>& strip) {
-    part_.assign(image_.q.size(), 0);
+    Part open;
     for (const std::uint32_t k : image_.pixels) {
       const std::int16_t l = image_.label[k];
-      if (l == ObjectImage::kFree || (l >= 0 && strip[static_cast<std::size_t>(l)])) part_[k] = kOpen;
+      if (l == ObjectImage::kFree || (l >= 0 && strip[static_cast<std::size_t>(l)])) open.push_back(k);
     }
-    std::vector<Part> result;
-    const auto w = static_cast<std::uint32_t>(image_.width);
-    // a jump of depth by so much is one of inverse depth by so much
-    const auto fixed =
-        static_cast<float>(kJump_sigma * image_.noise.sigma2_per_m + kJump_step * image_.noise.step2_per_m);
-    const auto growing = static_cast<float>(kJump_m);
-    std::int32_t id = 0;
-    Part part;
-    for (const std::uint32_t first : image_.pixels) {
-      if (part_[first] != kOpen) continue;
-      part.assign(1, first);
-      part_[first] = ++id;
-      for (std::size_t next = 0; next < part.size(); ++next) {
-        const std::uint32_t k = part[next];
-        const float q = image_.q[k];
-        const float jump = fixed + growing * q * q;
-        for (const std::uint32_t o : {k - 1, k + 1, k - w, k + w})
-          if (part_[o] == kOpen && std::abs(image_.q[o] - q) < jump) part_[o] = id, part.push_back(o);
-      }
-      if (part.size() >= kLeastPart) result.push_back(part);
-    }
-    return result;
+    parts_.open(open);
+    return parts_.connected(open, kLeastPart);
   }
 
   [[nodiscard]] SightedPoint sighted(std::uint32_t k) const {
@@ -96,25 +84,17 @@ class Search {
     return {image_.geometry.eye() + z * ray, ray, image_.sigma(q) * z * z};
   }
 
-  // ragged rims carry the depth of the body to where the body is not
-  [[nodiscard]] bool inner(std::uint32_t k) const {
-    const auto w = static_cast<std::uint32_t>(image_.width);
-    const std::int32_t id = part_[k];
-    return part_[k - 1] == id && part_[k + 1] == id && part_[k - w] == id && part_[k + w] == id;
-  }
-
-  std::optional<Cylinder> cylinder_of(const Part& part) {
+  std::optional<Cylinder> cylinder_of(const Part& part, const std::optional<Vec3>& known_axis = {}) {
     Part body;
     body.reserve(part.size());
     for (const std::uint32_t k : part)
-      if (inner(k)) body.push_back(k);
+      if (parts_.inner(k)) body.push_back(k);
     count_faces(part);
     if (body.size() < kLeastPart / 2) return std::nullopt;
-    const std::vector<SightedPoint> points = sample(body, kMostPoints / 3);
-    const std::vector<Vec3> axes = axes_of(points);
+    const std::vector<Vec3> axes =
+        known_axis ? std::vector<Vec3>{*known_axis} : axes_of(sample(body, kMostPoints / 3));
 
     std::optional<CylinderFit> best;
-    double best_misfit = std::numeric_limits<double>::infinity();
     for (const Vec3& axis : axes) {
       // a flat end lies inside the circle
       Part rest;
@@ -122,14 +102,100 @@ class Search {
       if (mantle.size() < 0.4 * static_cast<double>(body.size())) continue;
       const std::vector<SightedPoint> some = sample(mantle, kMostPoints);
       const auto fit = fit_cylinder(some, std::span(&axis, 1), image_.geometry.eye(), config_);
-      if (fit && fit->misfit < best_misfit) best_misfit = fit->misfit, best = fit;
+      if (fit && (!best || fit->misfit < best->misfit)) best = fit;
     }
     if (!best) return std::nullopt;
     Part rest;
-    const double corner =
-        corner_misfit(sample(without_ends(body, best->cylinder.axis, rest), kMostPoints), best->cylinder);
-    if (best_misfit * best_misfit > config_.cylinder_advantage * corner * corner) return std::nullopt;
+    if (!rounder_than_corner(*best, sample(without_ends(body, best->cylinder.axis, rest), kMostPoints)))
+      return std::nullopt;
     return claim(part, *best);
+  }
+
+  [[nodiscard]] bool rounder_than_corner(const CylinderFit& fit,
+                                         const std::vector<SightedPoint>& points) const {
+    const double corner = corner_misfit(points, fit.cylinder);
+    return fit.misfit * fit.misfit <= config_.cylinder_advantage * corner * corner;
+  }
+
+  /// A part may be more than a cylinder: narrow faces of what it lies on or is joined to pass for strips too.
+  /// So each large strip suggests cylinders, and what lies around such a one is tried as a part of its own.
+  void cylinders_within(const Part& part, std::vector<Cylinder>& found) {
+    std::vector<std::size_t> strips = largest_faces(part);
+    if (strips.size() < 2) return;  // the whole part was tried already
+    const std::vector<SightedPoint> points = sample(part, kMostPoints);
+    for (const std::size_t f : strips) {
+      Part strip;
+      for (const std::uint32_t k : part)
+        if (image_.label[k] == static_cast<std::int16_t>(f)) strip.push_back(k);
+      if (strip.size() < kLeastPart) continue;  // an earlier cylinder has it
+      count_faces(part);
+      const std::vector<SightedPoint> seed = sample(strip, kMostPoints / 3);
+      for (const Vec3& axis : axes_of(seed)) {
+        const auto rough = suggested_by(seed, points, axis);
+        const auto c = rough ? cylinder_around(*rough, part) : std::nullopt;
+        if (!c) continue;
+        found.push_back(*c);
+        break;
+      }
+    }
+  }
+
+  [[nodiscard]] std::vector<std::size_t> largest_faces(const Part& part) {
+    count_faces(part);
+    std::vector<std::size_t> faces;
+    for (std::size_t k = 0; k < faces_.size(); ++k)
+      if (count_[k] >= static_cast<int>(kLeastPart)) faces.push_back(k);
+    std::stable_sort(faces.begin(), faces.end(),
+                     [&](std::size_t a, std::size_t b) { return count_[a] > count_[b]; });
+    if (faces.size() > kMostStrips) faces.resize(kMostStrips);
+    return faces;
+  }
+
+  /// The cylinder that a strip suggests, drawn to those of the part's points that lie near it.
+  [[nodiscard]] std::optional<Cylinder> suggested_by(const std::vector<SightedPoint>& strip,
+                                                     const std::vector<SightedPoint>& part, Vec3 axis) const {
+    SurfaceConfig loose = config_;
+    loose.cylinder_min_arc_deg = 0;  // of one strip
+    auto fit = fit_cylinder(strip, std::span(&axis, 1), image_.geometry.eye(), loose);
+    std::vector<SightedPoint> near;
+    for (const double band_radii : {0.3, kTube_radii}) {
+      if (!fit) return std::nullopt;
+      near.clear();
+      for (const SightedPoint& s : part)
+        if (std::abs(distance_to(fit->cylinder, s).value_m) < band(fit->cylinder, s, band_radii))
+          near.push_back(s);
+      axis = fit->cylinder.axis;
+      fit = fit_cylinder(near, std::span(&axis, 1), image_.geometry.eye(), config_);
+    }
+    if (!fit || !rounder_than_corner(*fit, near)) return std::nullopt;
+    return fit->cylinder;
+  }
+
+  [[nodiscard]] double band(const Cylinder& c, const SightedPoint& s, double radii) const {
+    return kInlier_sigma * distance_to(c, s).sigma_m + config_.tolerance_m + radii * c.radius;
+  }
+
+  /// Tries what of a part lies in or close around a rough cylinder. The edge of a box looks round too when it
+  /// is cut out so, but the box goes on beside it: most of the rim of a cylinder has to be free.
+  std::optional<Cylinder> cylinder_around(const Cylinder& rough, const Part& part) {
+    Part tube;
+    std::vector<std::int32_t> before;
+    for (const std::uint32_t k : part) {
+      if (image_.label[k] == ObjectImage::kCylinder) continue;
+      const SightedPoint s = sighted(k);
+      if (distance_to(rough, s).value_m > band(rough, s, kTube_radii)) continue;
+      tube.push_back(k);
+      before.push_back(parts_.number(k));
+    }
+    parts_.open(tube);
+    const std::vector<Part> bodies = parts_.connected(tube, kLeastPart);
+    const auto body = std::max_element(bodies.begin(), bodies.end(),
+                                       [](const Part& a, const Part& b) { return a.size() < b.size(); });
+    std::optional<Cylinder> c;
+    if (body != bodies.end() && parts_.open_rim(*body) < kMostOpenRim) c = cylinder_of(*body, rough.axis);
+    for (std::size_t i = 0; i < tube.size(); ++i)
+      if (image_.label[tube[i]] != ObjectImage::kCylinder) parts_.set_number(tube[i], before[i]);
+    return c;
   }
 
   [[nodiscard]] std::vector<SightedPoint> sample(const std::vector<std::uint32_t>& pixels,
@@ -189,6 +255,11 @@ class Search {
                              .normal.cross(image_.geometry.to_W(faces_[second].plane).normal);
       if (cross.norm() > 0.2) axes.push_back(cross.normalized());
     }
+    // what is nearly the same ends up the same
+    for (std::size_t k = axes.size(); k-- > 1;)
+      if (std::any_of(axes.begin(), axes.begin() + static_cast<std::ptrdiff_t>(k),
+                      [&](const Vec3& a) { return std::abs(a.dot(axes[k])) > kSameAxisCos; }))
+        axes.erase(axes.begin() + static_cast<std::ptrdiff_t>(k));
     return axes;
   }
 
@@ -281,15 +352,13 @@ class Search {
         image_.label[k] = ObjectImage::kFree;
   }
 
-  static constexpr std::int32_t kOpen = -1;
-
   ObjectImage& image_;
   std::vector<Face>& faces_;
   Vec3 up_;
   const SurfaceConfig& config_;
+  ObjectParts parts_;
   Vec3 corner_, right_, down_;  // ray of the first pixel, and what a step in the image adds to it
-  std::vector<std::int32_t> part_;
-  std::vector<int> count_;  // pixels of each face in the present part
+  std::vector<int> count_;      // pixels of each face in the present part
 };
 
 }  // namespace

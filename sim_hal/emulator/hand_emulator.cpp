@@ -17,7 +17,7 @@ constexpr int kMostFrames = 1000;       // in one go: a babbling client must not
 constexpr std::int32_t kShut = 12'000;  // 0.15 rad: such a finger is in the spread's way
 constexpr std::int32_t kTurns = 1'000;  // 5 degrees of spread
 constexpr std::int32_t kMostTorque = 5'000;
-constexpr int kForeignEvery_ms = 10;
+constexpr int kForeignEvery_ms = 10, kNoiseEvery_ms = 10;
 constexpr std::array<const char*, kHandPucks> kNames{"F1", "F2", "F3", "spread"};
 
 bool risky(int property) {
@@ -155,8 +155,12 @@ void HandEmulator::run_faults() {
       for (std::size_t p = 0; p < kHandPucks; ++p)
         if (f.hits(p)) pucks_[p].heat(f.value);
   }
-  if (active(Kind::Foreign, 0) != nullptr && ++foreign_in_ >= kForeignEvery_ms) {
-    foreign_in_ = 0;
+  if (active(Kind::Noise, 0) != nullptr && ++noise_ms_ >= kNoiseEvery_ms) {
+    noise_ms_ = 0;
+    if (on_bus) on_bus(Kind::Noise, true);
+  }
+  if (active(Kind::Foreign, 0) != nullptr && ++foreign_ms_ >= kForeignEvery_ms) {
+    foreign_ms_ = 0;
     hal::CanFrame f;  // node 10 to group 0
     f.id = 0x540;
     f.length = 4;
@@ -282,8 +286,8 @@ void HandEmulator::judge_set(std::size_t p, int property, std::int32_t value, ha
   last_set_[p] = at;
   if (!puck.ready()) return;
   const auto far = [&](std::int32_t goal) { return std::abs(1.0 * goal - puck.position()) > kTurns; };
-  if (property == kE && puck.value(kMode) == 5 && far(puck.value(kE)) && value != puck.value(kE) &&
-      puck.value(kTstop) > 0)
+  if (property == kE && puck.value(kMode) == 5 && puck.get(kV).value_or(0) != 0 && far(puck.value(kE)) &&
+      value != puck.value(kE))
     broke(HandRule::NewEnd, fmt::format("{} is on its way to {}, told {}", kNames[p], puck.value(kE), value));
   if (property == kMt && value > kMostTorque)
     broke(HandRule::TooMuchTorque, fmt::format("MT {} for {}", value, kNames[p]));

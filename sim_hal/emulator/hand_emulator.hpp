@@ -31,7 +31,8 @@ struct HandEmulatorConfig {
 class HandEmulator {
  public:
   using OnEvent = std::function<void(double t_s, const std::string& text)>;
-  /// A fault of the client's end begins or ends (BusOff, Down): whoever owns the transport brings it about.
+  /// A fault of the client's end begins or ends (BusOff, Down), or one error frame is due (Noise): whoever
+  /// owns the transport brings it about.
   using OnBus = std::function<void(HandFault::Kind kind, bool begins)>;
 
   /// Plant and bus have to outlive the emulator; the bus is open.
@@ -94,7 +95,7 @@ class HandEmulator {
   std::array<bool, kHandPucks> was_ready_{};
   hal::Timestamp start_{0}, next_tick_{0}, wire_free_{0};
   double t_s_ = 0.0;
-  int foreign_in_ = 0;
+  int foreign_ms_ = 0, noise_ms_ = 0;
   std::uint64_t dice_;
   HandEmulatorReport report_;
 };

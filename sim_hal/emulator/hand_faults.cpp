@@ -38,6 +38,7 @@ constexpr std::array kRows{
     Row{"foreign", Kind::Foreign, 0, 0, 0},
     Row{"bus-off", Kind::BusOff, 0, 0, 0},
     Row{"down", Kind::Down, 0, 0, 0},
+    Row{"noise", Kind::Noise, 0, 0, 0},
     Row{"unplug", Kind::Down, 0, 0, 0},
 };
 constexpr std::array<std::string_view, kHandPucks> kPuckNames{"F1", "F2", "F3", "spread"};

@@ -33,7 +33,8 @@ struct HandFault {
     Foreign,   ///< A WAM's safety module says something 100 times a second.
     // of the client's end, which the transport has to bring about
     BusOff,
-    Down,  ///< Interface down, adapter unplugged.
+    Down,   ///< Interface down, adapter unplugged.
+    Noise,  ///< Error frames, a hundred a second.
   };
 
   double at_s = 0.0, for_s = 0.5;

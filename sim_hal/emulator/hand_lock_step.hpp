@@ -31,6 +31,7 @@ inline void run_until(HandEmulator& hand, hal::ManualClock& clock, hal::Timestam
 inline void let_faults_reach(HandEmulator& hand, MemoryCan::Node& client) {
   hand.on_bus = [&client](HandFault::Kind kind, bool begins) {
     if (kind == HandFault::Kind::Down) client.set_down(begins);
+    if (kind == HandFault::Kind::Noise) client.note_bus_error();
     if (kind == HandFault::Kind::BusOff)
       client.be(begins ? MemoryCan::State::BusOff : MemoryCan::State::Active);
   };

@@ -16,7 +16,8 @@ constexpr int kReset = 2, kInitialise = 13, kStepClose = 14, kStepOpen = 15, kTo
               kTorqueOpen = 17, kClose = 18, kMove = 19, kOpen = 20, kTerminate = 21;
 constexpr int kLeastStrain = 667, kMostStrain = 3460;  // where a puck protects its gauge
 constexpr int kProtectOff = 10000, kProtectOn = 10001;
-constexpr double kFastest = 400.0;               // counts/ms
+constexpr double kFastest = 400.0;  // counts/ms
+constexpr int kAddr = 6, kValue = 7;
 constexpr std::int32_t kMostCounts = 2'097'151;  // 22 bits
 // heat: a puck that gives 2200 units for long ends 45 K above its surroundings, its motor 60 K
 constexpr double kPuckRise_k = 45.0, kMotorRise_k = 60.0, kFullTorque = 2200.0;
@@ -25,7 +26,7 @@ constexpr double kDerates_k = 16.0;  // below OTEMP
 
 bool in_monitor(int property) {
   return property == kVers || property == kRole || property == kSn || property == kId || property == kError ||
-         property == kStat;
+         property == kStat || property == kAddr || property == kValue;
 }
 
 std::int32_t rounded(double v) {

@@ -18,7 +18,7 @@ enum class HandRule : std::uint8_t {
   Risky,            ///< SAVE, DEF, LOCK, BAUD, ID, ADDR, VALUE, MOFST: never in the field.
   Hurried,          ///< Two settings to one puck within 0.1 ms.
   Unacknowledged,   ///< Said while every puck boots or has no power: drives the sender into bus-off.
-  NewEnd,           ///< Another E while the trapezoid is under way.
+  NewEnd,           ///< Another E while the motor turns towards the last one.
   TooMuchTorque,    ///< MT above 5000.
   StreamWithStop,   ///< MODE 2, 3 or 4 while TSTOP is not 0: the puck will end it.
   FingersInTheWay,  ///< The spread turns while fingers are closed.

@@ -8,6 +8,7 @@
 #include <limits>
 #include <mutex>
 
+#include "hal/os/inheriting_mutex.hpp"
 #include "sim_hal/mujoco/arm_control.hpp"
 #include "sim_hal/mujoco/mjcf.hpp"
 #include "sim_hal/mujoco/physics.hpp"
@@ -106,7 +107,7 @@ class WorldClock final : public hal::Clock {
 };
 
 struct SimWorld::Impl {
-  std::mutex mutex = {};  // of everything below; the clock is read without it
+  hal::InheritingMutex mutex = {};  // of everything below; the clock is read without it
   Scenario scenario;
   hal::RobotModel model;
   ObjectParts object;

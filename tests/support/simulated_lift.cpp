@@ -10,19 +10,32 @@
 #include "hal/guarded_arm.hpp"
 #include "hal/guarded_hand.hpp"
 #include "sim_hal/mujoco/sim_devices.hpp"
+#include "tests/support/arm_wire.hpp"
 
 namespace colift::tests {
 SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method, std::uint64_t seed,
-                       control::Config config) {
+                       control::Config config, const std::optional<OverWire>& over) {
   const hal::RobotModel& model = hal::built_in_robot();
-  auto made = sim_hal::SimWorld::make(scenario, model, seed, {});
+  sim_hal::SimConfig sim;
+  if (over) sim.arm_period = ArmWire::kCycle;
+  auto made = sim_hal::SimWorld::make(scenario, model, seed, sim);
   if (!made) throw std::runtime_error(made.error().text());
   const std::unique_ptr<sim_hal::SimWorld> world = std::move(*made);
+  std::unique_ptr<ArmWire> wire;
+  if (over) wire = std::make_unique<ArmWire>(*world, seed, std::vector<sim_hal::KrcFault>{});
   hal::Robot robot;
-  robot.arm = std::make_unique<hal::GuardedArm>(sim_hal::make_sim_arm(*world), model, config.guard_arm);
+  std::unique_ptr<hal::Arm> arm;
+  if (wire)
+    arm = wire->arm();
+  else
+    arm = sim_hal::make_sim_arm(*world);
+  robot.arm = std::make_unique<hal::GuardedArm>(std::move(arm), model, config.guard_arm);
   robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(*world), config.guard_hand);
   robot.camera = sim_hal::make_sim_camera(*world);
-  robot.clock = sim_hal::make_sim_clock(*world);
+  if (wire)
+    robot.clock = std::make_unique<WireClock>(wire->clock);
+  else
+    robot.clock = sim_hal::make_sim_clock(*world);
 
   config.task.lift_height_m = scenario.task.height;
   config.task.hold_s = scenario.task.hold_s;
@@ -53,6 +66,16 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
     share += truth.robot_force_W.z() /
              (truth.robot_force_W.z() + truth.partner_force_W.z() + truth.floor_force_W.z());
   };
+  std::vector<OverWire::Fault> to_come = over ? over->faults : std::vector<OverWire::Fault>{};
+  hooks.changed = [&](control::Task, control::Task to) {
+    std::erase_if(to_come, [&](const OverWire::Fault& f) {
+      if (f.in != to) return false;
+      sim_hal::KrcFault fault = f.fault;
+      fault.at_s += hal::seconds(wire->clock.now());
+      wire->krc.inject(fault);
+      return true;
+    });
+  };
   auto record = runner.run(hooks);
   if (!record) throw std::runtime_error(record.error().text());
   lift.record = std::move(*record);
@@ -64,7 +87,9 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
   }
   if (partner && lift.record.decision && lift.record.decision->partner)
     lift.partner_error_m = (lift.record.decision->partner->position - *partner).norm();
-  lift.hit_something = world->truth().robot_hit_something;
+  lift.at_end = world->truth();
+  lift.hit_something = lift.at_end.robot_hit_something;
+  if (wire) lift.wire = wire->krc.report();
   return lift;
 }
 

@@ -54,6 +54,77 @@ TEST_CASE("a cylinder is found however it lies, with its true radius at 1.5 m", 
   }
 }
 
+namespace {
+
+struct OnBlocks {
+  double radius, length, yaw_deg, height;  // of what lies on the blocks
+  double turned_deg, aside;                // blocks against it
+  Vec3 eye;
+};
+
+// 1.4 to 2.2 m away; the first is the scene of config/scenario/pipe.yaml
+const OnBlocks kOnBlocks[] = {{0.040, 1.2, 10, 0.25, 0, 0.00, {1.0, -1.4, 1.5}},
+                              {0.040, 1.2, 10, 0.25, 0, 0.05, {0.9, -1.2, 1.1}},
+                              {0.030, 0.9, -35, 0.15, 15, 0.02, {1.1, 0.6, 1.0}},
+                              {0.060, 1.3, 80, 0.30, -20, -0.03, {-1.5, 0.3, 1.2}},
+                              {0.050, 1.0, 140, 0.20, 5, 0.00, {0.6, 1.4, 0.9}},
+                              {0.070, 1.1, 45, 0.12, 0, 0.04, {1.2, -0.9, 1.0}}};
+
+View view_of(const OnBlocks& c, bool square, std::uint64_t draw) {
+  const double yaw = c.yaw_deg * kDegrees, blocks = yaw + c.turned_deg * kDegrees;
+  const Vec3 along(std::cos(yaw), std::sin(yaw), 0), across(-along.y(), along.x(), 0);
+  const Vec3 center(0, 0, c.height + c.radius);
+  std::vector<sim_hal::Shape> shapes{
+      square ? sim_hal::box(center, {c.length, 2 * c.radius, 2 * c.radius}, yaw, Label::Target)
+             : sim_hal::cylinder(center, along, c.radius, c.length, Label::Target)};
+  for (const double side : {-1.0, 1.0}) {
+    const Vec3 foot = side * 0.25 * c.length * along + c.aside * across;
+    shapes.push_back(sim_hal::box(foot + Vec3(0, 0, 0.5 * c.height), {0.10, 0.22, c.height}, blocks,
+                                  Label::Target));
+  }
+  return View(scene_of(shapes, c.eye, {0, 0, c.height}), draw);
+}
+
+}  // namespace
+
+TEST_CASE("a pipe on two blocks is found though the blocks are part of the object", "[surfaces][cylinder]") {
+  std::vector<double> radius, length, axis;
+  int found = 0, views = 0;
+  for (const OnBlocks& c : kOnBlocks)
+    for (std::uint64_t draw = 1; draw <= 6; ++draw) {
+      const View view = view_of(c, false, draw);
+      const sim_hal::Shape& pipe = view.scene.world.shapes[1];
+      const auto surfaces = view.surfaces();
+      const auto cylinders = cylinders_of(surfaces);
+      ++views;
+      INFO("radius " << c.radius << " yaw " << c.yaw_deg << " draw " << draw);
+      CHECK(cylinders.size() == 1);
+      if (cylinders.size() != 1) continue;
+      ++found;
+      radius.push_back(std::abs(cylinders[0].radius - c.radius));
+      length.push_back(std::abs(cylinders[0].length - c.length));
+      const Vec3 true_axis = pipe.X_WS.linear().col(2);
+      axis.push_back(std::min(angle_deg(cylinders[0].axis, true_axis), angle_deg(-cylinders[0].axis, true_axis)));
+      // the blocks keep their faces, and none lies on the pipe
+      CHECK(rectangles_of(surfaces).size() >= 2);
+      for (const Rectangle& r : rectangles_of(surfaces)) CHECK(r.center.z() < c.height + 0.5 * c.radius);
+    }
+  CHECK(found == views);
+  CHECK(quantile(radius, 0.95) <= 0.005);
+  CHECK(quantile(radius, 0.5) <= 0.003);
+  CHECK(quantile(length, 0.95) < 0.02);
+  CHECK(quantile(axis, 0.95) < 1.0);
+  WARN("radius .5 " << quantile(radius, .5) << " .95 " << quantile(radius, .95) << " max " << quantile(radius, 1) << " length " << quantile(length, .95) << " axis " << quantile(axis, .95) << " of " << views);
+}
+
+TEST_CASE("a square bar on two blocks is no cylinder", "[surfaces][cylinder]") {
+  for (const OnBlocks& c : kOnBlocks)
+    for (std::uint64_t draw = 1; draw <= 6; ++draw) {
+      INFO("radius " << c.radius << " yaw " << c.yaw_deg << " draw " << draw);
+      CHECK(cylinders_of(view_of(c, true, draw).surfaces()).empty());
+    }
+}
+
 TEST_CASE("square legs, box edges and slats are no cylinders", "[surfaces][cylinder]") {
   for (const ObjectKind kind : {ObjectKind::Box, ObjectKind::OpenBox, ObjectKind::Chair, ObjectKind::Table})
     for (std::uint64_t seed = 1; seed <= 12; ++seed) {

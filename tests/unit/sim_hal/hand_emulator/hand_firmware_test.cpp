@@ -1,5 +1,6 @@
 // The emulated pucks, asked byte by byte.
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <initializer_list>
 #include <optional>
 #include <vector>
@@ -13,7 +14,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr int kF1 = 0x00b, kF2 = 0x00c, kSpreadId = 0x00e, kHand = 0x405;
+constexpr int kF1 = 0x00b, kF2 = 0x00c, kF3 = 0x00d, kSpreadId = 0x00e, kHand = 0x405;
 
 struct Bus {
   hal::ManualClock clock;
@@ -84,6 +85,19 @@ TEST_CASE("a puck in its monitor tells who it is and nothing else; waking takes 
   b.pass(100ms);
   CHECK(b.value(kF1, prop::kStat) == 2);
   CHECK(b.value(kF1, prop::kMt) == 2200);
+}
+
+TEST_CASE("without initialising, zero is where the fingers stood when power came", "[hand][emulator]") {
+  Bus b{HandEmulatorConfig{}};
+  b.plant.place(0, 90'000);
+  REQUIRE(b.hand.start(b.clock.now()));
+  b.set(0x400, prop::kStat, 2);
+  b.pass(1s);
+  CHECK(b.position(0) == 0);
+  b.set(kF1, prop::kCmd, 13);
+  b.pass(2500ms);
+  CHECK(b.position(0) == 0);
+  CHECK(b.plant.joint(0).motor == Approx(0).margin(0.1));
 }
 
 TEST_CASE("newer firmware wakes by itself", "[hand][emulator]") {
@@ -186,6 +200,26 @@ TEST_CASE("initialising: silence, the way to the stop, zero", "[hand][emulator]"
   CHECK(b.mode(kF1) == 3);
   CHECK(b.position(0) == 0);
   CHECK(b.plant.joint(0).motor == Approx(0).margin(0.1));
+}
+
+TEST_CASE("what a client should not do is counted", "[hand][emulator]") {
+  Bus b;
+  b.set(kF1, prop::kCmd, 18);
+  b.pass(300ms);
+  b.set(kF1, prop::kE, 10'000);
+  CHECK(b.hand.report().times(HandRule::NewEnd) == 1);
+  b.set(kF1, prop::kMode, 0);
+  b.set(kF1, prop::kE, 20'000);
+  CHECK(b.hand.report().times(HandRule::NewEnd) == 1);
+  b.set(kF1, prop::kMt, 6000);
+  CHECK(b.hand.report().times(HandRule::TooMuchTorque) == 1);
+  b.set(kF2, prop::kMode, 4);
+  CHECK(b.hand.report().times(HandRule::StreamWithStop) == 1);
+  b.say(kF2, {0x80 | prop::kMode, 0, 0, 0});
+  b.say(kF2, {0x80 | prop::kMode, 0, 0, 0});
+  b.pass(1ms);
+  CHECK(b.hand.report().times(HandRule::Hurried) == 1);
+  CHECK_FALSE(b.hand.report().first[static_cast<std::size_t>(HandRule::Hurried)].empty());
 }
 
 TEST_CASE("blocked: TSTOP ends the move; 0 lets it press", "[hand][emulator]") {
@@ -316,6 +350,16 @@ TEST_CASE("heat takes the torque away", "[hand][emulator]") {
   b.pass(1s);
   CHECK(b.position(0) == 0);
   CHECK(b.position(1) > 100'000);
+  // half of it 8 degrees below OTEMP
+  auto warm = parse_hand_fault("0:hot=52@F3:10");
+  REQUIRE(warm);
+  b.hand.inject(*warm);
+  b.plant.put(HandObject::of_width(0.1));
+  b.set(kF3, prop::kTstop, 0);
+  b.set(kF3, prop::kMt, 2000);
+  b.set(kF3, prop::kCmd, 18);
+  b.pass(1500ms);
+  CHECK(std::abs(b.value(kF3, prop::kT).value_or(0) - 1000) < 5);
 }
 
 TEST_CASE("pressing for minutes makes a puck warm", "[hand][emulator]") {
@@ -363,6 +407,10 @@ TEST_CASE("a fault is read or refused in words", "[hand][emulator]") {
   REQUIRE(f);
   CHECK((f->at_s == 4.0 && f->value == 30.0 && f->puck == 1U && f->for_s == 1.5));
   CHECK(parse_hand_fault("1:reset@spread")->puck == 3U);
+  // what a scenario may ask of a hand
+  for (const char* action : {"freeze", "drop", "unplug", "corrupt", "late", "silent"})
+    CHECK(hand_fault({2.0, "hand", action, 0.5}));
+  CHECK(hand_fault({2.0, "hand", "blind", 0.5}).error().code == hal::ErrorCode::BadConfig);
   for (const char* text : {"", "x:silent", "-1:silent", "1:nothing", "1:silent@F5", "1:silent=3", "1:late=x",
                            "1:late=1e9", "1:silent:0", "1:bus-off@F1", "1"}) {
     const auto bad = parse_hand_fault(text);

@@ -88,7 +88,8 @@ TEST_CASE("the driver grips a post of the simulated world and lets go", "[hand][
 
 TEST_CASE("it grips as well when the arm's controller moves the world", "[hand][emulator][world]") {
   Rig rig(true, 5ms);
-  REQUIRE(rig.hand.close(0.7));
+  // F3 carries what both others press: beyond 1.14 N m its puck would protect its gauge and let off
+  REQUIRE(rig.hand.close(0.5));
   const auto held = rig.settle();
   INFO(rig.hand.report().why.str());
   REQUIRE(held.held);

@@ -1,0 +1,54 @@
+#include "perception/surfaces/object_parts.hpp"
+
+#include <cmath>
+
+namespace colift::perception {
+namespace {
+
+constexpr double kJump_sigma = 3.0, kJump_step = 1.5, kJump_m = 0.012;
+
+}  // namespace
+
+std::vector<Part> ObjectParts::connected(std::span<const std::uint32_t> pixels, std::size_t least) {
+  std::vector<Part> parts;
+  Part part;
+  for (const std::uint32_t first : pixels) {
+    if (number_[first] != kOpen) continue;
+    part.assign(1, first);
+    number_[first] = ++last_;
+    for (std::size_t next = 0; next < part.size(); ++next) {
+      const std::uint32_t k = part[next];
+      for (const std::uint32_t o : around(k))
+        if (number_[o] == kOpen && no_jump(k, o)) number_[o] = last_, part.push_back(o);
+    }
+    if (part.size() >= least) parts.push_back(part);
+  }
+  return parts;
+}
+
+bool ObjectParts::inner(std::uint32_t pixel) const {
+  for (const std::uint32_t o : around(pixel))
+    if (number_[o] != number_[pixel]) return false;
+  return true;
+}
+
+double ObjectParts::open_rim(const Part& part) const {
+  double rim = 0, open = 0;
+  for (const std::uint32_t k : part)
+    for (const std::uint32_t o : around(k)) {
+      if (number_[o] == number_[k]) continue;
+      rim += 1;
+      open += image_.label[o] != ObjectImage::kOutside && no_jump(k, o);
+    }
+  return rim > 0 ? open / rim : 0.0;
+}
+
+// a jump of depth by so much is one of inverse depth by so much
+bool ObjectParts::no_jump(std::uint32_t from, std::uint32_t to) const {
+  const auto fixed =
+      static_cast<float>(kJump_sigma * image_.noise.sigma2_per_m + kJump_step * image_.noise.step2_per_m);
+  const float q = image_.q[from];
+  return std::abs(image_.q[to] - q) < fixed + static_cast<float>(kJump_m) * q * q;
+}
+
+}  // namespace colift::perception
