@@ -16,6 +16,7 @@ TaskRunner::~TaskRunner() = default;
 
 hal::Result<RunRecord> TaskRunner::run(const JobHooks& hooks) {
   if (auto started = impl_->job.start_devices(); !started) return tl::unexpected(started.error());
+  if (hooks.started) hooks.started();
   while (impl_->job.cycle(hooks)) {
   }
   return impl_->job.finish();

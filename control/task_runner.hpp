@@ -30,6 +30,7 @@ struct JobStatus {
 
 /// What the job calls while it runs; each may be empty.
 struct JobHooks {
+  std::function<void()> started;      ///< All devices are active: the job begins.
   std::function<bool()> interrupted;  ///< A person wants the program to end.
   std::function<void(const JobStatus&)>
       status;                               ///< Every 33 ms of the robot's time, and at each change of state.

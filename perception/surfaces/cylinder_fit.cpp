@@ -46,35 +46,6 @@ double sigma_along(const Vector2d& normal, const FlatPoint& f) {
   return f.sigma_m * std::max(std::abs(normal.dot(f.ray)), kLeastSlant);
 }
 
-/// Residual of a point to a round mantle, across the axis.
-template <class Vector>
-struct Sighting {
-  Vector normal;  ///< Outward, where the ray meets the mantle.
-  double residual_m, sigma_m;
-};
-
-// Weights and normals follow from the ray, not from the point: depth noise would otherwise carry points of
-// the flanks to where they weigh more when they lie too deep, and make far, thin cylinders too thin by a
-// sixth.
-template <class Vector>
-Sighting<Vector> sighting(const Vector& across, const Vector& ray_across, double sigma_m, double radius) {
-  constexpr double kGrazing = 0.94;  // of the radius; beyond, depth tells little
-  const double length = ray_across.norm();
-  if (length > 1e-9) {
-    const Vector along = ray_across / length;
-    const double t = along.dot(across);
-    const Vector beside = across - t * along;
-    if (beside.squaredNorm() < kGrazing * kGrazing * radius * radius) {
-      const double half = std::sqrt(radius * radius - beside.squaredNorm()), slant = half / radius;
-      return {(beside - half * along) / radius, -(t + half) * slant,
-              sigma_m * std::max(length * slant, kLeastSlant)};
-    }
-  }
-  const double r = std::max(across.norm(), 1e-9);
-  const Vector normal = across / r;
-  return {normal, r - radius, sigma_m * std::max(std::abs(normal.dot(ray_across)), kLeastSlant)};
-}
-
 struct Circle {
   Vector2d center = Vector2d::Zero();
   double radius = 0;
@@ -122,8 +93,11 @@ bool fit_circle(const std::vector<FlatPoint>& points, Circle& circle) {
     Matrix3d H = Matrix3d::Zero();
     Vec3 g = Vec3::Zero();
     for (const FlatPoint& f : points) {
-      const auto [n, off, s] = sighting<Vector2d>(f.p - circle.center, f.ray, f.sigma_m, circle.radius);
-      const double e = off / s;
+      const Vector2d d = f.p - circle.center;
+      const double r = d.norm();
+      if (r < 1e-9) continue;
+      const Vector2d n = d / r;
+      const double s = sigma_along(n, f), e = (r - circle.radius) / s;
       const double w = std::abs(e) > 2 ? 2 / std::abs(e) : 1.0;
       const Vec3 J(-n.x() / s, -n.y() / s, -1.0 / s);
       H += w * J * J.transpose();
@@ -194,8 +168,39 @@ double corner_cost(const std::vector<FlatPoint>& some, const std::vector<FlatPoi
   return best;
 }
 
-// five steps in (two offsets, two tilts, radius)
-bool refine(std::span<const SightedPoint> points, Cylinder& c) {
+/// Residual of a point across the axis, and the mantle's outward normal there.
+struct Sighting {
+  Vec3 normal;
+  double residual_m, sigma_m;
+};
+
+Sighting at_point(const Vec3& across, const Vec3& ray, double sigma_m, double radius) {
+  const double r = std::max(across.norm(), 1e-9);
+  const Vec3 normal = across / r;
+  return {normal, r - radius, sigma_m * std::max(std::abs(normal.dot(ray)), kLeastSlant)};
+}
+
+// Weight and normal where the ray meets the mantle. Where the point is, they would follow its noise: points
+// of the flanks that lie too deep would weigh more than those that lie too near, and make a far, thin
+// cylinder too thin by a sixth.
+Sighting at_ray(const Vec3& across, const Vec3& ray, double sigma_m, double radius) {
+  constexpr double kGrazing = 0.94;  // of the radius; beyond, depth tells little
+  const double length = ray.norm();
+  if (length < 1e-9) return at_point(across, ray, sigma_m, radius);
+  const Vec3 along = ray / length;
+  const double depth = along.dot(across);
+  const Vec3 beside = across - depth * along;
+  const double half = std::sqrt(std::max(radius * radius - beside.squaredNorm(), 0.0)), slant = half / radius;
+  if (beside.squaredNorm() > kGrazing * kGrazing * radius * radius)
+    return at_point(across, ray, sigma_m, radius);
+  return {(beside - half * along) / radius, -(depth + half) * slant,
+          sigma_m * std::max(length * slant, kLeastSlant)};
+}
+
+// Eight steps in (two offsets, two tilts, radius). `residual` is at_point or at_ray; residuals over `cut`
+// count as outliers.
+template <class Residual>
+bool refine(std::span<const SightedPoint> points, Cylinder& c, const Residual& residual, double cut) {
   using Vector5 = Eigen::Matrix<double, 5, 1>;
   using Matrix5 = Eigen::Matrix<double, 5, 5>;
   for (int round = 0; round < 8; ++round) {
@@ -206,9 +211,9 @@ bool refine(std::span<const SightedPoint> points, Cylinder& c) {
       const Vec3 d = s.p - c.center;
       const double along = c.axis.dot(d);
       const Vec3 across = d - along * c.axis, ray = s.ray - c.axis.dot(s.ray) * c.axis;
-      const auto [n, off, sigma] = sighting<Vec3>(across, ray, s.sigma_m, c.radius);
+      const auto [n, off, sigma] = residual(across, ray, s.sigma_m, c.radius);
       const double e = off / sigma;
-      const double w = std::abs(e) > 2 ? (std::abs(e) > 6 ? 0.0 : 2 / std::abs(e)) : 1.0;
+      const double w = std::abs(e) > 2 ? (std::abs(e) > cut ? 0.0 : 2 / std::abs(e)) : 1.0;
       const double n1 = n.dot(e1), n2 = n.dot(e2);
       Vector5 J;
       J << -n1, -n2, -n1 * along, -n2 * along, -1.0;
@@ -281,7 +286,7 @@ std::optional<CylinderFit> fit_cylinder(std::span<const SightedPoint> points, st
   }
   // far off already: the last steps would not make a cylinder of it
   if (!best || best_cost > 1.6 * config.cylinder_max_misfit * config.cylinder_max_misfit) return std::nullopt;
-  if (!refine(points, *best)) return std::nullopt;
+  if (!refine(points, *best, at_point, 6.0)) return std::nullopt;
   if (best->radius < config.cylinder_min_radius_m || best->radius > config.cylinder_max_radius_m)
     return std::nullopt;
   // the camera sees the outside: a hollow seen from within is none
@@ -301,6 +306,27 @@ std::optional<CylinderFit> fit_cylinder(std::span<const SightedPoint> points, st
       fit.arc_rad < config.cylinder_min_arc_deg * std::numbers::pi / 180.0)
     return std::nullopt;
   return fit;
+}
+
+Cylinder without_bias(std::span<const SightedPoint> points, const Cylinder& biased,
+                      const SurfaceConfig& config) {
+  constexpr double kCut = 4.0, kMostBias = 3.0;
+  std::vector<SightedPoint> near;
+  double square = 0;
+  for (const SightedPoint& s : points) {
+    const MantleDistance d = distance_to(biased, s);
+    if (std::abs(d.value_m) > kOutlier * d.sigma_m + config.tolerance_m) continue;
+    near.push_back(s);
+    square += s.sigma_m * s.sigma_m;
+  }
+  Cylinder c = biased;
+  if (near.size() < static_cast<std::size_t>(config.min_pixels) || !refine(near, c, at_ray, kCut))
+    return biased;
+  // a larger change comes from points that lie on something else
+  const double bias = square / static_cast<double>(near.size()) / biased.radius;
+  const bool allowed = std::abs(c.radius - biased.radius) < kMostBias * bias + config.tolerance_m &&
+                       c.radius > config.cylinder_min_radius_m && c.radius < config.cylinder_max_radius_m;
+  return allowed ? c : biased;
 }
 
 double corner_misfit(std::span<const SightedPoint> points, const Cylinder& cylinder) {

@@ -22,7 +22,8 @@ constexpr double kSameAxisCos = 0.999;
 // of cylinders that are cut out of larger parts
 constexpr std::size_t kMostStrips = 4;  // of a part that suggest cylinders
 constexpr double kTube_radii = 0.15;    // how far beside the mantle pixels are tried with it
-constexpr double kMostOpenRim = 0.6;    // 0.1 for a pipe on blocks, near 1 for the edge of a box
+constexpr double kLeastOfFace = 0.5;
+constexpr double kMostOpenRim = 0.6;  // 0.1 for a pipe on blocks, near 1 for the edge of a box
 
 // Angle of (x, y) as a part of a turn, 0 to 1, within 0.0007
 double turn(double x, double y) {
@@ -106,9 +107,9 @@ class Search {
     }
     if (!best) return std::nullopt;
     Part rest;
-    if (!rounder_than_corner(*best, sample(without_ends(body, best->cylinder.axis, rest), kMostPoints)))
-      return std::nullopt;
-    return claim(part, *best);
+    const auto points = sample(without_ends(body, best->cylinder.axis, rest), kMostPoints);
+    if (!rounder_than_corner(*best, points)) return std::nullopt;
+    return claim(part, without_bias(points, best->cylinder, config_));
   }
 
   [[nodiscard]] bool rounder_than_corner(const CylinderFit& fit,
@@ -179,14 +180,21 @@ class Search {
   /// is cut out so, but the box goes on beside it: most of the rim of a cylinder has to be free.
   std::optional<Cylinder> cylinder_around(const Cylinder& rough, const Part& part) {
     Part tube;
-    std::vector<std::int32_t> before;
     for (const std::uint32_t k : part) {
       if (image_.label[k] == ObjectImage::kCylinder) continue;
       const SightedPoint s = sighted(k);
-      if (distance_to(rough, s).value_m > band(rough, s, kTube_radii)) continue;
-      tube.push_back(k);
-      before.push_back(parts_.number(k));
+      if (distance_to(rough, s).value_m < band(rough, s, kTube_radii)) tube.push_back(k);
     }
+    // faces of which most lies elsewhere are of something else
+    count_faces(tube);
+    std::erase_if(tube, [&](std::uint32_t k) {
+      const std::int16_t f = image_.label[k];
+      if (f < 0) return false;
+      const auto face = static_cast<std::size_t>(f);
+      return count_[face] < kLeastOfFace * faces_[face].moments.n;
+    });
+    std::vector<std::int32_t> before;
+    for (const std::uint32_t k : tube) before.push_back(parts_.number(k));
     parts_.open(tube);
     const std::vector<Part> bodies = parts_.connected(tube, kLeastPart);
     const auto body = std::max_element(bodies.begin(), bodies.end(),
@@ -263,8 +271,7 @@ class Search {
     return axes;
   }
 
-  std::optional<Cylinder> claim(const Part& part, const CylinderFit& fit) {
-    Cylinder c = fit.cylinder;
+  std::optional<Cylinder> claim(const Part& part, Cylinder c) {
     Part rest;
     const std::size_t mantle = without_ends(part, c.axis, rest).size();
     Part mine;

@@ -120,7 +120,7 @@ struct SimWorld::Impl {
   std::optional<SupportBlock> support;
   bool support_stands = false;
   WorldClock clock = {};
-  hal::Timestamp start{0};
+  std::atomic<hal::Timestamp::rep> start{0};
   std::vector<PartnerFigure> figures = {};  // one for each of the partner's holds
   std::vector<Shape> clutter;
 
@@ -139,7 +139,7 @@ struct SimWorld::Impl {
   void tick();
   void note_grasp();
   [[nodiscard]] Pose palm() const { return physics->link_pose(model.palm); }
-  [[nodiscard]] double now_s() const { return hal::seconds(clock.now() - start); }
+  [[nodiscard]] double now_s() const { return hal::seconds(clock.now() - hal::Timestamp(start.load())); }
   void place_partners();
 };
 
@@ -229,12 +229,16 @@ const hal::Clock& SimWorld::clock() const {
 }
 
 void SimWorld::start_at(hal::Timestamp now) {
-  impl_->start = now;
+  impl_->start = now.count();
   impl_->clock.set(now);
 }
 
+void SimWorld::begin_scenario() {
+  impl_->start = impl_->clock.now().count();
+}
+
 hal::Duration SimWorld::elapsed() const {
-  return impl_->clock.now() - impl_->start;
+  return impl_->clock.now() - hal::Timestamp(impl_->start.load());
 }
 
 void SimWorld::advance(hal::Duration by) {

@@ -60,6 +60,8 @@ class SimWorld {
   [[nodiscard]] const hal::Clock& clock() const;
   /// Time 0 of the scenario is this time of a robot that lives in real time. Before the first advance().
   void start_at(hal::Timestamp now);
+  /// Time 0 of the scenario is now: for devices that take their time to start. Any thread.
+  void begin_scenario();
   /// Since the start: the time of the scenario.
   [[nodiscard]] hal::Duration elapsed() const;
   /// Moves time and everything in it; whole milliseconds.

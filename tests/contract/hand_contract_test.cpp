@@ -7,6 +7,7 @@
 
 #include "hal/guarded_hand.hpp"
 #include "sim_hal/mock/mock_hand.hpp"
+#include "barrett_rig.hpp"
 #include "sim_rig.hpp"
 
 namespace colift {
@@ -78,7 +79,7 @@ double furthest(const std::array<double, hal::kFingers>& a, const std::array<dou
 
 }  // namespace
 
-#define COLIFT_HANDS MockRig, SimRig, GuardedMockRig
+#define COLIFT_HANDS MockRig, SimRig, BarrettRig, GuardedMockRig
 
 TEMPLATE_TEST_CASE("a hand tells nothing and does nothing before it is ready", "[hand][contract]",
                    COLIFT_HANDS) {

@@ -2,15 +2,23 @@
 
 #include <cmath>
 
+#include "hal/barrett/barrett_hand.hpp"
+#include "hal/barrett/hand_thread.hpp"
+#include "hal/barrett/puck_codec.hpp"
 #include "hal/fri/fri_arm.hpp"
 #include "hal/guarded_arm.hpp"
 #include "hal/guarded_hand.hpp"
+#include "hal/os/make_can_bus.hpp"
 #include "hal/os/udp_link.hpp"
+#include "sim_hal/emulator/hand_gateway.hpp"
+#include "sim_hal/emulator/hand_server.hpp"
 #include "sim_hal/emulator/krc_server.hpp"
+#include "sim_hal/emulator/mujoco/hand_world_plant.hpp"
 #include "sim_hal/emulator/mujoco/krc_world_plant.hpp"
 #include "sim_hal/mujoco/sim_devices.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
 #include "sim_hal/scenario/scenario.hpp"
+#include "tools/colift/emulate_hand.hpp"
 #include "tools/colift/rig_truth.hpp"
 #include "tools/colift/robot_file.hpp"
 
@@ -64,6 +72,50 @@ hal::Result<std::shared_ptr<sim_hal::KrcServer>> start_krc(const RobotFile& file
   if (auto started = server->start(); !started) return tl::unexpected(started.error());
   return server;
 }
+
+/// The pucks at the far end of the hand's bus, woken already, behind a gateway as `barrett.can` names it.
+hal::Result<std::shared_ptr<sim_hal::HandServer>> start_pucks(const RobotFile& file,
+                                                              const sim_hal::Scenario& scenario,
+                                                              sim_hal::SimWorld& world, std::uint64_t seed) {
+  const auto gateway = gateway_config(file.barrett.can);
+  if (!gateway) return tl::unexpected(gateway.error());
+  sim_hal::HandEmulatorConfig config;
+  config.puck.awake = true;
+  config.judges_pace = false;
+  config.seed = seed;
+  for (const sim_hal::DeviceFaultEvent& event : scenario.faults) {
+    if (event.device != "hand") continue;
+    auto fault = sim_hal::hand_fault(event);
+    if (!fault) return tl::unexpected(fault.error());
+    config.faults.push_back(*fault);
+  }
+  auto server =
+      std::make_shared<sim_hal::HandServer>(config, std::make_unique<sim_hal::HandWorldPlant>(world),
+                                            std::make_unique<sim_hal::HandGateway>(*gateway));
+  if (auto started = server->start(); !started) return tl::unexpected(started.error());
+  return server;
+}
+
+/// The hand's driver in a thread of its own, with its bus.
+class OwnedBarrettHand final : public hal::Hand {
+ public:
+  OwnedBarrettHand(std::unique_ptr<hal::CanBus> bus, const hal::BarrettHandConfig& config)
+      : bus_(std::move(bus)), thread_(std::make_unique<hal::BarrettHand>(*bus_, config, clock_)) {}
+  hal::Result<> configure() override { return thread_.configure(); }
+  hal::Result<> activate() override { return thread_.activate(); }
+  void deactivate() noexcept override { thread_.deactivate(); }
+  [[nodiscard]] hal::DeviceHealth health() const override { return thread_.health(); }
+  hal::Result<hal::HandState> state() override { return thread_.state(); }
+  hal::Result<> preshape(double spread_rad) override { return thread_.preshape(spread_rad); }
+  hal::Result<> close(double torque_nm) override { return thread_.close(torque_nm); }
+  hal::Result<> release() override { return thread_.release(); }
+  void stop() noexcept override { thread_.stop(); }
+
+ private:
+  hal::SteadyClock clock_;
+  std::unique_ptr<hal::CanBus> bus_;
+  hal::HandThread thread_;
+};
 
 ArmLink link_of(const hal::FriArm& arm, const sim_hal::KrcServer* krc) {
   ArmLink link;
@@ -124,11 +176,25 @@ hal::Result<Rig> open_rig(const std::optional<std::filesystem::path>& robot,
       krc = std::move(*started);
     }
     rig.arm_link = [driver = fri.get(), krc] { return link_of(*driver, krc.get()); };
-    rig.far_ends = krc;
+    rig.far_ends.push_back(krc);
+    rig.begin = [world = *world] { world->begin_scenario(); };
     arm = std::move(fri);
   }
   rig.robot.arm = std::make_unique<hal::GuardedArm>(std::move(arm), *rig.model, config.guard_arm);
-  rig.robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(**world), config.guard_hand);
+  if (file->hand == "simulated") {
+    rig.robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(**world), config.guard_hand);
+  } else {
+    if (file->emulator != "never") {
+      auto pucks = start_pucks(*file, *read, **world, seed);
+      if (!pucks) return tl::unexpected(pucks.error());
+      rig.far_ends.push_back(*pucks);
+    }
+    const auto filters = hal::barrett::hand_filters();
+    auto bus = hal::make_can_bus(file->barrett.can, {filters.begin(), filters.end()});
+    if (!bus) return tl::unexpected(bus.error());
+    rig.robot.hand = std::make_unique<hal::GuardedHand>(
+        std::make_unique<OwnedBarrettHand>(std::move(*bus), file->barrett), config.guard_hand);
+  }
   rig.robot.camera = sim_hal::make_sim_camera(**world);
   rig.X_WC = sim_hal::camera_pose(read->camera);
   rig.home_rad = (*world)->arm_state().q_rad;

@@ -29,8 +29,8 @@ struct RigTruth {
 
 /// The devices of one run behind their guards, and what goes with them.
 struct Rig {
-  std::shared_ptr<void> world;     ///< Simulation behind the devices; outlives them.
-  std::shared_ptr<void> far_ends;  ///< Emulators on that world.
+  std::shared_ptr<void> world;                  ///< Simulation behind the devices; outlives them.
+  std::vector<std::shared_ptr<void>> far_ends;  ///< Emulators on that world.
   std::shared_ptr<const hal::RobotModel> model;
   hal::Robot robot;
   hal::Pose X_WC = hal::Pose::Identity();
@@ -38,6 +38,7 @@ struct Rig {
   control::Drive drive = control::Drive::InStep;           ///< Who runs the arm's cycle.
   std::string name;
   std::optional<RigTruth> truth;
+  std::function<void()> begin;        ///< Starts the scenario, when the devices are ready; may be empty.
   std::function<ArmLink()> arm_link;  ///< Empty where the arm has no wire.
 };
 

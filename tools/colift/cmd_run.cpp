@@ -148,6 +148,7 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
                                       progress_style(stderr, common.json, common.quiet), setting, wall);
   const hal::Timestamp began = rig->robot.clock->now();
   control::JobHooks hooks;
+  hooks.started = rig->begin;
   hooks.interrupted = [] { return asked_to_end != 0; };
   hooks.status = [&](const control::JobStatus& status) {
     if (rig->truth) diary.on_status(status, *rig->truth, began);

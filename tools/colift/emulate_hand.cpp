@@ -44,23 +44,6 @@ hal::Result<> check_options(const EmulateHandOptions& o) {
   return {};
 }
 
-/// "ADDRESS:PORT/BUS"
-hal::Result<sim_hal::HandGatewayConfig> gateway_config(const std::string& bus, std::string_view text) {
-  const auto refuse = [&] {
-    return bad("--bus",
-               fmt::format("\"{}\" is no bus; expected socketcand:IPV4:PORT/NAME or socketcan:IF", bus));
-  };
-  const std::size_t colon = text.find(':'), slash = text.find('/');
-  if (colon == std::string_view::npos || slash == std::string_view::npos || slash < colon) return refuse();
-  sim_hal::HandGatewayConfig config;
-  config.address = std::string(text.substr(0, colon));
-  config.bus = std::string(text.substr(slash + 1));
-  const std::string_view port = text.substr(colon + 1, slash - colon - 1);
-  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), config.port);
-  if (error != std::errc{} || end != port.data() + port.size() || config.bus.empty()) return refuse();
-  return config;
-}
-
 hal::Result<sim_hal::HandEmulatorConfig> emulator_config(const EmulateHandOptions& o,
                                                          const sim_hal::Scenario& scenario) {
   sim_hal::HandEmulatorConfig config;
@@ -157,7 +140,7 @@ hal::Result<int> run(const CommonOptions& common, const EmulateHandOptions& o) {
   const sim_hal::HandGateway* gate = nullptr;
   constexpr std::string_view kGateway = "socketcand:";
   if (o.bus.starts_with(kGateway)) {
-    auto gateway = gateway_config(o.bus, std::string_view(o.bus).substr(kGateway.size()));
+    auto gateway = gateway_config(o.bus);
     if (!gateway) return tl::unexpected(gateway.error());
     auto made = std::make_unique<sim_hal::HandGateway>(*gateway);
     gate = made.get();
@@ -203,6 +186,25 @@ hal::Result<int> run(const CommonOptions& common, const EmulateHandOptions& o) {
 }
 
 }  // namespace
+
+hal::Result<sim_hal::HandGatewayConfig> gateway_config(const std::string& bus) {
+  constexpr std::string_view kKind = "socketcand:";
+  const std::string_view text =
+      bus.starts_with(kKind) ? std::string_view(bus).substr(kKind.size()) : std::string_view();
+  const auto refuse = [&] {
+    return bad("--bus",
+               fmt::format("\"{}\" is no bus; expected socketcand:IPV4:PORT/NAME or socketcan:IF", bus));
+  };
+  const std::size_t colon = text.find(':'), slash = text.find('/');
+  if (colon == std::string_view::npos || slash == std::string_view::npos || slash < colon) return refuse();
+  sim_hal::HandGatewayConfig config;
+  config.address = std::string(text.substr(0, colon));
+  config.bus = std::string(text.substr(slash + 1));
+  const std::string_view port = text.substr(colon + 1, slash - colon - 1);
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), config.port);
+  if (error != std::errc{} || end != port.data() + port.size() || config.bus.empty()) return refuse();
+  return config;
+}
 
 int cmd_emulate_hand(const CommonOptions& common, const EmulateHandOptions& options) {
   const auto code = run(common, options);

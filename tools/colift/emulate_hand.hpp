@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "sim_hal/emulator/hand_gateway.hpp"
 #include "tools/colift/emulate.hpp"
 
 namespace colift::tools {
@@ -16,6 +17,9 @@ struct EmulateHandOptions {
   int firmware = 200;
   int group = 5;  ///< Third group of every puck; 8 in hands of 2010.
 };
+
+/// Where a gateway "socketcand:ADDRESS:PORT/BUS" is to listen. Errors: BadInput, with what was expected.
+[[nodiscard]] hal::Result<sim_hal::HandGatewayConfig> gateway_config(const std::string& bus);
 
 /// The far end of the hand's bus. 0 the client broke no rule, 1 it did, 2 bad options, 3 the bus is not to be
 /// had.

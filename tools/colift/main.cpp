@@ -12,6 +12,7 @@
 #include "tools/colift/cmd_rank.hpp"
 #include "tools/colift/commands.hpp"
 #include "tools/colift/emulate.hpp"
+#include "tools/colift/emulate_hand.hpp"
 
 namespace {
 
@@ -105,6 +106,17 @@ void add_emulate_krc(CLI::App& command, colift::tools::EmulateKrcOptions& o) {
       ->type_name("S");
   command.add_flag("--strict", o.strict, "Starts only at quality perfect, stays only at ok or better");
   command.add_flag("--friction", o.friction, "Joint friction of the light plant");
+}
+
+void add_emulate_hand(CLI::App& command, colift::tools::EmulateHandOptions& o) {
+  command
+      .add_option("--bus", o.bus, "socketcand:IPV4:PORT/NAME, a gateway that is opened here, or socketcan:IF")
+      ->type_name("BUS");
+  command.add_option("--width", o.width_m, "Of an object between the fingers of the light plant (m)")
+      ->type_name("M");
+  command.add_flag("--awake", o.awake, "The pucks were woken before and know their zero");
+  command.add_option("--firmware", o.firmware, "Of the pucks (default 200)")->type_name("N");
+  command.add_option("--group", o.group, "Third group of every puck (default 5)")->type_name("N");
 }
 
 /// A verb of `hal DEVICE`, with what all of them take.
@@ -233,6 +245,12 @@ int run(int argc, char** argv) {
   add_emulate(*krc_command, krc.common);
   add_emulate_krc(*krc_command, krc);
   add_output(*krc_command, common);
+  colift::tools::EmulateHandOptions pucks;
+  CLI::App* pucks_command =
+      emulate_command->add_subcommand("hand", "The four pucks of a BarrettHand on a CAN bus");
+  add_emulate(*pucks_command, pucks.common);
+  add_emulate_hand(*pucks_command, pucks);
+  add_output(*pucks_command, common);
 
   CLI::App* hal_command = app.add_subcommand("hal", "Bring-up of one device at a time");
   hal_command->require_subcommand(1);
@@ -281,6 +299,7 @@ int run(int argc, char** argv) {
   if (decide_command->parsed()) return colift::tools::cmd_decide(common, decide);
   if (run_command->parsed()) return colift::tools::cmd_run(common, run);
   if (krc_command->parsed()) return colift::tools::cmd_emulate_krc(common, krc);
+  if (pucks_command->parsed()) return colift::tools::cmd_emulate_hand(common, pucks);
   if (hand_command->parsed()) return colift::tools::cmd_hal_hand(common, hand);
   if (arm_command->parsed()) return colift::tools::cmd_hal_arm(common, arm);
   if (doctor_command->parsed()) return colift::tools::cmd_doctor(common, doctor);

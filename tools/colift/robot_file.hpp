@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "hal/barrett/hand_config.hpp"
 #include "hal/config/range.hpp"
 #include "hal/fri/fri_config.hpp"
 #include "hal/types/result.hpp"
@@ -16,19 +17,21 @@ struct RobotFile {
   std::string model;
   double arm_period_ms = 5.0;
   hal::FriConfig fri;
+  hal::BarrettHandConfig barrett;
   std::string emulator = "never";
 
   template <class Visitor>
   void visit(Visitor& v) {
     v("arm", arm, hal::Choices{"simulated", "fri"}, "Back end of the arm.");
-    v("hand", hand, hal::Choices{"simulated"}, "Back end of the hand.");
+    v("hand", hand, hal::Choices{"simulated", "barrett"}, "Back end of the hand.");
     v("camera", camera, hal::Choices{"simulated"}, "Back end of the camera.");
     v("model", model, "URDF of arm and hand; empty: the built-in LWR 4+ with BarrettHand.");
     v("arm_period_ms", arm_period_ms, hal::Range{1, 20},
       "Time between two commands of the simulated arm (ms).");
     v("fri", fri, "How the KRC is reached and treated.");
+    v("barrett", barrett, "How the BarrettHand is reached and treated.");
     v("emulator", emulator, hal::Choices{"never", "always"},
-      "The far end of the arm's wire, in this program, on the scenario's world: for machines without a robot.");
+      "The far ends of the wires, in this program, on the scenario's world: for machines without a robot.");
   }
 };
 

@@ -24,8 +24,9 @@ TEST_CASE("the radius of pipes on the floor is right to 5 mm", "[surfaces][cylin
         std::min(angle_deg(cylinders[0].axis, truth.axis), angle_deg(-cylinders[0].axis, truth.axis)));
   }
   CHECK(found >= 28);
-  CHECK(quantile(radius, 0.95) <= 0.005);
-  CHECK(quantile(radius, 0.5) <= 0.003);
+  // six draws of the noise gave medians of 0.3 to 0.4 mm and 95 % within 1.0 to 2.1 mm
+  CHECK(quantile(radius, 0.95) <= 0.004);
+  CHECK(quantile(radius, 0.5) <= 0.001);
   CHECK(quantile(axis, 0.9) < 0.6);
   CHECK(quantile(length, 0.5) < 0.01);
 }
@@ -63,12 +64,10 @@ struct OnBlocks {
 };
 
 // 1.4 to 2.2 m away; the first is the scene of config/scenario/pipe.yaml
-const OnBlocks kOnBlocks[] = {{0.040, 1.2, 10, 0.25, 0, 0.00, {1.0, -1.4, 1.5}},
-                              {0.040, 1.2, 10, 0.25, 0, 0.05, {0.9, -1.2, 1.1}},
-                              {0.030, 0.9, -35, 0.15, 15, 0.02, {1.1, 0.6, 1.0}},
-                              {0.060, 1.3, 80, 0.30, -20, -0.03, {-1.5, 0.3, 1.2}},
-                              {0.050, 1.0, 140, 0.20, 5, 0.00, {0.6, 1.4, 0.9}},
-                              {0.070, 1.1, 45, 0.12, 0, 0.04, {1.2, -0.9, 1.0}}};
+const OnBlocks kOnBlocks[] = {
+    {0.040, 1.2, 10, 0.25, 0, 0.00, {1.0, -1.4, 1.5}},  {0.040, 1.2, 10, 0.25, 0, 0.05, {0.9, -1.2, 1.1}},
+    {0.030, 0.9, -35, 0.15, 15, 0.02, {1.1, 0.6, 1.0}}, {0.060, 1.3, 80, 0.30, -20, -0.03, {-1.5, 0.3, 1.2}},
+    {0.050, 1.0, 140, 0.20, 5, 0.00, {0.6, 1.4, 0.9}},  {0.070, 1.1, 45, 0.12, 0, 0.04, {1.2, -0.9, 1.0}}};
 
 View view_of(const OnBlocks& c, bool square, std::uint64_t draw) {
   const double yaw = c.yaw_deg * kDegrees, blocks = yaw + c.turned_deg * kDegrees;
@@ -79,8 +78,8 @@ View view_of(const OnBlocks& c, bool square, std::uint64_t draw) {
              : sim_hal::cylinder(center, along, c.radius, c.length, Label::Target)};
   for (const double side : {-1.0, 1.0}) {
     const Vec3 foot = side * 0.25 * c.length * along + c.aside * across;
-    shapes.push_back(sim_hal::box(foot + Vec3(0, 0, 0.5 * c.height), {0.10, 0.22, c.height}, blocks,
-                                  Label::Target));
+    shapes.push_back(
+        sim_hal::box(foot + Vec3(0, 0, 0.5 * c.height), {0.10, 0.22, c.height}, blocks, Label::Target));
   }
   return View(scene_of(shapes, c.eye, {0, 0, c.height}), draw);
 }
@@ -104,17 +103,37 @@ TEST_CASE("a pipe on two blocks is found though the blocks are part of the objec
       radius.push_back(std::abs(cylinders[0].radius - c.radius));
       length.push_back(std::abs(cylinders[0].length - c.length));
       const Vec3 true_axis = pipe.X_WS.linear().col(2);
-      axis.push_back(std::min(angle_deg(cylinders[0].axis, true_axis), angle_deg(-cylinders[0].axis, true_axis)));
+      axis.push_back(
+          std::min(angle_deg(cylinders[0].axis, true_axis), angle_deg(-cylinders[0].axis, true_axis)));
       // the blocks keep their faces, and none lies on the pipe
       CHECK(rectangles_of(surfaces).size() >= 2);
       for (const Rectangle& r : rectangles_of(surfaces)) CHECK(r.center.z() < c.height + 0.5 * c.radius);
     }
-  CHECK(found == views);
-  CHECK(quantile(radius, 0.95) <= 0.005);
-  CHECK(quantile(radius, 0.5) <= 0.003);
+  REQUIRE(found == views);
+  CHECK(quantile(radius, 0.95) <= 0.004);
+  CHECK(quantile(radius, 0.5) <= 0.002);
   CHECK(quantile(length, 0.95) < 0.02);
   CHECK(quantile(axis, 0.95) < 1.0);
-  WARN("radius .5 " << quantile(radius, .5) << " .95 " << quantile(radius, .95) << " max " << quantile(radius, 1) << " length " << quantile(length, .95) << " axis " << quantile(axis, .95) << " of " << views);
+}
+
+TEST_CASE("far and thin pipes are not seen thinner than they are", "[surfaces][cylinder]") {
+  for (const double true_radius : {0.030, 0.035, 0.040}) {
+    double error = 0;
+    int found = 0;
+    for (std::uint64_t draw = 1; draw <= 10; ++draw) {
+      const View view(
+          scene_of({sim_hal::cylinder({0, 0, true_radius}, Vec3::UnitY(), true_radius, 1.2, Label::Target)},
+                   {1.6, 0.3, 1.25}, {0, 0, 0.1}),
+          draw);
+      const auto cylinders = cylinders_of(view.surfaces());
+      if (cylinders.size() != 1) continue;
+      ++found;
+      error += cylinders[0].radius - true_radius;
+    }
+    INFO("radius " << true_radius << ", mean error " << error / found << " of " << found);
+    REQUIRE(found >= 8);
+    CHECK(std::abs(error / found) < 0.001);
+  }
 }
 
 TEST_CASE("a square bar on two blocks is no cylinder", "[surfaces][cylinder]") {
