@@ -30,12 +30,12 @@ void check(sim_hal::RandomKind kind, int count, const Limits& limits) {
 
 }  // namespace
 
-// aims: 95 % lifted, 90 % within 0.07 of the wanted share, partner within 2 cm at 90 %
+// aims: 95 % lifted, 90 % within 0.07 of the wanted share, partner within 2 cm at 90 %. Of tables 5 and 20 the
+// person himself hides his hand: nobody could tell that he holds the table.
 TEST_CASE("random tables are lifted level, with the wanted share", "[lifts]") {
   check(sim_hal::RandomKind::Table, 26, {.lifted = 0.92, .share_within = 0.9, .partner_p90_m = 0.02});
 }
 
-// a hand around the far end of a box is seen up to 7 cm beside its place, and the share with it
-TEST_CASE("random boxes are lifted level", "[lifts]") {
-  check(sim_hal::RandomKind::Box, 26, {.lifted = 0.92, .share_within = 0.5, .partner_p90_m = 0.07});
+TEST_CASE("random boxes are lifted level, most with the wanted share", "[lifts]") {
+  check(sim_hal::RandomKind::Box, 26, {.lifted = 0.95, .share_within = 0.8, .partner_p90_m = 0.02});
 }
