@@ -66,7 +66,7 @@ CompletedShape complete_cylinder(const ShapeEvidence& seen) {
   s.box.center = c.center;
   s.box.axes << c.axis, e1, e2;
   s.box.size = Vec3(c.length, 2 * c.radius, 2 * c.radius);
-  const double along = 2.0 * seen.end_sigma(c.length), across = 0.05 * c.radius + 0.5 * seen.depth_sigma_m();
+  const double along = 2.0 * seen.end_sigma(c.length), across = 0.02 * c.radius + 0.15 * seen.depth_sigma_m();
   s.covariance = spread(s.box.axes, Vec3(along, across, across));
   put_up_last(s.box, up);
   s.because = fmt::format("a cylinder of radius {:.0f} mm and length {:.2f} m, symmetric about its axis{}",
