@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int kCyclesAtEnd = 20;    // the arm gets its last set point some more times before it is left alone
+constexpr int kCyclesAtEnd = 20;  // the arm gets its last set point some more times before it is left alone
 constexpr int kMostCyclesAtEnd = 1000;
 constexpr int kMissesAtStart = 50;
 constexpr auto kTaskPeriod = 4ms;  // of a task that does not run the arm's cycle itself

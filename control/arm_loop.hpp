@@ -11,13 +11,14 @@ namespace colift::control {
 
 /// Who runs the arm's cycle.
 enum class Drive {
-  InStep,  ///< The task itself, once in each of its own cycles: simulation in lock step, bit for bit the same.
+  InStep,  ///< The task itself, once in each of its own cycles: simulation in lock step, bit for bit the
+           ///< same.
   Thread,  ///< A thread of its own, which never waits for the task: the robot.
 };
 
-/// The arm as the task sees it: requests go in, a view of the last cycle comes out. With Drive::Thread both go
-/// through wait-free slots, and a way that is asked for starts a cycle later; done(), blocked() and the rest
-/// always speak of the last request, never of the one before.
+/// The arm as the task sees it: requests go in, a view of the last cycle comes out. With Drive::Thread both
+/// go through wait-free slots, and a way that is asked for starts a cycle later; done(), blocked() and the
+/// rest always speak of the last request, never of the one before.
 class ArmLoop {
  public:
   ArmLoop(hal::Arm& arm, const hal::RobotModel& model, const planner::ArmGeometry& geometry,
@@ -29,7 +30,8 @@ class ArmLoop {
   /// Activates the arm, which is configured, and makes its first cycle. A thread of its own gets real-time
   /// priority first. Errors: those of the activation and of the first cycles.
   [[nodiscard]] hal::Result<> start();
-  /// Brings the arm to rest, answers some cycles more, deactivates the arm and ends the thread. In bounded time.
+  /// Brings the arm to rest, answers some cycles more, deactivates the arm and ends the thread. In bounded
+  /// time.
   void finish() noexcept;
   /// What the machine granted to the arm's thread, in sentences; empty with Drive::InStep.
   [[nodiscard]] const std::vector<std::string>& realtime() const { return realtime_; }

@@ -178,9 +178,8 @@ std::optional<Happening> Job::approach() {
   if (loop_.starts() != starts_)
     return Happening{Event::Blocked, "the arm's controller interrupted the motion"};
   const double whole = plan.transit.duration_s() + plan.approach.duration_s();
-  const double behind = leg_ == 0
-                            ? loop_.progress() * plan.transit.duration_s()
-                            : plan.transit.duration_s() + loop_.progress() * plan.approach.duration_s();
+  const double behind = leg_ == 0 ? loop_.progress() * plan.transit.duration_s()
+                                  : plan.transit.duration_s() + loop_.progress() * plan.approach.duration_s();
   done_ = whole > 0.0 ? behind / whole : 1.0;
   doing_ = leg_ == 0 ? "on the way to the pre-grasp" : "straight to the grasp";
   if (in_state_s() > 2.0 * whole + 5.0) return Happening{Event::TimeOut, "the way takes too long"};

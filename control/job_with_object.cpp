@@ -135,8 +135,8 @@ std::optional<Happening> Job::lift() {
   watch_object();
   if (auto stuck = serve_lift()) return stuck;
   done_ = loop_.view().height_m / config_.task.lift_height_m;
-  doing_ =
-      loop_.view().role == LiftController::Role::Lead ? "lifts, the partner comes along" : "follows the partner";
+  doing_ = loop_.view().role == LiftController::Role::Lead ? "lifts, the partner comes along"
+                                                           : "follows the partner";
   if (auto limit = beyond_limits()) return limit;
   if (in_state_s() > config_.task.lift_s + config_.task.patience_s)
     return Happening{Event::TimeOut,
@@ -146,8 +146,9 @@ std::optional<Happening> Job::lift() {
     return std::nullopt;
   }
   if (hal::seconds(now_ - settled_at_) < kSettle_s) return std::nullopt;
-  return Happening{Event::AtHeight, fmt::format("{:.1f} cm up, tilt {:.1f} deg, load {:.0f} N",
-                                                1e2 * loop_.view().height_m, deg(tilt_rad_), loop_.view().load_n)};
+  return Happening{Event::AtHeight,
+                   fmt::format("{:.1f} cm up, tilt {:.1f} deg, load {:.0f} N", 1e2 * loop_.view().height_m,
+                               deg(tilt_rad_), loop_.view().load_n)};
 }
 
 std::optional<Happening> Job::hold() {

@@ -1,5 +1,7 @@
 #include "hal/robot_model/dynamics.hpp"
 
+#include <cmath>
+
 namespace colift::hal {
 namespace {
 
@@ -43,14 +45,23 @@ ArmDynamics::ArmDynamics(const RobotModel& model, Load load, const HandPosture& 
     body.moment += link.mass_kg * com;
     body.inertia += shifted(inertia, link.mass_kg, com);
   }
+  for (Body& body : bodies_) {
+    const Vec3& a = body.axis;
+    const Eigen::Matrix3d R0 = body.X_PB0.linear();
+    Eigen::Matrix3d cross;
+    cross << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
+    body.fixed = R0 * a * a.transpose();
+    body.sine = R0 * cross;
+    body.cosine = R0 - body.fixed;
+  }
 }
 
 ArmDynamics::Places ArmDynamics::places(const JointVector& q_rad) const {
   Places places;
   for (std::size_t i = 0; i < kJoints; ++i) {
     const Body& body = bodies_[i];
-    places[i].R =
-        body.X_PB0.linear() * Eigen::AngleAxisd(q_rad[static_cast<int>(i)], body.axis).toRotationMatrix();
+    const double q = q_rad[static_cast<int>(i)];
+    places[i].R = body.fixed + std::sin(q) * body.sine + std::cos(q) * body.cosine;
     places[i].p = body.X_PB0.translation();
   }
   return places;
@@ -124,6 +135,37 @@ JointMatrix ArmDynamics::mass_matrix(const JointVector& q_rad) const {
     }
   }
   return M;
+}
+
+ArmDynamics::Tick ArmDynamics::tick(const JointVector& q_rad, const Vec3& p_F) const {
+  std::array<Vec3, kJoints> origin_W, axis_W, moment_W;  // moment: mass times centre of mass, from W's origin
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  Vec3 p = Vec3::Zero();
+  const Places at = places(q_rad);
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    p += R * at[i].p;
+    R = (R * at[i].R).eval();
+    origin_W[i] = p;
+    axis_W[i].noalias() = R * bodies_[i].axis;
+    moment_W[i].noalias() = R * bodies_[i].moment;
+    moment_W[i] += bodies_[i].mass_kg * p;
+  }
+  Tick tick;
+  tick.X_WF.linear().noalias() = R * X_A7F_.linear();
+  tick.X_WF.translation() = p + R * X_A7F_.translation();
+  const Vec3 p_W = tick.X_WF * p_F;
+  double mass_kg = 0.0;
+  Vec3 moment = Vec3::Zero();
+  for (std::size_t i = kJoints; i-- > 0;) {
+    const auto column = static_cast<int>(i);
+    tick.jacobian.col(column) << axis_W[i].cross(p_W - origin_W[i]), axis_W[i];
+    mass_kg += bodies_[i].mass_kg;
+    moment += moment_W[i];
+    // what lies beyond the joint, weighed at its arm: axis . (arm x up)
+    const Vec3 arm = moment - mass_kg * origin_W[i];
+    tick.gravity_nm[column] = kGravity_m_s2 * (axis_W[i].x() * arm.y() - axis_W[i].y() * arm.x());
+  }
+  return tick;
 }
 
 Pose ArmDynamics::flange(const JointVector& q_rad) const {

@@ -30,6 +30,14 @@ class ArmDynamics {
   /// Symmetric, positive definite (kg m^2).
   [[nodiscard]] JointMatrix mass_matrix(const JointVector& q_rad) const;
 
+  /// What a controller wants in every cycle, in one walk along the arm.
+  struct Tick {
+    Pose X_WF = Pose::Identity();                  ///< flange()
+    ArmJacobian jacobian = ArmJacobian::Zero();    ///< jacobian()
+    JointVector gravity_nm = JointVector::Zero();  ///< gravity_nm()
+  };
+  [[nodiscard]] Tick tick(const JointVector& q_rad, const Vec3& p_F = Vec3::Zero()) const;
+
   /// Pose of the flange F in W.
   [[nodiscard]] Pose flange(const JointVector& q_rad) const;
   /// Geometric Jacobian of the point p_F, fixed to the flange: rows linear (m/rad), then angular, in W.
@@ -40,6 +48,8 @@ class ArmDynamics {
   struct Body {
     Pose X_PB0 = Pose::Identity();  ///< In the body before (first: in W) at joint position 0.
     Vec3 axis = Vec3::UnitZ();
+    /// Turn in the body before at joint position q: fixed + sin q sine + cos q cosine (Rodrigues).
+    Eigen::Matrix3d fixed = Eigen::Matrix3d::Zero(), sine = fixed, cosine = fixed;
     double mass_kg = 0.0;
     Vec3 moment = Vec3::Zero();                         ///< Mass times centre of mass (kg m).
     Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< About the frame's origin (kg m^2).

@@ -55,12 +55,13 @@ struct Ours {
 
   Tick tick(const hal::JointVector& q, const Vector6& twist) const {
     Tick t;
-    t.position = arm.flange(q) * p_F;
-    const hal::ArmJacobian J = arm.jacobian(q, p_F);
+    const hal::ArmDynamics::Tick now = arm.tick(q, p_F);
+    t.position = now.X_WF * p_F;
+    const hal::ArmJacobian& J = now.jacobian;
     Matrix6 JJ = J * J.transpose();
     JJ.diagonal().array() += kDamping * kDamping;
     t.dq_rad_s = J.transpose() * JJ.ldlt().solve(twist);
-    t.gravity_nm = arm.gravity_nm(q);
+    t.gravity_nm = now.gravity_nm;
     return t;
   }
 };
@@ -153,8 +154,10 @@ bool agree() {
     gravity = std::max(gravity, (a.gravity_nm - b.gravity_nm).cwiseAbs().maxCoeff());
     velocity = std::max(velocity, (a.dq_rad_s - b.dq_rad_s).cwiseAbs().maxCoeff());
   }
-  fmt::print("greatest difference over {} postures: position {:.1e} m, gravity {:.1e} N m, joint velocity {:.1e} rad/s\n",
-             kPostures, position, gravity, velocity);
+  fmt::print(
+      "greatest difference over {} postures: position {:.1e} m, gravity {:.1e} N m, joint velocity {:.1e} "
+      "rad/s\n",
+      kPostures, position, gravity, velocity);
   return position < 1e-9 && gravity < 1e-9 && velocity < 1e-6;
 }
 

@@ -13,19 +13,22 @@ using namespace colift;
 using control::Task;
 using Result = control::RunRecord::Result;
 
-tests::SimulatedLift lift_with(const std::string& fault = "", Task in = Task::Approach, std::uint64_t seed = 1) {
+tests::SimulatedLift lift_with(const std::string& fault = "", Task in = Task::Approach,
+                               std::uint64_t seed = 1) {
   tests::OverWire wire;
   if (!fault.empty()) {
     auto parsed = sim_hal::parse_krc_fault(fault);
     if (!parsed) FAIL(parsed.error().text());
     wire.faults.push_back({*parsed, in});
   }
-  return tests::simulate(sim_hal::built_in_scenario(), control::Method::Fast, seed, control::run_defaults(), wire);
+  return tests::simulate(sim_hal::built_in_scenario(), control::Method::Fast, seed, control::run_defaults(),
+                         wire);
 }
 
 std::string told(const tests::SimulatedLift& lift) {
   std::string all = lift.record.because + "\n";
-  for (const auto& s : lift.record.states) all += std::string(control::word(s.state)) + ": " + s.because + "\n";
+  for (const auto& s : lift.record.states)
+    all += std::string(control::word(s.state)) + ": " + s.because + "\n";
   for (const auto& f : lift.record.faults) all += f.device + ": " + f.what + "\n";
   for (const auto& b : lift.wire->broken_rules) all += "broken: " + b.because + "\n";
   for (const auto& m : lift.wire->mode_changes) all += "mode: " + m.because + "\n";
@@ -49,9 +52,9 @@ namespace {
 
 /// A fault half a second into a state, and what has to come of it in each of three states.
 enum class End {
-  Lifted,    ///< Nothing worth a stop: the lift goes on.
-  Stopped,   ///< At rest where it is; a hand that holds goes on holding; a person looks first.
-  SetDown,   ///< A limit of the load: set down, released, home.
+  Lifted,   ///< Nothing worth a stop: the lift goes on.
+  Stopped,  ///< At rest where it is; a hand that holds goes on holding; a person looks first.
+  SetDown,  ///< A limit of the load: set down, released, home.
 };
 struct Row {
   const char* rows;   ///< Of reference/safety-and-faults.

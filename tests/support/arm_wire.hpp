@@ -10,8 +10,8 @@
 
 namespace colift::tests {
 
-/// The arm's real driver and the emulated controller on a simulated world, joined by a wire in memory. In lock
-/// step: whoever waits for the arm moves the controller, the world and the clock.
+/// The arm's real driver and the emulated controller on a simulated world, joined by a wire in memory. In
+/// lock step: whoever waits for the arm moves the controller, the world and the clock.
 struct ArmWire {
   static constexpr hal::Duration kCycle = std::chrono::milliseconds(2);
 

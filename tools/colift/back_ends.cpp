@@ -52,8 +52,8 @@ hal::Result<World> make_world(const RobotFile& file, const sim_hal::Scenario& sc
 /// The controller at the far end of the arm's wire, on the same world as the other simulated devices.
 hal::Result<std::shared_ptr<sim_hal::KrcServer>> start_krc(const RobotFile& file,
                                                            const sim_hal::Scenario& scenario,
-                                                           const hal::RobotModel& model, sim_hal::SimWorld& world,
-                                                           std::uint64_t seed) {
+                                                           const hal::RobotModel& model,
+                                                           sim_hal::SimWorld& world, std::uint64_t seed) {
   sim_hal::KrcServerConfig config;
   config.krc.to = {0x7f000001, static_cast<std::uint16_t>(file.fri.port)};
   config.krc.cycle = world.config().arm_period;
@@ -129,8 +129,9 @@ ArmLink link_of(const hal::FriArm& arm, const sim_hal::KrcServer* krc) {
   if (krc == nullptr) return link;
   const sim_hal::KrcReport report = krc->report();
   const sim_hal::KrcServerTiming timing = krc->timing();
-  link.controller = ArmLink::Controller{report.sent,  report.answered, report.missed, report.most_missed_in_a_row,
-                                        timing.late, timing.worst_late_ms};
+  link.controller =
+      ArmLink::Controller{report.sent, report.answered,     report.missed, report.most_missed_in_a_row,
+                          timing.late, timing.worst_late_ms};
   for (const auto& broken : report.broken_rules) link.controller->broken_rules.push_back(broken.because);
   return link;
 }

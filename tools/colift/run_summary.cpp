@@ -73,13 +73,14 @@ std::string timing_text(const RunView& view) {
 }
 
 std::string link_text(const ArmLink& link) {
-  std::string text =
-      fmt::format("{} of {} datagrams answered, half of them within {} us, 99.9 % within {} us, the slowest in {} us",
-                  link.answered, link.cycles, link.answer_us.p50, link.answer_us.p999, link.answer_us.worst);
+  std::string text = fmt::format(
+      "{} of {} datagrams answered, half of them within {} us, 99.9 % within {} us, the slowest in {} us",
+      link.answered, link.cycles, link.answer_us.p50, link.answer_us.p999, link.answer_us.worst);
   if (!link.controller) return text;
   const ArmLink::Controller& c = *link.controller;
-  return text + fmt::format("; the emulated controller missed {} of {} answers and began {} cycles late itself",
-                            c.missed, c.sent, c.late);
+  return text +
+         fmt::format("; the emulated controller missed {} of {} answers and began {} cycles late itself",
+                     c.missed, c.sent, c.late);
 }
 
 }  // namespace

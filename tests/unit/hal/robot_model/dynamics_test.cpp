@@ -111,3 +111,17 @@ TEST_CASE("flange and Jacobian are the robot model's", "[dynamics]") {
   const hal::Pose X = bare().flange(joints({0.1, 0.5, -0.3, -1.2, 0.4, 0.8, -0.6}));
   CHECK((X.translation() - hal::Vec3(-0.622077, 0.045213, 0.559355)).norm() < 2e-6);
 }
+
+TEST_CASE("one walk along the arm tells what three tell", "[dynamics]") {
+  planner::JointRandom random(9);
+  const hal::Vec3 p_F(0.02, -0.03, 0.1);
+  for (const ArmDynamics* arm : {&bare(), &with_hand()}) {
+    for (int n = 0; n < 200; ++n) {
+      const JointVector q = random_pose(random);
+      const ArmDynamics::Tick tick = arm->tick(q, p_F);
+      REQUIRE((tick.X_WF.matrix() - arm->flange(q).matrix()).cwiseAbs().maxCoeff() < 1e-12);
+      REQUIRE((tick.jacobian - arm->jacobian(q, p_F)).cwiseAbs().maxCoeff() < 1e-12);
+      REQUIRE((tick.gravity_nm - arm->gravity_nm(q)).cwiseAbs().maxCoeff() < 1e-10);
+    }
+  }
+}

@@ -71,7 +71,8 @@ TEST_CASE("a leg or a shoe that touches the object is seldom taken for a hand", 
   CHECK(taken * 100 <= looked * 17);  // more than half without leg_sign
 }
 
-TEST_CASE("the hand of a person who also leans against the table is found, often as the only contact", "[partner][leg]") {
+TEST_CASE("the hand of a person who also leans against the table is found, often as the only contact",
+          "[partner][leg]") {
   const Stage stage(ObjectKind::Table, 3);
   const auto pose = sim_hal::make_partner(stage.scene, 3, false);
   auto finder = stage.finder();
