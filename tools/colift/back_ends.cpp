@@ -149,6 +149,15 @@ hal::Result<Rig> open_rig(const std::optional<std::filesystem::path>& robot,
                           const control::Config& config) {
   const auto file = read_robot_file(robot);
   if (!file) return tl::unexpected(file.error());
+  // nobody would move the simulated world's time
+  if (file->arm == "fri" && file->emulator == "never")
+    return hal::failure(hal::ErrorCode::BadConfig, robot->string(),
+                        "camera: simulated stands in a world that only an emulated arm moves, and there is no "
+                        "driver of a real camera yet; expected emulator: always (colift hal needs none)");
+  // the devices of one world: a simulated arm steps it, a wire's far end lets it run
+  if (file->arm == "simulated" && file->hand == "barrett")
+    return hal::failure(hal::ErrorCode::BadConfig, robot->string(),
+                        "hand: barrett lives in real time, and arm: simulated does not; expected arm: fri");
   Rig rig;
   rig.name = robot ? robot->filename().string() : "simulated rig";
   auto model = read_model(file->model);
