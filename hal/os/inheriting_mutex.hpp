@@ -4,9 +4,9 @@
 
 namespace colift::hal {
 
-/// A mutex whose holder runs with the priority of whoever waits for it (POSIX PTHREAD_PRIO_INHERIT): a real-time
-/// thread that shares something with an ordinary one waits for that one only, and not for everybody who has
-/// taken the processor from it. Never in the arm's own cycle, which shares nothing.
+/// A mutex whose holder runs with the priority of whoever waits for it (POSIX PTHREAD_PRIO_INHERIT): a
+/// real-time thread that shares something with an ordinary one waits for that one only, and not for everybody
+/// who has taken the processor from it. Never in the arm's own cycle, which shares nothing.
 class InheritingMutex {
  public:
   InheritingMutex() {

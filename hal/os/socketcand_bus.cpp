@@ -34,7 +34,8 @@ bool wait_for(int socket, short events, Duration patience) {
 
 std::string printable(std::string_view words) {
   std::string text(words);
-  std::replace_if(text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   return text;
 }
 
@@ -178,8 +179,9 @@ class SocketcandBus final : public CanBus {
       const GatewayMessage message = parser_.next();
       if (message.kind == kind) return {};
       if (message.kind == Kind::Refused)
-        return failure(ErrorCode::BadConfig, where(),
-                       fmt::format("the gateway says \"{}\" instead of its {}", printable(message.words), what));
+        return failure(
+            ErrorCode::BadConfig, where(),
+            fmt::format("the gateway says \"{}\" instead of its {}", printable(message.words), what));
       if (message.kind == Kind::Broken)
         return failure(ErrorCode::BadConfig, where(), fmt::format("what came as {} is not socketcand", what));
       if (message.kind != Kind::None) continue;  // frames may come before the answer

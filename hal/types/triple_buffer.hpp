@@ -5,9 +5,10 @@
 
 namespace colift::hal {
 
-/// The latest value of any type that can be copied, from one writing thread to one reading thread: neither ever waits for the
-/// other. Three places: one is written, one is read, one lies between and is exchanged (triple buffer). T is
-/// assigned in place, so a T whose copy does not allocate keeps both sides free of allocation.
+/// The latest value of any type that can be copied, from one writing thread to one reading thread: neither
+/// ever waits for the other. Three places: one is written, one is read, one lies between and is exchanged
+/// (triple buffer). T is assigned in place, so a T whose copy does not allocate keeps both sides free of
+/// allocation.
 template <class T>
 class TripleBuffer {
  public:
