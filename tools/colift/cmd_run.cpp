@@ -146,9 +146,12 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
   const SignalGuard signals;
   std::optional<RunProgress> progress(std::in_place, stderr,
                                       progress_style(stderr, common.json, common.quiet), setting, wall);
-  const hal::Timestamp began = rig->robot.clock->now();
+  hal::Timestamp began = rig->robot.clock->now();
   control::JobHooks hooks;
-  hooks.started = rig->begin;
+  hooks.started = [&] {
+    began = rig->robot.clock->now();  // some devices take seconds to start
+    if (rig->begin) rig->begin();
+  };
   hooks.interrupted = [] { return asked_to_end != 0; };
   hooks.status = [&](const control::JobStatus& status) {
     if (rig->truth) diary.on_status(status, *rig->truth, began);

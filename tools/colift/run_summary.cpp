@@ -105,7 +105,7 @@ std::string run_summary(const RunView& view, int columns) {
     out += line("mass", mass_text(view));
   }
   out += line("time", timing_text(view));
-  if (view.arm_link != nullptr) out += line("arm's wire", link_text(*view.arm_link));
+  if (view.arm_link != nullptr) out += line("wire", link_text(*view.arm_link));
   bool first = true;
   for (const control::DeviceNote& f : record.faults) {
     out += line(first ? "faults" : "", fmt::format("{:.2f} s {}: {}", hal::seconds(f.at), f.device, f.what));
