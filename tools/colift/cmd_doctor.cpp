@@ -31,15 +31,6 @@ DiskSpace disk_here() {
   return {here, error ? 0ull : static_cast<unsigned long long>(space.available)};
 }
 
-/// The hand's bus of a robot file, if it has any.
-template <class File>
-std::string hand_bus(const File& file) {
-  if constexpr (requires { file.barrett.can; })
-    return file.barrett.can;
-  else
-    return "socketcan:can0";
-}
-
 std::string table(const DoctorRows& rows) {
   std::size_t width = 0;
   for (const DoctorRow& row : rows) width = std::max(width, row.what.size());
@@ -59,7 +50,7 @@ int cmd_doctor(const CommonOptions& common, const DoctorOptions& options) {
   DoctorRows rows =
       machine_rows(options.root, {limit_of(RLIMIT_RTPRIO), limit_of(RLIMIT_MEMLOCK)}, disk_here());
   for (DoctorRow& row : network_rows(options.root, robot->fri.port)) rows.push_back(std::move(row));
-  for (DoctorRow& row : can_rows(options.root, hand_bus(*robot), hal::read_can_link))
+  for (DoctorRow& row : can_rows(options.root, robot->barrett.can, hal::read_can_link))
     rows.push_back(std::move(row));
   for (DoctorRow& row : usb_rows(options.root)) rows.push_back(std::move(row));
 

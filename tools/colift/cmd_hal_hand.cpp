@@ -29,15 +29,6 @@ struct Bench {
   hal::HandGuardConfig guard;
 };
 
-/// The hand's settings of a robot file, if it has any.
-template <class File>
-hal::BarrettHandConfig settings_of(const File& file) {
-  if constexpr (requires { file.barrett; })
-    return file.barrett;
-  else
-    return {};
-}
-
 hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& options) {
   control::Config config;
   hal::FieldTable table = hal::table_of(config);
@@ -50,7 +41,7 @@ hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& opt
         hal::ErrorCode::BadConfig, options.robot->string(),
         fmt::format("its hand is {}; bring-up is for a device on a wire, expected hand: barrett",
                     file->hand));
-  Bench bench{settings_of(*file), config.guard_hand};
+  Bench bench{file->barrett, config.guard_hand};
   // nothing moves but on the verb that says so
   bench.barrett.initialise = options.verb == "init" ? "always" : "never";
   return bench;

@@ -1,11 +1,10 @@
-#include <atomic>
-#include <csignal>
 #include <cstdio>
 #include <numbers>
 
 #include "control/task_runner.hpp"
 #include "tools/colift/back_ends.hpp"
 #include "tools/colift/commands.hpp"
+#include "tools/colift/emulate.hpp"
 #include "tools/colift/run_json.hpp"
 #include "tools/colift/run_progress.hpp"
 #include "tools/colift/run_report.hpp"
@@ -14,30 +13,6 @@
 
 namespace colift::tools {
 namespace {
-
-std::atomic<int> asked_to_end{0};
-
-// the first signal ends the job safely, the second one the program
-void on_signal(int number) {
-  if (asked_to_end.exchange(1) != 0) {
-    std::signal(number, SIG_DFL);
-    std::raise(number);
-  }
-}
-
-struct SignalGuard {
-  SignalGuard() {
-    asked_to_end = 0;
-    std::signal(SIGINT, on_signal);
-    std::signal(SIGTERM, on_signal);
-  }
-  ~SignalGuard() {
-    std::signal(SIGINT, SIG_DFL);
-    std::signal(SIGTERM, SIG_DFL);
-  }
-  SignalGuard(const SignalGuard&) = delete;
-  SignalGuard& operator=(const SignalGuard&) = delete;
-};
 
 RunSetting setting_of(const CommonOptions& common, const RunOptions& options, const RunTask& task,
                       const Rig& rig, control::Method method, const control::Config& config) {
@@ -107,7 +82,7 @@ struct Diary {
 };
 
 int exit_code(const control::RunRecord& record, const RunOptions& options) {
-  if (asked_to_end != 0) return kInterrupted;
+  if (InterruptGuard::asked()) return kInterrupted;
   if (record.outcome == control::RunRecord::Result::Lifted) return kDone;
   if (record.device_failed) return kDeviceFailed;
   if (options.dry_run && record.plan) return kDone;
@@ -143,7 +118,7 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
   const control::RigView view{*rig->model, setup->hand, setup->hand_tables, rig->X_WC};
   control::TaskRunner runner(rig->robot, view, setup->config, job, wall);
 
-  const SignalGuard signals;
+  const InterruptGuard signals;
   std::optional<RunProgress> progress(std::in_place, stderr,
                                       progress_style(stderr, common.json, common.quiet), setting, wall);
   hal::Timestamp began = rig->robot.clock->now();
@@ -152,7 +127,7 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
     began = rig->robot.clock->now();  // some devices take seconds to start
     if (rig->begin) rig->begin();
   };
-  hooks.interrupted = [] { return asked_to_end != 0; };
+  hooks.interrupted = [] { return InterruptGuard::asked(); };
   hooks.status = [&](const control::JobStatus& status) {
     if (rig->truth) diary.on_status(status, *rig->truth, began);
     progress->show(status_of(status, *rig));
