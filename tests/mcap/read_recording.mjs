@@ -1,0 +1,121 @@
+// Holds one of CoLift's recordings against the format's own reader (@mcap/core) and Foxglove's own schemas.
+//   node read_recording.mjs FILE.mcap
+
+import { open } from "node:fs/promises";
+import { createRequire } from "node:module";
+import assert from "node:assert/strict";
+
+const require = createRequire(import.meta.url);
+const { McapIndexedReader, McapStreamReader } = require("@mcap/core");
+const fzstd = require("fzstd");
+const foxglove = require("@foxglove/schemas/jsonschema");
+
+const path = process.argv[2];
+const decompressHandlers = { zstd: (bytes, size) => fzstd.decompress(bytes, new Uint8Array(Number(size))) };
+
+/** The properties of our schema that Foxglove's has not, or of another type. */
+function strangers(ours, theirs, where) {
+  if (ours.type === "array") return theirs.type === "array" ? strangers(ours.items, theirs.items, where + "[]") : [where];
+  if (ours.type === "object") {
+    if (!ours.properties) return [];
+    if (!theirs.properties) return [where];
+    return Object.entries(ours.properties).flatMap(([key, value]) =>
+      theirs.properties[key] ? strangers(value, theirs.properties[key], `${where}.${key}`) : [`${where}.${key}`],
+    );
+  }
+  if (theirs.oneOf) return ours.type === "integer" ? [] : [where];
+  return ours.type === theirs.type ? [] : [where];
+}
+
+/** What a message breaks of a schema: missing required keys, other types. */
+function broken(value, schema, where) {
+  if (schema.oneOf) return schema.oneOf.some((one) => one.const === value) ? [] : [`${where}=${value}`];
+  switch (schema.type) {
+    case "object":
+      if (typeof value !== "object" || value === null) return [where];
+      return [
+        ...(schema.required ?? []).filter((key) => !(key in value)).map((key) => `${where}.${key} is missing`),
+        ...Object.entries(value).flatMap(([key, inner]) =>
+          schema.properties?.[key] ? broken(inner, schema.properties[key], `${where}.${key}`) : [],
+        ),
+      ];
+    case "array":
+      return Array.isArray(value) ? value.flatMap((inner, i) => broken(inner, schema.items, `${where}[${i}]`)) : [where];
+    case "integer":
+      return Number.isInteger(value) ? [] : [where];
+    case "number":
+      return typeof value === "number" ? [] : [where];
+    case "string":
+      return typeof value === "string" ? [] : [where];
+    case "boolean":
+      return typeof value === "boolean" ? [] : [where];
+    default:
+      return [];
+  }
+}
+
+const file = await open(path, "r");
+const { size } = await file.stat();
+const readable = {
+  size: async () => BigInt(size),
+  read: async (offset, length) => {
+    const bytes = new Uint8Array(Number(length));
+    await file.read(bytes, 0, Number(length), Number(offset));
+    return bytes;
+  },
+};
+
+// by its indexes
+const reader = await McapIndexedReader.Initialize({ readable, decompressHandlers });
+assert.equal(reader.header.library, "colift");
+assert.ok(reader.statistics.messageCount > 100n);
+assert.equal(reader.statistics.channelMessageCounts.size, reader.channelsById.size);
+assert.equal(reader.chunkIndexes.length, reader.statistics.chunkCount);
+
+for (const schema of reader.schemasById.values()) {
+  assert.equal(schema.encoding, "jsonschema");
+  if (!schema.name.startsWith("foxglove.")) continue;
+  const theirs = foxglove[schema.name.slice("foxglove.".length)];
+  assert.ok(theirs, `${schema.name} is one of Foxglove's`);
+  assert.deepEqual(strangers(JSON.parse(new TextDecoder().decode(schema.data)), theirs, schema.name), []);
+}
+
+const counts = new Map();
+let lastTime = 0n;
+for await (const message of reader.readMessages()) {
+  const channel = reader.channelsById.get(message.channelId);
+  counts.set(channel.topic, (counts.get(channel.topic) ?? 0) + 1);
+  assert.ok(message.logTime >= lastTime, "indexed reading goes by time");
+  lastTime = message.logTime;
+  if (channel.messageEncoding !== "json") continue;
+  const value = JSON.parse(new TextDecoder().decode(message.data));
+  const schema = reader.schemasById.get(channel.schemaId);
+  const theirs = foxglove[schema.name.replace("foxglove.", "")];
+  if (schema.name.startsWith("foxglove.")) assert.deepEqual(broken(value, theirs, channel.topic), []);
+}
+for (const topic of ["/tf", "/joint_states", "/camera/depth", "/camera/calibration", "/cloud", "/scene", "/log",
+  "/task/status", "/task/change", "/decision", "/devices", "/arm/timing", "/load", "/inputs"])
+  assert.ok(counts.get(topic) > 0, `${topic} has messages`);
+
+const attachments = [];
+for await (const attachment of reader.readAttachments()) attachments.push(attachment.name);
+for (const name of ["config.yaml", "calibration.json", "robot.urdf", "scenario.yaml", "run.json"])
+  assert.ok(attachments.includes(name), `${name} is attached`);
+const metadata = new Map();
+for await (const record of reader.readMetadata()) metadata.set(record.name, record.metadata);
+assert.equal(metadata.get("colift.run").get("schema"), "colift.recording/1");
+assert.equal(metadata.get("colift.recorder").get("lost_queue"), "0");
+
+// from the front, with every checksum
+const stream = new McapStreamReader({ includeChunks: true, decompressHandlers, validateCrcs: true });
+let streamed = 0n;
+const step = 1 << 20;
+for (let offset = 0; offset < size; offset += step) {
+  stream.append(await readable.read(offset, Math.min(step, size - offset)));
+  for (let record; (record = stream.nextRecord()); ) if (record.type === "Message") streamed++;
+}
+assert.ok(stream.done());
+assert.equal(streamed, reader.statistics.messageCount);
+await file.close();
+
+console.log(`${path}: ${streamed} messages on ${counts.size} channels, ${attachments.length} attachments: as the format says`);

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "hal/types/time.hpp"
+
+namespace colift::telemetry {
+
+/// Everything that a run can be watched or recorded by. One description for both (channels()).
+enum class Topic : std::uint8_t {
+  Transforms,   ///< foxglove.FrameTransforms: every link of arm and hand, and the camera, in "world".
+  Joints,       ///< foxglove.JointStates: arm and hand.
+  Calibration,  ///< foxglove.CameraCalibration.
+  Preview,      ///< foxglove.RawImage: depth in millimetres, half as wide and high, twice a second.
+  Cloud,        ///< foxglove.PointCloud: every fourth pixel in both directions, once a second.
+  Scene,        ///< foxglove.SceneUpdate: ground, target, surfaces, candidates, partner, grasp, way.
+  Log,          ///< foxglove.Log.
+  Status,       ///< colift.TaskStatus, 30 a second.
+  Change,       ///< colift.TaskChange, for each change of state.
+  Decision,     ///< colift.Decision: the choice, and every candidate with its verdict.
+  Plan,         ///< colift.Plan: the way's length and its postures.
+  Devices,      ///< colift.DeviceHealth: all devices, twice a second.
+  Timing,       ///< colift.CycleTiming: the arm's cycle, ten times a second.
+  Stages,       ///< colift.StageTiming: computing times, for each decision.
+  Load,         ///< colift.Load: force and torque at the palm, share, height, tilt, slip.
+  Truth,        ///< colift.Truth: what only a simulation knows.
+  Depth,        ///< x-colift-depth: every depth frame, lossless (depth_codes.hpp).
+  Inputs,       ///< colift.CycleInputs: everything that the task was handed in one of its cycles, for replay.
+};
+inline constexpr int kTopics = static_cast<int>(Topic::Inputs) + 1;
+
+/// How a topic is announced: in the file as an MCAP channel with its schema, live as a Foxglove channel.
+struct ChannelInfo {
+  Topic id = Topic::Log;
+  std::string topic;            ///< "/task/status"
+  std::string encoding;         ///< Of messages: "json" or "x-colift-depth".
+  std::string schema_name;      ///< "foxglove.Log"
+  std::string schema_encoding;  ///< "jsonschema"; empty: no schema.
+  std::string schema;
+};
+
+/// All of them, in the order of Topic.
+[[nodiscard]] std::span<const ChannelInfo> channels();
+[[nodiscard]] inline const ChannelInfo& channel_of(Topic topic) {
+  return channels()[static_cast<std::size_t>(topic)];
+}
+
+/// One message on its way to whoever wants it. It is made only then, and in that one's thread: `encode` owns
+/// copies of all it needs and may be called any number of times.
+struct Publication {
+  Topic topic = Topic::Log;
+  hal::Timestamp at{0};  ///< Of the robot's clock.
+  std::function<std::string()> encode;
+  std::size_t bytes = 1024;  ///< About how much memory it holds until it is encoded.
+};
+
+/// Whoever takes messages: the recorder, the live view, a test.
+class TelemetrySink {
+ public:
+  virtual ~TelemetrySink() = default;
+  /// From the task's thread. Must not wait for a disk or a network, unless the robot's time stands still
+  /// meanwhile.
+  virtual void publish(const Publication& publication) = 0;
+};
+
+}  // namespace colift::telemetry
