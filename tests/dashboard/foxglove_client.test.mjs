@@ -1,0 +1,107 @@
+// Foxglove's own client reads our channels, in both sub-protocols.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import protocol from "@foxglove/ws-protocol";
+import schemas from "@foxglove/schemas/jsonschema.js";
+import WebSocket from "ws";
+import { startLift, until } from "./running_lift.mjs";
+
+const { FoxgloveClient } = protocol;
+let lift;
+before(async () => { lift = await startLift("--speed", "6"); });
+after(async () => { await lift.end(); });
+
+function listen(protocol, query = "") {
+  const socket = new WebSocket(lift.url.replace("http", "ws") + query, [protocol]);
+  const client = new FoxgloveClient({ ws: socket });
+  const seen = { info: null, channels: new Map(), messages: new Map(), status: [], services: [], failures: [], open: true, client, socket };
+  const topics = new Map();
+  client.on("serverInfo", (info) => { seen.info = info; });
+  client.on("status", (status) => { seen.status.push(status); });
+  client.on("close", () => { seen.open = false; });
+  client.on("advertiseServices", (services) => { seen.services.push(...services); });
+  client.on("serviceCallFailure", (failure) => { seen.failures.push(failure); });
+  client.on("advertise", (channels) => {
+    for (const channel of channels) {
+      seen.channels.set(channel.topic, channel);
+      topics.set(client.subscribe(channel.id), channel.topic);
+    }
+  });
+  client.on("message", ({ subscriptionId, data }) => {
+    const topic = topics.get(subscriptionId);
+    seen.messages.set(topic, [...(seen.messages.get(topic) ?? []), JSON.parse(new TextDecoder().decode(data))]);
+  });
+  return seen;
+}
+
+for (const protocol of ["foxglove.websocket.v1", "foxglove.sdk.v1"])
+  test(`a client that speaks ${protocol} gets every channel of a lift`, async () => {
+    const seen = listen(protocol);
+    await until(() => seen.messages.has("/decision") && seen.messages.has("/tf") && seen.messages.has("/scene"), "a decision");
+    assert.equal(seen.socket.protocol, protocol);
+    assert.deepEqual(seen.info.capabilities, []);
+    assert.equal(seen.services.length, 0);
+    for (const topic of ["/task/status", "/task/change", "/joint_states", "/cloud", "/devices", "/camera/calibration"])
+      await until(() => seen.messages.has(topic), topic);
+    const decision = seen.messages.get("/decision").at(-1);
+    assert.ok(decision.candidates.length > 10);
+    assert.ok(decision.candidates.every((c) => c.because !== "" || ["ok", "chosen"].includes(c.verdict)));
+    seen.client.close();
+  });
+
+test("channels named as Foxglove's have the properties of Foxglove's schemas", async () => {
+  const seen = listen("foxglove.sdk.v1");
+  await until(() => seen.channels.size > 0, "channels");
+  let compared = 0;
+  for (const channel of seen.channels.values()) {
+    if (!channel.schemaName.startsWith("foxglove.")) continue;
+    const theirs = schemas[channel.schemaName.slice("foxglove.".length)];
+    if (!theirs) continue;
+    const known = Object.keys(theirs.properties);
+    for (const ours of Object.keys(JSON.parse(channel.schema).properties)) assert.ok(known.includes(ours), `${channel.schemaName}.${ours}`);
+    ++compared;
+  }
+  assert.ok(compared >= 6);
+  seen.client.close();
+});
+
+test("nobody stops the run without the operator's token", async () => {
+  const seen = listen("foxglove.websocket.v1");
+  await until(() => seen.info, "a greeting");
+  seen.client.sendServiceCallRequest({ serviceId: 1, callId: 5, encoding: "json", data: new DataView(new ArrayBuffer(0)) });
+  await until(() => seen.failures.length > 0, "a refusal");
+  assert.match(seen.failures[0].message, /operator/);
+  seen.client.close();
+});
+
+test("garbage is answered with a status, a flood ends its own connection, and the others go on", async () => {
+  const watcher = listen("foxglove.sdk.v1");
+  const rude = listen("foxglove.sdk.v1");
+  await until(() => rude.info && watcher.info, "greetings");
+  for (const garbage of ["", "{", "[]", '{"op":"subscribe","subscriptions":[{"id":-1}]}', Buffer.from([0]), Buffer.alloc(5000, 255)])
+    rude.socket.send(garbage);
+  await until(() => rude.status.length >= 6, "complaints");
+  assert.ok(rude.open);
+  for (let i = 0; i < 2000 && rude.socket.readyState === WebSocket.OPEN; ++i) rude.socket.send("{}");
+  await until(() => !rude.open, "the end of the flood's connection");
+  const huge = listen("foxglove.sdk.v1");
+  await until(() => huge.info, "a greeting");
+  huge.socket.send(Buffer.alloc(1 << 20));
+  await until(() => !huge.open, "the end of an endless message's connection");
+  const before = watcher.messages.get("/task/status")?.length ?? 0;
+  assert.ok(watcher.open);
+  assert.ok(before > 0);
+  watcher.client.close();
+});
+
+test("a page from elsewhere is turned away, and so is who speaks no protocol of ours", async () => {
+  const refused = (options, protocols) => new Promise((done) => {
+    const socket = new WebSocket(lift.url.replace("http", "ws"), protocols, options);
+    socket.on("unexpected-response", (_, response) => { done(response.statusCode); socket.terminate(); });
+    socket.on("error", () => done("error"));
+    socket.on("close", (code) => done(code));
+  });
+  assert.equal(await refused({ origin: "https://elsewhere.example" }, ["foxglove.sdk.v1"]), 403);
+  assert.equal(await refused({ headers: { Host: "robot.example:80" } }, ["foxglove.sdk.v1"]), 403);
+  assert.notEqual(await refused({}, ["chat"]), undefined);
+});

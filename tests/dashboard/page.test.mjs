@@ -1,0 +1,89 @@
+// The page in a real browser, while a simulated lift goes on.
+import assert from "node:assert/strict";
+import { mkdirSync } from "node:fs";
+import { after, before, test } from "node:test";
+import { chromium } from "playwright-core";
+import { startLift, until } from "./running_lift.mjs";
+
+const PICTURES = process.env.COLIFT_PICTURES ?? "pictures";
+let browser, lift, page;
+
+before(async () => {
+  mkdirSync(PICTURES, { recursive: true });
+  browser = await chromium.launch({
+    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+    args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
+      "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"],
+  });
+  lift = await startLift("--speed", "3", "--allow-operator");
+  page = await browser.newPage({ viewport: { width: 1366, height: 768 } });
+  page.on("pageerror", (error) => { throw error; });
+  await page.goto(lift.url);
+});
+after(async () => {
+  await browser?.close();
+  lift?.child.kill("SIGKILL");
+});
+
+/** Part of the 3D picture's pixels that are not its background, 0 to 1. */
+const litPixels = () => page.evaluate(() => {
+  const canvas = document.getElementById("scene");
+  const copy = document.createElement("canvas");
+  copy.width = 200;
+  copy.height = 150;
+  const context = copy.getContext("2d");
+  context.drawImage(canvas, 0, 0, 200, 150);
+  const data = context.getImageData(0, 0, 200, 150).data;
+  let lit = 0;
+  for (let i = 0; i < data.length; i += 4)
+    if (Math.abs(data[i] - data[0]) + Math.abs(data[i + 1] - data[1]) + Math.abs(data[i + 2] - data[2]) > 40) ++lit;
+  return lit / (200 * 150);
+});
+
+test("the strip names the states as the lift goes through them", async () => {
+  await page.waitForSelector("#link.connected");
+  const words = () => page.$$eval("#strip li:not(.to-come) b", (list) => list.map((b) => b.textContent));
+  for (const state of ["observe", "await-partner", "decide", "plan", "approach"])
+    await until(async () => (await words()).includes(state), state, 120000);
+  assert.notEqual(await page.textContent("#state"), "not connected");
+});
+
+test("the scene shows robot, cloud and grasps", async () => {
+  await until(async () => (await litPixels()) > 0.05, "lit pixels", 60000);
+});
+
+test("a click on a candidate says why", async () => {
+  await page.waitForSelector("#candidates tr[data-id]");
+  await page.locator("#candidates tr[data-id]", { hasText: "collision" }).first().click();
+  const reason = await page.textContent("#reason");
+  assert.match(reason, /^Grasp \d+: collision\. .{10,}/);
+  await page.focus("#candidates");
+  await page.keyboard.press("ArrowUp");
+  assert.notEqual(await page.textContent("#reason"), reason);
+  await page.screenshot({ path: `${PICTURES}/live_choice.png` });
+});
+
+test("every device is there and alive", async () => {
+  await page.waitForSelector("#device-list li");
+  assert.deepEqual(await page.$$eval("#device-list b", (list) => list.map((b) => b.textContent)), ["arm", "hand", "camera"]);
+});
+
+test("the load's share is drawn while it is carried", async () => {
+  await until(async () => /The robot carries [1-9]\d* N/.test(await page.textContent("#shares")), "a share", 120000);
+  await page.screenshot({ path: `${PICTURES}/live_lift.png` });
+});
+
+test("light and dark, by key", async () => {
+  const background = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+  const first = await background();
+  await page.keyboard.press("t");
+  assert.notEqual(await background(), first);
+  await page.screenshot({ path: `${PICTURES}/live_other_theme.png` });
+  await page.keyboard.press("t");
+});
+
+test("an operator's stop ends the run safely", async () => {
+  await page.click("#stop");
+  await until(async () => ["stopped", "aborted", "done", "refused"].includes(await page.textContent("#state")), "the end", 60000);
+  assert.equal(await lift.end(), 130);
+});

@@ -1,0 +1,98 @@
+// A client of Foxglove's WebSocket protocol, version 1, as far as the page needs it. It comes back by itself when the
+// connection ends; the server then sends the newest message of every channel again.
+
+type Handler = (message: any, atNs: bigint) => void;
+interface Channel { id: number; topic: string; encoding: string }
+
+const MESSAGE_DATA = 1, SERVICE_RESPONSE = 3, SERVICE_CALL = 2;
+
+export class LiveClient {
+  onLink: (word: "connected" | "connecting" | "lost", operates: boolean) => void = () => {};
+  onNote: (level: number, text: string) => void = () => {};
+  onReset: () => void = () => {};
+
+  private handlers = new Map<string, Handler>();
+  private topics = new Map<number, string>(); // subscription -> topic
+  private socket: WebSocket | null = null;
+  private services = new Map<string, number>();
+  private calls = 0;
+  private session = "";
+
+  on<T>(topic: string, handler: (message: T, atNs: bigint) => void): void {
+    this.handlers.set(topic, handler as Handler);
+  }
+
+  connect(url: string): void {
+    this.onLink("connecting", false);
+    const socket = new WebSocket(url, ["foxglove.sdk.v1", "foxglove.websocket.v1"]);
+    socket.binaryType = "arraybuffer";
+    this.socket = socket;
+    socket.onmessage = (event) => {
+      if (typeof event.data === "string") this.text(JSON.parse(event.data));
+      else this.binary(event.data as ArrayBuffer);
+    };
+    socket.onclose = () => {
+      this.onLink("lost", false);
+      this.topics.clear();
+      this.services.clear();
+      setTimeout(() => this.connect(url), 1000);
+    };
+  }
+
+  /** Asks an operator's service; false: this connection only watches. */
+  call(service: string): boolean {
+    const id = this.services.get(service);
+    if (id === undefined || !this.socket) return false;
+    const encoding = new TextEncoder().encode("json"), payload = new TextEncoder().encode("{}");
+    const bytes = new Uint8Array(13 + encoding.length + payload.length);
+    const view = new DataView(bytes.buffer);
+    view.setUint8(0, SERVICE_CALL);
+    view.setUint32(1, id, true);
+    view.setUint32(5, ++this.calls, true);
+    view.setUint32(9, encoding.length, true);
+    bytes.set(encoding, 13);
+    bytes.set(payload, 13 + encoding.length);
+    this.socket.send(bytes);
+    return true;
+  }
+
+  private text(message: any): void {
+    if (message.op === "serverInfo") {
+      // another program, or another run, on the same port: nothing of the old one holds
+      if (this.session !== "" && this.session !== message.sessionId) this.onReset();
+      this.session = message.sessionId;
+      this.onLink("connected", false);
+    } else if (message.op === "advertise") {
+      const subscriptions = [];
+      for (const channel of message.channels as Channel[])
+        if (this.handlers.has(channel.topic) && channel.encoding === "json") {
+          this.topics.set(channel.id, channel.topic);
+          subscriptions.push({ id: channel.id, channelId: channel.id });
+        }
+      this.socket?.send(JSON.stringify({ op: "subscribe", subscriptions }));
+    } else if (message.op === "advertiseServices") {
+      for (const service of message.services) this.services.set(service.name, service.id);
+      this.onLink("connected", this.services.has("/operator/stop"));
+    } else if (message.op === "status") {
+      this.onNote(message.level, message.message);
+    } else if (message.op === "serviceCallFailure") {
+      this.onNote(2, message.message);
+    }
+  }
+
+  private binary(data: ArrayBuffer): void {
+    const view = new DataView(data);
+    const op = view.getUint8(0);
+    if (op === MESSAGE_DATA) {
+      const topic = this.topics.get(view.getUint32(1, true));
+      const handler = topic === undefined ? undefined : this.handlers.get(topic);
+      if (!handler) return;
+      const text = new TextDecoder().decode(new Uint8Array(data, 13));
+      handler(JSON.parse(text), view.getBigUint64(5, true));
+    } else if (op === SERVICE_RESPONSE) {
+      const length = view.getUint32(9, true);
+      const answer = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 13 + length)));
+      this.onNote(0, answer.what ?? "done");
+    }
+  }
+}

@@ -1,0 +1,199 @@
+#include "tools/live/channel_client.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/beast/http/field.hpp>
+#include <chrono>
+#include <map>
+#include <utility>
+
+#include "hal/types/time.hpp"
+#include "tools/live/visitor.hpp"
+
+namespace colift::live {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using Request = http::request<http::empty_body>;
+
+constexpr std::uint32_t kStop = 1;
+
+/// One client of the channels. Everything happens in the server's thread.
+class ChannelClient final : public Listener, public std::enable_shared_from_this<ChannelClient> {
+ public:
+  ChannelClient(beast::tcp_stream stream, std::shared_ptr<Hub> hub, bool operates)
+      : ws_(std::move(stream)),
+        hub_(std::move(hub)),
+        operates_(operates && hub_->config().on_stop != nullptr),
+        talk_(hub_->config().messages_per_second, 4.0 * hub_->config().messages_per_second) {
+    ++hub_->clients;
+  }
+  ~ChannelClient() override {
+    hub_->leave(this);
+    --hub_->clients;
+  }
+
+  void accept(Request request) {
+    request_ = std::move(request);
+    const auto offered = request_[http::field::sec_websocket_protocol];
+    const auto protocol = chosen_sub_protocol({offered.data(), offered.size()});
+    // who reads nothing answers no ping either, and is gone after this time
+    ws_.set_option(websocket::stream_base::timeout{std::chrono::seconds(10), std::chrono::seconds(10), true});
+    ws_.set_option(websocket::stream_base::decorator([protocol](websocket::response_type& response) {
+      response.set(http::field::server, "CoLift");
+      if (protocol) response.set(http::field::sec_websocket_protocol, *protocol);
+    }));
+    ws_.read_message_max(hub_->config().largest_message);
+    ws_.async_accept(request_,
+                     [self = shared_from_this(), spoken = protocol.has_value()](beast::error_code error) {
+                       if (!error) self->welcome(spoken);
+                     });
+  }
+
+  void deliver(Post& post) override {
+    const auto found = subscriptions_.find(static_cast<std::uint32_t>(post.topic()));
+    if (found == subscriptions_.end()) return;
+    queue(found->second, post);
+    send();
+  }
+
+ private:
+  void welcome(bool spoken) {
+    if (!spoken)
+      return close(websocket::close_code::protocol_error,
+                   "offer the sub-protocol foxglove.sdk.v1 or foxglove.websocket.v1");
+    hub_->join(this);
+    ++hub_->clients_ever;
+    outbox_.push_control(server_info(hub_->config().name, hub_->session(), operates_), false);
+    outbox_.push_control(advertise(telemetry::channels().first(kLiveTopics)), false);
+    if (operates_) {
+      const OperatorService stop{kStop, "/operator/stop", "The run ends safely: as at Ctrl-C."};
+      outbox_.push_control(advertise_services({&stop, 1}), false);
+    }
+    send();
+    read();
+  }
+
+  void read() {
+    ws_.async_read(buffer_, [self = shared_from_this()](beast::error_code error, std::size_t) {
+      if (error) return self->hub_->leave(self.get());
+      self->hear();
+    });
+  }
+
+  void hear() {
+    const hal::SteadyClock clock;
+    if (!talk_.take(hal::seconds(clock.now())))
+      return close(websocket::close_code::policy_error, "too many messages");
+    const auto data = buffer_.data();
+    const std::string_view bytes(static_cast<const char*>(data.data()), data.size());
+    const auto message = ws_.got_binary() ? parse_binary(bytes) : parse_text(bytes);
+    if (message)
+      std::visit([this](const auto& m) { act(m); }, *message);
+    else
+      outbox_.push_control(status(StatusLevel::Error, message.error().detail), false);
+    buffer_.consume(buffer_.size());
+    if (outbox_.hopeless())
+      return close(websocket::close_code::policy_error, "nothing of the answers is read");
+    send();
+    read();
+  }
+
+  void act(const Subscribe& message) {
+    for (const Subscription& wanted : message.subscriptions) {
+      if (wanted.channel >= kLiveTopics) {
+        outbox_.push_control(
+            status(StatusLevel::Error, fmt::format("there is no channel {}", wanted.channel)), false);
+        continue;
+      }
+      const bool taken = std::any_of(subscriptions_.begin(), subscriptions_.end(),
+                                     [&](const auto& s) { return s.second == wanted.id; });
+      if (taken || subscriptions_.count(wanted.channel) != 0) {
+        outbox_.push_control(
+            status(StatusLevel::Warning,
+                   fmt::format("subscription {} or channel {} is in use already", wanted.id, wanted.channel)),
+            false);
+        continue;
+      }
+      subscriptions_[wanted.channel] = wanted.id;
+      for (const auto& post : hub_->board().history(static_cast<telemetry::Topic>(wanted.channel)))
+        queue(wanted.id, *post);
+    }
+  }
+
+  void act(const Unsubscribe& message) {
+    for (const std::uint32_t id : message.ids)
+      for (auto it = subscriptions_.begin(); it != subscriptions_.end(); ++it)
+        if (it->second == id) {
+          subscriptions_.erase(it);
+          break;
+        }
+  }
+
+  void act(const ServiceCall& call) {
+    if (!operates_ || call.service != kStop) {
+      const char* why =
+          operates_ ? "there is no such service" : "this connection only watches: it has no operator's token";
+      outbox_.push_control(service_failure(call.service, call.call, why), false);
+      return;
+    }
+    hub_->config().on_stop();
+    outbox_.push_control(
+        service_response(call.service, call.call, R"({"done":true,"what":"the run is being ended safely"})"),
+        true);
+  }
+
+  void queue(std::uint32_t subscription, Post& post) {
+    const std::uint64_t before = outbox_.dropped();
+    outbox_.push(post.topic(), message_data(subscription, post.at(), post.text()));
+    hub_->dropped += outbox_.dropped() - before;
+  }
+
+  void send() {
+    if (sending_ || closing_ || outbox_.empty()) return;
+    sending_ = true;
+    flying_ = outbox_.take();
+    ws_.binary(flying_.binary);
+    ws_.async_write(boost::asio::buffer(flying_.message),
+                    [self = shared_from_this()](beast::error_code error, std::size_t) {
+                      self->sending_ = false;
+                      if (error) return self->hub_->leave(self.get());
+                      ++self->hub_->sent;
+                      if (self->closing_) return self->close_now();
+                      self->send();
+                    });
+  }
+
+  void close(websocket::close_code code, const char* why) {
+    hub_->leave(this);
+    closing_ = true;
+    reason_ = websocket::close_reason(code, why);
+    if (!sending_) close_now();
+  }
+  void close_now() {
+    ws_.async_close(reason_, [self = shared_from_this()](beast::error_code) {});
+  }
+
+  websocket::stream<beast::tcp_stream> ws_;
+  std::shared_ptr<Hub> hub_;
+  const bool operates_;
+  TalkLimit talk_;
+  Request request_;
+  beast::flat_buffer buffer_;
+  std::map<std::uint32_t, std::uint32_t> subscriptions_;  ///< Channel -> the client's id.
+  Outbox outbox_;
+  Outbox::Item flying_;
+  bool sending_ = false, closing_ = false;
+  websocket::close_reason reason_;
+};
+
+}  // namespace
+
+void serve_channels(beast::tcp_stream stream, Request request, std::shared_ptr<Hub> hub, bool operates) {
+  std::make_shared<ChannelClient>(std::move(stream), std::move(hub), operates)->accept(std::move(request));
+}
+
+}  // namespace colift::live

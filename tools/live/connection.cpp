@@ -1,0 +1,115 @@
+#include "tools/live/connection.hpp"
+
+#include <fmt/format.h>
+
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/version.hpp>
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "tools/live/channel_client.hpp"
+
+namespace colift::live {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+using tcp = boost::asio::ip::tcp;
+
+constexpr auto kRequestTime = std::chrono::seconds(20);
+constexpr std::size_t kLargestHeader = 8 * 1024;
+
+std::string text_of(beast::string_view view) {
+  return {view.data(), view.size()};
+}
+
+/// One connection as long as it speaks HTTP.
+class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
+ public:
+  HttpConnection(tcp::socket socket, std::shared_ptr<Hub> hub)
+      : stream_(std::move(socket)), hub_(std::move(hub)) {
+    ++hub_->clients;
+  }
+  ~HttpConnection() { --hub_->clients; }
+
+  void read() {
+    parser_.emplace();
+    parser_->header_limit(kLargestHeader);
+    parser_->body_limit(0);  // nothing that is asked here has a body
+    stream_.expires_after(kRequestTime);
+    http::async_read(stream_, buffer_, *parser_,
+                     [self = shared_from_this()](beast::error_code error, std::size_t) {
+                       if (!error)
+                         self->answer();
+                       else
+                         self->end();
+                     });
+  }
+
+ private:
+  void answer() {
+    const auto& request = parser_->get();
+    Visitor visitor{text_of(request[http::field::host]), {}, text_of(request.target())};
+    if (const auto origin = request.find(http::field::origin); origin != request.end())
+      visitor.origin = text_of(origin->value());
+    const bool upgrade = beast::websocket::is_upgrade(request);
+    // an ordinary request for the page may come from anywhere that a link may stand; a channel may not
+    if (!upgrade) visitor.origin.reset();
+    if (const auto why = turned_away(visitor, hub_->config().door)) {
+      ++hub_->turned_away;
+      return send(http::status::forbidden, {"text/plain; charset=utf-8", *why + "\n"});
+    }
+    if (upgrade) {
+      const bool operates = has_token(visitor.target, hub_->config().door);
+      stream_.expires_never();  // from here on the WebSocket's own deadlines hold
+      return serve_channels(std::move(stream_), parser_->release(), hub_, operates);
+    }
+    if (request.method() != http::verb::get && request.method() != http::verb::head)
+      return send(http::status::method_not_allowed,
+                  {"text/plain; charset=utf-8", "only GET and HEAD are served\n"});
+    if (auto document = hub_->files().find(visitor.target))
+      return send(http::status::ok, std::move(*document));
+    send(http::status::not_found, {"text/plain; charset=utf-8", "there is nothing here\n"});
+  }
+
+  void send(http::status status, Document document) {
+    const auto& request = parser_->get();
+    response_.emplace(status, request.version());
+    response_->set(http::field::server, "CoLift");
+    response_->set(http::field::content_type, document.type);
+    response_->set(http::field::cache_control, "no-store");
+    response_->set("X-Content-Type-Options", "nosniff");
+    response_->set("Referrer-Policy", "no-referrer");  // the address may hold an operator's token
+    response_->set("Content-Security-Policy",
+                   "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
+                   "connect-src 'self' ws: wss:; frame-ancestors 'none'");
+    response_->keep_alive(request.keep_alive() && status == http::status::ok);
+    response_->content_length(document.body.size());
+    if (request.method() != http::verb::head) response_->body() = std::move(document.body);
+    http::async_write(stream_, *response_, [self = shared_from_this()](beast::error_code error, std::size_t) {
+      if (error || !self->response_->keep_alive()) return self->end();
+      self->read();
+    });
+  }
+
+  void end() {
+    beast::error_code ignored;
+    stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+  }
+
+  beast::tcp_stream stream_;
+  std::shared_ptr<Hub> hub_;
+  beast::flat_buffer buffer_{kLargestHeader * 2};
+  std::optional<http::request_parser<http::empty_body>> parser_;
+  std::optional<http::response<http::string_body>> response_;
+};
+
+}  // namespace
+
+void serve_connection(tcp::socket socket, std::shared_ptr<Hub> hub) {
+  std::make_shared<HttpConnection>(std::move(socket), std::move(hub))->read();
+}
+
+}  // namespace colift::live

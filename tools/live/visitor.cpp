@@ -1,0 +1,62 @@
+#include "tools/live/visitor.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+namespace colift::live {
+namespace {
+
+/// Without its port: "localhost", "127.0.0.1", "[::1]".
+std::string_view name_of(std::string_view host) {
+  if (!host.empty() && host.front() == '[') return host.substr(0, host.find(']') + 1);
+  return host.substr(0, host.find(':'));
+}
+
+bool is_loopback_or_number(std::string_view name) {
+  if (name == "localhost" || name == "[::1]") return true;
+  if (name.size() > 2 && name.front() == '[') return true;
+  return !name.empty() &&
+         std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c) || c == '.'; });
+}
+
+}  // namespace
+
+std::optional<std::string> turned_away(const Visitor& visitor, const DoorRules& rules) {
+  if (visitor.host.empty()) return "a request needs the header Host";
+  if (!rules.any_host && !is_loopback_or_number(name_of(visitor.host)))
+    return "the name in Host is not this machine's loopback address";
+  if (!visitor.origin) return std::nullopt;
+  if (*visitor.origin == "http://" + visitor.host) return std::nullopt;
+  if (std::find(rules.origins.begin(), rules.origins.end(), *visitor.origin) != rules.origins.end())
+    return std::nullopt;
+  return "pages from elsewhere may not connect; allow this one with --allow-origin";
+}
+
+bool has_token(std::string_view target, const DoorRules& rules) {
+  if (rules.token.empty()) return false;
+  const std::size_t query = target.find('?');
+  if (query == std::string_view::npos) return false;
+  std::string_view rest = target.substr(query + 1);
+  while (!rest.empty()) {
+    const std::string_view one = rest.substr(0, rest.find('&'));
+    rest.remove_prefix(std::min(one.size() + 1, rest.size()));
+    if (!one.starts_with("token=")) continue;
+    const std::string_view token = one.substr(6);
+    if (token.size() != rules.token.size()) return false;
+    unsigned char differs = 0;
+    for (std::size_t i = 0; i < token.size(); ++i)
+      differs = static_cast<unsigned char>(differs | (token[i] ^ rules.token[i]));
+    return differs == 0;
+  }
+  return false;
+}
+
+bool TalkLimit::take(double now_s) {
+  left_ = std::min(burst_, left_ + std::max(0.0, now_s - last_s_) * per_second_);
+  last_s_ = now_s;
+  if (left_ < 1.0) return false;
+  left_ -= 1.0;
+  return true;
+}
+
+}  // namespace colift::live
