@@ -1,0 +1,33 @@
+#include "sim_hal/emulator/mujoco/camera_world_eye.hpp"
+
+#include "sim_hal/mock/hash_random.hpp"
+#include "sim_hal/mujoco/sim_devices.hpp"
+
+namespace colift::sim_hal {
+namespace {
+
+constexpr std::uint64_t kNoiseStream = 71;
+
+}  // namespace
+
+CameraWorldEye::CameraWorldEye(const SimWorld& world)
+    : world_(world), X_WC_(camera_pose(world.scenario().camera)), caster_(hal::CameraIntrinsics{}, X_WC_) {}
+
+void CameraWorldEye::turn(double angle_rad) {
+  X_WC_ = camera_pose(world_.scenario().camera) * Eigen::AngleAxisd(angle_rad, Vec3::UnitX());
+  caster_ = RayCaster(hal::CameraIntrinsics{}, X_WC_);
+}
+
+CameraExposure CameraWorldEye::look(std::uint64_t frame) {
+  CameraExposure e;
+  e.at = world_.clock().now();
+  const Rendering& truth = caster_.cast(world_.shapes());
+  const hal::DepthFrame image = world_.scenario().camera.noise == "none"
+                                    ? measure_ideal(truth)
+                                    : measure(truth, KinectNoise{}, hash(world_.seed(), kNoiseStream, frame));
+  e.codes = kinect_codes(image.depth_m);
+  e.up_C = up_in(X_WC_);
+  return e;
+}
+
+}  // namespace colift::sim_hal

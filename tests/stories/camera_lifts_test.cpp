@@ -1,0 +1,233 @@
+// Whole lifts whose camera fails in each phase as a Kinect behind its capture process does: the process
+// killed, stopped, the cable gone, and pictures that are none (safety-and-faults, rows 1 to 8 and 11). In
+// lock step, behind the guard; what the process itself does stands in unit/sim_hal/camera_emulator.
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "control/task_runner.hpp"
+#include "hal/guarded_arm.hpp"
+#include "hal/guarded_camera.hpp"
+#include "hal/guarded_hand.hpp"
+#include "sim_hal/mujoco/sim_devices.hpp"
+
+namespace {
+
+using namespace colift;
+using namespace std::chrono_literals;
+using control::Task;
+using Result = control::RunRecord::Result;
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+/// What the driver shows of a fault, from a moment on.
+struct Fault {
+  enum class Kind { None, Killed, Stopped, Unplugged, Silent, Blind, Zeros, HalfSize, Stuck, Late, Moved };
+  Kind kind = Kind::None;
+  double for_s = 0.0;
+};
+
+class FailingCamera final : public hal::DepthCamera {
+ public:
+  FailingCamera(std::unique_ptr<hal::DepthCamera> inner, const hal::Clock& clock, const hal::Vec3& up_C)
+      : inner_(std::move(inner)), clock_(clock), up_C_(up_C) {}
+  void fail(const Fault& fault) {
+    fault_ = fault;
+    since_ = clock_.now();
+  }
+  hal::Result<> configure() override {
+    ++opened;
+    return gone() ? hal::Result<>(hal::failure(hal::ErrorCode::LinkLost, "test", words_))
+                  : inner_->configure();
+  }
+  hal::Result<> activate() override { return inner_->activate(); }
+  void deactivate() noexcept override { inner_->deactivate(); }
+  hal::DeviceHealth health() const override { return inner_->health(); }
+
+  hal::Result<hal::DepthFrame> next_frame(std::chrono::milliseconds patience) override {
+    using Kind = Fault::Kind;
+    auto frame = inner_->next_frame(patience);
+    if (gone()) return hal::failure(hal::ErrorCode::LinkLost, "test", words_);
+    if (!frame) return frame;
+    frame->up_C = up_C_;
+    if (!active()) {
+      last_ = frame->depth_m;
+      return frame;
+    }
+    switch (fault_.kind) {
+      case Kind::Silent:
+      case Kind::Stopped:
+        return hal::failure(hal::ErrorCode::Timeout, "test", "none");
+      case Kind::Blind:
+        std::fill(frame->depth_m.begin(), frame->depth_m.end(), kNan);
+        break;
+      case Kind::Zeros:
+        std::fill(frame->depth_m.begin(), frame->depth_m.end(), 0.0f);
+        break;
+      case Kind::HalfSize:
+        frame->depth_m.resize(frame->depth_m.size() / 2);
+        break;
+      case Kind::Stuck:
+        frame->depth_m = last_;
+        break;
+      case Kind::Late:
+        frame->exposed_at -= 600ms;
+        break;
+      case Kind::Moved:
+        frame->up_C = Eigen::AngleAxisd(0.087, hal::Vec3::UnitX()) * up_C_;
+        break;
+      default:
+        break;
+    }
+    return frame;
+  }
+  int opened = 0;
+
+ private:
+  [[nodiscard]] double age() const { return hal::seconds(clock_.now() - since_); }
+  [[nodiscard]] bool active() const { return fault_.kind != Fault::Kind::None && age() < fault_.for_s; }
+  [[nodiscard]] bool gone() {
+    using Kind = Fault::Kind;
+    if (!active()) return false;
+    if (fault_.kind == Kind::Killed) words_ = "the capture process ended with signal 9";
+    if (fault_.kind == Kind::Unplugged) words_ = "no Kinect on USB";
+    if (fault_.kind == Kind::Stopped) words_ = "no frame for 0.2 s";
+    return fault_.kind == Kind::Killed || fault_.kind == Kind::Unplugged ||
+           (fault_.kind == Kind::Stopped && age() > 0.2);
+  }
+
+  std::unique_ptr<hal::DepthCamera> inner_;
+  const hal::Clock& clock_;
+  hal::Vec3 up_C_;
+  Fault fault_;
+  hal::Timestamp since_{0};
+  std::string words_;
+  std::vector<float> last_;
+};
+
+struct Lift {
+  control::RunRecord record;
+  sim_hal::SimTruth truth;
+  int opened = 0;
+  double stops_after_s = NAN;  ///< From the fault to the state that follows from it.
+};
+
+Lift lift_with(const Fault& fault, Task in) {
+  const sim_hal::Scenario scenario = sim_hal::built_in_scenario();
+  const hal::RobotModel& model = hal::built_in_robot();
+  auto world = sim_hal::SimWorld::make(scenario, model, 1, sim_hal::SimConfig{}).value();
+  control::Config config = control::run_defaults();
+  const hal::Pose X_WC = sim_hal::camera_pose(scenario.camera);
+  const hal::Vec3 up_C = X_WC.linear().transpose() * hal::Vec3::UnitZ();
+  hal::Robot robot;
+  robot.clock = sim_hal::make_sim_clock(*world);
+  robot.arm = std::make_unique<hal::GuardedArm>(sim_hal::make_sim_arm(*world), model, config.guard_arm);
+  robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(*world), config.guard_hand);
+  auto failing = std::make_unique<FailingCamera>(sim_hal::make_sim_camera(*world), *robot.clock, up_C);
+  FailingCamera& camera = *failing;
+  robot.camera =
+      std::make_unique<hal::GuardedCamera>(std::move(failing), config.guard_camera, *robot.clock, up_C);
+  config.task.lift_height_m = scenario.task.height;
+  config.task.hold_s = scenario.task.hold_s;
+  const planner::HandModel hand;
+  const auto tables = std::make_shared<planner::HandCollision>(hand, config.candidates.collision);
+  const hal::SteadyClock wall;
+  const control::RigView rig{model, hand, tables, X_WC};
+  control::TaskRunner runner(robot, rig, config, {control::Method::Fast, 1, false, world->truth().mass_kg},
+                             wall);
+  Lift lift;
+  std::optional<hal::Timestamp> failed_at;
+  control::JobHooks hooks;
+  hooks.changed = [&](Task, Task to) {
+    if (failed_at && std::isnan(lift.stops_after_s))
+      lift.stops_after_s = hal::seconds(robot.clock->now() - *failed_at);
+    if (failed_at || to != in) return;
+    failed_at = robot.clock->now();
+    camera.fail(fault);
+  };
+  auto record = runner.run(hooks);
+  REQUIRE(record);
+  lift.record = std::move(*record);
+  lift.truth = world->truth();
+  lift.opened = camera.opened;
+  return lift;
+}
+
+std::string told(const Lift& lift) {
+  std::string all = lift.record.because + "\n";
+  for (const auto& s : lift.record.states)
+    all += std::to_string(hal::seconds(s.at)) + " " + std::string(control::word(s.state)) + ": " + s.because +
+           "\n";
+  for (const auto& f : lift.record.faults) all += f.device + ": " + f.what + "\n";
+  return all;
+}
+
+bool came_to(const Lift& lift, Task state) {
+  return std::any_of(lift.record.states.begin(), lift.record.states.end(),
+                     [&](const auto& s) { return s.state == state; });
+}
+
+bool said(const Lift& lift, const std::string& words) {
+  return std::any_of(lift.record.faults.begin(), lift.record.faults.end(), [&](const auto& f) {
+    return f.device == "camera" && f.what.find(words) != std::string::npos;
+  });
+}
+
+const std::pair<Fault, std::string> kLosses[] = {
+    {{Fault::Kind::Killed, 1.5}, "signal 9"},     {{Fault::Kind::Stopped, 2.0}, "no"},
+    {{Fault::Kind::Unplugged, 3.0}, "no Kinect"}, {{Fault::Kind::Silent, 1.0}, "no good frame"},
+    {{Fault::Kind::Blind, 1.0}, "shows nothing"}, {{Fault::Kind::Zeros, 1.0}, "no depth camera"},
+    {{Fault::Kind::HalfSize, 1.0}, "pixels"},     {{Fault::Kind::Stuck, 1.0}, "same picture"},
+    {{Fault::Kind::Late, 1.5}, "older"},
+};
+
+}  // namespace
+
+TEST_CASE("a camera that is lost on the approach stops the arm, which plans anew when it sees again",
+          "[camera][faults]") {
+  for (const auto& [fault, words] : kLosses) {
+    const Lift lift = lift_with(fault, Task::Approach);
+    INFO(words << "\n" << told(lift));
+    CHECK(came_to(lift, Task::Halt));
+    CHECK(said(lift, words));
+    CHECK(said(lift, "is back"));
+    CHECK(lift.stops_after_s < 0.45);
+    CHECK_FALSE(lift.truth.robot_hit_something);
+    CHECK(lift.record.outcome == Result::Lifted);
+  }
+}
+
+TEST_CASE("a camera that is lost while the object is carried changes nothing but what is said",
+          "[camera][faults]") {
+  const Task in = GENERATE(Task::Lift, Task::Hold);
+  for (const auto& [fault, words] : kLosses) {
+    const Lift lift = lift_with(fault, in);
+    INFO(control::word(in) << ": " << words << "\n" << told(lift));
+    CHECK(said(lift, words));
+    CHECK(lift.record.outcome == Result::Lifted);
+    CHECK_FALSE(lift.record.hand_keeps_grip);
+    CHECK_FALSE(came_to(lift, Task::Halt));
+  }
+}
+
+TEST_CASE("a camera that is lost while a partner is awaited is waited for, without end and without motion",
+          "[camera][faults]") {
+  const Lift lift = lift_with({Fault::Kind::Unplugged, 8.0}, Task::AwaitPartner);
+  INFO(told(lift));
+  CHECK(said(lift, "no Kinect"));
+  CHECK(lift.opened >= 4);  // every two seconds
+  CHECK(lift.opened <= 6);
+  CHECK(lift.record.outcome == Result::Lifted);
+}
+
+TEST_CASE("a camera that was moved is not looked through any more", "[camera][faults]") {
+  const Lift lift = lift_with({Fault::Kind::Moved, 1e9}, Task::AwaitPartner);
+  INFO(told(lift));
+  CHECK(said(lift, "calibrate"));
+  CHECK(lift.record.outcome == Result::Refused);
+  CHECK_FALSE(came_to(lift, Task::Approach));
+}

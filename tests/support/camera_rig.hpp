@@ -1,0 +1,75 @@
+#pragma once
+
+#include <catch2/catch.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "hal/kinect/kinect_camera.hpp"
+#include "sim_hal/emulator/camera_server.hpp"
+
+namespace colift::tests {
+
+/// A Kinect's driver whose capture process reads an emulated Kinect: a box on the floor that moves a little.
+struct CameraRig {
+  hal::SteadyClock clock;
+  hal::Pose X_WC = sim_hal::look_at({-1.2, 0, 1.2}, {0, 0, 0.2});
+  sim_hal::CameraServer server;
+  hal::KinectCamera camera;
+
+  explicit CameraRig(std::optional<sim_hal::KinectNoise> noise = sim_hal::KinectNoise{},
+                     const std::vector<std::string>& faults = {})
+      : server(server_config(faults),
+               std::make_unique<sim_hal::ScriptedCameraEye>(world, X_WC, noise, 1, clock)),
+        camera(camera_config(server.address()), clock) {
+    if (auto started = server.start(); !started) FAIL(started.error().text());
+  }
+
+  static sim_hal::World world(double t_s) {
+    sim_hal::World w;
+    w.shapes.push_back(sim_hal::half_space(hal::Vec3::Zero(), hal::Vec3::UnitZ(), sim_hal::Label::Ground));
+    w.shapes.push_back(sim_hal::box({0.02 * t_s, 0, 0.2}, {0.4, 0.4, 0.4}, 0.3, sim_hal::Label::Target));
+    return w;
+  }
+  static sim_hal::CameraServerConfig server_config(const std::vector<std::string>& faults) {
+    sim_hal::CameraServerConfig c;
+    for (const std::string& f : faults) c.faults.push_back(sim_hal::parse_camera_fault(f).value());
+    return c;
+  }
+  static hal::KinectConfig camera_config(const std::string& address) {
+    hal::KinectConfig c;
+    c.source = "emulated:" + address;
+    c.motor = true;
+    c.latency_ms = 5.0;
+    c.open_s = 20.0;
+    return c;
+  }
+
+  void fault(const std::string& text) { server.inject(sim_hal::parse_camera_fault(text).value()); }
+
+  /// Waits for it, for half a minute at most.
+  template <class Condition>
+  bool until(const Condition& condition) {
+    const hal::Timestamp end = clock.now() + std::chrono::seconds(30);
+    while (clock.now() < end) {
+      if (condition()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return false;
+  }
+
+  /// Asks for frames until there is something else than a frame or no frame yet.
+  hal::Error until_error() {
+    hal::Error error{hal::ErrorCode::Timeout, "", "nothing went wrong"};
+    (void)until([&] {
+      const auto frame = camera.next_frame(std::chrono::milliseconds(0));
+      if (!frame) error = frame.error();
+      return !frame && error.code != hal::ErrorCode::Timeout;
+    });
+    return error;
+  }
+};
+
+}  // namespace colift::tests

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "tools/colift/cmd_hal.hpp"
+
+namespace colift::tools {
+
+struct HalCameraOptions {
+  HalOptions hal;
+  std::string source;                        ///< In place of the robot file's kinect.source; empty: that.
+  std::optional<std::filesystem::path> png;  ///< Picture of one frame.
+  std::filesystem::path folder;              ///< Of a recording.
+  double tilt_deg = 0.0;
+};
+
+/// Bring-up of the Kinect: info, watch, record, tilt. 0 done, 2 bad request or file, 3 the camera is not
+/// there or went away, 130 interrupted.
+[[nodiscard]] int cmd_hal_camera(const CommonOptions& common, const HalCameraOptions& options);
+
+}  // namespace colift::tools
