@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "control/look.hpp"
+#include "tools/experiments/statistics.hpp"
+#include "tools/experiments/trial_table.hpp"
+#include "tools/picture/canvas.hpp"
+
+namespace colift::experiments {
+
+/// What one trial is told. The same trial gives the same rows, wherever and beside whatever it runs.
+struct Trial {
+  std::uint64_t seed = 1;  ///< Of the campaign.
+  int index = 0;
+  control::Method method = control::Method::Fast;
+
+  /// A number of its own for everything random in it, the same for both methods.
+  [[nodiscard]] std::uint64_t own_seed(std::uint64_t stream) const;
+};
+
+/// Without the trial's number and method, which the campaign puts before them.
+struct TrialRows {
+  Row row;
+  std::vector<Row> details;  ///< One per grasp that was tried.
+  std::string words;         ///< For the screen.
+};
+
+/// A figure of a whole campaign.
+struct Figure {
+  std::string key;   ///< In the JSON.
+  std::string name;  ///< For people.
+  Estimate estimate;
+  std::string unit;  ///< "%" multiplies by 100 on the screen.
+  std::optional<double> goal = {};
+  bool at_least = true;     ///< The goal is a lower bound; else an upper one.
+  std::string thesis = {};  ///< What the thesis found.
+
+  [[nodiscard]] bool met() const {
+    return !goal || (estimate.n > 0 && (at_least ? estimate.value >= *goal : estimate.value <= *goal));
+  }
+};
+
+/// What the figures and the plot are made from: rows of one method.
+struct Results {
+  const TrialTable& trials;
+  const TrialTable& details;
+};
+
+/// One experiment of the thesis's chapter 6, or one that goes beyond it.
+struct Experiment {
+  std::string name, title, thesis;  ///< `thesis`: where it stands, "6.3.2".
+  std::string question;             ///< What a trial is and what is measured, in one or two sentences.
+  int default_trials = 10;
+  bool times_computing = false;  ///< One trial at a time, so that they do not slow each other.
+  std::vector<std::string> columns, detail_columns;  ///< After trial and method.
+  std::function<TrialRows(const Trial&)> run;
+  std::function<std::vector<Figure>(const Results&)> figures;
+  std::function<picture::Canvas(const Results&)> plot;
+};
+
+/// All of them, in the order of the thesis; made once.
+[[nodiscard]] const std::vector<Experiment>& all_experiments();
+[[nodiscard]] const Experiment* find_experiment(const std::string& name);
+
+// one file each
+[[nodiscard]] Experiment grasps_experiment();
+[[nodiscard]] Experiment realtime_experiment();
+[[nodiscard]] Experiment tilt_experiment();
+[[nodiscard]] Experiment load_experiment();
+[[nodiscard]] Experiment complex_experiment();
+[[nodiscard]] Experiment robust_experiment();
+[[nodiscard]] Experiment wrong_cog_experiment();
+[[nodiscard]] Experiment slip_experiment();
+
+}  // namespace colift::experiments
