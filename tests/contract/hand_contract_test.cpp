@@ -8,6 +8,7 @@
 #include "hal/guarded_hand.hpp"
 #include "sim_hal/mock/mock_hand.hpp"
 #include "barrett_rig.hpp"
+#include "barrett_wire_rig.hpp"
 #include "sim_rig.hpp"
 
 namespace colift {
@@ -79,7 +80,11 @@ double furthest(const std::array<double, hal::kFingers>& a, const std::array<dou
 
 }  // namespace
 
-#define COLIFT_HANDS MockRig, SimRig, BarrettRig, GuardedMockRig
+#ifdef COLIFT_CONTRACT_ON_VCAN  // in a machine whose kernel has CAN: tests/can_vm
+#define COLIFT_HANDS SocketcanRig
+#else
+#define COLIFT_HANDS MockRig, SimRig, BarrettRig, SocketcandRig, GuardedMockRig
+#endif
 
 TEMPLATE_TEST_CASE("a hand tells nothing and does nothing before it is ready", "[hand][contract]",
                    COLIFT_HANDS) {
