@@ -154,6 +154,9 @@ struct BarrettHand::Impl {
     s.spread_rad = watch.good(Puck::Spread).motor / kSpreadCounts_rad;
     s.moving = motion.moving();
     s.held = motion.held();
+    s.slips = motion.slipped();
+    s.hot = watch.hot();
+    s.warning = !watch.warning().empty() ? watch.warning() : bus_words;
     return s;
   }
 

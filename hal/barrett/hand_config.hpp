@@ -92,7 +92,8 @@ struct BarrettHandConfig {
     v("reopen_s", reopen_s, Range{0.1, 60}, "A lost bus is opened again no more often than this (s).");
     v("felt_nm", felt_nm, kPositive, "Strain above idle that counts as contact (N m).");
     v("felt_n", felt_n, kPositive, "Force on a pad that counts as contact (N).");
-    v("slip_rad", slip_rad, kPositive, "A holding finger that closes by this much has slipped (rad).");
+    v("slip_rad", slip_rad, kPositive,
+      "Holding fingers that close by this much in the mean have slipped (rad).");
     v("slip_share", slip_share, kFraction, "A grip force that falls to this share at once is a slip.");
   }
 };

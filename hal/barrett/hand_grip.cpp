@@ -1,10 +1,15 @@
 // The grip: from fingers that have stopped to one that is held, and watched.
+#include <cmath>
+#include <numbers>
+
 #include "hal/barrett/hand_motion.hpp"
 
 namespace colift::hal::barrett {
 namespace {
 
 constexpr double kOneSide_rad = 2.6;  // of spread: all fingers press from one side, against the palm
+constexpr double kOpposed_rad = std::numbers::pi / 3;  // of spread: up to here F1 and F2 press against F3
+constexpr double kRelaxed_nm = 0.5;                    // a finger that its puck let off presses again below
 
 }  // namespace
 
@@ -17,18 +22,43 @@ bool HandMotion::felt(Puck finger, Timestamp now) const {
          broken_away(p.value, joint.known ? std::optional(joint.value) : std::nullopt);
 }
 
+// F3 bears what F1 and F2 press: no fingertip may get more than was wished, and no gauge more than it stands.
+double HandMotion::share(Puck finger) const {
+  const double spread_rad = position(Puck::Spread) / kSpreadCounts_rad;
+  if (finger == Puck::F3 || spread_rad >= kOpposed_rad) return 1.0;
+  return 0.5 / std::cos(spread_rad);
+}
+
 // The motor goes on pressing against what stopped it: without TSTOP the puck never ends the move.
+void HandMotion::press(Puck finger) {
+  rests_[index(finger)] = false;
+  link_.drop_settings(finger);
+  link_.set(finger, Property::Mt, static_cast<std::int32_t>(hold_units_[index(finger)]), true);
+  link_.set(finger, Property::Tstop, 0, true);
+  if (facts_.has_strain) link_.set(finger, Property::Hsg, 0, true);
+  link_.set(finger, Property::E, kClosedCounts, true);
+  link_.set(finger, Property::Mode, kModeTrapezoid, false);
+}
+
 void HandMotion::press() {
   pressing_ = true;
-  for (const Puck finger : kFingerPucks) {
-    if (!contact_[index(finger)]) continue;
-    link_.drop_settings(finger);
-    link_.set(finger, Property::Mt, static_cast<std::int32_t>(hold_units_), true);
-    link_.set(finger, Property::Tstop, 0, true);
-    if (facts_.has_strain) link_.set(finger, Property::Hsg, 0, true);
-    link_.set(finger, Property::E, kClosedCounts, true);
-    link_.set(finger, Property::Mode, kModeTrapezoid, false);
-  }
+  for (const Puck finger : kFingerPucks)
+    if (contact_[index(finger)]) press(finger);
+}
+
+void HandMotion::rest(Puck finger) {
+  rests_[index(finger)] = true;
+}
+
+// What slips is gripped with all that the motors may give, once; a hot hand does not.
+void HandMotion::grip_up() {
+  if (gripped_up_ || hold_limit_units_ < config_.hold_torque_units) return;
+  gripped_up_ = true;
+  for (const Puck finger : kFingerPucks)
+    hold_units_[index(finger)] =
+        std::clamp(share(finger) * config_.max_torque_nm * config_.torque_units_per_nm,
+                   hold_units_[index(finger)], config_.move_torque_units);
+  press();
 }
 
 void HandMotion::after_closing(Timestamp now) {
@@ -121,9 +151,19 @@ void HandMotion::watch_grip(Timestamp now) {
     at = std::min(at, p.at);
     if (contact_[f] && !facts_.zero_lost[f] && p.value >= kClosedCounts - kNear) contact_[f] = false;
   }
+  std::array<bool, kFingers> holding = contact_;
+  for (std::size_t f = 0; f < kFingers; ++f) holding[f] = holding[f] && !facts_.zero_lost[f];
   const bool before = slip_.slipped();
-  slip_.add(at, inner, strain, pads, contact_);
-  if (slip_.slipped() && !before) say(why_, "the object slips in the hand");
+  slip_.add(at, inner, strain, pads, holding);
+  if (slip_.slipped() && !before) {
+    say(why_, "the object slips in the hand");
+    grip_up();
+  }
+  for (const Puck finger : kFingerPucks) {
+    const std::size_t f = index(finger);
+    // not so when the strain is not known
+    if (rests_[f] && pressing_ && contact_[f] && strain[f] < kRelaxed_nm) press(finger);
+  }
   if (!opposed()) {
     why_ = {};
     say(why_, "the grip is lost: the fingers closed through to their stops");
@@ -140,15 +180,16 @@ void HandMotion::limit_hold(double units) {
     for (const Puck finger : kFingerPucks) let_rest(finger);
     return;
   }
-  hold_units_ = std::min(hold_units_, units);
-  for (const Puck finger : kFingerPucks)
-    if (contact_[index(finger)])
-      link_.set(finger, Property::Mt, static_cast<std::int32_t>(hold_units_), true);
+  for (const Puck finger : kFingerPucks) {
+    double& most = hold_units_[index(finger)];
+    most = std::min(most, units);
+    if (contact_[index(finger)]) link_.set(finger, Property::Mt, static_cast<std::int32_t>(most), true);
+  }
 }
 
 bool HandMotion::pressing(Puck finger, Timestamp now) const {
   return phase_ == Phase::Held && pressing_ && finger != Puck::Spread && contact_[index(finger)] &&
-         position(finger) < kClosedCounts - kNear && !link_.busy(finger) &&
+         !rests_[index(finger)] && position(finger) < kClosedCounts - kNear && !link_.busy(finger) &&
          now > link_.mode_set_at(finger) + kModeSettles;
 }
 

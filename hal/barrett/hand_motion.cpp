@@ -10,7 +10,6 @@ constexpr std::int32_t kHardlyMoved = 1000;
 constexpr std::int32_t kLongWay = 3000;
 constexpr std::int32_t kNoise = 50;
 constexpr std::int32_t kSpreadNear = 60;
-constexpr int kStrainMost = 3400;  // the puck protects itself from 3460 on
 
 }  // namespace
 
@@ -29,6 +28,8 @@ void HandMotion::begin(Puck puck, std::int32_t target, double torque_units, int 
   link_.drop_settings(puck);
   (void)link_.take_refusal(puck);
   facts_.mode_lost[index(puck)] = false;
+  // a motor that still presses would do so with the new torque, and towards the old end, until MODE comes
+  if (puck != Puck::Spread || moves_[index(puck)].active) link_.set(puck, Property::Mode, kModeIdle, true);
   link_.set(puck, Property::Mt, static_cast<std::int32_t>(torque_units), true);
   link_.set(puck, Property::Tstop, static_cast<std::int32_t>(config_.stopped_ms), true);
   if (facts_.has_strain && puck != Puck::Spread) link_.set(puck, Property::Hsg, strain_limit, true);
@@ -49,7 +50,7 @@ void HandMotion::let_rest(Puck puck) {
 
 void HandMotion::open_fingers() {
   pressing_ = false;
-  contact_ = {};
+  contact_ = rests_ = {};
   facts_.mode_lost = {};
   for (const Puck finger : kFingerPucks) {
     moves_[index(finger)].active = false;
@@ -86,6 +87,7 @@ void HandMotion::close(double torque_nm) {
   why_ = {};
   torque_nm_ = torque_nm;
   pressing_ = false;
+  rests_ = {};
   for (const Puck finger : kFingerPucks)
     if (moves_[index(finger)].active) let_rest(finger);
   phase_ = Phase::Closing;
@@ -96,14 +98,16 @@ void HandMotion::close(double torque_nm) {
 
 void HandMotion::begin_closing() {
   waiting_ = false;
-  const double units = std::clamp(torque_nm_ * config_.torque_units_per_nm, config_.least_torque_units,
-                                  config_.move_torque_units);
-  hold_units_ = std::min(units, hold_limit_units_);
+  gripped_up_ = false;
   for (const Puck finger : kFingerPucks) {
+    const double torque_nm = share(finger) * torque_nm_;
+    const double units = std::clamp(torque_nm * config_.torque_units_per_nm, config_.least_torque_units,
+                                    config_.move_torque_units);
+    hold_units_[index(finger)] = std::min(units, hold_limit_units_);
     int strain_limit = 0;
     if (facts_.has_strain && config_.stop_on_strain)
       strain_limit = std::min(
-          strain_counts(facts_.strain_idle[index(finger)], torque_nm_).value_or(kStrainMost), kStrainMost);
+          strain_counts(facts_.strain_idle[index(finger)], torque_nm).value_or(kStrainMost), kStrainMost);
     begin(finger, kClosedCounts, units, strain_limit);
   }
 }

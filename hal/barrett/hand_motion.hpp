@@ -28,6 +28,10 @@ class HandMotion {
   void forget_pressing() { pressing_ = false; }  ///< The motors may have been off meanwhile; see resume().
   void step(Timestamp now);
 
+  /// The puck ended the mode by itself to protect its strain gauge: enough pressure, and the worm keeps it.
+  /// It presses again when the strain has fallen.
+  void rest(Puck finger);
+
   /// Most torque to keep up while holding, in units of the pucks; 0: the worms alone.
   void limit_hold(double units);
 
@@ -70,6 +74,9 @@ class HandMotion {
   bool press_again();
   void watch_grip(Timestamp now);
   void press();
+  void press(Puck finger);
+  void grip_up();
+  [[nodiscard]] double share(Puck finger) const;
   void let_rest(Puck puck);
   void open_fingers();
   [[nodiscard]] bool opposed() const;
@@ -83,7 +90,10 @@ class HandMotion {
   std::array<bool, kFingers> contact_{};
   std::int32_t spread_target_ = 0;
   bool turn_after_ = false, releasing_ = false, loaded_ = false, waiting_ = false, pressing_ = false;
-  double torque_nm_ = 0.0, hold_limit_units_ = 0.0, hold_units_ = 0.0;
+  std::array<bool, kFingers> rests_{};  ///< Strained so far that its puck let off; the worm holds.
+  std::array<double, kFingers> hold_units_{};
+  double torque_nm_ = 0.0, hold_limit_units_ = 0.0;
+  bool gripped_up_ = false;
   Timestamp verify_until_{0};
   bool verify_timed_ = false;
   int press_tries_ = 0;

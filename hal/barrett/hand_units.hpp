@@ -63,6 +63,9 @@ struct FingerAngles {
   return static_cast<int>(std::lround(high));
 }
 
+/// From here on a gauge is strained as far as it may be: a puck protects itself above 3460 (and below 667).
+inline constexpr int kStrainMost = 3400;
+
 /// Amperes from IMOTOR.
 [[nodiscard]] inline double motor_a(std::int32_t counts) {
   return (counts - 2048) / 205.0;

@@ -7,8 +7,12 @@ namespace {
 
 constexpr double kMost_counts_ms = 400.0;  // twice what a motor does
 constexpr std::int32_t kJump = 2500;
+constexpr int kJumpsAbout = 5;     // in a row, each time to another place
 constexpr double kCooled_c = 3.0;  // below a limit before it counts as left
 constexpr int kTorquesOver = 3;    // readings in a row
+// a puck lets off by itself above 3460; between two readings the strain may have been higher
+constexpr std::int32_t kStrainedFrom = kStrainMost - 100;
+constexpr Duration kStrainedFor = std::chrono::milliseconds(300);
 
 Duration ms(double value) {
   return std::chrono::nanoseconds(static_cast<std::int64_t>(1e6 * value));
@@ -31,8 +35,10 @@ HandWatch::HandWatch(const BarrettHandConfig& config, PuckLink& link, BusWatch& 
 void HandWatch::start() {
   good_ = {};
   jumps_ = {};
+  jumped_to_ = {};
   judged_at_ = mode_suspected_ = reset_suspected_ = {};
   torques_over_ = {};
+  strained_at_ = {};
   was_silent_ = failed_ = {};
   warm_ = hot_ = over_torque_ = false;
   warning_ = {};
@@ -83,9 +89,12 @@ void HandWatch::judge_position(Puck puck) {
   const Told& joint = link_.told(puck, Property::Jp);
   const double reach = kJump + kMost_counts_ms * 1e3 * seconds(p.at - good.at);
   if (good.known && std::abs(p.value - good.motor) > reach) {
-    // once may be a bad frame; twice, the encoder counts from somewhere else
+    // once may be a bad frame; twice at one place, the encoder counts from somewhere else
     link_.ask(puck, Property::Stat);
-    if (++jumps_[index(puck)] < 2) return;
+    std::int32_t& there = jumped_to_[index(puck)];
+    const bool again = jumps_[index(puck)] > 0 && std::abs(p.value - there) <= reach;
+    there = p.value;
+    if (++jumps_[index(puck)] < (again ? 2 : kJumpsAbout)) return;
     lose_zero(puck);
   }
   jumps_[index(puck)] = 0;
@@ -107,15 +116,19 @@ void HandWatch::judge_status(Puck puck) {
   } else if (stat.at > suspected) {
     lose_zero(puck);
   }
-  failed_[index(puck)] = stat.value == kStatError;
-  if (failed_[index(puck)] && !link_.told(puck, Property::Error).known &&
-      !link_.unanswered(puck, Property::Error))
-    link_.ask(puck, Property::Error);
+  // it is told with its code, for which three questions are waited at most
+  const bool in_error = stat.value == kStatError;
+  const bool code_asked = link_.told(puck, Property::Error).known || link_.unanswered(puck, Property::Error);
+  if (in_error && !code_asked) link_.ask(puck, Property::Error);
+  failed_[index(puck)] = in_error && code_asked;
 }
 
 void HandWatch::judge_mode(Puck puck, Timestamp now) {
   const Told& mode = link_.told(puck, Property::Mode);
   Timestamp& suspected = mode_suspected_[index(puck)];
+  if (puck != Puck::Spread && facts_.has_strain)
+    if (const Told& sg = link_.told(puck, Property::Sg); sg.known && sg.value >= kStrainedFrom)
+      strained_at_[index(puck)] = sg.at;
   if (!motion_.pressing(puck, now) || !mode.known || mode.asked_at <= link_.mode_set_at(puck)) return;
   if (mode.value == kModeTrapezoid) {
     suspected = Timestamp{0};
@@ -123,7 +136,11 @@ void HandWatch::judge_mode(Puck puck, Timestamp now) {
     suspected = mode.at;  // once more, before anybody stops for it
     link_.ask(puck, Property::Mode);
   } else if (mode.at > suspected) {
-    facts_.mode_lost[index(puck)] = true;
+    suspected = Timestamp{0};
+    if (strained_at_[index(puck)] > Timestamp{0} && now - strained_at_[index(puck)] < kStrainedFor)
+      motion_.rest(puck);
+    else
+      facts_.mode_lost[index(puck)] = true;
   }
 }
 

@@ -72,7 +72,9 @@ class HandWatch {
   Rhythm measure_, status_, mode_, pads_, palm_, heat_, torque_;
   std::array<GoodPosition, kPucks> good_{};
   std::array<int, kPucks> jumps_{}, torques_over_{};
+  std::array<std::int32_t, kPucks> jumped_to_{};
   std::array<Timestamp, kPucks> torque_seen_{}, judged_at_{}, mode_suspected_{}, reset_suspected_{};
+  std::array<Timestamp, kFingers> strained_at_{};  ///< When a gauge last showed its most.
   std::array<bool, kPucks> was_silent_{}, failed_{};
   bool therm_next_ = false, warm_ = false, hot_ = false, over_torque_ = false;
   ShortText warning_;

@@ -9,15 +9,17 @@
 namespace colift::hal::barrett {
 
 struct SlipLimits {
-  double closed_rad = 0.03;  ///< A finger that closes this much further has lost what it held.
+  double closed_rad = 0.03;  ///< Fingers that close this much further, in the mean, have lost what they held.
   double share = 0.5;        ///< Force or strain that falls to this share of what it was lately.
-  double least_nm = 0.08;    ///< Below these there was nothing to lose.
+  double least_nm = 0.08;    ///< Below these sums there was nothing to lose.
   double least_n = 0.3;
 };
 
-/// Tells from what the fingers measure that the object leaves the grip. A drop has to show in two
-/// measurements in a row, so that a single bad one is no alarm; the reference follows slow changes (lifting,
-/// a moved load).
+/// Tells from what the fingers measure that the object leaves the grip. Judged are all holding fingers
+/// together: a weight that is lifted shifts from one finger to the next, but takes nothing from what presses
+/// on the object; only where the grip itself gives way the sum falls, or all close. A drop has to show in two
+/// measurements in a row, so that a single bad one is no alarm. The reference is smooth, so that a jerk does
+/// not raise it, and follows slow changes (a moved load).
 class SlipDetector {
  public:
   explicit SlipDetector(const SlipLimits& limits) : limits_(limits) {}
@@ -35,13 +37,16 @@ class SlipDetector {
  private:
   struct Trace {
     double reference = 0.0;
+    std::array<bool, kFingers> of{};  ///< The fingers in it; with others it starts anew.
     int below = 0;
   };
-  bool drops(Trace& trace, double value, double least, double dt_s) const;
+  bool drops(Trace& trace, const std::array<double, kFingers>& values,
+             const std::array<bool, kFingers>& holding, double least, double dt_s) const;
 
   SlipLimits limits_;
   std::array<double, kFingers> start_rad_{};
-  std::array<Trace, kFingers> strain_{}, pad_{};
+  Trace strain_, pad_;
+  int closing_ = 0;
   Timestamp last_{0};
   bool started_ = false, slipped_ = false;
 };

@@ -123,7 +123,7 @@ void HandEmulator::inject(const HandFault& fault) {
 }
 
 void HandEmulator::act(const HandFault& f, bool begins) {
-  if (f.kind == Kind::BusOff || f.kind == Kind::Down) {
+  if (f.kind == Kind::BusOff || f.kind == Kind::Down || f.kind == Kind::Full || f.kind == Kind::Passive) {
     if (on_bus) on_bus(f.kind, begins);
     return;
   }
@@ -309,7 +309,7 @@ void HandEmulator::set(std::size_t p, int property, std::int32_t value, hal::Tim
   const bool was_asleep = pucks_[p].life() == HandPuck::Life::Monitor;
   switch (pucks_[p].set(property, value)) {
     case HandPuck::Taken::Yes:
-      if (property == kTact && (value == 1 || value == 2)) begin_scan(p, at);
+      if (property == kTact && (value == 1 || value == 2) && pucks_[p].has_pad()) begin_scan(p, at);
       if (property == kTact && value == 0) scan_due_[p].reset();
       break;
     case HandPuck::Taken::Unknown:

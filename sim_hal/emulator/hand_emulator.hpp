@@ -31,8 +31,8 @@ struct HandEmulatorConfig {
 class HandEmulator {
  public:
   using OnEvent = std::function<void(double t_s, const std::string& text)>;
-  /// A fault of the client's end begins or ends (BusOff, Down), or one error frame is due (Noise): whoever
-  /// owns the transport brings it about.
+  /// A fault of the client's end begins or ends (BusOff, Down, Full, Passive), or one error frame is due
+  /// (Noise): whoever owns the transport brings it about.
   using OnBus = std::function<void(HandFault::Kind kind, bool begins)>;
 
   /// Plant and bus have to outlive the emulator; the bus is open.

@@ -33,8 +33,10 @@ struct HandFault {
     Foreign,   ///< A WAM's safety module says something 100 times a second.
     // of the client's end, which the transport has to bring about
     BusOff,
-    Down,   ///< Interface down, adapter unplugged.
-    Noise,  ///< Error frames, a hundred a second.
+    Down,     ///< Interface down, adapter unplugged.
+    Noise,    ///< Error frames, a hundred a second.
+    Full,     ///< Its queue takes nothing.
+    Passive,  ///< Its controller is error passive.
   };
 
   double at_s = 0.0, for_s = 0.5;

@@ -214,6 +214,7 @@ void HandGateway::obey(Client& c, const std::string& inside) {
   } else if (command == "echo") {
     say(c, "< echo >");
   } else if (command == "send" && c.opened) {
+    c.raw_since = hal::Timestamp(0);  // it has read the answer to rawmode: no reply of a puck may get lost
     if (const auto frame = read_send(words)) {
       heard_.push_back(*frame);
       heard_.back().arrived_at = clock_.now();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include "sim_hal/emulator/hand_emulator.hpp"
 #include "sim_hal/emulator/memory_can_bus.hpp"
@@ -32,6 +33,9 @@ inline void let_faults_reach(HandEmulator& hand, MemoryCan::Node& client) {
   hand.on_bus = [&client](HandFault::Kind kind, bool begins) {
     if (kind == HandFault::Kind::Down) client.set_down(begins);
     if (kind == HandFault::Kind::Noise) client.note_bus_error();
+    if (kind == HandFault::Kind::Full) client.refuse_next(begins ? std::numeric_limits<int>::max() : 0);
+    if (kind == HandFault::Kind::Passive)
+      client.be(begins ? MemoryCan::State::Passive : MemoryCan::State::Active);
     if (kind == HandFault::Kind::BusOff)
       client.be(begins ? MemoryCan::State::BusOff : MemoryCan::State::Active);
   };

@@ -79,6 +79,10 @@ bool HandPuck::knows(int property) const {
   return p != nullptr && config_.firmware >= p->since;
 }
 
+bool HandPuck::has_pad() const {
+  return (ram_[kRole] & 0x1000) != 0;
+}
+
 std::int32_t HandPuck::position() const {
   return rounded((frozen_ ? frozen_motor_ : now_.motor) - zero_);
 }
@@ -130,7 +134,7 @@ std::optional<std::int32_t> HandPuck::get(int property) const {
 
 HandCells HandPuck::cells() const {
   HandCells out{};
-  if ((ram_[kRole] & 0x1000) == 0) return out;
+  if (!has_pad()) return out;
   for (std::size_t i = 0; i < kHandCells; ++i)
     out[i] =
         static_cast<std::uint16_t>(std::clamp(std::lround(256.0 * (now_.pressure[i] - tare_[i])), 0L, 4095L));
@@ -172,7 +176,7 @@ HandPuck::Taken HandPuck::set(int property, std::int32_t value) {
     case kTact:
       if (value == 3)
         tare_ = now_.pressure;
-      else if (value >= 0 && value <= 2)
+      else if (value == 0 || (has_pad() && (value == 1 || value == 2)))
         at(kTact) = value;
       break;
     case kHsg:

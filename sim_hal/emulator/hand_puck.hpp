@@ -52,6 +52,7 @@ class HandPuck {
   [[nodiscard]] std::int32_t position() const;  ///< As its encoder tells, from its own zero.
   [[nodiscard]] std::int32_t joint() const;
   [[nodiscard]] bool has_joint() const { return index_ != kHandSpread; }
+  [[nodiscard]] bool has_pad() const;
   [[nodiscard]] HandCells cells() const;
   [[nodiscard]] bool moving() const { return mode() != 0 || finding_; }
   [[nodiscard]] bool finding() const { return finding_; }

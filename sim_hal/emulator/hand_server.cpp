@@ -12,7 +12,8 @@ constexpr hal::Duration kLate = std::chrono::milliseconds(20), kPublish = std::c
 constexpr hal::Duration kReopen = std::chrono::seconds(1);
 constexpr std::size_t kMostEvents = 10000;  // that nobody fetched
 // classes of error frames, linux/can/error.h
-constexpr std::uint32_t kNoAcknowledge = 0x20, kBusOff = 0x40, kRestarted = 0x100, kBusError = 0x88;
+constexpr std::uint32_t kController = 0x4, kNoAcknowledge = 0x20, kBusOff = 0x40, kRestarted = 0x100,
+                        kBusError = 0x88;
 
 }  // namespace
 
@@ -40,6 +41,7 @@ hal::Result<> HandServer::start() {
       if (kind == HandFault::Kind::Down) gate->set_down(begins);
       if (kind == HandFault::Kind::BusOff) gate->tell_error(begins ? kBusOff : kRestarted);
       if (kind == HandFault::Kind::Noise) gate->tell_error(kBusError);
+      if (kind == HandFault::Kind::Passive) gate->tell_error(begins ? kController : kRestarted);
     };
     hand_->on_unacknowledged = [gate] { gate->tell_error(kNoAcknowledge); };
   }

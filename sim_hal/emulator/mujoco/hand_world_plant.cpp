@@ -14,7 +14,6 @@ constexpr double kOpen = 0.3 * kInnerCounts_rad;  // the world's hand turns its 
 constexpr double kFelt_nm = 0.03, kFelt_n = 0.5;
 constexpr double kFreeTorque = 300.0;
 constexpr double kLeast_nm = 0.02;
-constexpr int kLock_ms = 150;  // the world needs some 80 ms to see that its fingers stand
 constexpr int kPressAgain_ms = 200;
 constexpr std::size_t kFirstTouched = 6, kBehindTouched = 15;  // cells 7 to 15, the middle of the pad
 
@@ -26,61 +25,72 @@ HandWorldPlant::HandWorldPlant(SimWorld& world, const HandWorldConfig& config)
   read_world();
 }
 
-HandWorldPlant::Move HandWorldPlant::wished() const {
+HandWorldPlant::Wish HandWorldPlant::wished() const {
+  Wish wish;
   bool closes = false, opens = false, shut = false;
   for (std::size_t f = 0; f < kHandFingers; ++f) {
+    const HandMotor& m = motors_[f];
     shut = shut || joints_[f].motor > kOpen;
-    if (!motors_[f].powered || motors_[f].torque <= 0.0) continue;
-    closes = closes || (motors_[f].speed > 0.0 && way(f) > kThere);
-    opens = opens || (motors_[f].speed < 0.0 && way(f) < -kThere);
+    if (!m.powered || m.torque <= 0.0) continue;
+    if (m.speed > 0.0 && way(f) > kThere)
+      wish.torque_nm[f] = std::max(kLeast_nm, m.torque / config_.tip_units_nm);
+    wish.opens[f] = m.speed < 0.0 && way(f) < -kThere;
+    closes = closes || wish.torque_nm[f] > 0.0;
+    opens = opens || wish.opens[f];
   }
-  if (closes != opens) return closes ? Move::Close : Move::Open;
-  if (closes) return Move::None;
+  if (opens || closes) {
+    wish.move = opens ? Move::Open : Move::Close;
+    return wish;
+  }
   const HandMotor& spread = motors_[kHandSpread];
   const bool turns = spread.powered && spread.torque > 0.0 && spread.speed != 0.0 &&
                      std::abs(way(kHandSpread)) > kSpreadThere;
-  return turns && !shut ? Move::Turn : Move::None;
+  if (turns && !shut) wish.move = Move::Turn, wish.spread_rad = spread.goal / kSpreadGear_rad;
+  return wish;
 }
 
-void HandWorldPlant::begin(Move move, double torque_nm, double spread_rad) {
-  if (move == Move::Close) world_.close_hand(torque_nm);
-  if (move == Move::Open) world_.open_hand();
-  if (move == Move::Turn) world_.preshape_hand(spread_rad);
-  move_ = move;
-  told_nm_ = torque_nm;
-  told_rad_ = spread_rad;
-  since_told_ms_ = without_wish_ms_ = 0;
+void HandWorldPlant::begin(const Wish& wish) {
+  if (wish.move == Move::Close) world_.close_hand(wish.torque_nm);
+  if (wish.move == Move::Open) world_.open_hand(wish.opens);
+  if (wish.move == Move::Turn) world_.preshape_hand(wish.spread_rad);
+  told_ = wish;
+  since_told_ms_ = 0;
   world_moves_ = true;
 }
 
-void HandWorldPlant::tell_world() {
-  const Move wish = wished();
-  double most = 0.0;
+bool HandWorldPlant::differs(const Wish& wish) const {
+  if (wish.move != told_.move) return true;
+  if (wish.move == Move::Turn) return std::abs(wish.spread_rad - told_.spread_rad) > 0.001;
+  if (wish.move == Move::Open) return wish.opens != told_.opens;
   for (std::size_t f = 0; f < kHandFingers; ++f)
-    if (motors_[f].powered && motors_[f].speed > 0.0) most = std::max(most, motors_[f].torque);
-  const double torque_nm = std::max(kLeast_nm, most / config_.tip_units_nm);
-  const double spread_rad = motors_[kHandSpread].goal / kSpreadGear_rad;
+    if ((wish.torque_nm[f] > 0.0) != (told_.torque_nm[f] > 0.0) ||
+        std::abs(wish.torque_nm[f] - told_.torque_nm[f]) > 0.1 * told_.torque_nm[f])
+      return true;
+  return false;
+}
+
+// The world's fingers are locked when they have stopped; a motor that is on would go on.
+bool HandWorldPlant::gave_way(const Wish& wish) const {
+  if (wish.move != Move::Close || world_moves_ || since_told_ms_ <= kPressAgain_ms) return false;
+  for (std::size_t f = 0; f < kHandFingers; ++f)
+    if (wish.torque_nm[f] > 0.0 && joints_[f].strain_nm < 0.5 * wish.torque_nm[f]) return true;
+  return false;
+}
+
+void HandWorldPlant::tell_world() {
+  const Wish wish = wished();
   ++since_told_ms_;
-  if (wish == Move::None) {
-    ++without_wish_ms_;
-    // a grip that is just being locked is left to lock
-    const bool locks = move_ == Move::Close && touches_ && without_wish_ms_ < kLock_ms;
-    if (move_ != Move::None && !locks) {
-      if (world_moves_) world_.stop_hand();
-      move_ = Move::None;
-    }
+  if (wish.move != Move::None) {
+    if (differs(wish) || gave_way(wish)) begin(wish);
     return;
   }
-  without_wish_ms_ = 0;
-  const bool other_torque = wish == Move::Close && std::abs(torque_nm - told_nm_) > 0.1 * told_nm_;
-  const bool other_way = wish == Move::Turn && std::abs(spread_rad - told_rad_) > 0.001;
-  // the world's fingers are locked when they have stopped; a motor that is on would go on
-  bool lost = false;
-  if (wish == Move::Close && !world_moves_)
-    for (std::size_t f = 0; f < kHandFingers; ++f)
-      lost = lost || (motors_[f].powered && way(f) > kThere && joints_[f].strain_nm < 0.5 * told_nm_);
-  if (wish != move_ || other_torque || other_way || (lost && since_told_ms_ > kPressAgain_ms))
-    begin(wish, torque_nm, spread_rad);
+  if (told_.move == Move::None) return;
+  // closing with no torque locks the worms, and lets the world count what is touched as a grasp
+  if (told_.move == Move::Close && touches_ && world_moves_)
+    world_.close_hand(wish.torque_nm);
+  else if (world_moves_)
+    world_.stop_hand();
+  told_ = wish;
 }
 
 void HandWorldPlant::read_world() {

@@ -10,10 +10,9 @@ struct HandWorldConfig {
   double tip_units_nm = 2900.0;  ///< Motor's units for 1 N m at a fingertip.
 };
 
-/// The hand of a simulated world behind four pucks. The world knows moves of the whole hand only, so: three
-/// fingers close or open together, at the world's own speeds and with the greatest torque of the three; the
-/// spread turns when the fingers are open; a finger that goes the other way than its neighbours stays. What
-/// stalls, breaks away, is felt and is held comes from the physics.
+/// The hand of a simulated world behind four pucks. Each finger closes with its own torque, at the world's
+/// speeds; while any opens, none closes; the spread turns when the fingers are open. What stalls, breaks away
+/// and is felt comes from the physics; a motor that is switched off has locked its worm.
 class HandWorldPlant final : public HandPlant {
  public:
   /// The world has to outlive the plant.
@@ -26,20 +25,27 @@ class HandWorldPlant final : public HandPlant {
 
  private:
   enum class Move { None, Close, Open, Turn };
+  struct Wish {
+    Move move = Move::None;
+    std::array<double, kHandFingers> torque_nm{};  ///< Of closing fingers; 0: stays.
+    std::array<bool, kHandFingers> opens{};
+    double spread_rad = 0.0;
+  };
 
   void tell_world();
-  void begin(Move move, double torque_nm, double spread_rad);
+  void begin(const Wish& wish);
   void read_world();
-  [[nodiscard]] Move wished() const;
+  [[nodiscard]] Wish wished() const;
+  [[nodiscard]] bool differs(const Wish& wish) const;
+  [[nodiscard]] bool gave_way(const Wish& wish) const;
   [[nodiscard]] double way(std::size_t puck) const { return motors_[puck].goal - joints_[puck].motor; }
 
   SimWorld& world_;
   HandWorldConfig config_;
   std::array<HandMotor, kHandPucks> motors_{};
   std::array<HandJoint, kHandPucks> joints_{};
-  Move move_ = Move::None;
-  double told_nm_ = 0.0, told_rad_ = 0.0;
-  int since_told_ms_ = 0, without_wish_ms_ = 0;
+  Wish told_;
+  int since_told_ms_ = 0;
   bool world_moves_ = false, touches_ = false;
 };
 

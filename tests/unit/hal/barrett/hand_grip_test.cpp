@@ -72,10 +72,11 @@ TEST_CASE("closing around something ends held: position, strain and pads agree",
   for (std::size_t f = 0; f < 3; ++f) {
     CHECK(state.finger_rad[f] == Approx(1.2).margin(0.01));
     CHECK(state.outer_rad[f] == Approx(0.4).margin(0.01));
-    CHECK(state.torque_nm[f] > 0.1);
+    CHECK(state.torque_nm[f] > 0.09);
     CHECK(state.tip_force_n[f] > 0.3);
-    CHECK(rig.fake.pucks[f].mode() == 5);           // goes on pressing ...
-    CHECK(rig.fake.pucks[f].property[43] == 1100);  // ... with the holding torque
+    CHECK(rig.fake.pucks[f].mode() == 5);  // goes on pressing ...
+    // ... with the holding torque, but F1 and F2 with half of what was wished: F3 bears both
+    CHECK(rig.fake.pucks[f].property[43] == (f == 2 ? 1100 : 1087));
     CHECK(rig.fake.pucks[f].property[78] == 0);
   }
   rig.pass(3s);
@@ -97,9 +98,12 @@ TEST_CASE("the puck itself is given the strain at which it has to stop", "[hand]
   rig.put_object(1.2);
   REQUIRE(rig.hand.close(0.3));
   rig.pass(50ms);
-  CHECK(rig.fake.pucks[0].property[71] > 2300);
-  CHECK(rig.fake.pucks[0].property[71] < 3000);
-  CHECK(rig.fake.pucks[0].property[43] == 870);
+  CHECK(rig.fake.pucks[0].property[71] > 2100);  // half of 0.3 N m
+  CHECK(rig.fake.pucks[0].property[71] < rig.fake.pucks[2].property[71]);
+  CHECK(rig.fake.pucks[2].property[71] > 2300);
+  CHECK(rig.fake.pucks[2].property[71] < 3000);
+  CHECK(rig.fake.pucks[2].property[43] == 870);
+  CHECK(rig.fake.pucks[0].property[43] == 700);  // what overcomes its friction
 }
 
 TEST_CASE("a hand that is stopped stays where it is, and can be closed again", "[hand]") {

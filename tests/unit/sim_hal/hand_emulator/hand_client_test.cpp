@@ -97,7 +97,7 @@ TEST_CASE("preshape, close on an object, hold, release", "[hand][emulator]") {
   for (std::size_t f = 0; f < 3; ++f) {
     CHECK(held.finger_rad[f] == Approx(1.06).margin(0.08));
     CHECK(held.outer_rad[f] == Approx(held.finger_rad[f] / 3.0).margin(0.01));
-    CHECK(held.torque_nm[f] > 0.3);
+    CHECK(held.torque_nm[f] > 0.25);
     CHECK(held.torque_nm[f] < 0.8);
     CHECK(held.tip_force_n[f] == Approx(held.torque_nm[f] / 0.05).epsilon(0.1));
   }
@@ -110,8 +110,6 @@ TEST_CASE("preshape, close on an object, hold, release", "[hand][emulator]") {
   for (const double angle : open.finger_rad) CHECK(std::abs(angle) < 0.01);
   CHECK_FALSE(rig.driver->report().loaded);
   for (std::size_t r = 0; r < sim_hal::kHandRules; ++r) {
-    // release() gives a pressing finger its torque back before its new end: for 2 ms it presses harder
-    if (r == static_cast<std::size_t>(sim_hal::HandRule::NewEnd)) continue;
     INFO(sim_hal::kHandRuleNames[r] << ": " << rig.pucks.report().first[r]);
     CHECK(rig.pucks.report().broken[r] == 0);
   }
@@ -125,6 +123,8 @@ TEST_CASE("an object deep in the hand makes the clutches give way, and opening b
   deep.inner_rad.fill(0.8);
   deep.total_rad.fill(1.6);
   rig.plant.put(deep);
+  REQUIRE(rig.hand->preshape(1.2));  // no finger presses against another: each has all of the torque
+  (void)rig.settle();
   REQUIRE(rig.hand->close(0.75));
   const auto held = rig.settle();
   INFO(rig.driver->report().why.str());

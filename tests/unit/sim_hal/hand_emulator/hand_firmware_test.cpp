@@ -1,73 +1,10 @@
 // The emulated pucks, asked byte by byte.
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <initializer_list>
-#include <optional>
-#include <vector>
 
-#include "sim_hal/emulator/hand_light_plant.hpp"
-#include "sim_hal/emulator/hand_lock_step.hpp"
+#include "puck_bus.hpp"
 
 using namespace colift;
-using namespace colift::sim_hal;
-using namespace std::chrono_literals;
-
-namespace {
-
-constexpr int kF1 = 0x00b, kF2 = 0x00c, kF3 = 0x00d, kSpreadId = 0x00e, kHand = 0x405;
-
-struct Bus {
-  hal::ManualClock clock;
-  MemoryCan bus{clock};
-  std::unique_ptr<MemoryCan::Node> far_end = bus.node(), client = bus.node();
-  LightHandPlant plant;
-  HandEmulator hand;
-  std::vector<hal::CanFrame> heard;
-
-  explicit Bus(HandEmulatorConfig config = awake()) : hand(std::move(config), plant, *far_end) {
-    REQUIRE(far_end->open());
-    REQUIRE(client->open());
-    REQUIRE(hand.start(clock.now()));
-  }
-  static HandEmulatorConfig awake() {
-    HandEmulatorConfig c;
-    c.puck.awake = true;
-    return c;
-  }
-  void pass(hal::Duration by) {
-    run_until(hand, clock, clock.now() + by);
-    hal::CanFrame f;
-    while (client->receive(f, 0ns) == hal::CanBus::Received::Frame) heard.push_back(f);
-  }
-  void say(int id, std::initializer_list<int> bytes) {
-    hal::CanFrame f;
-    f.id = static_cast<std::uint16_t>(id);
-    for (const int b : bytes) f.data[f.length++] = static_cast<std::uint8_t>(b);
-    (void)client->send(f);
-  }
-  void set(int id, int property, int value) {
-    say(id, {0x80 | property, 0, value & 255, value >> 8 & 255, value >> 16 & 255, value >> 24 & 255});
-    pass(300us);
-  }
-  std::vector<hal::CanFrame> ask(int id, int property, hal::Duration patience = 3ms) {
-    pass(0ns);
-    heard.clear();
-    say(id, {property});
-    pass(patience);
-    return heard;
-  }
-  std::optional<int> value(int id, int property) {
-    const auto f = ask(id, property);
-    if (f.empty()) return std::nullopt;
-    REQUIRE(f.size() == 1);
-    int v = f[0].data[2] | f[0].data[3] << 8;
-    return f[0].length == 6 ? v | f[0].data[4] << 16 | f[0].data[5] << 24 : static_cast<std::int16_t>(v);
-  }
-  int position(std::size_t p) { return hand.puck(p).position(); }
-  int mode(int id) { return value(id, prop::kMode).value_or(-1); }
-};
-
-}  // namespace
 
 TEST_CASE("a puck in its monitor tells who it is and nothing else; waking takes its time",
           "[hand][emulator]") {
@@ -165,140 +102,6 @@ TEST_CASE("four bytes and six bytes set the same, signs included", "[hand][emula
   CHECK(b.value(kF1, prop::kE) == -2);
 }
 
-TEST_CASE("a full stroke takes as long as the drive's figures say", "[hand][emulator]") {
-  Bus b;
-  b.set(kF1, prop::kE, 195000);
-  b.set(kF1, prop::kMode, 5);
-  const hal::Timestamp start = b.clock.now();
-  while (b.hand.puck(0).value(prop::kMode) == 5 && b.clock.now() - start < 5s) b.pass(1ms);
-  CHECK(hal::seconds(b.clock.now() - start) == Approx(1.23).margin(0.03));
-  CHECK(b.position(0) == 195000);
-  CHECK(b.mode(kF1) == 0);
-  // both joints: 2.393 rad inner, a third of it outer
-  CHECK(b.plant.joint(0).joint == Approx(195000 / 2.5).margin(1));
-
-  b.set(kSpreadId, prop::kM, 35900);
-  const hal::Timestamp turn = b.clock.now();
-  while (b.hand.puck(3).value(prop::kMode) == 5 && b.clock.now() - turn < 5s) b.pass(1ms);
-  CHECK(hal::seconds(b.clock.now() - turn) == Approx(0.78).margin(0.03));
-  CHECK(b.mode(kSpreadId) == 3);  // HOLD is 1
-  CHECK(b.hand.report().times(HandRule::FingersInTheWay) == 1);
-}
-
-TEST_CASE("initialising: silence, the way to the stop, zero", "[hand][emulator]") {
-  Bus b;
-  b.plant.place(0, 150'000);
-  b.set(kF1, prop::kHold, 1);
-  b.set(kF1, prop::kCmd, 13);
-  b.pass(400ms);
-  CHECK(b.ask(kF1, prop::kMode).empty());
-  b.pass(300ms);
-  CHECK(b.mode(kF1) == 5);
-  b.pass(1s);
-  CHECK(b.mode(kF1) == 5);  // 150 000 counts at 75 a millisecond
-  b.pass(500ms);
-  CHECK(b.mode(kF1) == 3);
-  CHECK(b.position(0) == 0);
-  CHECK(b.plant.joint(0).motor == Approx(0).margin(0.1));
-}
-
-TEST_CASE("what a client should not do is counted", "[hand][emulator]") {
-  Bus b;
-  b.set(kF1, prop::kCmd, 18);
-  b.pass(300ms);
-  b.set(kF1, prop::kE, 10'000);
-  CHECK(b.hand.report().times(HandRule::NewEnd) == 1);
-  b.set(kF1, prop::kMode, 0);
-  b.set(kF1, prop::kE, 20'000);
-  CHECK(b.hand.report().times(HandRule::NewEnd) == 1);
-  b.set(kF1, prop::kMt, 6000);
-  CHECK(b.hand.report().times(HandRule::TooMuchTorque) == 1);
-  b.set(kF2, prop::kMode, 4);
-  CHECK(b.hand.report().times(HandRule::StreamWithStop) == 1);
-  b.say(kF2, {0x80 | prop::kMode, 0, 0, 0});
-  b.say(kF2, {0x80 | prop::kMode, 0, 0, 0});
-  b.pass(1ms);
-  CHECK(b.hand.report().times(HandRule::Hurried) == 1);
-  CHECK_FALSE(b.hand.report().first[static_cast<std::size_t>(HandRule::Hurried)].empty());
-}
-
-TEST_CASE("blocked: TSTOP ends the move; 0 lets it press", "[hand][emulator]") {
-  Bus b;
-  b.plant.put(HandObject::of_width(0.1));
-  b.set(kF1, prop::kTstop, 100);
-  b.set(kF1, prop::kCmd, 18);
-  b.pass(1500ms);
-  CHECK(b.mode(kF1) == 0);
-  const int stalled = b.position(0);
-  CHECK(stalled > 80'000);
-  CHECK(stalled < 100'000);
-  CHECK(b.value(kF1, prop::kSg) > 2500);
-  CHECK(b.value(kF1, prop::kT) == 0);
-  b.set(kF1, prop::kMt, 1100);
-  b.set(kF1, prop::kTstop, 0);
-  b.set(kF1, prop::kMode, 5);
-  b.pass(1s);
-  CHECK(b.mode(kF1) == 5);
-  CHECK(b.position(0) == stalled);  // a worm is never turned back
-  CHECK(b.value(kF1, prop::kT) == 1100);
-  CHECK(b.value(kF1, prop::kImotor) > 2200);
-}
-
-TEST_CASE("a strain limit stops a closing finger, and the gauge protects itself", "[hand][emulator]") {
-  Bus b;
-  b.plant.put(HandObject::of_width(0.1));
-  b.set(kF1, prop::kMt, 5000);
-  b.set(kF1, prop::kTstop, 0);
-  SECTION("HSG") {
-    b.set(kF1, prop::kHsg, 2500);
-    b.set(kF1, prop::kCmd, 18);
-    b.pass(1500ms);
-    CHECK(b.mode(kF1) == 0);
-    CHECK(b.value(kF1, prop::kSg).value() >= 2500);
-    CHECK(b.value(kF1, prop::kSg).value() < 3000);
-  }
-  SECTION("by itself") {
-    b.set(kF1, prop::kCmd, 18);
-    b.pass(1500ms);
-    CHECK(b.mode(kF1) == 0);
-    CHECK(b.value(kF1, prop::kSg).value() >= 3460);
-  }
-  SECTION("switched off") {
-    b.set(kF1, prop::kHsg, 10000);
-    b.set(kF1, prop::kCmd, 18);
-    b.pass(1500ms);
-    CHECK(b.mode(kF1) == 5);
-  }
-}
-
-TEST_CASE("speed, position and torque modes, streams and stops", "[hand][emulator]") {
-  Bus b;
-  b.set(kF2, prop::kTstop, 0);
-  b.set(kF2, prop::kV, 100);
-  b.set(kF2, prop::kMode, 4);
-  b.pass(500ms);
-  CHECK(b.position(1) == Approx(50'000).epsilon(0.02));
-  CHECK(b.value(kF2, prop::kV) == 100);
-  b.pass(3s);
-  CHECK(b.position(1) == 195'000);  // CT
-  b.set(kF2, prop::kMode, 3);
-  b.set(kF2, prop::kP, 190'000);
-  b.pass(300ms);
-  CHECK(b.position(1) == Approx(190'000).margin(3));
-  b.set(kF2, prop::kT, -1000);
-  b.set(kF2, prop::kMode, 2);
-  b.pass(100ms);
-  CHECK(b.position(1) < 185'000);
-  b.set(kF2, prop::kCmd, 21);
-  b.pass(1ms);
-  const int here = b.position(1);
-  b.pass(100ms);
-  CHECK(b.position(1) == here);
-  b.set(kF2, prop::kP, 5);  // idle: from now on this is 5
-  CHECK(b.position(1) == 5);
-  CHECK(b.hand.report().times(HandRule::StreamWithStop) == 0);
-}
-
 TEST_CASE("pads: set, asked, tared, off", "[hand][emulator]") {
   Bus b;
   b.plant.put(HandObject::of_width(0.1));
@@ -338,68 +141,20 @@ TEST_CASE("pads: set, asked, tared, off", "[hand][emulator]") {
   CHECK(b.heard.empty());
 }
 
-TEST_CASE("heat takes the torque away", "[hand][emulator]") {
-  Bus b;
-  auto hot = parse_hand_fault("0:hot=60@F1:5");
-  REQUIRE(hot);
-  b.hand.inject(*hot);
-  b.pass(2ms);
-  CHECK(b.value(kF1, prop::kTemp) == 60);
-  b.set(kF1, prop::kCmd, 18);
-  b.set(kF2, prop::kCmd, 18);
-  b.pass(1s);
-  CHECK(b.position(0) == 0);
-  CHECK(b.position(1) > 100'000);
-  // half of it 8 degrees below OTEMP
-  auto warm = parse_hand_fault("0:hot=52@F3:10");
-  REQUIRE(warm);
-  b.hand.inject(*warm);
-  b.plant.put(HandObject::of_width(0.1));
-  b.set(kF3, prop::kTstop, 0);
-  b.set(kF3, prop::kMt, 2000);
-  b.set(kF3, prop::kCmd, 18);
-  b.pass(1500ms);
-  CHECK(std::abs(b.value(kF3, prop::kT).value_or(0) - 1000) < 5);
-}
-
-TEST_CASE("pressing for minutes makes a puck warm", "[hand][emulator]") {
-  Bus b;
-  b.plant.put(HandObject::of_width(0.1));
-  b.set(kF1, prop::kTstop, 0);
-  b.set(kF1, prop::kCmd, 18);
-  const int before = b.value(kF1, prop::kTherm).value();
-  b.pass(120s);
-  CHECK(b.value(kF1, prop::kTherm).value() > before + 15);
-}
-
-TEST_CASE("a reset loses zero and settings, and what was saved is back", "[hand][emulator]") {
-  Bus b;
-  b.set(kF1, prop::kCmd, 19);
-  b.pass(1s);
-  CHECK(b.position(0) == 45000);
-  b.set(kF1, prop::kMv, 120);
-  b.set(kF1, prop::kMt, 1500);
-  b.set(kF1, prop::kSave, prop::kMv);
-  b.set(kF1, prop::kCmd, 2);
-  CHECK(b.value(kF1, prop::kStat) == 0);
-  b.set(kF1, prop::kStat, 2);
-  b.pass(1s);
-  CHECK(b.value(kF1, prop::kMv) == 120);
-  CHECK(b.value(kF1, prop::kMt) == 2200);
-  CHECK(b.position(0) == 0);
-}
-
-TEST_CASE("a supply that is too weak resets all four", "[hand][emulator]") {
-  HandEmulatorConfig c = Bus::awake();
-  c.brown_out_units = 5000;
-  Bus b{c};
-  b.plant.put(HandObject::of_width(0.1));
-  for (const int id : {0x00b, 0x00c, 0x00d}) {
-    b.set(id, prop::kTstop, 0);
-    b.set(id, prop::kCmd, 18);
+TEST_CASE("a hand without the tactile option has no pads to tell of", "[hand][emulator]") {
+  HandEmulatorConfig config = Bus::awake();
+  config.puck.finger_role = config.puck.spread_role = 0x0605;
+  Bus b(config);
+  for (const int format : {1, 2}) {
+    b.heard.clear();
+    b.set(kF1, prop::kTact, format);
+    b.pass(50ms);
+    CHECK(b.heard.empty());
+    const auto answers = b.ask(kF1, prop::kTact, 50ms);
+    REQUIRE(answers.size() == 1);
+    CHECK(answers[0].id == 0x566);  // a value as any other: off
+    CHECK(answers[0].data[2] == 0);
   }
-  b.pass(2s);
-  for (std::size_t p = 0; p < 4; ++p) CHECK_FALSE(b.hand.puck(p).ready());
 }
 
 TEST_CASE("a fault is read or refused in words", "[hand][emulator]") {

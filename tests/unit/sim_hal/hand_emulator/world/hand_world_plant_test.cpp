@@ -88,11 +88,14 @@ TEST_CASE("the driver grips a post of the simulated world and lets go", "[hand][
 
 TEST_CASE("it grips as well when the arm's controller moves the world", "[hand][emulator][world]") {
   Rig rig(true, 5ms);
-  // F3 carries what both others press: beyond 1.14 N m its puck would protect its gauge and let off
-  REQUIRE(rig.hand.close(0.5));
+  REQUIRE(rig.hand.close(1.0));
   const auto held = rig.settle();
   INFO(rig.hand.report().why.str());
   REQUIRE(held.held);
+  // F3 bears what both others press, and no more than was wished; beyond 1.14 N m its puck would let off
+  for (const double strain_nm : held.torque_nm) CHECK(strain_nm < 1.1);
+  rig.pass(1s);
+  CHECK(rig.look().held);
   REQUIRE(rig.hand.release());
   for (const double angle : rig.settle().finger_rad) CHECK(std::abs(angle) < 0.02);
 }
