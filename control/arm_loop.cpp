@@ -1,7 +1,5 @@
 #include "control/arm_loop.hpp"
 
-#include <fmt/format.h>
-
 #include <atomic>
 #include <thread>
 
@@ -21,8 +19,8 @@ constexpr auto kTaskPeriod = 4ms;  // of a task that does not run the arm's cycl
 
 bool moves(ArmRequest::Kind kind) {
   using Kind = ArmRequest::Kind;
-  return kind == Kind::Hold || kind == Kind::Follow || kind == Kind::Back || kind == Kind::StartLift ||
-         kind == Kind::Lower;
+  return kind == Kind::Hold || kind == Kind::Follow || kind == Kind::Resume || kind == Kind::Back ||
+         kind == Kind::StartLift || kind == Kind::Lower;
 }
 
 /// Activation and the first good cycle, in the thread that makes all the others.
@@ -72,9 +70,10 @@ void ArmLoop::Threaded::run(hal::Arm& arm, ArmMotion& motion) {
 }
 
 ArmLoop::ArmLoop(hal::Arm& arm, const hal::RobotModel& model, const planner::ArmGeometry& geometry,
-                 const TaskConfig& task, const LoadConfig& load, Drive drive)
+                 const TaskConfig& task, const LoadConfig& load, Drive drive, const CycleLimits& limits)
     : arm_(arm),
-      motion_(model, geometry, task, load),
+      motion_(model, geometry, task, load, limits),
+      limits_(limits),
       thread_(drive == Drive::Thread ? std::make_unique<Threaded>() : nullptr) {}
 
 ArmLoop::~ArmLoop() {
@@ -83,7 +82,9 @@ ArmLoop::~ArmLoop() {
 
 hal::Result<> ArmLoop::start() {
   hal::Result<> beginning;
-  if (thread_) {
+  if (recorded_) {
+    recorded_(view_);
+  } else if (thread_) {
     thread_->thread = std::thread([this] { thread_->run(arm_, motion_); });
     while (!thread_->begun.load(std::memory_order_acquire)) std::this_thread::sleep_for(kTaskPeriod);
     beginning = thread_->beginning;
@@ -98,7 +99,9 @@ hal::Result<> ArmLoop::start() {
 }
 
 void ArmLoop::finish() noexcept {
-  if (thread_ && thread_->thread.joinable()) {
+  if (recorded_) {
+    started_ = false;
+  } else if (thread_ && thread_->thread.joinable()) {
     if (started_) ask({ArmRequest::Kind::Hold, 0, nullptr, 0.0, {}});
     thread_->end = true;
     thread_->thread.join();
@@ -117,6 +120,7 @@ void ArmLoop::finish() noexcept {
 }
 
 void ArmLoop::begin_cycle() {
+  if (recorded_) return recorded_(view_);
   if (thread_) {
     std::this_thread::sleep_for(kTaskPeriod);
     (void)thread_->views.read(view_);
@@ -127,7 +131,7 @@ void ArmLoop::begin_cycle() {
 }
 
 void ArmLoop::end_cycle() {
-  if (thread_) return;
+  if (thread_ || recorded_) return;
   if (const auto command = motion_.command()) motion_.sent(arm_.command(*command));
   view_ = motion_.view();
 }
@@ -135,6 +139,7 @@ void ArmLoop::end_cycle() {
 void ArmLoop::ask(ArmRequest request) {
   request.id = ++last_id_;
   if (moves(request.kind)) motion_id_ = last_id_;
+  if (recorded_) return;
   if (!thread_) {
     motion_.take(request);
     view_ = motion_.view();
@@ -150,19 +155,19 @@ void ArmLoop::hold() {
 }
 
 hal::Result<> ArmLoop::follow(const planner::Trajectory& way) {
-  constexpr const char* kWhere = "arm_loop.follow";
-  if (!view_.running) return hal::failure(hal::ErrorCode::NotReady, kWhere, "the arm is not commanded yet");
-  if (!at_rest())
-    return hal::failure(hal::ErrorCode::NotReady, kWhere, "the arm is still moving; hold() first");
-  int joint = 0;
-  const double off = (view_.commanded_rad - way.start()).cwiseAbs().maxCoeff(&joint);
-  if (!(off <= limits_.start_tolerance_rad))
-    return hal::failure(hal::ErrorCode::BadInput, kWhere,
-                        fmt::format("the way starts {:.4f} rad away from the command in A{} (limit {:.4f})",
-                                    off, joint + 1, limits_.start_tolerance_rad));
+  // asked here too, where an answer can be given: the arm's cycle may be in another thread
+  if (auto can = can_follow(way, view_.running, at_rest(), view_.commanded_rad, limits_); !can) return can;
   ways_.push_back(std::make_shared<const planner::Trajectory>(way));
   ask({ArmRequest::Kind::Follow, 0, ways_.back(), 0.0, {}});
   return {};
+}
+
+void ArmLoop::resume(double speed) {
+  ask({ArmRequest::Kind::Resume, 0, nullptr, speed, {}});
+}
+
+void ArmLoop::go_slow(bool on) {
+  ask({ArmRequest::Kind::Slow, 0, nullptr, on ? 1.0 : 0.0, {}});
 }
 
 void ArmLoop::back(double speed) {
@@ -198,7 +203,7 @@ bool ArmLoop::blocked() const {
 }
 
 std::string ArmLoop::why_blocked() const {
-  if (view_.way_refused) return "the arm had moved before the way began";
+  if (view_.way_refused) return "the arm does not stand on its way: it was moved in the meantime";
   return describe(view_.blocked);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,7 +23,7 @@ enum class Drive {
 class ArmLoop {
  public:
   ArmLoop(hal::Arm& arm, const hal::RobotModel& model, const planner::ArmGeometry& geometry,
-          const TaskConfig& task, const LoadConfig& load, Drive drive);
+          const TaskConfig& task, const LoadConfig& load, Drive drive, const CycleLimits& limits = {});
   ~ArmLoop();
   ArmLoop(const ArmLoop&) = delete;
   ArmLoop& operator=(const ArmLoop&) = delete;
@@ -36,6 +37,9 @@ class ArmLoop {
   /// What the machine granted to the arm's thread, in sentences; empty with Drive::InStep.
   [[nodiscard]] const std::vector<std::string>& realtime() const { return realtime_; }
 
+  /// Before start(): nothing is commanded, and each cycle's view comes from a recording.
+  void play(std::function<void(ArmView&)> views) { recorded_ = std::move(views); }
+
   /// Begins a cycle of the task: waits for the arm's next cycle (InStep) or for a few milliseconds (Thread).
   void begin_cycle();
   /// Ends it: the arm's command goes out (InStep).
@@ -45,7 +49,11 @@ class ArmLoop {
   void hold();
   /// Errors: NotReady, BadInput (ArmCycle::follow).
   [[nodiscard]] hal::Result<> follow(const planner::Trajectory& way);
+  /// Goes on along a way that was halted or cut off, or back along it; blocked() tells when the arm has left
+  /// it.
+  void resume(double speed = 1.0);
   void back(double speed);
+  void go_slow(bool on);
   void unload();
   void start_tare();
   void end_tare();
@@ -80,6 +88,7 @@ class ArmLoop {
   std::vector<std::string> realtime_;
   bool started_ = false;
   std::unique_ptr<Threaded> thread_;
+  std::function<void(ArmView&)> recorded_;
 };
 
 }  // namespace colift::control

@@ -3,8 +3,8 @@
 namespace colift::control {
 
 ArmMotion::ArmMotion(const hal::RobotModel& model, const planner::ArmGeometry& arm, const TaskConfig& task,
-                     const LoadConfig& load)
-    : cycle_(model, task), load_(model, load), lift_(model, arm, task) {}
+                     const LoadConfig& load, const CycleLimits& limits)
+    : cycle_(model, task, limits), load_(model, load), lift_(model, arm, task) {}
 
 void ArmMotion::measured(const hal::Result<hal::ArmState>& state) {
   if (!state) {
@@ -33,9 +33,16 @@ void ArmMotion::take(const ArmRequest& request) {
       lifting_ = false;
       view_.way_refused = !cycle_.follow(request.way);
       break;
+    case Kind::Resume:
+      lifting_ = false;
+      view_.way_refused = !cycle_.resume(request.number);
+      break;
     case Kind::Back:
       lifting_ = false;
-      cycle_.back(request.number);
+      view_.way_refused = !cycle_.back(request.number);
+      break;
+    case Kind::Slow:
+      cycle_.go_slow(request.number != 0.0);
       break;
     case Kind::Unload:
       cycle_.superpose(hal::JointVector::Zero());
@@ -51,6 +58,7 @@ void ArmMotion::take(const ArmRequest& request) {
       view_.end_of_reach = false;
       lift_time_.reset();
       (void)lift_time_.advance(view_.state.measured_at);
+      lift_starts_ = cycle_.starts();
       lift_.start(cycle_.commanded());
       lift_.lift(request.role);
       break;
@@ -66,8 +74,12 @@ void ArmMotion::take(const ArmRequest& request) {
 void ArmMotion::serve_lift() {
   (void)lift_time_.advance(view_.state.measured_at);
   const double dt_s = lift_time_.step_s();
-  if (!lifting_ || dt_s <= 0.0) return;
-  const auto command = lift_.step(dt_s, load_.wrench_W());
+  if (!lifting_ || dt_s <= 0.0 || !cycle_.running() || !view_.state.may_command) return;
+  if (cycle_.starts() != lift_starts_) {
+    lift_starts_ = cycle_.starts();
+    lift_.restart(cycle_.commanded());
+  }
+  const auto command = lift_.step(dt_s, load_.wrench_W(), cycle_.pace());
   view_.end_of_reach = !command;
   if (command) cycle_.servo(command->q_rad, command->tau_superposed_nm);
 }
@@ -95,6 +107,7 @@ const ArmView& ArmMotion::view() {
   view_.done = cycle_.done();
   view_.progress = cycle_.progress();
   view_.starts = cycle_.starts();
+  view_.slow = cycle_.slow();
   view_.blocked = cycle_.blockage();
   view_.wrench_W = load_.wrench_W();
   view_.load_n = load_.load_n();

@@ -16,7 +16,9 @@ struct ArmRequest {
   enum class Kind {
     Hold,        ///< Come to rest and stay.
     Follow,      ///< Run along `way`.
+    Resume,      ///< Go on along it, with `number` of its speed.
     Back,        ///< Run back along it, with `number` of its speed.
+    Slow,        ///< Slower from now on, when `number` is not 0; else no more.
     Unload,      ///< Superpose no torque any more: the hand is empty.
     StartTare,   ///< What is felt from now on ...
     EndTare,     ///< ... until now is nothing.
@@ -43,7 +45,8 @@ struct ArmView {
   double progress = 1.0;
   std::uint32_t starts = 0;
   ArmCycle::Blockage blocked;
-  bool way_refused = false;  ///< The last way could not be started.
+  bool way_refused = false;  ///< The last way could not be started, or not be taken up again.
+  bool slow = false;         ///< Goes slower than planned: the controller warns, or the task asked for it.
 
   // of what is felt
   std::optional<hal::Wrench> wrench_W;
@@ -67,7 +70,7 @@ struct ArmView {
 class ArmMotion {
  public:
   ArmMotion(const hal::RobotModel& model, const planner::ArmGeometry& arm, const TaskConfig& task,
-            const LoadConfig& load);
+            const LoadConfig& load, const CycleLimits& limits = {});
 
   /// What the controller measured, or why it did not.
   void measured(const hal::Result<hal::ArmState>& state);
@@ -81,12 +84,15 @@ class ArmMotion {
   [[nodiscard]] const ArmView& view();
 
  private:
+  /// Once in every cycle. A lift stands still with an arm that is not commanded, and goes on from where it
+  /// is.
   void serve_lift();
 
   ArmCycle cycle_;
   LoadEstimator load_;
   LiftController lift_;
   bool lifting_ = false, stopped_by_contact_ = false;
+  std::uint32_t lift_starts_ = 0;  ///< Of the cycle, when the lift began or went on.
   hal::CycleTime lift_time_;
   ArmView view_;
 };

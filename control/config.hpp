@@ -6,7 +6,12 @@
 #include "control/task_config.hpp"
 #include "hal/config/range.hpp"
 #include "hal/guarded_arm.hpp"
+#include "hal/guarded_camera.hpp"
 #include "hal/guarded_hand.hpp"
+#include "perception/calibration/calibrate.hpp"
+#include "perception/calibration/next_pose.hpp"
+#include "perception/calibration/pose_check.hpp"
+#include "perception/calibration/spot_finder.hpp"
 #include "perception/ground.hpp"
 #include "perception/noise_model.hpp"
 #include "perception/object_motion.hpp"
@@ -28,6 +33,8 @@ namespace colift::control {
 struct Config {
   std::string method = "fast";
   std::string hand_file;
+  std::string calibration_file;
+  std::string arm_mode = "full";
   perception::NoiseModel noise;
   perception::GroundConfig ground;
   perception::TargetConfig target;
@@ -46,12 +53,21 @@ struct Config {
   LoadConfig load;
   hal::GuardConfig guard_arm;
   hal::HandGuardConfig guard_hand;
+  hal::CameraGuardConfig guard_camera;
+  perception::CalibrationConfig calibration;
+  perception::PoseConfig calibration_poses;
+  perception::SpotConfig spot;
+  perception::PoseCheckConfig pose_check;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v("method", method, hal::Choices{"fast", "thesis"},
       "How CoLift sees and decides: its own way, or the thesis's.");
     v("hand_file", hand_file, "Description of the hand; empty: the built-in BarrettHand BH8-282.");
+    v("calibration_file", calibration_file,
+      "Result of colift calibrate: where the camera is; empty: as the scenario or --camera-pose says.");
+    v("arm_mode", arm_mode, hal::Choices{"full", "t1"},
+      "How fast the arm may be: as limits allow, or as the KRC's mode T1 does (0.24 rad/s in each joint).");
     v("noise", noise, "Depth noise of the camera.");
     v("ground", ground, "How the ground is found.");
     v("target", target, "Which object is the target.");
@@ -70,6 +86,11 @@ struct Config {
     v("load", load, "How the load is felt.");
     v("guard_arm", guard_arm, "The last gate before the arm.");
     v("guard_hand", guard_hand, "The last gate before the hand.");
+    v("guard_camera", guard_camera, "The last gate behind the camera.");
+    v("calibration", calibration, "How the camera's pose is calibrated, and when that is refused.");
+    v("calibration_poses", calibration_poses, "Poses of the arm for a calibration.");
+    v("spot", spot, "How the emitter is found in infrared images.");
+    v("pose_check", pose_check, "Whether the camera still is where its calibration says.");
   }
 };
 
@@ -80,6 +101,8 @@ struct Config {
   config.candidates.collision.unseen_fraction = 1.0;
   config.candidates.collision.max_unseen_m = 0.25;
   config.candidates.side_clearance_m = 0.03;
+  config.candidates.max_turn_deg = 40.0;
+  config.decision.max_lever_m = 0.065;
   return config;
 }
 

@@ -16,6 +16,12 @@ planner::ArmGeometry geometry_of(const hal::RobotModel& model) {
   return planner::arm_geometry(model).value();
 }
 
+CycleLimits cycle_limits(const Config& config) {
+  CycleLimits limits;
+  limits.velocity_rad_s = 0.9 * config.guard_arm.max_velocity_rad_s;
+  return limits;
+}
+
 }  // namespace
 
 Job::Job(hal::Robot& robot, const RigView& rig, const Config& config, const JobOptions& options,
@@ -28,7 +34,9 @@ Job::Job(hal::Robot& robot, const RigView& rig, const Config& config, const JobO
       geometry_(geometry_of(rig.model)),
       watch_(options.method, config_, rig, stopwatch),
       planner_(std::make_unique<planner::MotionPlanner>(rig.model, rig.hand, config.motion, options.seed)),
-      loop_(*robot.arm, rig.model, geometry_, config.task, config.load, options.drive) {}
+      loop_(*robot.arm, rig.model, geometry_, config.task, config.load, options.drive, cycle_limits(config)) {
+  if (options.recorded_views) loop_.play(options.recorded_views);
+}
 
 std::optional<Happening> Job::work() {
   switch (state_) {
@@ -77,8 +85,11 @@ bool Job::cycle(const JobHooks& hooks) {
   const auto trouble = emergency(hooks);
   if (trouble && next(state_, trouble->event)) {
     apply(*trouble, hooks);
-  } else if (const auto happening = work()) {
-    apply(*happening, hooks);
+  } else if (waits_for_arm()) {
+    doing_ = "the arm stands until its controller takes commands again";
+  } else {
+    if (cut_off_) take_up();
+    if (const auto happening = work()) apply(*happening, hooks);
   }
   loop_.end_cycle();
   if (loop_.view().refused_commands > 0 && !refusal_told_ && !is_end(state_)) {
@@ -86,6 +97,7 @@ bool Job::cycle(const JobHooks& hooks) {
     lose("arm", loop_.view().refusal.str());
   }
   if (now_ - told_ >= kTellEvery) tell(hooks);
+  if (hooks.cycle) hooks.cycle(loop_.view());
   return !is_end(state_);
 }
 
@@ -130,11 +142,9 @@ void Job::enter(Task from) {
     case Task::Approach:
       moved_ = true;
       ++approaches_;
-      leg_ = 0;
       loop_.start_tare();
       if (const auto opened = robot_.hand->preshape(0.0); !opened) lose("hand", opened.error().text());
-      starts_ = loop_.starts();
-      (void)follow(record_.plan->transit);
+      leg_ = follow(record_.plan->transit) ? 0 : -1;
       break;
     case Task::Halt:
       loop_.hold();

@@ -17,6 +17,8 @@ struct Happening {
   std::string detail;
 };
 
+constexpr double kBackSpeed = 0.6;  ///< Of the planned speed, on the way back.
+
 class Job {
  public:
   Job(hal::Robot& robot, const RigView& rig, const Config& config, const JobOptions& options,
@@ -30,6 +32,12 @@ class Job {
   RunRecord finish();
 
  private:
+  // arm.cpp: whether the arm is there, and what is done when it stood for a while
+  void read_arm();
+  void stand();
+  void take_up();
+  [[nodiscard]] bool waits_for_arm() const;
+
   // devices.cpp: what the devices say
   void read_devices();
   void read_camera();
@@ -48,6 +56,9 @@ class Job {
   /// Looks at a new frame for the partner; what he did, if anything.
   std::optional<perception::PartnerEvent> watch_partner();
   [[nodiscard]] bool choose();
+  /// Sets to Unreachable what the arm does not reach; where it does not get there straight, but at an angle
+  /// to the face, the candidate becomes that one.
+  void judge_reach(std::vector<planner::GraspCandidate>& candidates);
   void apply_refusals(std::vector<planner::GraspCandidate>& candidates) const;
 
   // with_object.cpp: from the closing hand to the way home
@@ -97,7 +108,11 @@ class Job {
   std::vector<float> last_depth_m_;
   hal::Timestamp frame_at_{0}, hand_at_{0}, reopen_at_{0};
   bool camera_lost_ = false, hand_silent_ = false, arm_silent_ = false, had_command_ = false;
-  std::string arm_trouble_, hand_trouble_;
+  std::optional<hal::Timestamp> stands_since_;  ///< The arm's controller takes no commands since.
+  std::uint32_t starts_ = 0;                    ///< Of the arm's cycle, as far as is known.
+  bool cut_off_ = false;                        ///< It began anew since the task looked last.
+  bool slow_ = false;
+  std::string arm_trouble_, hand_trouble_, hand_warning_;
 
   // before contact
   Watch watch_;
@@ -113,13 +128,13 @@ class Job {
   };
   std::vector<FailedGrip> failed_grips_;
   double see_ms_ = 0.0;
-  int leg_ =
-      0;  ///< Of the way there: 0 transit, 1 straight approach; of the way back: 2 braking, 3 back, 4 home.
+  /// Of the way there: -1 it could not begin, 0 transit, 1 straight approach; back: 2 braking, 3 back, 4
+  /// home.
+  int leg_ = 0;
   bool was_near_ = false;  ///< The way back began on the straight approach.
   bool moved_ = false;
   int approaches_ = 0;
   bool refusal_told_ = false;
-  std::uint32_t starts_ = 0;  ///< Of the arm cycle when the way began.
   Event off_because_ = Event::PartnerMoved;
   hal::Timestamp waits_since_{0};
 

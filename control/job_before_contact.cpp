@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "control/job.hpp"
 
@@ -16,7 +17,7 @@ constexpr double kSamePlace_m = 0.06;   // where a grip failed, none is tried ag
 constexpr double kSecondWait_s = 10.0;  // for a partner who was there already
 constexpr int kTries = 8;               // grasps for which a way is looked for
 constexpr int kApproaches = 5;          // a partner who changes his mind more often is left alone
-constexpr double kBackSpeed = 0.6;      // of the planned speed, on the way back
+constexpr double kDegree = std::numbers::pi / 180.0;
 
 std::string seconds_text(double s) {
   return fmt::format("{:.1f} s", s);
@@ -41,7 +42,8 @@ std::optional<Happening> Job::observe() {
       doing_ = seen.error().detail;
       return std::nullopt;
     }
-    return Happening{Event::NothingToCarry, seen.error().detail};
+    const bool camera_off = seen.error().where == kCameraOff;
+    return Happening{camera_off ? Event::CameraOff : Event::NothingToCarry, seen.error().detail};
   }
   Look& look = watch_.look();
   if (!look.scene.target) {
@@ -51,7 +53,7 @@ std::optional<Happening> Job::observe() {
   planner_->set_scene(std::make_shared<planner::CollisionScene>(planner::make_collision_scene(
                           watch_.map(), look.scene.ground->plane, {}, config_.motion.scene)),
                       watch_.map(), hal::Vec3::UnitZ());
-  planner_->judge(look.candidates, config_.task.lift_height_m);
+  judge_reach(look.candidates);
   look.because = planner::explain(look.candidates);
   record_.look = look;
   return Happening{Event::SceneKnown, look.because};
@@ -78,7 +80,9 @@ std::optional<Happening> Job::await_partner() {
   doing_ = partner_note_;
   const double patience = moved_ ? std::min(kSecondWait_s, config_.task.patience_s) : config_.task.patience_s;
   if (waited > patience)
-    return Happening{Event::NobodyCame, "nobody took hold of the object within " + seconds_text(waited)};
+    return Happening{Event::NobodyCame,
+                     fmt::format("nobody took hold of the object within {}{}{}", seconds_text(waited),
+                                 partner_note_.empty() ? "" : "; last seen: ", partner_note_)};
   return std::nullopt;
 }
 
@@ -93,11 +97,32 @@ void Job::apply_refusals(std::vector<planner::GraspCandidate>& candidates) const
         c.verdict = planner::Verdict::Unstable, c.because = f.why;
 }
 
+void Job::judge_reach(std::vector<planner::GraspCandidate>& candidates) {
+  const double lift = config_.task.lift_height_m;
+  planner_->judge(candidates, lift);
+  const Look& look = watch_.look();
+  if (look.method != Method::Fast || !look.finder) return;
+  const double step = config_.candidates.turn_step_deg, most = config_.candidates.max_turn_deg;
+  for (planner::GraspCandidate& c : candidates) {
+    if (c.verdict != planner::Verdict::Unreachable) continue;
+    for (double turn = step; turn <= most && c.verdict == planner::Verdict::Unreachable; turn += step) {
+      for (const double side : {1.0, -1.0}) {
+        auto other = look.finder->turned(c, side * turn * kDegree);
+        if (!other || other->verdict != planner::Verdict::Ok || !planner_->reach(*other, lift)) continue;
+        other->because =
+            fmt::format("the hand comes at {:.0f} deg to the face: straight, {}", turn, c.because);
+        c = *std::move(other);
+        break;
+      }
+    }
+  }
+}
+
 bool Job::choose() {
   const auto grasp = watch_.tracker().grasp();
   if (!grasp) return false;
   const Judge reach = [this](std::vector<planner::GraspCandidate>& more) {
-    planner_->judge(more, config_.task.lift_height_m);
+    judge_reach(more);
     apply_refusals(more);
   };
   apply_refusals(watch_.look().candidates);
@@ -175,14 +200,14 @@ std::optional<Happening> Job::approach() {
     return Happening{moved ? Event::PartnerMoved : Event::PartnerLetGo, event->because};
   }
   if (loop_.blocked()) return Happening{Event::Blocked, loop_.why_blocked()};
-  if (loop_.starts() != starts_)
-    return Happening{Event::Blocked, "the arm's controller interrupted the motion"};
+  if (leg_ < 0) return Happening{Event::Blocked, failed_because_};
   const double whole = plan.transit.duration_s() + plan.approach.duration_s();
   const double behind = leg_ == 0 ? loop_.progress() * plan.transit.duration_s()
                                   : plan.transit.duration_s() + loop_.progress() * plan.approach.duration_s();
   done_ = whole > 0.0 ? behind / whole : 1.0;
   doing_ = leg_ == 0 ? "on the way to the pre-grasp" : "straight to the grasp";
-  if (in_state_s() > 2.0 * whole + 5.0) return Happening{Event::TimeOut, "the way takes too long"};
+  if (in_state_s() > 2.0 * whole / config_.task.slow_part + 5.0)
+    return Happening{Event::TimeOut, "the way takes too long"};
   if (hand_.moving || !loop_.done()) return std::nullopt;
   if (leg_ == 0) {
     leg_ = 1;

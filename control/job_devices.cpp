@@ -11,7 +11,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int kArmMisses = 20;  // cycles in a row; Franka stops at 20 too
 constexpr hal::Duration kHandSilent = 200ms;
 constexpr hal::Duration kCameraSilent = 300ms;
 constexpr hal::Duration kReopenEvery = 2s;  // a camera that is gone is asked for no more often
@@ -29,15 +28,22 @@ bool same_pixels(const std::vector<float>& a, const std::vector<float>& b) {
 }  // namespace
 
 hal::Result<> Job::start_devices() {
-  hal::Device* const devices[] = {robot_.camera.get(), robot_.hand.get(), robot_.arm.get()};
-  for (hal::Device* device : devices) {
+  // a hand takes seconds to wake and to find its stops, and the arm's controller asks for answers all the
+  // time: an arm with a thread of its own comes first, one that is served between the others' work comes last
+  const bool arm_first = options_.drive == Drive::Thread;
+  const auto start_arm = [this]() -> hal::Result<> {
+    if (auto ok = robot_.arm->configure(); !ok) return ok;
+    return loop_.start();  // activates it, in the thread that answers its cycles
+  };
+  if (arm_first)
+    if (auto started = start_arm(); !started) return started;
+  hal::Device* const others[] = {robot_.camera.get(), robot_.hand.get()};
+  for (hal::Device* device : others)
     if (auto ok = device->configure(); !ok) return ok;
-  }
-  for (hal::Device* device : devices) {
-    if (device == robot_.arm.get()) continue;  // activated by its loop, in the thread that answers its cycles
+  for (hal::Device* device : others)
     if (auto ok = device->activate(); !ok) return ok;
-  }
-  if (auto started = loop_.start(); !started) return started;
+  if (!arm_first)
+    if (auto started = start_arm(); !started) return started;
   record_.realtime = loop_.realtime();
   began_ = now_ = since_ = frame_at_ = hand_at_ = waits_since_ = robot_.clock->now();
   wall_start_ = stopwatch_.now();
@@ -54,32 +60,18 @@ void Job::lose(const std::string& device, const std::string& what) {
 }
 
 void Job::read_devices() {
-  loop_.begin_cycle();
-  const ArmView& view = loop_.view();
-  arm_ = view.state;
-  if (view.misses == 0 && had_command_ && !arm_.may_command) {
-    // whatever took the command away, a person has to look first
-    if (!arm_silent_) {
-      arm_trouble_ = "the arm's controller takes no commands any more: " + robot_.arm->health().last_error;
-      lose("arm", arm_trouble_);
-    }
-    arm_silent_ = true;
-  } else if (view.misses == 0) {
-    had_command_ = arm_.may_command;
-    arm_silent_ = false;
-  } else {
-    arm_trouble_ = view.trouble.str();
-    const bool gone = view.link_lost || view.misses >= kArmMisses;
-    if (gone && !arm_silent_) lose("arm", arm_trouble_);
-    arm_silent_ = arm_silent_ || gone;
-  }
-  now_ = robot_.clock->now();
+  read_arm();
 
   if (auto state = robot_.hand->state()) {
     hand_ = *state;
     hand_at_ = now_;
     if (hand_silent_) lose("hand", "answers again");
     hand_silent_ = false;
+    if (auto warning = hand_.warning.str(); warning != hand_warning_) {
+      hand_warning_ = std::move(warning);
+      if (!hand_warning_.empty()) lose("hand", hand_warning_);
+      loop_.go_slow(!hand_warning_.empty());
+    }
   } else {
     hand_trouble_ = state.error().text();
     const bool gone = state.error().code != hal::ErrorCode::Timeout || now_ - hand_at_ > kHandSilent;
@@ -107,8 +99,9 @@ void Job::read_camera() {
   if (!camera_lost_ && (unplugged || now_ - frame_at_ > kCameraSilent)) {
     camera_lost_ = true;
     reopen_at_ = now_ + kReopenEvery;
-    lose("camera", unplugged ? frame.error().text()
-                             : fmt::format("no picture for {:.1f} s", hal::seconds(now_ - frame_at_)));
+    const bool told = !frame && frame.error().code != hal::ErrorCode::Timeout;  // unplugged, moved
+    lose("camera", told ? frame.error().text()
+                        : fmt::format("no picture for {:.1f} s", hal::seconds(now_ - frame_at_)));
   }
   if (camera_lost_ && unplugged && now_ >= reopen_at_) {
     reopen_at_ = now_ + kReopenEvery;
@@ -121,6 +114,7 @@ std::optional<Happening> Job::emergency(const JobHooks& hooks) {
   if (arm_silent_) return Happening{Event::ArmLost, arm_trouble_};
   if (hand_silent_) return Happening{Event::HandLost, hand_trouble_};
   if (camera_lost_) return Happening{Event::CameraLost, "the camera gives no picture"};
+  if (hand_.hot && !is_loaded(state_)) return Happening{Event::HandUnfit, hand_.warning.str()};
   return std::nullopt;
 }
 

@@ -12,6 +12,7 @@ namespace colift::control {
 namespace {
 
 constexpr double kHandPatience_s = 8.0;  // initialisation and full strokes take under 4 s
+constexpr double kOpen_rad = 0.1;
 constexpr double kSettle_s = 0.3;        // after a motion, before its end is believed
 constexpr double kLeaderRise_m = 0.008;  // the partner's end rose by this: he leads
 constexpr double kFingerTolerance_rad = 0.45;
@@ -92,6 +93,8 @@ void Job::watch_object() {
 std::optional<Happening> Job::await_ready() {
   watch_object();
   doing_ = "watches whether the partner is ready";
+  if (!hand_.held) return Happening{Event::HandEmpty, "the hand has lost the object"};
+  if (hand_.hot) return Happening{Event::GripBad, hand_.warning.str()};
   if (motion_ && partner_rise_m_ > kLeaderRise_m) {
     role_ = LiftController::Role::Follow;
     return Happening{
@@ -114,6 +117,9 @@ std::optional<Happening> Job::await_ready() {
 
 std::optional<Happening> Job::beyond_limits() const {
   if (!hand_.held) return Happening{Event::HandEmpty, "the hand has lost the object"};
+  // it has gripped up by itself already
+  if (hand_.slips) return Happening{Event::HandUnfit, "the fingers feel the object slip"};
+  if (hand_.hot) return Happening{Event::HandUnfit, hand_.warning.str()};
   if (tilting_ >= kInARow)
     return Happening{Event::LimitReached, fmt::format("the object tilts by {:.1f} deg (limit {:.1f})",
                                                       deg(tilt_rad_), config_.task.max_tilt_deg)};
@@ -193,6 +199,10 @@ std::optional<Happening> Job::release() {
   doing_ = "the fingers open";
   if (in_state_s() > kHandPatience_s) return Happening{Event::TimeOut, "the hand does not open"};
   if (hand_.moving || hand_.held || in_state_s() < 0.2) return std::nullopt;
+  // a finger that stayed around the object would drag it along
+  const bool open = std::all_of(hand_.finger_rad.begin(), hand_.finger_rad.end(),
+                                [](double rad) { return rad < kOpen_rad; });
+  if (!open) return std::nullopt;
   return Happening{Event::HandOpen, ""};
 }
 
@@ -203,7 +213,9 @@ void Job::back_to_pre_grasp() {
   const double s = way.duration_s();
   constexpr int kPoints = 12;
   for (int i = 1; i <= kPoints; ++i) points.push_back(way.sample(s * i / kPoints).q_rad);
-  auto back = planner::make_trajectory_along(points, planner::MotionLimits{}, s);
+  planner::MotionLimits limits;
+  limits.velocity_rad_s = limits.velocity_rad_s.cwiseMin(0.9 * config_.guard_arm.max_velocity_rad_s);
+  auto back = planner::make_trajectory_along(points, limits, s);
   if (!back || !follow(*back)) failed_because_ = back ? failed_because_ : back.error().detail;
 }
 

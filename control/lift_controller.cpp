@@ -13,6 +13,7 @@ constexpr double kFollowAcceleration_m_s2 = 0.4;
 constexpr double kLimitMargin_rad = 0.02;
 constexpr double kLargestStep_rad = 0.05;  // in one cycle; more is a jump to another posture
 constexpr double kAtRest_m = 0.002;
+constexpr double kLeastSpan = 0.25;  // of the time of a whole lift: for what is left of one
 
 // height along a minimum-jerk profile from 0 to 1
 double minimum_jerk(double s) {
@@ -33,21 +34,35 @@ void LiftController::start(const hal::JointVector& q_commanded_rad) {
   fed_ = {};
 }
 
-void LiftController::lift(Role role) {
-  role_ = role;
+void LiftController::aim(double to_m) {
+  at_end_ = false;
   from_m_ = height_m_;
-  to_m_ = config_.lift_height_m;
+  to_m_ = to_m;
   time_s_ = 0.0;
   span_s_ = config_.lift_s;
 }
 
+void LiftController::lift(Role role) {
+  role_ = role;
+  aim(config_.lift_height_m);
+}
+
 void LiftController::lower() {
   // who followed up follows down; but the ground is reached in any case
-  from_m_ = height_m_;
-  to_m_ = 0.0;
-  time_s_ = 0.0;
-  span_s_ = config_.lift_s;
+  aim(0.0);
   role_ = Role::Lead;
+}
+
+void LiftController::restart(const hal::JointVector& q_commanded_rad) {
+  const double floor_m = X_WF0_.translation().z();
+  q_rad_ = q_commanded_rad;
+  X_WF0_ = planner::flange_pose(arm_, q_commanded_rad);
+  height_m_ = X_WF0_.translation().z() - floor_m;
+  X_WF0_.translation().z() = floor_m;
+  speed_m_s_ = 0.0;
+  aim(to_m_);
+  const double part = std::abs(to_m_ - from_m_) / std::max(config_.lift_height_m, 1e-3);
+  span_s_ *= std::clamp(part, kLeastSpan, 1.0);
 }
 
 double LiftController::next_height(double dt_s) {
@@ -68,12 +83,19 @@ bool LiftController::at_rest() const {
 }
 
 std::optional<LiftController::Command> LiftController::step(double dt_s,
-                                                            const std::optional<hal::Wrench>& felt) {
-  height_m_ = next_height(dt_s);
+                                                            const std::optional<hal::Wrench>& felt,
+                                                            double pace) {
+  if (at_end_) return std::nullopt;
+  const double before_m = height_m_;
+  height_m_ = next_height(pace * dt_s);
   hal::Pose X_WF = X_WF0_;
   X_WF.translation().z() += height_m_;
   const auto q = planner::follow_ik(arm_, X_WF, q_rad_, kLimitMargin_rad, kLargestStep_rad);
-  if (!q) return std::nullopt;
+  if (!q) {
+    height_m_ = before_m;  // the way down begins here
+    at_end_ = true;        // what lies behind may be in reach again, but not by the way that the palm goes
+    return std::nullopt;
+  }
   q_rad_ = *q;
 
   if (felt) {

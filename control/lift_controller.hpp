@@ -29,19 +29,25 @@ class LiftController {
 
   void lift(Role role);
   void lower();
+  /// The arm was cut off and stands here, at rest: goes on to the same height from where it is, without a
+  /// step. What little it was turned or shifted by stays.
+  void restart(const hal::JointVector& q_commanded_rad);
 
   /// How far the partner's end of the object has risen, whenever it was seen (m).
   void see_partner(double rise_m) { partner_rise_m_ = rise_m; }
 
-  /// One cycle of `dt_s`; `felt` is the wrench of the environment on the hand about the palm, in W. nullopt
-  /// when the arm cannot follow: a joint limit or a singularity lies on the way.
-  [[nodiscard]] std::optional<Command> step(double dt_s, const std::optional<hal::Wrench>& felt);
+  /// One cycle of `dt_s`; `felt` is the wrench of the environment on the hand about the palm, in W; `pace` is
+  /// the part of its speed that the palm moves with. nullopt when the arm cannot follow: a joint limit or a
+  /// singularity lies on the way.
+  [[nodiscard]] std::optional<Command> step(double dt_s, const std::optional<hal::Wrench>& felt,
+                                            double pace = 1.0);
 
   [[nodiscard]] double height_m() const { return height_m_; }  ///< Commanded, over where the hand closed.
   [[nodiscard]] bool at_rest() const;                          ///< The commanded height has reached its goal.
   [[nodiscard]] Role role() const { return role_; }
 
  private:
+  void aim(double to_m);
   [[nodiscard]] double next_height(double dt_s);
 
   const hal::RobotModel* model_;
@@ -53,7 +59,8 @@ class LiftController {
   double height_m_ = 0.0, speed_m_s_ = 0.0;
   double from_m_ = 0.0, to_m_ = 0.0, time_s_ = 0.0, span_s_ = 0.0;  ///< Of the profile.
   double partner_rise_m_ = 0.0;
-  hal::Wrench fed_;  ///< Low-pass of what is felt, without the horizontal forces.
+  bool at_end_ = false;  ///< Of the reach, until another height is asked for.
+  hal::Wrench fed_;      ///< Low-pass of what is felt, without the horizontal forces.
 };
 
 }  // namespace colift::control

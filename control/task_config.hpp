@@ -18,6 +18,8 @@ struct TaskConfig {
   double max_slip_m = 0.02;
   double max_load_n = 60.0;
   double contact_n = 30.0;
+  double slow_part = 0.3;
+  double arm_patience_s = 1.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -37,6 +39,10 @@ struct TaskConfig {
       "Greatest load of the arm (N); it bears 7 kg with its hand.");
     v("contact_n", contact_n, hal::Range{1, 200},
       "Force that counts as an unexpected contact on the way (N).");
+    v("slow_part", slow_part, hal::Range{0.05, 1},
+      "Part of its speed that the arm goes on with while its controller warns.");
+    v("arm_patience_s", arm_patience_s, hal::Range{0, 30},
+      "How long the arm may stand because its controller takes no commands, before the job ends (s).");
   }
 };
 

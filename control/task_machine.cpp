@@ -12,6 +12,9 @@ using enum Event;
 
 // reasons that several states share
 constexpr std::string_view kArmGone = "the arm does not answer or reports a fault; it has stopped by itself";
+constexpr std::string_view kUnfit = "the hand may not grip now";
+constexpr std::string_view kHoldsBadly =
+    "the hand may not hold on for long: holds, the grip stays closed; lower the object on request";
 constexpr std::string_view kHandGone = "the hand does not answer; its fingers stay where they are";
 constexpr std::string_view kAsked = "interrupted before the arm set out";
 constexpr std::string_view kAskedOnTheWay = "interrupted; the arm comes to rest and holds";
@@ -27,6 +30,7 @@ constexpr auto kRules = std::to_array<Rule>({
     // looking: nothing has moved yet
     {Observe, SceneKnown, AwaitPartner, "there is something to carry, and places to grasp it"},
     {Observe, NothingToCarry, Refused, "nothing that could be carried was seen"},
+    {Observe, CameraOff, Refused, "what is seen does not fit the robot"},
     {Observe, TimeOut, Refused, "the camera gave no usable picture in time"},
     {Observe, ArmLost, Stopped, kArmGone},
     {Observe, HandLost, Stopped, kHandGone},
@@ -37,6 +41,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {AwaitPartner, TimeOut, Refused, "waited long enough for a partner"},
     {AwaitPartner, ArmLost, Stopped, kArmGone},
     {AwaitPartner, HandLost, Stopped, kHandGone},
+    {AwaitPartner, HandUnfit, Refused, kUnfit},
     {AwaitPartner, Interrupted, Refused, kAsked},
 
     {Decide, GraspChosen, Plan, "a reachable grasp shares the load as wished"},
@@ -47,6 +52,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Decide, TimeOut, Refused, "the decision took too long"},
     {Decide, ArmLost, Stopped, kArmGone},
     {Decide, HandLost, Stopped, kHandGone},
+    {Decide, HandUnfit, Refused, kUnfit},
     {Decide, Interrupted, Refused, kAsked},
 
     {Plan, PlanReady, Approach, "there is a way to the grasp that touches nothing"},
@@ -57,6 +63,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Plan, TimeOut, Refused, "planning took too long"},
     {Plan, ArmLost, Stopped, kArmGone},
     {Plan, HandLost, Stopped, kHandGone},
+    {Plan, HandUnfit, Refused, kUnfit},
     {Plan, Interrupted, Refused, kAsked},
 
     // on the way, hand open
@@ -68,6 +75,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Approach, TimeOut, Stopped, "the arm did not arrive in time; holds"},
     {Approach, ArmLost, Stopped, kArmGone},
     {Approach, HandLost, Stopped, kHandGone},
+    {Approach, HandUnfit, BackOff, "the hand may not grip now: goes back"},
     {Approach, Interrupted, Stopped, kAskedOnTheWay},
 
     {Halt, CameraBack, BackOff, "sees again: goes back, then looks and plans anew"},
@@ -113,6 +121,8 @@ constexpr auto kRules = std::to_array<Rule>({
     {AwaitReady, PartnerLetGo, Release,
      "the partner let go before the lift: opens, the object stands on the ground"},
     {AwaitReady, HandEmpty, Release, "the grip is lost: opens, the object stands on the ground"},
+    {AwaitReady, GripBad, Release,
+     "the grip is not good enough to lift: opens, the object stands on the ground"},
     {AwaitReady, Blocked, Stopped, kPulled},
     {AwaitReady, TimeOut, Release, "the partner was never ready: opens, the object stands on the ground"},
     {AwaitReady, ArmLost, Stopped, kArmGone},
@@ -128,6 +138,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Lift, Blocked, Stopped, kPulled},
     {Lift, ArmLost, Stopped, kArmGone},
     {Lift, HandLost, Stopped, kHandGone},
+    {Lift, HandUnfit, Stopped, kHoldsBadly},
     {Lift, Interrupted, Stopped, kAskedLoaded},
 
     {Hold, HoldOver, Lower, "held as long as wished"},
@@ -138,6 +149,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Hold, Blocked, Stopped, kPulled},
     {Hold, ArmLost, Stopped, kArmGone},
     {Hold, HandLost, Stopped, kHandGone},
+    {Hold, HandUnfit, Stopped, kHoldsBadly},
     {Hold, Interrupted, Stopped, kAskedLoaded},
 
     {Lower, OnGround, Release, "the object stands on the ground again"},
@@ -241,6 +253,8 @@ std::string_view word(Event event) {
       return "scene known";
     case NothingToCarry:
       return "nothing to carry";
+    case CameraOff:
+      return "camera off";
     case PartnerGrasped:
       return "partner grasped";
     case PartnerMoved:
@@ -293,6 +307,8 @@ std::string_view word(Event event) {
       return "camera back";
     case ArmLost:
       return "arm lost";
+    case HandUnfit:
+      return "hand unfit";
     case HandLost:
       return "hand lost";
     case Interrupted:

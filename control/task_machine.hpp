@@ -33,6 +33,7 @@ enum class Task {
 enum class Event {
   SceneKnown,
   NothingToCarry,
+  CameraOff,  ///< CameraOff: ground or arm are seen where they cannot be; the calibration does not fit.
   PartnerGrasped,
   PartnerMoved,
   PartnerLetGo,
@@ -60,6 +61,7 @@ enum class Event {
   CameraBack,
   ArmLost,
   HandLost,
+  HandUnfit,  ///< It works, but may not grip now, or not hold on for long.
   Interrupted,
   TimeOut,
 };

@@ -35,6 +35,7 @@ struct JobHooks {
   std::function<void(const JobStatus&)>
       status;                               ///< Every 33 ms of the robot's time, and at each change of state.
   std::function<void(Task, Task)> changed;  ///< From, to: the moment for whoever keeps a diary.
+  std::function<void(const ArmView&)> cycle;  ///< A cycle of the task is over; the arm as it left it.
 };
 
 struct JobOptions {
@@ -43,6 +44,8 @@ struct JobOptions {
   bool dry_run = false;        ///< Sees, decides and plans, moves nothing.
   double known_mass_kg = 0.0;  ///< Of the object, when somebody knows it; 0: estimated from the load.
   Drive drive = Drive::InStep;
+  /// Replay of a run whose arm had a thread of its own: the view of each cycle of the task (ArmLoop::play).
+  std::function<void(ArmView&)> recorded_views = {};
 };
 
 /// Does the whole job once: sees, waits for the partner, decides, plans, approaches, closes, lifts together,

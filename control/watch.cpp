@@ -17,6 +17,9 @@ namespace {
 
 using perception::PartnerKind;
 
+// the thesis's chain takes some 130 ms a frame: at 30 frames a second it gets every fourth
+[[maybe_unused]] constexpr int kThesisEvery = 4;
+
 bool shows_anything(const hal::DepthFrame& frame) {
   if (frame.depth_m.size() !=
       static_cast<std::size_t>(frame.intrinsics.width) * static_cast<std::size_t>(frame.intrinsics.height))
@@ -36,6 +39,8 @@ struct Watch::Impl {
   const hal::Clock& stopwatch;
 
   std::vector<hal::DepthFrame> frames;
+  std::optional<hal::DepthFrame> with_robot;  ///< The first of them, before the robot was taken out.
+  RobotPosture robot_then;
   std::optional<perception::SelfFilter> filter;
   Look look;
   perception::WorldMap map;
@@ -45,6 +50,8 @@ struct Watch::Impl {
   std::vector<Eigen::Vector3f> partner_points;
 #ifdef COLIFT_THESIS
   perception::PclCloud thesis_before;
+  int thesis_frames = 0;
+  perception::PartnerSighting thesis_last;
 #endif
 
   // the robot's own pixels are nobody's
@@ -95,11 +102,14 @@ struct Watch::Impl {
   hal::Result<perception::PartnerSighting> sight_thesis(
       [[maybe_unused]] const perception::OrganisedCloud& cloud) {
 #ifdef COLIFT_THESIS
+    // between two of its frames what it saw last still counts
+    if (thesis_frames++ % kThesisEvery != 0) return thesis_last;
     perception::PartnerSighting sighting;
     const auto now = perception::thesis_cloud(cloud, config.thesis);
     sighting.grasp = perception::thesis_partner(thesis_before, now, look.scene.target->points, config.thesis,
                                                 &sighting.because);
     sighting.kind = sighting.grasp ? PartnerKind::Grasp : PartnerKind::None;
+    thesis_last = sighting;
     return sighting;
 #else
     return hal::failure(hal::ErrorCode::BadConfig, "method",
@@ -114,6 +124,10 @@ Watch::~Watch() = default;
 
 void Watch::add_reference(hal::DepthFrame frame, const RobotPosture& robot) {
   if (!shows_anything(frame)) return;
+  if (impl_->frames.empty() && impl_->config.pose_check.on) {
+    impl_->with_robot = frame;
+    impl_->robot_then = robot;
+  }
   impl_->hide_robot(frame, robot);
   impl_->frames.push_back(std::move(frame));
 }
@@ -140,6 +154,14 @@ hal::Result<> Watch::understand(const RobotPosture& robot) {
   if (!seen) return tl::unexpected(seen.error());
   i.look = std::move(*seen);
   i.frames.clear();
+  if (i.with_robot) {
+    std::optional<hal::Plane> ground;
+    if (i.look.scene.ground) ground = i.look.scene.ground->plane;
+    const auto check = perception::check_pose(*i.with_robot, i.rig.X_WC, ground, i.rig.model, i.robot_then.q_rad,
+                                              i.robot_then.hand, i.config.pose_check);
+    i.with_robot.reset();
+    if (!check.good) return hal::failure(hal::ErrorCode::BadConfig, kCameraOff, check.because);
+  }
   if (!i.look.scene.target || !i.look.scene.ground) return {};
   if (auto made = i.make_finders(*reference); !made) return made;
   i.make_map(robot);

@@ -37,6 +37,9 @@ struct Sight {
   double compute_ms = 0.0;
 };
 
+/// `where` of the error when the camera is not where its calibration says.
+inline constexpr const char* kCameraOff = "calibration";
+
 /// Everything that the camera tells during one job: first the scene (several frames averaged, the robot's own
 /// pixels removed), then frame by frame where the partner's hands are, then how the object moves. One job,
 /// one thread.

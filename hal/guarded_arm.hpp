@@ -12,6 +12,7 @@ namespace colift::hal {
 struct GuardConfig {
   double limit_margin_deg = 1.0;
   double velocity_part = 1.0;
+  double max_velocity_rad_s = 4.0;
   double acceleration_rad_s2 = 15.0;
   double max_stiffness_nm_rad = 2000.0;
   double max_superposed_nm = 60.0;
@@ -23,6 +24,7 @@ struct GuardConfig {
     v("limit_margin_deg", limit_margin_deg, Range{0, 20}, "No command comes nearer to a joint limit (deg).");
     v("velocity_part", velocity_part, kFraction,
       "Part of the joints' velocity limits that commands may use.");
+    v("max_velocity_rad_s", max_velocity_rad_s, kPositive, "No joint is commanded faster (rad/s).");
     v("acceleration_rad_s2", acceleration_rad_s2, kPositive, "Greatest acceleration of commands (rad/s^2).");
     v("max_stiffness_nm_rad", max_stiffness_nm_rad, kPositive, "Greatest joint stiffness (N m/rad).");
     v("max_superposed_nm", max_superposed_nm, kNotNegative, "Greatest superposed torque (N m).");

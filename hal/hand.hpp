@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "hal/device.hpp"
+#include "hal/types/short_text.hpp"
 #include "hal/types/time.hpp"
 
 namespace colift::hal {
@@ -20,7 +21,10 @@ struct HandState {
   std::array<double, kFingers> torque_nm{};    ///< Fingertip torque from the strain gauges; NaN without them.
   std::array<double, kFingers> tip_force_n{};  ///< Sum over the tactile pad; NaN without tactile sensors.
   bool moving = false;
-  bool held = false;  ///< The last close() ended on contact and the grip has not been released since.
+  bool held = false;    ///< The last close() ended on contact and the grip has not been released since.
+  bool slips = false;   ///< The held object moves in the grip: an alarm until release().
+  bool hot = false;     ///< Too hot to grip: close() is refused; what is held is to be set down.
+  ShortText warning{};  ///< Of a hand that works all the same: warm, over torque, a bus with errors.
 };
 
 /// A three-finger hand whose fingers hold their position when unpowered (worm gears).

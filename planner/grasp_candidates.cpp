@@ -13,6 +13,8 @@ using perception::Cylinder;
 using perception::Rectangle;
 using perception::Scene;
 
+constexpr double kLeastHold_m = 0.03;  // pads stay this far behind the face, with which they then still bear
+constexpr double kWorthAnother_m = 0.01;  // of depth, for a candidate of its own
 constexpr double kSameDirection = 0.866;  // 30 degrees
 
 GraspCandidate on_line(const GraspLine& line, const Vec3& position) {
@@ -164,17 +166,31 @@ std::vector<GraspCandidate> CandidateFinder::near(const Vec3& point,
              other.approach.dot(c.approach) > 0.999 && std::abs(other.closing.dot(c.closing)) > 0.999;
     });
   };
-  for (const Foot& foot : feet) {
-    GraspCandidate c = on_line(lines_[foot.line], foot.position);
-    if (is_known(existing, c) || is_known(found, c)) continue;
-    if (c.kind == GraspKind::Edge &&
-        (repeats_ega5(c, existing, 0.5 * config_.step_m) || repeats_ega5(c, found, 0.5 * config_.step_m))) {
-      continue;
-    }
+  const auto add = [&](GraspCandidate c) {
     judge(c);
     if (config_.pads_bear) c.depth_m = pad_depth(c, hand_);
     c.id = next_id++;
     found.push_back(std::move(c));
+  };
+  for (const Foot& foot : feet) {
+    GraspCandidate c = on_line(lines_[foot.line], foot.position);
+    if (c.kind == GraspKind::Edge &&
+        (repeats_ega5(c, existing, 0.5 * config_.step_m) || repeats_ega5(c, found, 0.5 * config_.step_m))) {
+      continue;
+    }
+    const bool known = is_known(existing, c) || is_known(found, c);
+    // the hand usually reaches far behind the face; where the load is wanted nearer, it stays farther out
+    const double depth = pad_depth(c, hand_);
+    const double wanted = std::max((point - c.position).dot(c.approach), kLeastHold_m);
+    if (config_.pads_bear && c.kind != GraspKind::Wrap && wanted < depth - kWorthAnother_m) {
+      GraspCandidate shallow = c;
+      shallow.gap_m = hand_.gap(c) + depth - wanted;
+      const bool had = std::any_of(existing.begin(), existing.end(), [&](const GraspCandidate& other) {
+        return other.gap_m && std::abs(*other.gap_m - *shallow.gap_m) < 0.002 && is_known({other}, c);
+      });
+      if (!had) add(std::move(shallow));
+    }
+    if (!known) add(std::move(c));
   }
   return found;
 }
@@ -214,6 +230,26 @@ std::optional<Collision> CandidateFinder::beside(const GraspCandidate& candidate
   return std::nullopt;
 }
 
+std::optional<GraspCandidate> CandidateFinder::turned(const GraspCandidate& candidate,
+                                                      double angle_rad) const {
+  constexpr double kPalmClear_m = 0.006;
+  if (candidate.kind == GraspKind::Wrap) return std::nullopt;
+  GraspCandidate c = candidate;
+  c.verdict = Verdict::Ok;
+  c.because.clear();
+  c.miss_m.reset();
+  c.approach = Eigen::AngleAxisd(angle_rad, candidate.closing.normalized()) * candidate.approach;
+  const double lean = std::tan(std::abs(angle_rad));
+  double corner = 0.0, finger = 0.0;
+  if (!hand_.cuboids.empty()) corner = 0.5 * hand_.cuboids.front().size_m.x();
+  for (const HandFinger& f : hand_.fingers) finger = std::max(finger, std::abs(f.x_m));
+  c.gap_m = std::max(hand_.gap(candidate), kPalmClear_m + corner * lean);
+  if (*c.gap_m > hand_.largest_gap(c) - finger * lean) return std::nullopt;
+  judge(c);
+  if (config_.pads_bear) c.depth_m = pad_depth(c, hand_);
+  return c;
+}
+
 void CandidateFinder::judge(GraspCandidate& candidate) const {
   auto met = collides(candidate, std::numeric_limits<double>::infinity());
   const GraspCandidate first = candidate;
@@ -231,7 +267,7 @@ void CandidateFinder::judge(GraspCandidate& candidate) const {
     const auto raised = raised_gap(first, *met);
     if (raised) attempt(first.closing, raised);
     if (config_.try_both_ways && !same_when_turned(*met)) {
-      attempt(-first.closing, std::nullopt);
+      attempt(-first.closing, first.gap_m);
       if (raised) attempt(-first.closing, raised);
     }
   }

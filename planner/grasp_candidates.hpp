@@ -35,6 +35,8 @@ struct CandidateConfig {
   double wrap_step_deg = 30.0;
   bool try_both_ways = true;
   int refine_lines = 4;
+  double turn_step_deg = 20.0;
+  double max_turn_deg = 0.0;
   CollisionConfig collision;
   StabilityConfig stability;
 
@@ -67,6 +69,11 @@ struct CandidateConfig {
     v("try_both_ways", try_both_ways, "Whether the hand is turned by half a turn where it collides.");
     v("refine_lines", refine_lines, hal::Range{0, 100},
       "How many surface lines get a candidate near a given point.");
+    v("turn_step_deg", turn_step_deg, hal::Range{1, 90},
+      "Step of the angles at which the hand comes to a face where the arm does not get there straight "
+      "(deg).");
+    v("max_turn_deg", max_turn_deg, hal::Range{0, 60},
+      "Largest such angle; 0: the hand always comes straight (deg).");
     v("collision", collision, "When the hand collides.");
     v("stability", stability, "When a grasp slips.");
   }
@@ -97,10 +104,16 @@ class CandidateFinder {
   [[nodiscard]] std::vector<GraspCandidate> near(const Vec3& point,
                                                  const std::vector<GraspCandidate>& existing) const;
 
+  /// The same grasp taken at an angle to the face: the hand turned by `angle_rad` about its closing axis, so
+  /// that the pads stay parallel to what they hold, and the palm as much farther away as its corner needs.
+  /// Judged like the others. None for a cylinder, or where the fingers would not reach deep enough.
+  [[nodiscard]] std::optional<GraspCandidate> turned(const GraspCandidate& candidate, double angle_rad) const;
+
   /// Sets verdict, reason and stability. Tries the hand turned by half a turn, and where fingers would meet
   /// the ground also a palm farther away, and keeps the first free way.
   void judge(GraspCandidate& candidate) const;
 
+  [[nodiscard]] const CandidateConfig& config() const { return config_; }
   [[nodiscard]] const std::vector<GraspLine>& lines() const { return lines_; }
   [[nodiscard]] const CompletedSolids& solids() const { return solids_; }
   [[nodiscard]] const Obstacles& obstacles() const { return obstacles_; }

@@ -15,6 +15,14 @@ void refuse(GraspCandidate& c, Verdict verdict, std::string why) {
   c.because = std::move(why);
 }
 
+// how far the centre of gravity lies beside the vertical plane through both hands (m)
+double lever_of(const GraspCandidate& c, const DecisionInput& in) {
+  const Vec3 line = c.position + c.depth_m * c.approach - in.partner.position;
+  const Vec3 level = line - in.up * in.up.dot(line);
+  if (level.norm() < 1e-6) return 0.0;
+  return std::abs((in.cog - in.partner.position).dot(in.up.cross(level.normalized())));
+}
+
 // what speaks against a candidate before any load is computed
 void judge_geometry(GraspCandidate& c, const DecisionInput& in, const DecisionConfig& config) {
   const double gap = (c.position - in.partner.position).norm();
@@ -22,6 +30,12 @@ void judge_geometry(GraspCandidate& c, const DecisionInput& in, const DecisionCo
     return refuse(c, Verdict::NearPartner,
                   fmt::format("{:.0f} mm from the partner's hand (least {:.0f} mm)", 1e3 * gap,
                               1e3 * config.near_partner_m));
+  }
+  if (const double lever = lever_of(c, in); lever > config.max_lever_m) {
+    return refuse(c, Verdict::Unstable,
+                  fmt::format("the object would tip: its centre of gravity lies {:.0f} mm beside the line "
+                              "between both hands (most {:.0f} mm)",
+                              1e3 * lever, 1e3 * config.max_lever_m));
   }
   if (in.base_frame_known && config.check_reach) {
     const double reach = (c.position - config.wrist_to_palm_m * c.approach - config.shoulder_m).norm();
@@ -67,7 +81,8 @@ std::string reason(const std::vector<GraspCandidate>& candidates, const Decision
 }
 
 // how many candidates fell to what, most first
-std::string why_none(const std::vector<GraspCandidate>& candidates) {
+std::string why_none(const std::vector<GraspCandidate>& candidates, const Vec3& optimum,
+                     const DecisionInput& in, const DecisionConfig& config) {
   if (candidates.empty()) return "no grasp: the object offers no candidate";
   struct Count {
     Verdict verdict;
@@ -78,7 +93,7 @@ std::string why_none(const std::vector<GraspCandidate>& candidates) {
   Count counts[] = {{Verdict::Collision, "would collide"},
                     {Verdict::TooWide, "are too wide for the hand"},
                     {Verdict::Unreachable, "are out of reach"},
-                    {Verdict::Unstable, "would slip"},
+                    {Verdict::Unstable, "would slip or tip"},
                     {Verdict::OverLimit, "ask too much of an agent"},
                     {Verdict::NearPartner, "are too near the partner"}};
   for (const GraspCandidate& c : candidates)
@@ -91,7 +106,13 @@ std::string why_none(const std::vector<GraspCandidate>& candidates) {
     text += fmt::format("{}{} {} (candidate {}: {})", separator, k.n, k.words, k.first->id, k.first->because);
     separator = ", ";
   }
-  return text;
+  if (!in.base_frame_known || !config.check_reach) return text;
+  const double beyond = (optimum - config.shoulder_m).norm() - config.arm_reach_m - config.wrist_to_palm_m;
+  if (beyond <= 0.0) return text;
+  return text + fmt::format(
+                    "; opposite of the partner, at ({:.2f}, {:.2f}) m, the load would be shared best, "
+                    "but that is {:.2f} m beyond the reach of the hand",
+                    optimum.x(), optimum.y(), beyond);
 }
 
 }  // namespace
@@ -144,7 +165,7 @@ hal::Result<Decision> decide_grasp(std::vector<GraspCandidate>& candidates, cons
     }
   }
   if (!d.chosen) {
-    d.because = why_none(candidates);
+    d.because = why_none(candidates, d.optimum, input, config);
     return d;
   }
   d.because = reason(candidates, d, input, config.mass_kg);

@@ -19,6 +19,7 @@ struct DecisionConfig {
   double mass_kg = 1.0;
   double near_partner_m = 0.15;
   double max_sideways = 0.2;
+  double max_lever_m = 10.0;
   bool check_reach = true;
   Vec3 shoulder_m{0.0, 0.0, 0.3105};
   double arm_reach_m = 0.79;
@@ -35,6 +36,10 @@ struct DecisionConfig {
     v("max_sideways", max_sideways, hal::kNotNegative,
       "Sideways force that the partner may be asked for, as a part of the weight; a person who lifts does "
       "not push.");
+    v("max_lever_m", max_lever_m, hal::kPositive,
+      "Largest distance of the centre of gravity from the vertical plane through both hands (m): beyond it "
+      "the object "
+      "tips about the line between them, whatever they do.");
     v("check_reach", check_reach,
       "Whether a grasp beyond the arm's reach is refused (needs the camera's pose).");
     v("shoulder_m", shoulder_m, "Where axes 1 to 3 of the arm meet, in the robot base frame.");

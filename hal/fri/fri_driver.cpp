@@ -272,6 +272,7 @@ ArmState FriDriver::state() const {
   s.tau_external_nm = JointSetPoint::joints(m.tau_external_nm);
   if (config.external_torque == "on_environment") s.tau_external_nm = -s.tau_external_nm;
   s.may_command = session.may_command();
+  s.slow = session.slow();
   return s;
 }
 

@@ -31,6 +31,7 @@ struct PlannerConfig {
   double approach_speed_m_s = 0.10;
   double transit_speed_m_s = 0.25;
   double joint_speed = 0.5;
+  double max_joint_rad_s = 4.0;
   double acceleration_rad_s2 = 2.0;
   double jerk_rad_s3 = 20.0;
   SceneConfig scene;
@@ -59,6 +60,7 @@ struct PlannerConfig {
     v("transit_speed_m_s", transit_speed_m_s, hal::Range{0.01, 1.0},
       "Greatest speed of the palm elsewhere (m/s).");
     v("joint_speed", joint_speed, hal::kFraction, "Part of the joints' own velocity limits that is used.");
+    v("max_joint_rad_s", max_joint_rad_s, hal::kPositive, "No joint is planned faster (rad/s).");
     v("acceleration_rad_s2", acceleration_rad_s2, hal::kPositive, "Greatest joint acceleration (rad/s^2).");
     v("jerk_rad_s3", jerk_rad_s3, hal::kPositive, "Greatest joint jerk (rad/s^3).");
     v("scene", scene, "What counts as an obstacle.");

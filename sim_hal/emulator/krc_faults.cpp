@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <optional>
+
+#include "sim_hal/emulator/fault_text.hpp"
 
 namespace colift::sim_hal {
 namespace {
@@ -47,44 +48,24 @@ constexpr std::array kRows{
 };
 constexpr std::array<std::string_view, 4> kQualities{"unacceptable", "bad", "ok", "perfect"};
 
-tl::unexpected<hal::Error> bad(std::string_view text, std::string because) {
-  return hal::failure(hal::ErrorCode::BadInput, fmt::format("fault \"{}\"", text), std::move(because));
-}
-
-std::optional<double> number(std::string_view text) {
-  double v = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(v)) return std::nullopt;
-  return v;
-}
-
-/// Cuts off what follows the last `mark`.
-std::optional<std::string_view> cut(std::string_view& text, char mark) {
-  const std::size_t at = text.rfind(mark);
-  if (at == std::string_view::npos) return std::nullopt;
-  const std::string_view tail = text.substr(at + 1);
-  text = text.substr(0, at);
-  return tail;
-}
-
 hal::Result<> read_value(std::string_view text, std::string_view value, const Row& row, KrcFault& f) {
   if (const auto* quality = std::find(kQualities.begin(), kQualities.end(), value);
       f.kind == Kind::Quality && quality != kQualities.end()) {
     f.value = static_cast<double>(quality - kQualities.begin());
     return {};
   }
-  if (row.least == row.most) return bad(text, fmt::format("{} takes no value", row.name));
+  if (row.least == row.most) return bad_fault(text, fmt::format("{} takes no value", row.name));
   if (!value.empty() && value.back() == '%') {
     if (f.kind != Kind::Loss && f.kind != Kind::Corrupt)
-      return bad(text, fmt::format("{} takes no percentage", row.name));
+      return bad_fault(text, fmt::format("{} takes no percentage", row.name));
     value.remove_suffix(1);
     f.percent = true;
   }
-  const auto v = number(value);
+  const auto v = read_number(value);
   const double least = f.percent ? 0.0 : row.least, most = f.percent ? 100.0 : row.most;
   if (!v || *v < least || *v > most)
-    return bad(text, fmt::format("the value of {} is \"{}\", expected a number from {:g} to {:g}", row.name,
-                                 value, least, most));
+    return bad_fault(text, fmt::format("the value of {} is \"{}\", expected a number from {:g} to {:g}",
+                                       row.name, value, least, most));
   f.value = *v;
   f.counted = f.kind == Kind::Loss && !f.percent;
   return {};
@@ -92,13 +73,13 @@ hal::Result<> read_value(std::string_view text, std::string_view value, const Ro
 
 /// "KIND[.in|.out][=VALUE[%]][@JOINT]"
 hal::Result<> read_kind(std::string_view text, std::string_view what, KrcFault& f) {
-  if (const auto joint = cut(what, '@')) {
-    const auto j = number(*joint);
+  if (const auto joint = cut_after(what, '@')) {
+    const auto j = read_number(*joint);
     if (!j || *j < 1 || *j > 7 || *j != std::floor(*j))
-      return bad(text, fmt::format("the joint is \"{}\", expected 1 to 7", *joint));
+      return bad_fault(text, fmt::format("the joint is \"{}\", expected 1 to 7", *joint));
     f.joint = static_cast<int>(*j) - 1;
   }
-  const auto value = cut(what, '=');
+  const auto value = cut_after(what, '=');
   if (what.ends_with(".in")) {
     f.way = KrcFault::Way::ToKrc;
     what.remove_suffix(3);
@@ -108,12 +89,13 @@ hal::Result<> read_kind(std::string_view text, std::string_view what, KrcFault& 
   }
   const auto* row = std::find_if(kRows.begin(), kRows.end(), [&](const Row& r) { return r.name == what; });
   if (row == kRows.end())
-    return bad(text, fmt::format("\"{}\" is no fault of the arm; there are {}", what, krc_fault_names()));
+    return bad_fault(text,
+                     fmt::format("\"{}\" is no fault of the arm; there are {}", what, krc_fault_names()));
   f.kind = row->kind;
   f.value = row->value;
   if (what == "silent") f.way = KrcFault::Way::ToClient;
   if (f.way != KrcFault::Way::Both && !f.on_wire())
-    return bad(text, fmt::format("{} happens in the controller, it takes neither .in nor .out", what));
+    return bad_fault(text, fmt::format("{} happens in the controller, it takes neither .in nor .out", what));
   if (!value) return {};
   if (auto done = read_value(text, *value, *row, f); !done) return done;
   // a number of lost datagrams means lost answers: lost measurements take their answers with them
@@ -130,37 +112,12 @@ std::string krc_fault_names() {
 }
 
 hal::Result<KrcFault> parse_krc_fault(std::string_view text) {
-  KrcFault f;
-  f.text = std::string(text);
-  const std::size_t first = text.find(':');
-  if (first == std::string_view::npos)
-    return bad(text, "expected T:KIND[.in|.out][=VALUE][@JOINT][:DURATION], as in 4.0:loss=3");
-  const auto at = number(text.substr(0, first));
-  if (!at || *at < 0.0)
-    return bad(text, fmt::format("the time is \"{}\", expected seconds from 0", text.substr(0, first)));
-  f.at_s = *at;
-  std::string_view what = text.substr(first + 1);
-  if (const auto duration = cut(what, ':')) {
-    const auto d = number(*duration);
-    if (!d || *d <= 0.0)
-      return bad(text, fmt::format("the duration is \"{}\", expected seconds above 0", *duration));
-    f.for_s = *d;
-  }
-  if (auto done = read_kind(text, what, f); !done) return tl::unexpected(done.error());
-  return f;
+  return parse_fault<KrcFault>(text, "T:KIND[.in|.out][=VALUE][@JOINT][:DURATION], as in 4.0:loss=3",
+                               read_kind);
 }
 
 hal::Result<KrcFault> krc_fault(const DeviceFaultEvent& event) {
-  KrcFault f;
-  f.text = fmt::format("{:g}:{}:{:g}", event.at_s, event.action, event.for_s);
-  f.at_s = event.at_s;
-  f.for_s = event.for_s;
-  if (auto done = read_kind(f.text, event.action, f); !done) {
-    hal::Error error = done.error();
-    error.code = hal::ErrorCode::BadConfig;
-    return tl::unexpected(std::move(error));
-  }
-  return f;
+  return fault_of_scenario<KrcFault>(event, read_kind);
 }
 
 }  // namespace colift::sim_hal

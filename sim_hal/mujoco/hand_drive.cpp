@@ -45,13 +45,14 @@ void HandDrive::preshape(double spread_rad) {
   spread_goal_rad_ = std::clamp(spread_rad, 0.0, std::numbers::pi);
 }
 
-void HandDrive::open() {
+void HandDrive::open(const std::array<bool, hal::kFingers>& which) {
   mode_ = Mode::Opening;
+  opens_ = which;
   held_ = false;
   for (Finger& finger : fingers_) finger.speed_rad_s = 0.0;
 }
 
-void HandDrive::close(double torque_nm) {
+void HandDrive::close(const std::array<double, hal::kFingers>& torque_nm) {
   mode_ = Mode::Closing;
   limit_nm_ = torque_nm;
   still_ms_ = 0;
@@ -64,9 +65,14 @@ void HandDrive::close(double torque_nm) {
 void HandDrive::close_finger(int i, const HandReading& reading, double inner_nm, double outer_nm) {
   const auto f = static_cast<std::size_t>(i);
   Finger& finger = fingers_[f];
-  const double load = finger.broken_away ? outer_nm / limit_nm_
-                                         : (inner_nm + kCoupling * outer_nm) / (kMotorForTip * limit_nm_);
-  const double free = std::clamp(1.0 - std::max(load, reading.strain_nm[f] / limit_nm_), 0.0, 1.0);
+  const double limit_nm = limit_nm_[f];
+  if (!(limit_nm > 0.0)) {
+    finger.still_ms = kFingerStill_ms;
+    return;
+  }
+  const double load = finger.broken_away ? outer_nm / limit_nm
+                                         : (inner_nm + kCoupling * outer_nm) / (kMotorForTip * limit_nm);
+  const double free = std::clamp(1.0 - std::max(load, reading.strain_nm[f] / limit_nm), 0.0, 1.0);
   finger.speed_rad_s = std::min(finger.speed_rad_s + kSpeedUp_rad_s2 * kTick_s, kClosing_rad_s * free);
   const double turn = finger.speed_rad_s * kTick_s;
   if (!finger.broken_away) finger.inner_rad = std::min(finger.inner_rad + turn, kInnerEnd_rad);
@@ -78,7 +84,7 @@ void HandDrive::close_finger(int i, const HandReading& reading, double inner_nm,
       finger.broken_away ? finger.outer_rad >= kOuterEnd_rad : finger.inner_rad >= kInnerEnd_rad;
   finger.still_ms = at_end || finger.speed_rad_s < kStalled * kClosing_rad_s ? finger.still_ms + 1 : 0;
   if (finger.still_ms < kFingerStill_ms || finger.broken_away || at_end) return;
-  if (reading.link_force_n[f] > kContact_n && reading.strain_nm[f] < 0.5 * limit_nm_) {
+  if (reading.link_force_n[f] > kContact_n && reading.strain_nm[f] < 0.5 * limit_nm) {
     finger.broken_away = true;
     finger.still_ms = 0;
   }
@@ -110,7 +116,7 @@ HandTorque HandDrive::tick(const HandReading& reading) {
         gear_torque(finger.outer_rad - reading.outer_rad[f], finger.outer_rad_s - reading.outer_rad_s[f]);
     const double inner_rad = finger.inner_rad, outer_rad = finger.outer_rad;
     if (mode_ == Mode::Closing) close_finger(i, reading, torque.inner_nm[f], torque.outer_nm[f]);
-    if (mode_ == Mode::Opening) opening = open_finger(finger) || opening;
+    if (mode_ == Mode::Opening && opens_[f]) opening = open_finger(finger) || opening;
     finger.inner_rad_s = (finger.inner_rad - inner_rad) / kTick_s;
     finger.outer_rad_s = (finger.outer_rad - outer_rad) / kTick_s;
     all_still = all_still && finger.still_ms >= kFingerStill_ms;

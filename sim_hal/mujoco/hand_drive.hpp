@@ -29,8 +29,12 @@ struct HandTorque {
 class HandDrive {
  public:
   void preshape(double spread_rad);
-  void open();
-  void close(double torque_nm);
+  void open() { open({true, true, true}); }
+  /// Only these; the worms of the others stay where they are.
+  void open(const std::array<bool, hal::kFingers>& which);
+  void close(double torque_nm) { close({torque_nm, torque_nm, torque_nm}); }
+  /// Each with a limit of its own; a finger with none stays locked.
+  void close(const std::array<double, hal::kFingers>& torque_nm);
   void stop() { mode_ = Mode::Still; }
 
   /// One step of 1 ms.
@@ -57,7 +61,8 @@ class HandDrive {
   Mode mode_ = Mode::Still;
   std::array<Finger, hal::kFingers> fingers_;
   double spread_rad_ = 0.0, spread_goal_rad_ = 0.0;
-  double limit_nm_ = 0.0;
+  std::array<double, hal::kFingers> limit_nm_{};
+  std::array<bool, hal::kFingers> opens_{};
   int still_ms_ = 0, grasps_ = 0;
   bool held_ = false;
 };

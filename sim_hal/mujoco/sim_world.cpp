@@ -326,9 +326,19 @@ void SimWorld::close_hand(double torque_nm) {
   impl_->hand.close(torque_nm);
 }
 
+void SimWorld::close_hand(const std::array<double, hal::kFingers>& torque_nm) {
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->hand.close(torque_nm);
+}
+
 void SimWorld::open_hand() {
   const std::scoped_lock lock(impl_->mutex);
   impl_->hand.open();
+}
+
+void SimWorld::open_hand(const std::array<bool, hal::kFingers>& which) {
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->hand.open(which);
 }
 
 void SimWorld::stop_hand() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -46,8 +47,9 @@ struct SimTruth {
 };
 
 /// One scenario under physics: floor, clutter, object, LWR 4+, BarrettHand and partner. MuJoCo 2.2 at 1 ms,
-/// implicit in advance(). Deterministic: same scenario, model, seed and calls, same bits. Any thread: emulated
-/// devices share a world in real time; a call waits at most for one millisecond's step of the physics.
+/// implicit in advance(). Deterministic: same scenario, model, seed and calls, same bits. Any thread:
+/// emulated devices share a world in real time; a call waits at most for one millisecond's step of the
+/// physics.
 class SimWorld {
  public:
   /// Errors: BadConfig (object below the floor or in the robot, grasp of the partner far off the surface).
@@ -75,7 +77,9 @@ class SimWorld {
   [[nodiscard]] hal::HandState hand_state() const;
   void preshape_hand(double spread_rad);
   void close_hand(double torque_nm);
+  void close_hand(const std::array<double, hal::kFingers>& torque_nm);  ///< 0: that finger stays.
   void open_hand();
+  void open_hand(const std::array<bool, hal::kFingers>& which);
   void stop_hand();
 
   /// Everything that a camera can see, where it is now: object, floor, clutter, robot, partner.

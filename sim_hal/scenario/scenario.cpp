@@ -67,12 +67,28 @@ class Checker {
     if (auto done = check_partner(); !done) return done;
     if (file_.faults.size() > kMaxEvents) return too_many("faults", file_.faults.size(), kMaxEvents);
     for (std::size_t i = 0; i < file_.faults.size(); ++i) {
-      const auto& arm_only = FaultBlock::of_controller().names;
-      if (file_.faults[i].device != "arm" && std::ranges::find(arm_only, file_.faults[i].action) != arm_only.end())
-        return refuse(fmt::format("faults[{}].do", i),
-                      fmt::format("faults[{}].do is {}, but that only an arm can do; {} expects one of freeze, drop, "
-                                  "unplug, corrupt, late, silent",
-                                  i, file_.faults[i].action, file_.faults[i].device));
+      const FaultBlock& f = file_.faults[i];
+      const auto has = [&](const hal::Choices& c) {
+        return std::ranges::find(c.names, f.action) != c.names.end();
+      };
+      const bool of_arm = has(FaultBlock::of_controller()), of_hand = has(FaultBlock::of_pucks());
+      const bool of_kinect = has(FaultBlock::of_kinect());
+      const bool can = (!of_arm && !of_hand && !of_kinect) || (of_arm && f.device == "arm") ||
+                       (of_hand && f.device == "hand") || (of_kinect && f.device == "camera");
+      if (!can)
+        return refuse(
+            fmt::format("faults[{}].do", i),
+            fmt::format("faults[{}].do is {}, but that only {} can do; {} expects one of freeze, drop, "
+                        "unplug, corrupt, late, silent",
+                        i, f.action,
+                        of_arm && of_hand ? "arm and hand"
+                        : of_arm          ? "an arm"
+                        : of_hand         ? "a hand"
+                                          : "a camera",
+                        f.device));
+      if (!f.puck.empty() && f.device != "hand")
+        return refuse(fmt::format("faults[{}].puck", i),
+                      fmt::format("faults[{}].puck is {}, but only a hand has pucks", i, f.puck));
       if (file_.faults[i].action == "blind" && file_.faults[i].device != "camera")
         return refuse(
             fmt::format("faults[{}].do", i),
@@ -218,7 +234,12 @@ Scenario scenario_of(const ScenarioBlock& file) {
   s.partner.arrives_s = file.partner.arrives_s;
   for (const EventBlock& e : file.partner.events) s.partner.events.push_back({e.at_s, e.action, e.to});
   s.task = {file.task.kind, file.task.height, file.task.hold_s};
-  for (const FaultBlock& f : file.faults) s.faults.push_back({f.at_s, f.device, f.action, f.for_s});
+  for (const FaultBlock& f : file.faults) {
+    DeviceFaultEvent event{f.at_s, f.device, f.action, f.for_s};
+    event.value = f.value;
+    event.puck = f.puck;
+    s.faults.push_back(std::move(event));
+  }
   return s;
 }
 

@@ -75,6 +75,8 @@ struct DeviceFaultEvent {
   std::string device;  ///< camera | arm | hand
   std::string action;  ///< freeze | drop | unplug | corrupt | blind | late | silent, as the device can
   double for_s = 0.5;
+  std::optional<double> value{};  ///< How much, where the action has a meaning for it.
+  std::string puck{};             ///< F1 | F2 | F3 | spread of an emulated hand; empty: all.
 };
 
 struct Scenario {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <string>
@@ -142,7 +143,8 @@ struct TaskBlock {
 
 struct FaultBlock {
   double at_s = 0.0;
-  std::string device, action;
+  std::string device, action, puck;
+  std::optional<double> value;
   double for_s = DeviceFaultEvent{}.for_s;
 
   /// What only the arm's controller and its wire can do, and only an emulated one does.
@@ -153,9 +155,24 @@ struct FaultBlock {
                                   "jump",        "nan",           "torque-offset", "contact"};
     return all;
   }
+  /// The same of the hand's pucks and its bus.
+  static const hal::Choices& of_pucks() {
+    static const hal::Choices all{"loss",  "duplicate", "wrong",   "reset",    "error",   "hot",
+                                  "stuck", "jump",      "off",     "foreign",  "bus-off", "down",
+                                  "noise", "full",      "passive", "brown-out"};
+    return all;
+  }
+  /// The same of a Kinect behind libfreenect's functions.
+  static const hal::Choices& of_kinect() {
+    static const hal::Choices all{"slow",  "double", "swap",  "restamp", "packets",
+                                  "zeros", "half",   "moved", "hang",    "crash"};
+    return all;
+  }
   static hal::Choices choices() {
     hal::Choices all{"freeze", "drop", "unplug", "corrupt", "blind", "late", "silent"};
-    all.names.insert(all.names.end(), of_controller().names.begin(), of_controller().names.end());
+    for (const hal::Choices& more : {of_controller(), of_pucks(), of_kinect()})
+      for (const std::string& name : more.names)
+        if (std::find(all.names.begin(), all.names.end(), name) == all.names.end()) all.names.push_back(name);
     return all;
   }
 
@@ -165,6 +182,9 @@ struct FaultBlock {
     v("at_s", at_s, kTime_s, "When (s).", kRequired);
     v("device", device, hal::Choices{"camera", "arm", "hand"}, "Which device fails.", kRequired);
     v("do", action, choices(), "How it fails.", kRequired);
+    v("value", value, hal::Range{-1e6, 1e6},
+      "How much, where that has a meaning (hot: deg C, late: ms, loss: %).");
+    v("puck", puck, hal::Choices{"", "F1", "F2", "F3", "spread"}, "Which puck of the hand; none: all.");
     v("for_s", for_s, kTime_s, "How long (s).");
   }
 };

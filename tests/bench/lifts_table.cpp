@@ -1,6 +1,7 @@
 // Whole lifts of random tables and boxes, and of the shipped scenarios, with both methods side by side, as
 // tables: lifts_table [COUNT [FIRST_SEED]]. Each random lift is a line on stderr. Where the thesis's method
-// does not lift, the table says why.
+// does not lift, the table says why. lifts_table fast|thesis FILE... runs scenario files
+// with every change of state.
 
 #include <fmt/format.h>
 
@@ -101,9 +102,27 @@ void shipped_scenarios() {
   }
 }
 
+void told_in_full(const char* file, control::Method method) {
+  const auto scenario = sim_hal::load_scenario(file);
+  if (!scenario) {
+    fmt::print("{}\n", scenario.error().text());
+    return;
+  }
+  const auto lift = tests::simulate(*scenario, method, 1);
+  fmt::print("{}\n", tests::line(fmt::format("{}, {}", scenario->name, word(method)), lift));
+  for (const auto& s : lift.record.states)
+    fmt::print("  {:6.2f} s  {:13} {}\n", hal::seconds(s.at), control::word(s.state), s.because);
+  std::fflush(stdout);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  for (const auto method : kMethods) {
+    if (argc < 3 || std::string(argv[1]) != word(method)) continue;
+    for (int i = 2; i < argc; ++i) told_in_full(argv[i], method);
+    return 0;
+  }
   const int count = argc > 1 ? std::atoi(argv[1]) : 25;
   const auto first = static_cast<std::uint64_t>(argc > 2 ? std::atoi(argv[2]) : 1);
   random_lifts(count, first);

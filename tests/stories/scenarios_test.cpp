@@ -55,8 +55,7 @@ TEST_CASE("tables are lifted level, with clutter or a wall about them", "[scenar
 }
 
 TEST_CASE("boxes, a pipe and a chair are lifted", "[scenario]") {
-  for (const char* name :
-       {"box", "box_partner_left", "box_partner_middle", "box_partner_right", "pipe", "chair"})
+  for (const char* name : {"box", "box_partner_left", "box_partner_right", "pipe", "chair", "chair_pose_2"})
     check_lifted(name, 2.0);
 }
 
@@ -105,14 +104,32 @@ TEST_CASE("without a partner nothing moves", "[scenario]") {
   CHECK_FALSE(passed(lift, Task::Approach));
 }
 
-TEST_CASE("what cannot be carried well ends safely and says why", "[scenario]") {
-  for (const char* name : {"unreachable_optimum", "chair_pose_2"}) {
-    const auto lift = run(name);
-    INFO(tests::line(name, lift));
-    CHECK_FALSE(lift.record.because.empty());
-    CHECK_FALSE(lift.record.hand_keeps_grip);
-    CHECK_FALSE(lift.hit_something);
-  }
+TEST_CASE("where the best place is out of reach, the next best is taken", "[scenario]") {
+  check_lifted("unreachable_optimum", 3.0);
+}
+
+TEST_CASE("a hand comes at an angle where the elbow could not bend enough for a straight one", "[scenario]") {
+  check_lifted("near_table", 2.0);
+}
+
+TEST_CASE("who takes the robot's own side of the object is told why that cannot be", "[scenario]") {
+  const auto lift = run("partner_near_robot");
+  CHECK(lift.record.outcome == Result::Refused);
+  CHECK(lift.record.because.find("the object would tip") != std::string::npos);
+  CHECK(lift.record.because.find("beyond the reach of the hand") != std::string::npos);
+  CHECK_FALSE(passed(lift, Task::Approach));
+}
+
+TEST_CASE("a partner in the middle of the object leaves nothing to share", "[scenario]") {
+  // the robot takes an end and bears next to nothing, or it is refused; in no case does the object tip
+  const auto lift = run("box_partner_middle");
+  INFO(tests::line("box_partner_middle", lift));
+  CHECK_FALSE(lift.hit_something);
+  CHECK_FALSE(lift.record.hand_keeps_grip);
+  if (lift.record.outcome == Result::Lifted)
+    CHECK(lift.tilt_deg < 2.0);
+  else
+    CHECK(lift.record.outcome == Result::Refused);
 }
 
 TEST_CASE("same scenario and seed give the same lift, bit for bit", "[scenario]") {
@@ -126,10 +143,15 @@ TEST_CASE("same scenario and seed give the same lift, bit for bit", "[scenario]"
 
 #ifdef COLIFT_THESIS
 TEST_CASE("the thesis's method goes through the same job", "[scenario][thesis]") {
-  // it grasps only faces that it sees; from here that is none within reach
-  const auto lift = run("table", control::Method::Thesis);
-  INFO(tests::line("table", lift));
-  CHECK_FALSE(lift.hit_something);
-  CHECK_FALSE(lift.record.because.empty());
+  // It grasps only faces that it sees: opposite to the robot that is none within reach. From beside it sees
+  // the near ones, but with torque as cheap as a lever of a metre it takes a place off the line, before a
+  // leg.
+  for (const char* name : {"table", "table_side_camera"}) {
+    const auto lift = run(name, control::Method::Thesis);
+    INFO(tests::line(name, lift));
+    CHECK_FALSE(lift.hit_something);
+    CHECK_FALSE(lift.record.hand_keeps_grip);
+    CHECK_FALSE(lift.record.because.empty());
+  }
 }
 #endif

@@ -15,10 +15,10 @@ namespace colift::tests {
 struct ArmWire {
   static constexpr hal::Duration kCycle = std::chrono::milliseconds(2);
 
-  ArmWire(sim_hal::SimWorld& world, std::uint64_t seed, const std::vector<sim_hal::KrcFault>& faults)
+  ArmWire(sim_hal::SimWorld& world, const sim_hal::KrcConfig& config)
       : dynamics(world.model(), hal::ArmDynamics::Load::Hand),
         plant(world, dynamics),
-        krc(config(seed, faults), dynamics, plant, *far_end,
+        krc(paced(config), dynamics, plant, *far_end,
             [this](double t, const std::string& text) { events.emplace_back(t, text); }) {
     (void)far_end->open();
     (void)krc.start(clock.now());
@@ -29,11 +29,8 @@ struct ArmWire {
         hal::FriConfig{}, wire.end({0x7F000001, 49938}, sim_hal::lock_step(krc, clock)), clock);
   }
 
-  static sim_hal::KrcConfig config(std::uint64_t seed, const std::vector<sim_hal::KrcFault>& faults) {
-    sim_hal::KrcConfig c;
+  static sim_hal::KrcConfig paced(sim_hal::KrcConfig c) {
     c.cycle = kCycle;
-    c.seed = seed;
-    c.faults = faults;
     return c;
   }
 

@@ -11,8 +11,38 @@
 #include "hal/guarded_hand.hpp"
 #include "sim_hal/mujoco/sim_devices.hpp"
 #include "tests/support/arm_wire.hpp"
+#include "tests/support/hand_wire.hpp"
 
 namespace colift::tests {
+namespace {
+
+/// Whether a finger went open while the object was in the air.
+class GripWatch {
+ public:
+  void see(control::Task state, const hal::HandState& hand) {
+    const bool in_air = state == control::Task::Lift || state == control::Task::Hold ||
+                        state == control::Task::Lower || state == control::Task::Stopped;
+    lifted_ = in_air && (lifted_ || state == control::Task::Lift);
+    if (!lifted_) {
+      most_.reset();
+      return;
+    }
+    if (!most_) most_ = hand.finger_rad;
+    for (std::size_t f = 0; f < hand.finger_rad.size(); ++f) {
+      (*most_)[f] = std::max((*most_)[f], hand.finger_rad[f]);
+      opened_rad_ = std::fmax(opened_rad_, (*most_)[f] - hand.finger_rad[f]);
+    }
+  }
+  [[nodiscard]] double opened_rad() const { return opened_rad_; }
+
+ private:
+  bool lifted_ = false;
+  std::optional<std::array<double, hal::kFingers>> most_;
+  double opened_rad_ = NAN;
+};
+
+}  // namespace
+
 SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method, std::uint64_t seed,
                        control::Config config, const std::optional<OverWire>& over) {
   const hal::RobotModel& model = hal::built_in_robot();
@@ -22,18 +52,35 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
   if (!made) throw std::runtime_error(made.error().text());
   const std::unique_ptr<sim_hal::SimWorld> world = std::move(*made);
   std::unique_ptr<ArmWire> wire;
-  if (over) wire = std::make_unique<ArmWire>(*world, seed, std::vector<sim_hal::KrcFault>{});
+  if (over && over->arm) {
+    sim_hal::KrcConfig krc;
+    krc.seed = seed;
+    krc.extrapolated = over->extrapolated;
+    krc.quality.bad = over->least_rate;
+    krc.limits.velocity_rad_s = krc.limits.velocity_rad_s.cwiseMin(over->joint_rad_s);
+    wire = std::make_unique<ArmWire>(*world, krc);
+  }
+  std::unique_ptr<HandWire> bus;
+  if (over && over->hand) bus = std::make_unique<HandWire>(*world, seed, over->hand_bus);
   hal::Robot robot;
   std::unique_ptr<hal::Arm> arm;
   if (wire)
     arm = wire->arm();
   else
     arm = sim_hal::make_sim_arm(*world);
+  if (bus) arm = bus->arm(std::move(arm));
   robot.arm = std::make_unique<hal::GuardedArm>(std::move(arm), model, config.guard_arm);
-  robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(*world), config.guard_hand);
+  std::unique_ptr<hal::Hand> hand_device;
+  if (bus)
+    hand_device = bus->hand();
+  else
+    hand_device = sim_hal::make_sim_hand(*world);
+  robot.hand = std::make_unique<hal::GuardedHand>(std::move(hand_device), config.guard_hand);
   robot.camera = sim_hal::make_sim_camera(*world);
   if (wire)
     robot.clock = std::make_unique<WireClock>(wire->clock);
+  else if (bus)
+    robot.clock = std::make_unique<WireClock>(bus->clock);
   else
     robot.clock = sim_hal::make_sim_clock(*world);
 
@@ -42,6 +89,7 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
   if (method == control::Method::Thesis) {
     config.decision.weights = planner::SharingWeights::thesis();
     config.decision.max_sideways = std::numeric_limits<double>::infinity();
+    config.decision.max_lever_m = std::numeric_limits<double>::infinity();
   }
   const planner::HandModel hand;
   const auto tables = std::make_shared<planner::HandCollision>(hand, config.candidates.collision);
@@ -54,8 +102,22 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
   int n = 0;
   double tilt = 0, height = 0, share = 0, slip = 0;
   control::JobHooks hooks;
+  // the pucks have to wake and to find their stops first
+  const auto entered = [&](control::Task state) {
+    if (!wire || !over->entered) return;
+    if (auto fault = over->entered(state)) {
+      fault->at_s += hal::seconds(wire->clock.now());
+      wire->krc.inject(*fault);
+    }
+  };
+  hooks.started = [&] {
+    if (bus) world->begin_scenario();
+    entered(control::Task::Observe);
+  };
+  GripWatch grip;
   hooks.status = [&](const control::JobStatus& status) {
     const sim_hal::SimTruth truth = world->truth();
+    grip.see(status.state, world->hand_state());
     const bool decided = status.state == control::Task::Plan || status.state == control::Task::Approach;
     if (status.state == control::Task::Decide || (decided && !partner)) partner = truth.partner_W;
     if (status.state != control::Task::Hold) return;
@@ -67,6 +129,7 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
              (truth.robot_force_W.z() + truth.partner_force_W.z() + truth.floor_force_W.z());
   };
   std::vector<OverWire::Fault> to_come = over ? over->faults : std::vector<OverWire::Fault>{};
+  std::vector<OverWire::OfHand> hand_to_come = over ? over->hand_faults : std::vector<OverWire::OfHand>{};
   hooks.changed = [&](control::Task, control::Task to) {
     std::erase_if(to_come, [&](const OverWire::Fault& f) {
       if (f.in != to) return false;
@@ -75,6 +138,14 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
       wire->krc.inject(fault);
       return true;
     });
+    std::erase_if(hand_to_come, [&](const OverWire::OfHand& f) {
+      if (f.in != to) return false;
+      sim_hal::HandFault fault = f.fault;
+      fault.at_s += bus->pucks.elapsed_s();
+      bus->pucks.inject(fault);
+      return true;
+    });
+    entered(to);
   };
   auto record = runner.run(hooks);
   if (!record) throw std::runtime_error(record.error().text());
@@ -90,6 +161,9 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
   lift.at_end = world->truth();
   lift.hit_something = lift.at_end.robot_hit_something;
   if (wire) lift.wire = wire->krc.report();
+  if (bus) lift.pucks = bus->pucks.report();
+  if (bus) lift.frames_lost = bus->frames_lost();
+  lift.most_open_while_loaded_rad = grip.opened_rad();
   return lift;
 }
 

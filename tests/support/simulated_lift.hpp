@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "control/config.hpp"
 #include "control/run_record.hpp"
+#include "sim_hal/emulator/hand_faults.hpp"
+#include "sim_hal/emulator/hand_report.hpp"
 #include "sim_hal/emulator/krc_faults.hpp"
 #include "sim_hal/emulator/krc_report.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
@@ -23,18 +26,35 @@ struct SimulatedLift {
   double slip_m = NAN;
   double partner_error_m = NAN;  ///< Of the seen grasp.
   bool hit_something = false;
-  sim_hal::SimTruth at_end;                ///< The world when the job was over.
-  std::optional<sim_hal::KrcReport> wire;  ///< Of a lift over the arm's wire.
+  sim_hal::SimTruth at_end;                          ///< The world when the job was over.
+  std::optional<sim_hal::KrcReport> wire;            ///< Of a lift over the arm's wire.
+  std::optional<sim_hal::HandEmulatorReport> pucks;  ///< Of one over the hand's.
+  int frames_lost = 0;                               ///< On a bus of this machine.
+  double most_open_while_loaded_rad =
+      NAN;  ///< How far a finger went open between a grip and the way down's end.
 };
 
-/// How the arm is reached.
+/// Which device is reached over its wire.
 struct OverWire {
+  bool arm = true, hand = false;  ///< One of them.
+  std::string hand_bus;           ///< A bus of this machine; empty: one in memory.
+
   /// What goes wrong there, and in which state of the task: a fault's time counts from the first entry.
   struct Fault {
     sim_hal::KrcFault fault;
     control::Task in = control::Task::Observe;
   };
   std::vector<Fault> faults;
+  struct OfHand {
+    sim_hal::HandFault fault;
+    control::Task in = control::Task::Observe;
+  };
+  std::vector<OfHand> hand_faults;
+  /// Asked at the start of the job and whenever it enters a state: what goes wrong with the arm from then on.
+  std::function<std::optional<sim_hal::KrcFault>(control::Task)> entered;
+  int extrapolated = 3;       ///< Missing answers in a row that the arm's controller bridges.
+  double least_rate = 0.80;   ///< Of answers: with fewer its quality is unacceptable.
+  double joint_rad_s = 10.0;  ///< Faster joints it does not let pass, as in its mode T1.
 };
 
 [[nodiscard]] SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method,

@@ -12,7 +12,8 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
 
 find_program(CCACHE ccache)
 if(CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+  # what is new is not preprocessed first only to be looked up; what used a precompiled header may be reused
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_DEPEND=1 ${CCACHE})
 endif()
 
 set(COLIFT_SANITIZE "" CACHE STRING "Sanitizers: address,undefined or thread")
@@ -36,13 +37,14 @@ function(colift_library name)
   target_compile_features(${name} PUBLIC cxx_std_20)
   target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE ${ARG_PRIVATE})
   colift_warnings(${name})
+  colift_precompiled(${name} library)
   install(TARGETS ${name} EXPORT CoLiftTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 endfunction()
 
 function(colift_warnings name)
   target_compile_options(${name} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
                          -Woverloaded-virtual -Wnull-dereference -Werror)
-  # gcc 12 warns inside Eigen's inlined assignments at -O3; these three are known to be false there
+  # gcc 12 warns inside Eigen's inlined assignments at -O3; these are known to be false there
   target_compile_options(${name} PRIVATE -Wno-null-dereference
-                         $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overread>)
+                         $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overread -Wno-restrict>)
 endfunction()

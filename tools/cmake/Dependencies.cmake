@@ -7,6 +7,8 @@ find_package(PNG REQUIRED)
 find_package(fmt 9 REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
+find_package(ZLIB REQUIRED)
 
 if(COLIFT_THESIS)
   # Debian's libpcl-dev needs VTK and Qt (2.3 GB), its component libraries do not. tools/setup unpacks the headers of
@@ -26,4 +28,15 @@ if(COLIFT_THESIS)
     list(APPEND COLIFT_PCL_LIBRARIES ${PCL_${part}_LIBRARY})
   endforeach()
   target_link_libraries(colift_pcl INTERFACE Eigen3::Eigen)
+endif()
+
+if(COLIFT_KINECT)
+  # linked into the capture process alone; fakenect is Debian's library of the same name that plays recordings
+  pkg_check_modules(FREENECT IMPORTED_TARGET libfreenect>=0.5)
+  if(NOT FREENECT_FOUND)
+    message(FATAL_ERROR "libfreenect is missing: run tools/setup (Debian: libfreenect-dev), or configure with "
+                        "-DCOLIFT_KINECT=OFF for a CoLift that has no Kinect")
+  endif()
+  find_package(Threads REQUIRED)
+  file(GLOB COLIFT_FAKENECT_LIBRARY /usr/lib/*/fakenect/libfreenect.so.0.5)
 endif()

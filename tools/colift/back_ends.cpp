@@ -2,20 +2,25 @@
 
 #include <cmath>
 
-#include "hal/barrett/barrett_hand.hpp"
-#include "hal/barrett/hand_thread.hpp"
+#include "hal/barrett/make_barrett_hand.hpp"
 #include "hal/barrett/puck_codec.hpp"
 #include "hal/fri/fri_arm.hpp"
 #include "hal/guarded_arm.hpp"
+#include "hal/guarded_camera.hpp"
 #include "hal/guarded_hand.hpp"
+#include "hal/kinect/kinect_camera.hpp"
 #include "hal/os/make_can_bus.hpp"
 #include "hal/os/udp_link.hpp"
+#include "sim_hal/emulator/camera_server.hpp"
 #include "sim_hal/emulator/hand_gateway.hpp"
 #include "sim_hal/emulator/hand_server.hpp"
 #include "sim_hal/emulator/krc_server.hpp"
+#include "sim_hal/emulator/mujoco/camera_world_eye.hpp"
 #include "sim_hal/emulator/mujoco/hand_world_plant.hpp"
 #include "sim_hal/emulator/mujoco/krc_world_plant.hpp"
+#include "perception/calibration/calibration_file.hpp"
 #include "sim_hal/mujoco/sim_devices.hpp"
+#include "sim_hal/mujoco/sim_infrared.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
 #include "sim_hal/scenario/scenario.hpp"
 #include "tools/colift/emulate_hand.hpp"
@@ -28,6 +33,13 @@ namespace {
 using World = std::shared_ptr<sim_hal::SimWorld>;
 
 hal::Result<sim_hal::Scenario> read_scenario(const std::optional<std::filesystem::path>& file) {
+  if (file && *file == kClearedFloor)
+    return sim_hal::parse_scenario(
+        "schema: colift.scenario/1\n"
+        "object: {kind: box, size: [0.3, 0.3, 0.3], mass: 2.0, pose: {xyz: [-1.6, 1.6, 0.0]}}\n"
+        "camera: {xyz: [2.1, -0.7, 1.3], look_at: [0.65, 0.0, 0.45]}\n"
+        "partner: {kind: none}\n",
+        "cleared floor");
   if (file) return sim_hal::load_scenario(*file);
   return sim_hal::built_in_scenario();
 }
@@ -73,49 +85,94 @@ hal::Result<std::shared_ptr<sim_hal::KrcServer>> start_krc(const RobotFile& file
   return server;
 }
 
-/// The pucks at the far end of the hand's bus, woken already, behind a gateway as `barrett.can` names it.
-hal::Result<std::shared_ptr<sim_hal::HandServer>> start_pucks(const RobotFile& file,
-                                                              const sim_hal::Scenario& scenario,
-                                                              sim_hal::SimWorld& world, std::uint64_t seed) {
-  const auto gateway = gateway_config(file.barrett.can);
-  if (!gateway) return tl::unexpected(gateway.error());
-  sim_hal::HandEmulatorConfig config;
-  config.puck.awake = true;
-  config.judges_pace = false;
-  config.seed = seed;
+/// What the scenario does to the hand, in terms of its pucks and bus.
+hal::Result<std::vector<sim_hal::HandFault>> hand_faults(const sim_hal::Scenario& scenario) {
+  std::vector<sim_hal::HandFault> faults;
   for (const sim_hal::DeviceFaultEvent& event : scenario.faults) {
     if (event.device != "hand") continue;
     auto fault = sim_hal::hand_fault(event);
     if (!fault) return tl::unexpected(fault.error());
-    config.faults.push_back(*fault);
+    faults.push_back(std::move(*fault));
   }
+  return faults;
+}
+
+/// The pucks at the far end of the hand's bus, asleep as after power-on: behind a gateway as `barrett.can` names
+/// it, or on an interface of this machine.
+hal::Result<std::shared_ptr<sim_hal::HandServer>> start_pucks(const RobotFile& file,
+                                                              sim_hal::SimWorld& world, std::uint64_t seed) {
+  std::unique_ptr<hal::CanBus> bus;
+  if (file.barrett.can.starts_with("socketcan:")) {
+    auto made = hal::make_can_bus(file.barrett.can);
+    if (!made) return tl::unexpected(made.error());
+    bus = std::move(*made);
+  } else {
+    const auto gateway = gateway_config(file.barrett.can);
+    if (!gateway) return tl::unexpected(gateway.error());
+    bus = std::make_unique<sim_hal::HandGateway>(*gateway);
+  }
+  sim_hal::HandEmulatorConfig config;
+  config.judges_pace = false;
+  config.seed = seed;
   auto server =
       std::make_shared<sim_hal::HandServer>(config, std::make_unique<sim_hal::HandWorldPlant>(world),
-                                            std::make_unique<sim_hal::HandGateway>(*gateway));
+                                            std::move(bus));
   if (auto started = server->start(); !started) return tl::unexpected(started.error());
   return server;
 }
 
-/// The hand's driver in a thread of its own, with its bus.
-class OwnedBarrettHand final : public hal::Hand {
- public:
-  OwnedBarrettHand(std::unique_ptr<hal::CanBus> bus, const hal::BarrettHandConfig& config)
-      : bus_(std::move(bus)), thread_(std::make_unique<hal::BarrettHand>(*bus_, config, clock_)) {}
-  hal::Result<> configure() override { return thread_.configure(); }
-  hal::Result<> activate() override { return thread_.activate(); }
-  void deactivate() noexcept override { thread_.deactivate(); }
-  [[nodiscard]] hal::DeviceHealth health() const override { return thread_.health(); }
-  hal::Result<hal::HandState> state() override { return thread_.state(); }
-  hal::Result<> preshape(double spread_rad) override { return thread_.preshape(spread_rad); }
-  hal::Result<> close(double torque_nm) override { return thread_.close(torque_nm); }
-  hal::Result<> release() override { return thread_.release(); }
-  void stop() noexcept override { thread_.stop(); }
+/// A Kinect at the far end of libfreenect's functions, in front of the world.
+hal::Result<std::shared_ptr<sim_hal::CameraServer>> start_kinect(const sim_hal::SimWorld& world,
+                                                                 std::uint64_t seed) {
+  sim_hal::CameraServerConfig config;
+  config.seed = seed;
+  auto server = std::make_shared<sim_hal::CameraServer>(config, std::make_unique<sim_hal::CameraWorldEye>(world));
+  if (auto started = server->start(); !started) return tl::unexpected(started.error());
+  return server;
+}
 
- private:
-  hal::SteadyClock clock_;
-  std::unique_ptr<hal::CanBus> bus_;
-  hal::HandThread thread_;
-};
+/// What the scenario does to the camera, in terms of the device.
+hal::Result<std::vector<sim_hal::CameraFault>> camera_faults(const sim_hal::Scenario& scenario) {
+  std::vector<sim_hal::CameraFault> faults;
+  for (const sim_hal::DeviceFaultEvent& event : scenario.faults) {
+    if (event.device != "camera") continue;
+    auto fault = sim_hal::camera_fault(event);
+    if (!fault) return tl::unexpected(fault.error());
+    faults.push_back(std::move(*fault));
+  }
+  return faults;
+}
+
+/// The camera that the file names, in the rig.
+hal::Result<> add_camera(const RobotFile& file, const sim_hal::Scenario& scenario, sim_hal::SimWorld& world,
+                         std::uint64_t seed, const control::Config& config, Rig& rig) {
+  if (file.camera == "simulated") {
+    rig.robot.camera = sim_hal::make_sim_camera(world);
+    rig.infrared = sim_hal::make_sim_infrared(world, {});
+    return {};
+  }
+  hal::KinectConfig kinect = file.kinect;
+  if (file.emulator != "never") {
+    auto faults = camera_faults(scenario);
+    if (!faults) return tl::unexpected(faults.error());
+    auto server = start_kinect(world, seed);
+    if (!server) return tl::unexpected(server.error());
+    kinect.source = "emulated:" + (*server)->address();
+    kinect.motor = true;
+    rig.far_ends.push_back(*server);
+    rig.begin = [before = std::move(rig.begin), server = *server, faults = std::move(*faults)] {
+      if (before) before();
+      for (const sim_hal::CameraFault& fault : faults) server->inject(fault);
+    };
+  }
+  hal::CameraGuardConfig guard = config.guard_camera;
+  if (scenario.camera.noise == "none") guard.stuck_s = 0.0;  // an ideal camera shows a scene at rest alike
+  const hal::Vec3 up_C = rig.X_WC.linear().transpose() * hal::Vec3::UnitZ();
+  rig.robot.camera =
+      std::make_unique<hal::GuardedCamera>(std::make_unique<hal::KinectCamera>(kinect, *rig.robot.clock), guard,
+                                           *rig.robot.clock, up_C);
+  return {};
+}
 
 ArmLink link_of(const hal::FriArm& arm, const sim_hal::KrcServer* krc) {
   ArmLink link;
@@ -158,6 +215,9 @@ hal::Result<Rig> open_rig(const std::optional<std::filesystem::path>& robot,
   if (file->arm == "simulated" && file->hand == "barrett")
     return hal::failure(hal::ErrorCode::BadConfig, robot->string(),
                         "hand: barrett lives in real time, and arm: simulated does not; expected arm: fri");
+  if (file->arm == "simulated" && file->camera == "kinect")
+    return hal::failure(hal::ErrorCode::BadConfig, robot->string(),
+                        "camera: kinect lives in real time, and arm: simulated does not; expected arm: fri");
   Rig rig;
   rig.name = robot ? robot->filename().string() : "simulated rig";
   auto model = read_model(file->model);
@@ -195,18 +255,30 @@ hal::Result<Rig> open_rig(const std::optional<std::filesystem::path>& robot,
     rig.robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(**world), config.guard_hand);
   } else {
     if (file->emulator != "never") {
-      auto pucks = start_pucks(*file, *read, **world, seed);
+      auto faults = hand_faults(*read);
+      if (!faults) return tl::unexpected(faults.error());
+      auto pucks = start_pucks(*file, **world, seed);
       if (!pucks) return tl::unexpected(pucks.error());
       rig.far_ends.push_back(*pucks);
+      // the scenario's times count from its begin, and waking and initialising take a while before
+      rig.begin = [before = std::move(rig.begin), pucks = *pucks, faults = std::move(*faults)] {
+        if (before) before();
+        for (const sim_hal::HandFault& fault : faults) pucks->inject(fault);
+      };
     }
     const auto filters = hal::barrett::hand_filters();
     auto bus = hal::make_can_bus(file->barrett.can, {filters.begin(), filters.end()});
     if (!bus) return tl::unexpected(bus.error());
     rig.robot.hand = std::make_unique<hal::GuardedHand>(
-        std::make_unique<OwnedBarrettHand>(std::move(*bus), file->barrett), config.guard_hand);
+        hal::make_barrett_hand(std::move(*bus), file->barrett), config.guard_hand);
   }
-  rig.robot.camera = sim_hal::make_sim_camera(**world);
-  rig.X_WC = sim_hal::camera_pose(read->camera);
+  rig.X_WC = rig.true_X_WC = sim_hal::camera_pose(read->camera);
+  if (!file->calibration.empty()) {
+    const auto calibration = perception::load_calibration(file->calibration, config.calibration);
+    if (!calibration) return tl::unexpected(calibration.error());
+    rig.X_WC = calibration->X_BC();
+  }
+  if (auto done = add_camera(*file, *read, **world, seed, config, rig); !done) return tl::unexpected(done.error());
   rig.home_rad = (*world)->arm_state().q_rad;
   rig.truth = truth_of(*world, rig.model);
   return rig;

@@ -10,6 +10,7 @@
 
 #include "control/arm_loop.hpp"
 #include "control/config.hpp"
+#include "hal/infrared_camera.hpp"
 #include "hal/robot.hpp"
 #include "hal/robot_model/robot_model.hpp"
 #include "hal/types/result.hpp"
@@ -33,7 +34,9 @@ struct Rig {
   std::vector<std::shared_ptr<void>> far_ends;  ///< Emulators on that world.
   std::shared_ptr<const hal::RobotModel> model;
   hal::Robot robot;
+  std::shared_ptr<hal::InfraredCamera> infrared;  ///< Where it is not the camera itself.
   hal::Pose X_WC = hal::Pose::Identity();
+  hal::Pose true_X_WC = hal::Pose::Identity();  ///< In simulation; X_WC may come from a calibration.
   hal::JointVector home_rad = hal::JointVector::Zero();  ///< Where the arm stands at the start.
   control::Drive drive = control::Drive::InStep;           ///< Who runs the arm's cycle.
   std::string name;
@@ -41,6 +44,9 @@ struct Rig {
   std::function<void()> begin;        ///< Starts the scenario, when the devices are ready; may be empty.
   std::function<ArmLink()> arm_link;  ///< Empty where the arm has no wire.
 };
+
+/// In place of a scenario's file: a floor with nothing near the arm, for calibration.
+inline constexpr const char* kClearedFloor = "(cleared floor)";
 
 /// What a run does beyond its rig, as the scenario says.
 struct RunTask {

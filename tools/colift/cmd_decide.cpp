@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "tools/colift/commands.hpp"
+#include "tools/colift/decide_why.hpp"
 #include "tools/colift/look_json.hpp"
 #include "tools/colift/numbers.hpp"
 #include "tools/colift/show.hpp"
@@ -44,12 +45,21 @@ int cmd_decide(const CommonOptions& common, const DecideOptions& options) {
   const auto outcome = control::decide(seen->look, *partner, setup->config, hal::SteadyClock());
   if (!outcome) return report_error("decide", outcome.error());
 
-  if (common.json)
-    std::puts(decide_document(*seen, *outcome).c_str());
-  else
-    std::fputs(
-        (common.quiet ? outcome->decision.because + "\n" : look_text(*seen) + decide_text(*outcome)).c_str(),
-        stdout);
+  std::optional<WhyCandidate> why;
+  if (options.why) {
+    auto explained = explain_candidate(*outcome, setup->config, *options.why);
+    if (!explained) return report_error("decide", explained.error());
+    why = std::move(*explained);
+  }
+
+  if (common.json) {
+    const std::string document = decide_document(*seen, *outcome);
+    std::puts((why ? with_why(document, *outcome, *why) : document).c_str());
+  } else {
+    const std::string text =
+        common.quiet ? outcome->decision.because + "\n" : look_text(*seen) + decide_text(*outcome);
+    std::fputs((why ? text + "\n" + why->text : text).c_str(), stdout);
+  }
   std::fflush(stdout);
   if (auto shown = show(*seen, &*outcome, options.look, common, setup->hand); !shown)
     return report_error("decide", shown.error());

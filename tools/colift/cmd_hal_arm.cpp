@@ -5,7 +5,7 @@
 #include <future>
 #include <numbers>
 
-#include "control/config.hpp"
+#include "control/arm_mode.hpp"
 #include "hal/config/config_file.hpp"
 #include "hal/guarded_arm.hpp"
 #include "tools/colift/cmd_hal.hpp"
@@ -40,7 +40,7 @@ hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& opt
   hal::FieldTable table = hal::table_of(config);
   if (auto done = hal::apply_command_line(table, common.config_files, common.settings); !done)
     return tl::unexpected(done.error());
-  bench.guard = config.guard_arm;
+  bench.guard = control::for_arm_mode(config).guard_arm;
   auto file = read_robot_file(options.robot);
   if (!file) return tl::unexpected(file.error());
   if (options.robot && file->arm != "fri")

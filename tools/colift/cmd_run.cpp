@@ -1,12 +1,17 @@
+#include <fmt/format.h>
+
 #include <cstdio>
 #include <numbers>
 
+#include "control/arm_mode.hpp"
 #include "control/task_runner.hpp"
 #include "tools/colift/back_ends.hpp"
 #include "tools/colift/commands.hpp"
 #include "tools/colift/emulate.hpp"
 #include "tools/colift/run_json.hpp"
+#include "tools/colift/run_live.hpp"
 #include "tools/colift/run_progress.hpp"
+#include "tools/colift/run_recording.hpp"
 #include "tools/colift/run_report.hpp"
 #include "tools/colift/session.hpp"
 #include "tools/colift/weights.hpp"
@@ -103,8 +108,10 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
   if (!method) return report_error("run", method.error());
   if (auto set = set_weights(*method, options.share, "", setup->config); !set)
     return report_error("run", set.error());
+  setup->config = control::for_arm_mode(setup->config);
   auto rig = open_rig(options.robot, options.scenario, options.seed, setup->config);
   if (!rig) return report_error("run", rig.error());
+  if (setup->calibration) rig->X_WC = setup->calibration->X_BC();
 
   const RunSetting setting = setting_of(common, options, *task, *rig, *method, setup->config);
   const hal::SteadyClock wall;
@@ -115,6 +122,19 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
   }
   control::JobOptions job{*method, options.seed, options.dry_run, rig->truth ? rig->truth->mass_kg : 0.0,
                           rig->drive};
+  const auto urdf = robot_urdf(options.robot);
+  if (!urdf) return report_error("run", urdf.error());
+  const auto speed = speed_of(options.live, rig->drive);
+  if (!speed) return report_error("run", speed.error());
+  const auto live = RunLive::open(options.live, fmt::format("CoLift, {}", rig->name), *urdf);
+  if (!live) return report_error("run", live.error());
+  RunRecording::Wish wish;
+  if (*live) {
+    wish.watchers.push_back(&(*live)->sink());
+    std::fprintf(stderr, "live view: %s\n", (*live)->url().c_str());
+  }
+  auto recording = RunRecording::open(common, options, job, *rig, *setup, wall, wish);
+  if (!recording) return report_error("run", recording.error());
   const control::RigView view{*rig->model, setup->hand, setup->hand_tables, rig->X_WC};
   control::TaskRunner runner(rig->robot, view, setup->config, job, wall);
 
@@ -127,15 +147,22 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
     began = rig->robot.clock->now();  // some devices take seconds to start
     if (rig->begin) rig->begin();
   };
-  hooks.interrupted = [] { return InterruptGuard::asked(); };
+  hooks.interrupted = [&] { return InterruptGuard::asked() || (*live && (*live)->stopped()); };
+  Pace pace(*speed);
   hooks.status = [&](const control::JobStatus& status) {
-    if (rig->truth) diary.on_status(status, *rig->truth, began);
+    if (!InterruptGuard::asked()) pace.wait_for(status.now);
+    if (rig->truth) {
+      const std::size_t samples = diary.truth.curve.size();
+      diary.on_status(status, *rig->truth, began);
+      if (*recording && diary.truth.curve.size() > samples)
+        (*recording)->truth(rig->robot.clock->now(), diary.truth.curve.back());
+    }
     progress->show(status_of(status, *rig));
   };
   hooks.changed = [&](control::Task from, control::Task to) {
     if (rig->truth) diary.on_change(from, to, *rig->truth);
   };
-  const auto record = runner.run(hooks);
+  const auto record = runner.run(*recording ? (*recording)->hooks(hooks) : hooks);
   progress->end();
   progress.reset();
   if (!record) {
@@ -147,8 +174,13 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
   if (rig->arm_link) link = rig->arm_link();
   const RunView run{*record, setting, rig->truth ? &diary.truth : nullptr,
                     rig->truth ? &diary.scenes : nullptr, link ? &*link : nullptr};
+  const std::string document = run_document(run);
+  if (*recording)
+    for (const std::string& line : (*recording)->finish(*record, document))
+      if (!common.quiet) std::fprintf(stderr, "%s\n", line.c_str());
+  const int ended_with = exit_code(*record, options);  // before Ctrl-C may mean the view
   if (common.json)
-    std::puts(run_document(run).c_str());
+    std::puts(document.c_str());
   else
     std::fputs((common.quiet ? record->because + "\n" : run_summary(run)).c_str(), stdout);
   std::fflush(stdout);
@@ -161,7 +193,12 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
     if (auto written = write_lift_picture(*options.png, run); !written)
       return report_error("run", written.error());
   }
-  return exit_code(*record, options);
+  if (*live && !InterruptGuard::asked()) {
+    std::fprintf(stderr, "the live view keeps the last state at %s; Ctrl-C ends it\n", (*live)->url().c_str());
+    (*live)->stay(InterruptGuard::asked);
+    return (*live)->stopped() ? kInterrupted : ended_with;
+  }
+  return ended_with;
 }
 
 }  // namespace colift::tools

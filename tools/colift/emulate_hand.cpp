@@ -3,17 +3,16 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "hal/os/make_can_bus.hpp"
 #include "sim_hal/emulator/hand_gateway.hpp"
 #include "sim_hal/emulator/hand_light_plant.hpp"
 #include "sim_hal/emulator/hand_server.hpp"
 #include "sim_hal/emulator/mujoco/hand_world_plant.hpp"
+#include "tools/colift/emulate_watch.hpp"
 #include "tools/colift/session.hpp"
 
 namespace colift::tools {
@@ -103,27 +102,6 @@ std::string to_json(const EmulateHandOptions& o, const HandEmulatorReport& r, co
   return j.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// Prints what happens until it is over; says why it is.
-std::string watch(HandServer& server, const EmulateHandOptions& o, const EmulateLines& lines) {
-  const auto print = [&] {
-    for (const HandServer::Event& e : server.take_events()) lines.event(e.t_s, e.text);
-  };
-  for (;;) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    print();
-    std::string because;
-    if (InterruptGuard::asked())
-      because = "interrupted";
-    else if (o.common.for_s && server.elapsed_s() >= *o.common.for_s)
-      because = "the time is over";
-    else
-      continue;
-    server.stop();
-    print();
-    return because;
-  }
-}
-
 hal::Result<int> run(const CommonOptions& common, const EmulateHandOptions& o) {
   if (auto done = check_options(o); !done) return tl::unexpected(done.error());
   sim_hal::Scenario scenario = sim_hal::built_in_scenario();
@@ -170,7 +148,9 @@ hal::Result<int> run(const CommonOptions& common, const EmulateHandOptions& o) {
   if (auto done = server.start(); !done) return tl::unexpected(done.error());
   lines.ready(
       fmt::format("hand on {}", gate == nullptr ? o.bus : fmt::format("{} (port {})", o.bus, gate->port())));
-  const std::string because = watch(server, o, lines);
+  const std::string because = watch_emulator(
+      server, o.common, lines, [] { return std::optional<std::string>(); },
+      [&] { return server.elapsed_s(); });
   const HandEmulatorReport report = server.report();
   const std::uint64_t broken = rules_broken(report);
   if (common.json)

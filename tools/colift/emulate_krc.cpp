@@ -3,12 +3,12 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <thread>
 
 #include "hal/os/udp_link.hpp"
 #include "sim_hal/emulator/krc_light_plant.hpp"
 #include "sim_hal/emulator/mujoco/krc_world_plant.hpp"
 #include "tools/colift/emulate_krc_json.hpp"
+#include "tools/colift/emulate_watch.hpp"
 #include "tools/colift/session.hpp"
 
 namespace colift::tools {
@@ -94,29 +94,6 @@ std::string summary(const KrcReport& r, const KrcServerTiming& timing, const std
       r.broken_rules_in_all, r.broken_rules_in_all == 1 ? "" : "s", timing.late, timing.worst_late_ms);
 }
 
-/// Prints what happens until it is over; says why it is.
-std::string watch(KrcServer& server, const EmulateKrcOptions& o, const EmulateLines& lines) {
-  const auto print = [&] {
-    for (const KrcServer::Event& e : server.take_events()) lines.event(e.t_s, e.text);
-  };
-  for (;;) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    print();
-    std::string because;
-    if (server.ended())
-      because = server.report().closed.value_or("the port broke");
-    else if (InterruptGuard::asked())
-      because = "interrupted";
-    else if (o.common.for_s && server.report().duration_s >= *o.common.for_s)
-      because = "the time is over";
-    else
-      continue;
-    server.stop();
-    print();
-    return because;
-  }
-}
-
 hal::Result<int> run(const CommonOptions& common, const EmulateKrcOptions& o) {
   if (auto done = check_options(o); !done) return tl::unexpected(done.error());
   sim_hal::Scenario scenario = sim_hal::built_in_scenario();
@@ -149,7 +126,12 @@ hal::Result<int> run(const CommonOptions& common, const EmulateKrcOptions& o) {
   if (auto done = server.start(); !done) return tl::unexpected(done.error());
   lines.ready(fmt::format("krc, program {}, {:g} ms, plant {}, port {} to {}", o.script, o.cycle_ms,
                           o.common.plant, o.from_port > 0 ? std::to_string(o.from_port) : "any", o.to));
-  const std::string because = watch(server, o, lines);
+  const std::string because = watch_emulator(
+      server, o.common, lines,
+      [&] {
+        return server.ended() ? std::optional(server.report().closed.value_or("the port broke")) : std::nullopt;
+      },
+      [&] { return server.report().duration_s; });
   const KrcReport report = server.report();
   if (common.json)
     std::puts(emulate_krc_json(o, report, server.timing(), because).c_str());

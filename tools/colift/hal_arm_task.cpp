@@ -34,6 +34,7 @@ control::TaskConfig task_config() {
 control::CycleLimits cycle_limits(const ArmTask& task, const hal::GuardConfig& guard) {
   control::CycleLimits l;
   l.velocity_part = std::min(l.velocity_part, 0.9 * guard.velocity_part);
+  l.velocity_rad_s = 0.9 * guard.max_velocity_rad_s;
   l.acceleration_rad_s2 = std::min(std::max(1.0, task.acceleration_rad_s2), 0.9 * guard.acceleration_rad_s2);
   l.limit_margin_rad = 0.0;  // the guard keeps one; a start inside of it has to be possible
   return l;

@@ -274,7 +274,7 @@ std::string limits_table(const hal::RobotModel& model, const hal::GuardConfig& g
         "A{}     {}    {:>5.0f} .. {:<4.0f}  {:>5.1f} .. {:<6.1f} {:>5.0f}    {:>5.0f}    {:>5.1f}    "
         "{:>5.0f}\n",
         i + 1, krl_name(i), low, high, low + guard.limit_margin_deg, high - guard.limit_margin_deg,
-        kDeg * speed, kDeg * guard.velocity_part * speed, kDeg * std::min(kT1Velocity_rad_s, speed),
+        kDeg * speed, kDeg * std::min(guard.velocity_part * speed, guard.max_velocity_rad_s), kDeg * std::min(kT1Velocity_rad_s, speed),
         model.effort_nm()[i]);
   }
   t += fmt::format(

@@ -9,6 +9,7 @@
 #include "hal/guarded_arm.hpp"
 #include "hal/os/realtime.hpp"
 #include "hal/robot_model/robot_model.hpp"
+#include "hal/t1_profile.hpp"
 
 namespace colift::tools {
 
@@ -76,8 +77,6 @@ struct ArmView {
 /// Limits of each joint: the model's, what the guard keeps, the profile for T1.
 [[nodiscard]] std::string limits_table(const hal::RobotModel& model, const hal::GuardConfig& guard);
 
-/// In T1 the controller moves the flange with 250 mm/s at most; public drivers of this arm keep each joint
-/// below 0.24 rad/s and 0.5 rad/s^2 there (CentroEPiaggio/kuka-lwr, issue 85).
-inline constexpr double kT1Velocity_rad_s = 0.24, kT1Acceleration_rad_s2 = 0.5, kT1Jerk_rad_s3 = 5.0;
+using hal::kT1Acceleration_rad_s2, hal::kT1Jerk_rad_s3, hal::kT1Velocity_rad_s;
 
 }  // namespace colift::tools

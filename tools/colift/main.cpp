@@ -8,10 +8,15 @@
 #include <exception>
 #include <string>
 
+#include "tools/colift/cmd_experiment.hpp"
+#include "tools/colift/calibrate.hpp"
 #include "tools/colift/cmd_hal.hpp"
+#include "tools/colift/cmd_hal_camera.hpp"
+#include "tools/colift/cmd_log.hpp"
 #include "tools/colift/cmd_rank.hpp"
 #include "tools/colift/commands.hpp"
 #include "tools/colift/emulate.hpp"
+#include "tools/colift/emulate_camera.hpp"
 #include "tools/colift/emulate_hand.hpp"
 
 namespace {
@@ -58,7 +63,25 @@ void add_look(CLI::App& command, LookOptions& o) {
       ->type_name("OUT.html");
 }
 
+void add_view(CLI::App& command, colift::tools::ViewOptions& o) {
+  command
+      .add_option_function<std::vector<std::string>>(
+          "--view", [&o](const std::vector<std::string>& port) { o.view = port.empty() ? "" : port.front(); },
+          "Shows it on a page in the browser, and to Foxglove and Lichtblick (default port 8765)")
+      ->expected(0, 1)
+      ->type_name("[PORT]");
+  command.add_option("--view-address", o.view_address, "Where the page is served (default: this machine alone)")
+      ->type_name("ADDRESS");
+  command.add_flag("--allow-operator", o.allow_operator,
+                   "Who has the address with the token that is printed may stop the run");
+  command.add_option("--allow-origin", o.allow_origins, "A page from elsewhere that may connect")->type_name("URL");
+  command.add_option("--speed", o.speed,
+                     "Of simulated time, as a multiple of real time (default: 1 with --view, else as fast as it goes)")
+      ->type_name("X");
+}
+
 void add_run(CLI::App& command, RunOptions& o) {
+  add_view(command, o.live);
   command.add_option("--scenario", o.scenario, "What the simulated rig holds (default: the built-in table)")
       ->type_name("FILE");
   command.add_option("--robot", o.robot, "Which devices (default: the simulated rig)")->type_name("FILE");
@@ -71,6 +94,82 @@ void add_run(CLI::App& command, RunOptions& o) {
   command.add_option("--report", o.report, "Writes one HTML page with pictures, curves and reasons")
       ->type_name("FILE.html");
   command.add_option("--png", o.png, "Writes a picture of the lift")->type_name("OUT.png");
+  command.add_option("--record", o.record, "Records everything, for Foxglove, Lichtblick and colift log")
+      ->type_name("FILE.mcap");
+  command
+      .add_option("--flight", o.flight,
+                  "Keeps the last seconds and writes them when something goes wrong (on a robot always, to "
+                  "~/.local/state/colift)")
+      ->type_name("FILE.mcap");
+}
+
+/// A verb of `log`, with what all of them take.
+CLI::App& add_log_verb(CLI::App& log, const char* name, const char* help, colift::tools::LogOptions& o,
+                       const char* file_help) {
+  CLI::App* verb = log.add_subcommand(name, help);
+  verb->callback([&o, name] { o.verb = name; });
+  verb->add_option("FILE", o.file, file_help)->required();
+  return *verb;
+}
+
+CLI::App* add_log(CLI::App& app, colift::tools::LogOptions& o, CommonOptions& common) {
+  constexpr const char* kRecording = "Recording (MCAP); one that was cut is read as far as it goes";
+  CLI::App* log = app.add_subcommand("log", "Recordings of runs");
+  log->require_subcommand(1);
+  add_output(add_log_verb(*log, "info", "What is in it", o, kRecording), common);
+  CLI::App& exported = add_log_verb(*log, "export", "Makes tables or pictures of it", o, kRecording);
+  exported.add_option("--out", o.out, "Folder (default: FILE-export)")->type_name("FOLDER");
+  exported
+      .add_option("--format", o.formats,
+                  "csv (default): a table for each channel; png: depth images and camera.json; fakenect: for "
+                  "libfreenect's player; may be given several times")
+      ->type_name("FORMAT")
+      ->take_all()
+      ->allow_extra_args(false);
+  add_output(exported, common);
+  CLI::App& recovered = add_log_verb(*log, "recover", "Makes a whole file of one that was cut or damaged", o, kRecording);
+  recovered.add_option("--out", o.out, "The new file (default: FILE.recovered.mcap)")->type_name("FILE");
+  add_output(recovered, common);
+  add_common(add_log_verb(*log, "replay",
+                          "Decides once more on what was recorded; --config and --set change what with", o,
+                          kRecording),
+             common);
+  CLI::App& snapshot =
+      add_log_verb(*log, "snapshot", "Has a running colift run write its last seconds", o, "Where they go");
+  snapshot.add_option("--pid", o.pid, "Of the run (default: the newest of this user)")->type_name("PID");
+  add_output(snapshot, common);
+  return log;
+}
+
+void add_experiment(CLI::App& command, colift::tools::ExperimentOptions& o) {
+  command.add_option("NAME", o.words, "grasps, realtime, tilt, load, complex, robust, wrong-cog, slip or all; or: merge DIR...")
+      ->required();
+  command.add_option("--trials", o.trials, "How many (default: each experiment's own number)")->type_name("N");
+  command.add_option("--seed", o.seed, "Same seed and trials: same figures (default 1)")->type_name("S");
+  command.add_option("--method", o.method, "fast (default), thesis or both");
+  command.add_option("--shard", o.shard, "Only part I of N of the trials, for a cluster")->type_name("I/N");
+  command.add_option("--jobs", o.jobs, "Threads (default: one per core)")->type_name("N");
+  command.add_option("--out", o.out, "Folder of tables, figures, plots and page (default out/experiments)")
+      ->type_name("DIR");
+}
+
+void add_calibrate(CLI::App& command, colift::tools::CalibrateOptions& o) {
+  command.add_option("--samples", o.samples, "Folder with samples.yaml and infrared images")->type_name("FOLDER");
+  command.add_flag("--sim", o.sim, "Takes the samples on the simulated rig");
+  command.add_option("--robot", o.robot, "Takes them with these devices; clear the space around the arm")
+      ->type_name("FILE");
+  command.add_option("--scenario", o.scenario, "What the simulated rig holds (default: nothing near the arm)")
+      ->type_name("FILE");
+  command.add_option("--poses", o.poses, "Poses of the arm, 5 to 200 (default 20)")->type_name("N");
+  command.add_option("--seed", o.seed, "Same samples, seed and program: same result, bit for bit")
+      ->type_name("N");
+  command.add_option("--camera-at", o.camera_at, "Where the camera about stands, in the robot base")
+      ->type_name("X,Y,Z");
+  command.add_option("--date", o.date, "Stands in the result (default: now)")->type_name("TEXT");
+  command.add_option("--out", o.out, "Writes the result, for calibration_file: in a configuration")
+      ->type_name("FILE.yaml");
+  command.add_option("--save", o.save, "Keeps the samples, for --samples")->type_name("FOLDER");
+  command.add_option("--png", o.png, "Writes a picture of spots and residuals")->type_name("OUT.png");
 }
 
 void add_emulate(CLI::App& command, colift::tools::EmulateOptions& o) {
@@ -188,6 +287,29 @@ CLI::App* add_hal_hand(CLI::App& hal, colift::tools::HalOptions& o, CommonOption
   return hand;
 }
 
+CLI::App* add_hal_camera(CLI::App& hal, colift::tools::HalCameraOptions& o, CommonOptions& common) {
+  CLI::App* camera = hal.add_subcommand("camera", "The Kinect v1 over libfreenect");
+  camera->require_subcommand(1);
+  const auto add = [&](const char* name, const char* help) -> CLI::App& {
+    CLI::App& verb = add_verb(*camera, name, help, o.hal, common);
+    verb.add_option("--source", o.source, "usb, usb:SERIAL, fakenect:DIR or emulated:ADDRESS (default: the file's)");
+    verb.add_option("--for", o.hal.for_s, "Ends after that time")->type_name("S");
+    return verb;
+  };
+  const auto png = [&o](CLI::App& verb) {
+    verb.add_option("--png", o.png, "Writes a picture of the last frame")->type_name("OUT.png");
+  };
+  png(add("info", "What it is, how it hangs, what it sees"));
+  png(add("watch", "The same all the time (with --png: for a second)"));
+  add("record", "Records raw depth for fakenect, 18 MB a second, until interrupted")
+      .add_option("FOLDER", o.folder, "New or empty folder")
+      ->required();
+  CLI::App& tilt = add("tilt", "Turns its foot; whatever was calibrated is wrong then");
+  tilt.add_option("DEG", o.tilt_deg, "-31 to 31 degrees against the horizon")->required();
+  tilt.add_flag("--yes", o.hal.yes, "Yes, move the camera");
+  return camera;
+}
+
 int run(int argc, char** argv) {
   CLI::App app(
       "CoLift carries large objects together with a person: it sees where the person grasps, and decides\n"
@@ -225,6 +347,8 @@ int run(int argc, char** argv) {
       ->add_option("--epsilon", decide.epsilon,
                    "Price of the robot's effort against the partner's (thesis eq. 4.5)")
       ->type_name("E");
+  decide_command->add_option("--why", decide.why, "Explains candidate K: what its cost is made of, what stands against it")
+      ->type_name("K");
   add_common(*decide_command, common);
 
   CLI::App* rank_command = app.add_subcommand("rank", "Only the load-sharing decision, on numbers");
@@ -236,6 +360,12 @@ int run(int argc, char** argv) {
       "run", "The whole job: watch, decide, approach, lift together, lower, release, retreat");
   add_run(*run_command, run);
   add_common(*run_command, common);
+
+  colift::tools::ExperimentOptions experiment;
+  CLI::App* experiment_command = app.add_subcommand(
+      "experiment", "Repeats the thesis's chapter 6 in simulation: tables, figures with intervals, a page");
+  add_experiment(*experiment_command, experiment);
+  add_output(*experiment_command, common);
 
   CLI::App* emulate_command = app.add_subcommand("emulate", "The far end of a device's wire");
   emulate_command->require_subcommand(1);
@@ -252,12 +382,29 @@ int run(int argc, char** argv) {
   add_emulate_hand(*pucks_command, pucks);
   add_output(*pucks_command, common);
 
+  colift::tools::EmulateCameraOptions kinect;
+  CLI::App* kinect_command = emulate_command->add_subcommand(
+      "camera", "A Kinect on a simulated world, behind libfreenect's own functions");
+  add_emulate(*kinect_command, kinect.common);
+  kinect_command->add_option("--fakenect", kinect.fakenect, "Writes a recording for fakenect there (2 s)")->type_name("DIR");
+  kinect_command->add_flag("--live", kinect.live, "Serves it live (default)");
+  kinect_command->add_option("--address", kinect.address, "Of the live camera (default @colift-kinect)")->type_name("@NAME");
+  add_output(*kinect_command, common);
+
   CLI::App* hal_command = app.add_subcommand("hal", "Bring-up of one device at a time");
   hal_command->require_subcommand(1);
   colift::tools::HalOptions arm;
   CLI::App* arm_command = add_hal_arm(*hal_command, arm, common);
   colift::tools::HalOptions hand;
   CLI::App* hand_command = add_hal_hand(*hal_command, hand, common);
+  colift::tools::HalCameraOptions camera;
+  CLI::App* camera_command = add_hal_camera(*hal_command, camera, common);
+
+  colift::tools::CalibrateOptions calibrate;
+  CLI::App* calibrate_command = app.add_subcommand(
+      "calibrate", "Where the camera is: a blinking emitter on the palm, seen at many poses of the arm");
+  add_calibrate(*calibrate_command, calibrate);
+  add_common(*calibrate_command, common);
 
   colift::tools::DoctorOptions doctor;
   CLI::App* doctor_command =
@@ -268,6 +415,9 @@ int run(int argc, char** argv) {
   doctor_command->add_option("--root", doctor.root, "Where /sys, /proc and /dev are looked for (default: /)")
       ->type_name("FOLDER");
   add_common(*doctor_command, common);
+
+  colift::tools::LogOptions log;
+  CLI::App* log_command = add_log(app, log, common);
 
   CLI::App* check_command = app.add_subcommand(
       "check", "Reads configuration and hand, touches no device, prints what would be used");
@@ -289,7 +439,7 @@ int run(int argc, char** argv) {
     if (first[0] != '-' && !known)
       std::fprintf(
           stderr,
-          "colift: \"%s\" is no command; there are run, look, decide, rank, hal, emulate, doctor and check; see colift --help\n",
+          "colift: \"%s\" is no command; there are run, look, decide, rank, experiment, hal, emulate, doctor, log and check; see colift --help\n",
           first.c_str());
     else
       std::fprintf(stderr, "colift: %s; see colift --help\n", e.what());
@@ -298,11 +448,16 @@ int run(int argc, char** argv) {
   if (look_command->parsed()) return colift::tools::cmd_look(common, look);
   if (decide_command->parsed()) return colift::tools::cmd_decide(common, decide);
   if (run_command->parsed()) return colift::tools::cmd_run(common, run);
+  if (experiment_command->parsed()) return colift::tools::cmd_experiment(common, experiment);
   if (krc_command->parsed()) return colift::tools::cmd_emulate_krc(common, krc);
+  if (kinect_command->parsed()) return colift::tools::cmd_emulate_camera(common, kinect);
+  if (camera_command->parsed()) return colift::tools::cmd_hal_camera(common, camera);
   if (pucks_command->parsed()) return colift::tools::cmd_emulate_hand(common, pucks);
   if (hand_command->parsed()) return colift::tools::cmd_hal_hand(common, hand);
   if (arm_command->parsed()) return colift::tools::cmd_hal_arm(common, arm);
+  if (calibrate_command->parsed()) return colift::tools::cmd_calibrate(common, calibrate);
   if (doctor_command->parsed()) return colift::tools::cmd_doctor(common, doctor);
+  if (log_command->parsed()) return colift::tools::cmd_log(common, log);
   if (rank_command->parsed()) return colift::tools::cmd_rank(problem, common.json);
   return colift::tools::cmd_check(common, check);
 }

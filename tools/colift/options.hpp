@@ -45,6 +45,7 @@ struct DecideOptions {
   std::optional<std::filesystem::path> partner_cloud;
   std::string share;    ///< Part of the load for the robot; empty: by epsilon.
   std::string epsilon;  ///< Empty: as configured.
+  std::optional<int> why;  ///< Id of a candidate to explain.
 };
 
 struct CheckOptions {
@@ -52,7 +53,17 @@ struct CheckOptions {
   bool graph = false;  ///< The rules of the job instead of the configuration.
 };
 
+/// The live view, where a command has one.
+struct ViewOptions {
+  std::optional<std::string> view;             ///< Port; empty: the usual one.
+  std::string view_address = "127.0.0.1";
+  bool allow_operator = false;                 ///< Who has the token may stop the run.
+  std::vector<std::string> allow_origins;      ///< Pages from elsewhere that may connect.
+  std::optional<double> speed;                 ///< Of a simulated run; 0: as fast as it goes.
+};
+
 struct RunOptions {
+  ViewOptions live;
   std::optional<std::filesystem::path> scenario;  ///< Unset: the built-in table.
   std::optional<std::filesystem::path> robot;     ///< Unset: the simulated rig.
   std::string method;
@@ -61,6 +72,8 @@ struct RunOptions {
   bool dry_run = false;
   std::optional<std::filesystem::path> report;
   std::optional<std::filesystem::path> png;  ///< Picture of the lift.
+  std::optional<std::filesystem::path> record;  ///< The whole run (MCAP).
+  std::optional<std::filesystem::path> flight;  ///< Its last seconds, when something went wrong.
 };
 
 }  // namespace colift::tools

@@ -21,6 +21,12 @@ hal::Result<Setup> load_setup(const CommonOptions& common, const control::Config
     if (!hand) return tl::unexpected(hand.error());
     setup.hand = std::move(*hand);
   }
+  if (!setup.config.calibration_file.empty()) {
+    auto calibration =
+        perception::load_calibration(setup.config.calibration_file, setup.config.calibration);
+    if (!calibration) return tl::unexpected(calibration.error());
+    setup.calibration = std::move(*calibration);
+  }
   setup.hand_tables = std::make_shared<planner::HandCollision>(setup.hand, setup.config.candidates.collision);
   return setup;
 }
@@ -35,6 +41,9 @@ hal::Result<Seen> look_at_file(const LookOptions& options, const Setup& setup) {
     const auto pose = parse_pose(options.camera_pose, "--camera-pose");
     if (!pose) return tl::unexpected(pose.error());
     seen.X_WF = *pose;
+    input.base_frame_known = true;
+  } else if (setup.calibration) {
+    seen.X_WF = setup.calibration->X_BC();
     input.base_frame_known = true;
   }
   if (!options.at.empty()) {

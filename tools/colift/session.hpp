@@ -1,12 +1,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "control/config.hpp"
 #include "control/decide.hpp"
 #include "control/look.hpp"
 #include "hal/recorded/frame_file.hpp"
 #include "hal/types/result.hpp"
+#include "perception/calibration/calibration_file.hpp"
 #include "planner/hand_model.hpp"
 #include "tools/colift/options.hpp"
 
@@ -17,6 +19,7 @@ namespace colift::tools {
 struct Setup {
   control::Config config;
   planner::HandModel hand;
+  std::optional<perception::CalibrationFile> calibration;  ///< When the configuration names one.
   std::shared_ptr<const planner::HandCollision> hand_tables;  ///< Made once, for every look.
 };
 [[nodiscard]] hal::Result<Setup> load_setup(const CommonOptions& common,

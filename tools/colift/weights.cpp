@@ -22,6 +22,7 @@ hal::Result<> set_weights(control::Method method, const std::string& share, cons
   if (method == control::Method::Thesis) {
     config.decision.weights = planner::SharingWeights::thesis();
     config.decision.max_sideways = std::numeric_limits<double>::infinity();
+    config.decision.max_lever_m = std::numeric_limits<double>::infinity();
   }
   if (!share.empty() && !epsilon.empty())
     return hal::failure(hal::ErrorCode::BadInput, "--share",

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <set>
 
 #include "planner/grasp_candidates.hpp"
@@ -237,10 +238,46 @@ TEST_CASE("a candidate near a point lies at the foot on its line and is not repe
     for (const auto& c : both) {
       const bool same = (c.position - again.position).norm() < 0.002 &&
                         c.approach.dot(again.approach) > 0.999 &&
-                        std::abs(c.closing.dot(again.closing)) > 0.999 && c.verdict != Verdict::TooWide;
+                        std::abs(c.closing.dot(again.closing)) > 0.999 && c.gap_m == again.gap_m &&
+                        c.verdict != Verdict::TooWide;
       CHECK_FALSE(same);
     }
   }
+}
+
+TEST_CASE("a hand comes at an angle to a rim with its pads parallel to the plate", "[candidates]") {
+  const auto seen = tests::see(table(), false);
+  const CandidateFinder finder(seen.scene, &seen.cloud, HandModel{}, CandidateConfig{});
+  int turned = 0;
+  for (const auto& c : finder.find()) {
+    if (c.verdict != Verdict::Ok) continue;
+    for (const double angle : {-0.6, -0.3, 0.3, 0.6}) {
+      const auto other = finder.turned(c, angle);
+      REQUIRE(other);
+      turned += other->verdict == Verdict::Ok;
+      CHECK((other->position - c.position).norm() == 0.0);
+      CHECK(other->approach.dot(c.approach) == Approx(std::cos(angle)));
+      CHECK(std::abs(other->approach.dot(other->closing)) < 1e-9);
+      // no corner of the palm in the plate
+      CHECK(HandModel{}.gap(*other) * std::cos(angle) > 0.0445 * std::sin(std::abs(angle)));
+    }
+    CHECK_FALSE(finder.turned(c, 1.3));
+  }
+  CHECK(turned > 0);
+}
+
+TEST_CASE("where the load is wanted nearer to the face the hand stays farther out", "[candidates]") {
+  const auto seen = tests::see(table(), false);
+  const CandidateFinder finder(seen.scene, &seen.cloud, HandModel{}, CandidateConfig{});
+  const Vec3 outside(0.117, -0.35, 0.4375), inside(0.117, -0.1, 0.4375);
+  const auto shallowest = [](const std::vector<GraspCandidate>& found) {
+    double depth = 1.0;
+    for (const auto& c : found) depth = std::min(depth, c.depth_m);
+    return depth;
+  };
+  const auto all = finder.find();
+  CHECK(shallowest(finder.near(outside, all)) == Approx(0.03));
+  CHECK(shallowest(finder.near(inside, all)) > 0.04);
 }
 
 TEST_CASE("the thesis's candidates are rectangles only and all of them stable", "[candidates]") {

@@ -56,6 +56,35 @@ TEST_CASE("a wanted share moves the best place", "[decision]") {
   CHECK(d.share == Approx(2.0 / 3.0).epsilon(1e-9));
 }
 
+TEST_CASE("a place far off the line through the partner and the centre of gravity would tip the object",
+          "[decision]") {
+  DecisionConfig config;
+  config.max_lever_m = 0.1;
+  // lines at 26.6 and 12.9 degrees to the one through the centre: 0.4 m * sine beside it
+  std::vector<GraspCandidate> c{at(0, 0.2, 0.3, 0.7), at(1, 0.3, 0.16, 0.7)};
+  const Decision d = decided(c, table(), config);
+  REQUIRE(d.chosen);
+  CHECK(c[*d.chosen].id == 1);
+  CHECK(c[0].verdict == Verdict::Unstable);
+  CHECK(c[0].because.find("179 mm beside the line") != std::string::npos);
+  c = {at(0, 0.2, 0.3, 0.7)};
+  CHECK_FALSE(decided(c, table(), config).chosen);
+}
+
+TEST_CASE("a refusal says when the best place is out of reach altogether", "[decision]") {
+  DecisionInput in = table();
+  in.base_frame_known = true;
+  in.cog = Vec3(0.6, 0, 0.7);
+  in.partner.position = Vec3(0.2, 0, 0.7);
+  DecisionConfig config;
+  config.max_lever_m = 0.1;
+  std::vector<GraspCandidate> c{at(0, 0.35, 0.3, 0.7)};
+  CHECK(decided(c, in).because.find("at (1.00, 0.00) m") == std::string::npos);
+  c = {at(0, 0.35, 0.3, 0.7)};
+  CHECK(decided(c, in, config).because.find("at (1.00, 0.00) m, the load would be shared best") !=
+        std::string::npos);
+}
+
 TEST_CASE("a candidate at the partner's hand is refused with the distance", "[decision]") {
   std::vector<GraspCandidate> c{at(0, -0.35, 0.05, 0.7), at(1, 0.4, 0, 0.7)};
   decided(c, table());

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "control/run_record.hpp"
+#include "sim_hal/emulator/krc_faults.hpp"
+#include "tests/support/simulated_lift.hpp"
+
+namespace colift::tests {
+
+/// A fault at an entry into a state: its time counts from there.
+struct ForkedFault {
+  sim_hal::KrcFault fault;
+  control::Task in = control::Task::Observe;
+};
+
+/// How the lift ended that suffered the fault; what a pipe carries.
+struct ForkedEnd {
+  bool ran = false;   ///< The state was entered, and the lift came to its end.
+  std::string crash;  ///< How the lift's process ended, if not well.
+  control::RunRecord::Result outcome = control::RunRecord::Result::Refused;
+  control::Task end = control::Task::Observe;  ///< The last state.
+  std::string because, told;                   ///< The reason; everything that was said.
+  bool hand_keeps_grip = false, hit_something = false;
+  unsigned troubles = 0, broken_rules = 0;
+  double in_state_s = 0.0;  ///< Spent in the fault's state, from its first entry.
+};
+
+/// One lift without a fault, and for each fault one that branches off it in a process of its own when the
+/// state is first entered: what came before is computed once for all. One after the other, in the order of
+/// `faults`. The lift runs in step, in one thread, so that a fork is all of it.
+[[nodiscard]] std::vector<ForkedEnd> lift_forked(const sim_hal::Scenario& scenario,
+                                                 const control::Config& config, const OverWire& wire,
+                                                 const std::vector<ForkedFault>& faults);
+
+}  // namespace colift::tests
