@@ -71,11 +71,13 @@ std::string reason(const std::vector<GraspCandidate>& candidates, const Decision
       next_id = candidates[i].id;
     }
   }
-  if (next)
-    text += fmt::format("; {} candidates were possible, the next best ({}) costs {:.2g} % more", ok, next_id,
-                        100 * (next->cost / s.cost - 1));
-  else
+  if (next) {
+    const double more = 100 * (next->cost / s.cost - 1);
+    text += fmt::format("; {} candidates were possible, the next best ({}) costs {:.{}f} % more", ok, next_id,
+                        more, more < 10 ? 1 : 0);
+  } else {
     text += "; no other candidate was possible";
+  }
   const double lever = (in.partner.position - in.cog).cross(in.up).norm();
   return text + fmt::format("; the partner holds {:.2f} m beside the centre of gravity", lever);
 }
