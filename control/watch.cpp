@@ -157,8 +157,8 @@ hal::Result<> Watch::understand(const RobotPosture& robot) {
   if (i.with_robot) {
     std::optional<hal::Plane> ground;
     if (i.look.scene.ground) ground = i.look.scene.ground->plane;
-    const auto check = perception::check_pose(*i.with_robot, i.rig.X_WC, ground, i.rig.model, i.robot_then.q_rad,
-                                              i.robot_then.hand, i.config.pose_check);
+    const auto check = perception::check_pose(*i.with_robot, i.rig.X_WC, ground, i.rig.model,
+                                              i.robot_then.q_rad, i.robot_then.hand, i.config.pose_check);
     i.with_robot.reset();
     if (!check.good) return hal::failure(hal::ErrorCode::BadConfig, kCameraOff, check.because);
   }

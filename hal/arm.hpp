@@ -15,7 +15,7 @@ struct ArmState {
   JointVector tau_nm = JointVector::Zero();           ///< Measured joint torque.
   JointVector tau_external_nm = JointVector::Zero();  ///< Estimate of the torque from contacts.
   bool may_command = false;                           ///< True while the controller accepts commands.
-  bool slow = false;  ///< It warns (connection, drives): go on, but slower.
+  bool slow = false;                                  ///< It warns (connection, drives): go on, but slower.
 };
 
 /// Joint impedance: tau = K (q_d - q) + D dq + tau_superposed, with the controller's own gravity
