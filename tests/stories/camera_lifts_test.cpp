@@ -15,7 +15,7 @@
 #include "hal/guarded_camera.hpp"
 #include "hal/guarded_hand.hpp"
 #include "sim_hal/mujoco/sim_devices.hpp"
-#include "tests/support/chosen_faults.hpp"
+#include "tests/support/thorough.hpp"
 
 namespace {
 

@@ -30,8 +30,8 @@ void check(sim_hal::RandomKind kind, int count, const Limits& limits) {
 
 }  // namespace
 
-// aims: 95 % lifted, 90 % within 0.07 of the wanted share, partner within 2 cm at 90 %. Of tables 5 and 20 the
-// person himself hides his hand: nobody could tell that he holds the table.
+// aims: 95 % lifted, 90 % within 0.07 of the wanted share, partner within 2 cm at 90 %. Of tables 5 and 20
+// the person himself hides his hand: nobody could tell that he holds the table.
 TEST_CASE("random tables are lifted level, with the wanted share", "[lifts]") {
   check(sim_hal::RandomKind::Table, 26, {.lifted = 0.92, .share_within = 0.9, .partner_p90_m = 0.02});
 }

@@ -11,8 +11,8 @@
 
 #include "control/arm_mode.hpp"
 #include "hal/t1_profile.hpp"
-#include "tests/support/chosen_faults.hpp"
 #include "tests/support/forked_lifts.hpp"
+#include "tests/support/thorough.hpp"
 
 namespace {
 
@@ -172,9 +172,10 @@ tests::OverWire patient() {
 TEST_CASE("while the controller is patient, a gap that heals makes the arm rest and go on in each phase",
           "[wire][faults]") {
   std::vector<tests::ForkedFault> faults;
-  for (const Phase& phase : kPhases)
-    for (const char* gap : {"loss.out=12", "loss.out=30", "burst.out=25:0.05"})
-      faults.push_back(fault_at(gap, phase));
+  const char* const gaps[] = {"loss.out=12", "loss.out=30", "burst.out=25:0.05"};
+  for (std::size_t p = 0; p < kPhases.size(); ++p)
+    for (std::size_t g = 0; g < std::size(gaps); ++g)
+      if (tests::chosen(g, p)) faults.push_back(fault_at(gaps[g], kPhases[p]));
   const auto lifts = lift_with(faults, patient());
   for (std::size_t i = 0; i < lifts.size(); ++i) {
     const auto& lift = lifts[i];
@@ -194,7 +195,8 @@ TEST_CASE("while the controller is patient, a gap that heals makes the arm rest 
 TEST_CASE("while the controller is patient, a gap that does not heal in time ends in a hold",
           "[wire][faults]") {
   std::vector<tests::ForkedFault> faults;
-  for (const Phase& phase : kPhases) faults.push_back(fault_at("loss:0.3", phase));
+  for (std::size_t p = 0; p < kPhases.size(); ++p)
+    if (tests::chosen(1, p)) faults.push_back(fault_at("loss:0.3", kPhases[p]));
   const auto lifts = lift_with(faults, patient());
   for (std::size_t i = 0; i < lifts.size(); ++i) {
     const auto& lift = lifts[i];
