@@ -16,10 +16,11 @@ Fault fault_now(const SimWorld& world, std::string_view device) {
     if (event.action == "unplug") return Fault::Unplug;
     // of pucks and bus, as they show behind a driver
     if (device != "hand") continue;
-    if (event.action == "bus-off" || event.action == "down" || event.action == "off" || event.action == "reset" ||
-        event.action == "brown-out" || event.action == "error")
+    if (event.action == "bus-off" || event.action == "down" || event.action == "off" ||
+        event.action == "reset" || event.action == "brown-out" || event.action == "error")
       return Fault::Unplug;
-    if (event.action == "full" || event.action == "wrong" || (event.action == "loss" && event.value.value_or(100) >= 100))
+    if (event.action == "full" || event.action == "wrong" ||
+        (event.action == "loss" && event.value.value_or(100) >= 100))
       return Fault::Drop;
   }
   return Fault::None;

@@ -209,8 +209,8 @@ hal::Result<Rig> open_rig(const std::optional<std::filesystem::path>& robot,
   // nobody would move the simulated world's time
   if (file->arm == "fri" && file->emulator == "never")
     return hal::failure(hal::ErrorCode::BadConfig, robot->string(),
-                        "camera: simulated stands in a world that only an emulated arm moves, and there is no "
-                        "driver of a real camera yet; expected emulator: always (colift hal needs none)");
+                        "a run whose devices are all real cannot be opened yet: its world's time would be moved "
+                        "by nobody; expected emulator: always (colift hal needs none)");
   // the devices of one world: a simulated arm steps it, a wire's far end lets it run
   if (file->arm == "simulated" && file->hand == "barrett")
     return hal::failure(hal::ErrorCode::BadConfig, robot->string(),

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/telemetry/messages.hpp"
+
 namespace colift::tools {
 namespace {
 
@@ -17,26 +19,7 @@ std::string point(const hal::Vec3& p) {
 }  // namespace
 
 const char* word(planner::Verdict verdict) {
-  using planner::Verdict;
-  switch (verdict) {
-    case Verdict::Ok:
-      return "ok";
-    case Verdict::Chosen:
-      return "chosen";
-    case Verdict::Collision:
-      return "collision";
-    case Verdict::Unreachable:
-      return "unreachable";
-    case Verdict::TooWide:
-      return "too-wide";
-    case Verdict::Unstable:
-      return "unstable";
-    case Verdict::OverLimit:
-      return "over-limit";
-    case Verdict::NearPartner:
-      return "near-partner";
-  }
-  return "?";
+  return telemetry::verdict_word(verdict);  // recordings and documents say the same
 }
 
 const char* word(perception::RejectedObject::Kind kind) {
