@@ -3,6 +3,7 @@
 #include <atomic>
 
 #include "hal/fri/fri_driver.hpp"
+#include "hal/os/realtime.hpp"
 #include "hal/os/udp_link.hpp"
 
 namespace colift::hal {
@@ -175,6 +176,7 @@ Result<> FriArm::activate() {
   if (!a.configured)
     return failure(ErrorCode::NotReady, "fri.activate", "the arm is not open; configure() comes first");
   FriDriver& d = a.driver;
+  (void)stay_on_cpu(a.config.cpu);  // this is the thread that answers; without such a CPU it runs anywhere
   a.stopped = false;
   d.answer();
   d.session.activate();

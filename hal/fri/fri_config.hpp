@@ -11,6 +11,7 @@ struct FriConfig {
   std::string address = "0.0.0.0";
   int port = 49938;
   std::string krc;
+  int cpu = -1;
   double cycle_ms = 2.0;
   std::string script = "colift";
   std::string control = "joint_impedance";
@@ -45,6 +46,8 @@ struct FriConfig {
     v("port", port, Range{0, 65535}, "UDP port that the KRC sends to (FRIHOST, FRISOCK or friSetup).");
     v("krc", krc,
       "IPv4 address of the KRC, with or without :port; empty: whoever sends the first good datagram.");
+    v("cpu", cpu, Range{-1, 1023},
+      "CPU on which the KRC's datagrams are answered, best one kept free of other work; -1: any.");
     v("cycle_ms", cycle_ms, Range{1, 100}, "Period that is expected until the KRC tells its own (ms).");
     v("script", script, Choices{"colift", "stanford", "tum", "vendor", "none"},
       "KRL program that runs on the KRC; none: a person starts command mode at the panel.");

@@ -37,6 +37,14 @@ bool kernel_is_realtime() {
 
 }  // namespace
 
+bool stay_on_cpu(int cpu) noexcept {
+  if (cpu < 0 || cpu >= CPU_SETSIZE) return false;
+  cpu_set_t only;
+  CPU_ZERO(&only);
+  CPU_SET(cpu, &only);
+  return ::sched_setaffinity(0, sizeof only, &only) == 0;
+}
+
 RealtimeReport ask_for_realtime(const RealtimeRequest& request) {
   RealtimeReport report;
   report.realtime_kernel = kernel_is_realtime();

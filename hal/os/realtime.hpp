@@ -30,4 +30,7 @@ struct RealtimeReport {
 /// fails; the report tells what is missing. Before the cycle: this allocates and touches files.
 [[nodiscard]] RealtimeReport ask_for_realtime(const RealtimeRequest& request);
 
+/// Keeps the calling thread on one CPU (from 0). False: there is no such CPU for this program.
+bool stay_on_cpu(int cpu) noexcept;
+
 }  // namespace colift::hal

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "hal/os/realtime.hpp"
 #include "hal/os/udp_link.hpp"
 
 namespace colift::sim_hal {
@@ -64,10 +65,12 @@ void KrcServer::stop() {
 void KrcServer::run() {
   // as fast as it can it would leave nothing to others
   timing_.realtime = config_.realtime && config_.speed > 0.0 && ask_realtime();
+  (void)hal::stay_on_cpu(config_.cpu);
   const hal::Timestamp began = wall_.now();
   hal::Timestamp due = began;
   double published_s = 0.0;
   while (!stop_ && !krc_->ended()) {
+    if (wishes_.exchange(false)) take_wishes();
     cycle_at_ = krc_->next_cycle();
     cycle_wall_ = wall_.now();
     krc_->cycle();
@@ -137,6 +140,24 @@ void KrcServer::wait_for_answers(hal::Timestamp sent, hal::Timestamp until) {
       krc_->flush(emulated(wall_.now()));
   }
   move();
+}
+
+void KrcServer::inject(KrcFault fault) {
+  const std::lock_guard lock(mutex_);
+  wished_.push_back(std::move(fault));
+  wishes_ = true;
+}
+
+void KrcServer::take_wishes() {
+  std::vector<KrcFault> wished;
+  {
+    const std::lock_guard lock(mutex_);
+    wished.swap(wished_);
+  }
+  for (KrcFault& fault : wished) {
+    fault.at_s += hal::seconds(krc_->next_cycle());
+    krc_->inject(fault);
+  }
 }
 
 void KrcServer::publish() {

@@ -17,6 +17,8 @@ struct KrcServerConfig {
   std::uint16_t from_port = 0;  ///< Of the controller; 0: any.
   double speed = 1.0;  ///< Controller seconds in a second; 0: a cycle for each answer, as fast as they come.
   bool realtime = true;  ///< Asks for SCHED_FIFO; goes on without when it is not granted.
+  int cpu = -1;  ///< That of a client on the same machine: a CPU that stands still stops both, and no answer
+                 ///< is missed for it; -1: any.
 };
 
 /// How well the machine kept the controller's time.
@@ -48,6 +50,8 @@ class KrcServer {
   /// Ends it at its next cycle; any number of times.
   void stop();
 
+  /// A fault from now on; its `at_s` counts from this call. Any thread.
+  void inject(KrcFault fault);
   /// The program came to its end, or the port broke.
   [[nodiscard]] bool ended() const { return ended_; }
   [[nodiscard]] KrcReport report() const;
@@ -57,6 +61,7 @@ class KrcServer {
 
  private:
   void run();
+  void take_wishes();
   void wait_for_answers(hal::Timestamp sent, hal::Timestamp until);
   void publish();
 
@@ -74,6 +79,8 @@ class KrcServer {
 
   mutable std::mutex mutex_;
   std::vector<Event> events_;
+  std::vector<KrcFault> wished_;
+  std::atomic<bool> wishes_{false};
   KrcReport published_;
   KrcServerTiming published_timing_;
 };

@@ -171,6 +171,55 @@ TEST_CASE("what is wrong is said in one line with the place, exit code 2", "[pro
   CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
 }
 
+TEST_CASE("a run whose hand has no bus is denied at its start: nothing is guessed, nothing moves (row 35)",
+          "[program]") {
+  const auto [can, words] = GENERATE(table<std::string, std::string>({
+      {"socketcan:nosuch0", "there is no interface nosuch0"},
+      {"socketcan:lo", "lo is no CAN interface"},
+      {"socketcan:", "is no name of an interface"},
+  }));
+  const auto rig = scratch() / "no_bus.yaml";
+  std::ofstream(rig) << "arm: fri\nemulator: always\nfri: {address: 127.0.0.1, krc: 127.0.0.1, port: 0}\n"
+                     << "hand: barrett\nbarrett: {can: \"" << can << "\"}\ncamera: simulated\n";
+  const Run r = colift("run --robot " + rig.string() + " --json");
+  INFO(can << "\n" << r.err);
+  CHECK(r.code == 2);
+  CHECK(r.out.empty());
+  CHECK(r.err.find(words) != std::string::npos);
+  CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+}
+
+TEST_CASE("a run of real devices alone is refused until somebody says where the camera stands", "[program]") {
+  const auto robot = [](const std::string& text) {
+    const auto file = scratch() / "real.yaml";
+    std::ofstream(file) << text;
+    return "run --robot " + file.string() + " --dry-run --json";
+  };
+  const std::string arm = "arm: fri\nemulator: never\nfri: {address: 127.0.0.1, port: 49901}\n";
+  const Run blind = colift(robot(arm + "hand: barrett\ncamera: kinect\n"));
+  CHECK(blind.code == 2);
+  CHECK(blind.out.empty());
+  CHECK(blind.err.find("colift calibrate --robot") != std::string::npos);
+  // what stands in a simulated world has no place beside a real arm
+  const Run mixed = colift(robot(arm + "hand: barrett\ncamera: simulated\n"));
+  CHECK(mixed.code == 2);
+  CHECK(mixed.err.find("expected camera: kinect") != std::string::npos);
+  const Run lost = colift(robot(arm + "hand: barrett\ncamera: kinect\ncalibration: nowhere.yaml\n"));
+  CHECK(lost.code == 2);
+  CHECK(lost.err.find("nowhere.yaml") != std::string::npos);
+}
+
+TEST_CASE("a rig is served for three real drivers, and once", "[program]") {
+  const auto file = scratch() / "half.yaml";
+  std::ofstream(file) << "arm: fri\nhand: simulated\ncamera: kinect\n";
+  const Run half = colift("emulate rig --robot " + file.string());
+  CHECK(half.code == 2);
+  CHECK(half.err.find("expected arm: fri, hand: barrett") != std::string::npos);
+  const Run fast = colift("emulate rig --speed 2");
+  CHECK(fast.code == 2);
+  CHECK(fast.err.find("--speed") != std::string::npos);
+}
+
 TEST_CASE("every broken file is refused in one line", "[program]") {
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(std::string(COLIFT_TEST_DATA) + "/bad")) {

@@ -30,15 +30,16 @@ struct RigTruth {
 
 /// The devices of one run behind their guards, and what goes with them.
 struct Rig {
-  std::shared_ptr<void> world;                  ///< Simulation behind the devices; outlives them.
-  std::vector<std::shared_ptr<void>> far_ends;  ///< Emulators on that world.
+  std::shared_ptr<void> world;     ///< Simulation behind the devices; outlives them.
+  std::shared_ptr<void> far_ends;  ///< Emulators on that world.
   std::shared_ptr<const hal::RobotModel> model;
   hal::Robot robot;
   std::shared_ptr<hal::InfraredCamera> infrared;  ///< Where it is not the camera itself.
+  bool pose_known = false;                        ///< Whether X_WC says where the camera is.
   hal::Pose X_WC = hal::Pose::Identity();
-  hal::Pose true_X_WC = hal::Pose::Identity();  ///< In simulation; X_WC may come from a calibration.
+  hal::Pose true_X_WC = hal::Pose::Identity();           ///< In simulation; X_WC may come from a calibration.
   hal::JointVector home_rad = hal::JointVector::Zero();  ///< Where the arm stands at the start.
-  control::Drive drive = control::Drive::InStep;           ///< Who runs the arm's cycle.
+  control::Drive drive = control::Drive::InStep;         ///< Who runs the arm's cycle.
   std::string name;
   std::optional<RigTruth> truth;
   std::function<void()> begin;        ///< Starts the scenario, when the devices are ready; may be empty.
@@ -57,10 +58,17 @@ struct RunTask {
 /// Reads a scenario's name and task. Errors: BadConfig with file:line:column.
 [[nodiscard]] hal::Result<RunTask> read_task(const std::optional<std::filesystem::path>& scenario);
 
-/// Opens the devices that `robot` names (unset: the simulated rig); the only place that knows back ends by
-/// name. Errors: BadConfig with the place; what the devices say.
-[[nodiscard]] hal::Result<Rig> open_rig(const std::optional<std::filesystem::path>& robot,
-                                        const std::optional<std::filesystem::path>& scenario,
-                                        std::uint64_t seed, const control::Config& config);
+/// Which devices, and what simulated ones stand in.
+struct RigRequest {
+  std::optional<std::filesystem::path> robot;     ///< Unset: the simulated rig.
+  std::optional<std::filesystem::path> scenario;  ///< Unset: the built-in table.
+  std::uint64_t seed = 1;
+  std::optional<hal::Pose> X_WC;  ///< Of the camera, when somebody knows it better than robot and scenario.
+  bool calibrates = false;        ///< The robot's calibration is to be made: it is not read.
+};
+
+/// Opens the devices; the only place that knows back ends by name. Errors: BadConfig with the place; what the
+/// devices say.
+[[nodiscard]] hal::Result<Rig> open_rig(const RigRequest& request, const control::Config& config);
 
 }  // namespace colift::tools

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "control/arm_mode.hpp"
+#include "control/method.hpp"
 #include "control/task_runner.hpp"
 #include "tools/colift/back_ends.hpp"
 #include "tools/colift/commands.hpp"
@@ -86,6 +87,13 @@ struct Diary {
   }
 };
 
+hal::Error no_pose(const std::filesystem::path& robot) {
+  return {hal::ErrorCode::BadConfig, robot.string(),
+          fmt::format("nothing says where the camera stands; run colift calibrate --robot {} --out camera.yaml, and "
+                      "name its result: calibration: camera.yaml",
+                      robot.string())};
+}
+
 int exit_code(const control::RunRecord& record, const RunOptions& options) {
   if (InterruptGuard::asked()) return kInterrupted;
   if (record.outcome == control::RunRecord::Result::Lifted) return kDone;
@@ -100,6 +108,7 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
   const auto task = read_task(options.scenario);
   if (!task) return report_error("run", task.error());
   control::Config defaults = control::run_defaults();
+  control::set_thesis_defaults(defaults);
   defaults.task.lift_height_m = task->lift_height_m;
   defaults.task.hold_s = task->hold_s;
   auto setup = load_setup(common, defaults);
@@ -109,9 +118,11 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
   if (auto set = set_weights(*method, options.share, "", setup->config); !set)
     return report_error("run", set.error());
   setup->config = control::for_arm_mode(setup->config);
-  auto rig = open_rig(options.robot, options.scenario, options.seed, setup->config);
+  std::optional<hal::Pose> X_WC;
+  if (setup->calibration) X_WC = setup->calibration->X_BC();
+  auto rig = open_rig({options.robot, options.scenario, options.seed, X_WC}, setup->config);
   if (!rig) return report_error("run", rig.error());
-  if (setup->calibration) rig->X_WC = setup->calibration->X_BC();
+  if (!rig->pose_known) return report_error("run", no_pose(*options.robot));
 
   const RunSetting setting = setting_of(common, options, *task, *rig, *method, setup->config);
   const hal::SteadyClock wall;

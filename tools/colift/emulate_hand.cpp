@@ -70,38 +70,6 @@ std::uint64_t rules_broken(const HandEmulatorReport& r) {
   return all;
 }
 
-std::string to_json(const EmulateHandOptions& o, const HandEmulatorReport& r, const HandServerTiming& timing,
-                    double duration_s, const std::string& because) {
-  using Json = nlohmann::ordered_json;
-  Json rules = Json::array();
-  for (std::size_t i = 0; i < sim_hal::kHandRules; ++i)
-    if (r.broken[i] > 0)
-      rules.push_back(
-          {{"rule", sim_hal::kHandRuleNames[i]}, {"times", r.broken[i]}, {"because", r.first[i]}});
-  const Json j = {
-      {"schema", "colift.emulate/1"},
-      {"device", "hand"},
-      {"because", because},
-      {"plant", o.common.plant},
-      {"bus", o.bus},
-      {"seed", o.common.seed},
-      {"duration_s", duration_s},
-      {"frames",
-       {{"heard", r.heard},
-        {"foreign", r.foreign},
-        {"questions", r.questions},
-        {"settings", r.settings},
-        {"answers", r.answers},
-        {"scans", r.scans},
-        {"not_sent", r.not_sent}}},
-      {"initialised", r.initialised},
-      {"broken_rules", rules},
-      {"broken_rules_in_all", rules_broken(r)},
-      {"timing", {{"late", timing.late}, {"worst_late_ms", timing.worst_late_ms}, {"wall_s", timing.wall_s}}},
-  };
-  return j.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 hal::Result<int> run(const CommonOptions& common, const EmulateHandOptions& o) {
   if (auto done = check_options(o); !done) return tl::unexpected(done.error());
   sim_hal::Scenario scenario = sim_hal::built_in_scenario();
@@ -154,7 +122,7 @@ hal::Result<int> run(const CommonOptions& common, const EmulateHandOptions& o) {
   const HandEmulatorReport report = server.report();
   const std::uint64_t broken = rules_broken(report);
   if (common.json)
-    std::puts(to_json(o, report, server.timing(), server.elapsed_s(), because).c_str());
+    std::puts(emulate_hand_json(o, report, server.timing(), server.elapsed_s(), because).c_str());
   else
     lines.say(
         fmt::format("{}: {} questions, {} settings, {} answers, {} rule{} broken; {} times late (worst "
@@ -184,6 +152,38 @@ hal::Result<sim_hal::HandGatewayConfig> gateway_config(const std::string& bus) {
   const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), config.port);
   if (error != std::errc{} || end != port.data() + port.size() || config.bus.empty()) return refuse();
   return config;
+}
+
+std::string emulate_hand_json(const EmulateHandOptions& o, const HandEmulatorReport& r, const HandServerTiming& timing,
+                    double duration_s, const std::string& because) {
+  using Json = nlohmann::ordered_json;
+  Json rules = Json::array();
+  for (std::size_t i = 0; i < sim_hal::kHandRules; ++i)
+    if (r.broken[i] > 0)
+      rules.push_back(
+          {{"rule", sim_hal::kHandRuleNames[i]}, {"times", r.broken[i]}, {"because", r.first[i]}});
+  const Json j = {
+      {"schema", "colift.emulate/1"},
+      {"device", "hand"},
+      {"because", because},
+      {"plant", o.common.plant},
+      {"bus", o.bus},
+      {"seed", o.common.seed},
+      {"duration_s", duration_s},
+      {"frames",
+       {{"heard", r.heard},
+        {"foreign", r.foreign},
+        {"questions", r.questions},
+        {"settings", r.settings},
+        {"answers", r.answers},
+        {"scans", r.scans},
+        {"not_sent", r.not_sent}}},
+      {"initialised", r.initialised},
+      {"broken_rules", rules},
+      {"broken_rules_in_all", rules_broken(r)},
+      {"timing", {{"late", timing.late}, {"worst_late_ms", timing.worst_late_ms}, {"wall_s", timing.wall_s}}},
+  };
+  return j.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 int cmd_emulate_hand(const CommonOptions& common, const EmulateHandOptions& options) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sim_hal/emulator/hand_gateway.hpp"
+#include "sim_hal/emulator/hand_server.hpp"
 #include "tools/colift/emulate.hpp"
 
 namespace colift::tools {
@@ -20,6 +21,12 @@ struct EmulateHandOptions {
 
 /// Where a gateway "socketcand:ADDRESS:PORT/BUS" is to listen. Errors: BadInput, with what was expected.
 [[nodiscard]] hal::Result<sim_hal::HandGatewayConfig> gateway_config(const std::string& bus);
+
+/// The document colift.emulate/1 of a hand.
+[[nodiscard]] std::string emulate_hand_json(const EmulateHandOptions& options,
+                                            const sim_hal::HandEmulatorReport& report,
+                                            const sim_hal::HandServerTiming& timing, double duration_s,
+                                            const std::string& because);
 
 /// The far end of the hand's bus. 0 the client broke no rule, 1 it did, 2 bad options, 3 the bus is not to be
 /// had.

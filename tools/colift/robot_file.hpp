@@ -36,8 +36,9 @@ struct RobotFile {
     v("fri", fri, "How the KRC is reached and treated.");
     v("barrett", barrett, "How the BarrettHand is reached and treated.");
     v("kinect", kinect, "How the Kinect is reached and treated.");
-    v("emulator", emulator, hal::Choices{"never", "always"},
-      "The far ends of the wires, in this program, on the scenario's world: for machines without a robot.");
+    v("emulator", emulator, hal::Choices{"never", "always", "auto"},
+      "The far ends of the wires, in this program, on the scenario's world, for machines without a robot; auto: "
+      "unless colift emulate rig serves them in another program.");
   }
 };
 

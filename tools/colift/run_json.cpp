@@ -85,7 +85,8 @@ Json arm_link(const ArmLink& link) {
                      {"most_missed_in_a_row", c.most_missed_in_a_row},
                      {"late_cycles", c.late},
                      {"worst_late_ms", c.worst_late_ms},
-                     {"broken_rules", c.broken_rules}};
+                     {"broken_rules", c.broken_rules},
+                     {"left_command", c.left_command}};
   return j;
 }
 

@@ -71,6 +71,7 @@ struct ArmLink {
     std::uint64_t late = 0;  ///< Cycles that it began late itself.
     double worst_late_ms = 0.0;
     std::vector<std::string> broken_rules = {};
+    std::vector<std::string> left_command = {};  ///< Why it left command mode, each time.
   };
   std::optional<Controller> controller;
 };
