@@ -118,7 +118,13 @@ void Job::apply(const Happening& happening, const JobHooks& hooks) {
     failed_ = true;
     failed_because_ = because;
   }
-  if (happening.event == Event::ArmLost || happening.event == Event::HandLost) record_.device_failed = true;
+  if (happening.event == Event::ArmLost || happening.event == Event::HandLost ||
+      happening.event == Event::FingerLost)
+    record_.device_failed = true;
+  if (happening.event == Event::FingerLost) {
+    without_puck_ = puck_alone_;
+    hand_silent_ = false;  // the others are to answer from now on
+  }
   off_because_ = happening.event;
   if (happening.event == Event::GripBad || happening.event == Event::HandEmpty)
     if (from == Task::Close || from == Task::Verify) refuse_grip("a grip here failed: " + happening.detail);
@@ -216,6 +222,7 @@ void Job::tell(const JobHooks& hooks) {
     if (!std::isnan(tilt_rad_)) s.tilt_rad = tilt_rad_, s.slip_m = slip_m_;
   }
   s.record = &record_;
+  if (record_.look && record_.look->scene.target) s.map = &watch_.map();
   hooks.status(s);
 }
 

@@ -42,6 +42,10 @@ class Job {
   void read_devices();
   void read_camera();
   void lose(const std::string& device, const std::string& what);
+
+  // pace.cpp: how fast the arm may go
+  void judge_pictures();
+  void set_pace();
   [[nodiscard]] std::optional<Happening> emergency(const JobHooks& hooks);
 
   // before_contact.cpp: from Observe to the closing hand
@@ -112,6 +116,14 @@ class Job {
   std::uint32_t starts_ = 0;                    ///< Of the arm's cycle, as far as is known.
   bool cut_off_ = false;                        ///< It began anew since the task looked last.
   bool slow_ = false;
+  std::string slow_because_;  ///< Why the arm was asked to; empty: it was not.
+  hal::Timestamp aged_at_{0};
+  double picture_age_s_ = 0.0;     ///< Of the newest picture, in the mean.
+  hal::Duration picture_late_{0};  ///< Age of the newest one when it came.
+  bool pictures_old_ = false;
+  /// The one puck that does not answer while the others do, 0 to 2 a finger, 3 the spread; and the one that
+  /// the hand was opened without.
+  std::optional<std::size_t> puck_alone_, without_puck_;
   std::string arm_trouble_, hand_trouble_, hand_warning_;
 
   // before contact
@@ -135,6 +147,7 @@ class Job {
   bool moved_ = false;
   int approaches_ = 0;
   bool refusal_told_ = false;
+  std::string look_trouble_;  ///< Why the last picture of the scene was not good enough.
   Event off_because_ = Event::PartnerMoved;
   hal::Timestamp waits_since_{0};
 

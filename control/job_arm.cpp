@@ -36,8 +36,8 @@ void Job::read_arm() {
   }
   if (view.slow != slow_) {
     slow_ = view.slow;
-    lose("arm",
-         slow_ ? "goes on slowly: " + robot_.arm->health().last_error : "goes at its full speed again");
+    const std::string why = slow_because_.empty() ? robot_.arm->health().last_error : slow_because_;
+    lose("arm", slow_ ? "goes on slowly: " + why : "goes at its full speed again");
   }
 }
 

@@ -6,6 +6,8 @@
 #include <numbers>
 
 #include "control/job.hpp"
+#include "control/map_check.hpp"
+#include "control/picture_check.hpp"
 
 namespace colift::control {
 namespace {
@@ -32,14 +34,16 @@ std::optional<Happening> Job::observe() {
   done_ = static_cast<double>(have) / want;
   if (have < want) {
     if (in_state_s() > config_.task.patience_s)
-      return Happening{Event::TimeOut, "the camera showed nothing for " + seconds_text(in_state_s())};
+      return Happening{Event::TimeOut, look_trouble_.empty()
+                                           ? "the camera showed nothing for " + seconds_text(in_state_s())
+                                           : look_trouble_};
     return std::nullopt;
   }
   if (auto seen = watch_.understand(posture()); !seen) {
     // somebody walked through the picture: another one, for a while
     if (seen.error().code == hal::ErrorCode::NotFound && in_state_s() < config_.task.patience_s) {
       watch_.forget_reference();
-      doing_ = seen.error().detail;
+      doing_ = look_trouble_ = seen.error().detail;
       return std::nullopt;
     }
     const bool camera_off = seen.error().where == kCameraOff;
@@ -49,6 +53,16 @@ std::optional<Happening> Job::observe() {
   if (!look.scene.target) {
     record_.look = look;
     return Happening{Event::NothingToCarry, look.because};
+  }
+  if (auto holes = picture_trouble(look.cloud, *look.scene.target)) {
+    // the sun may go behind a cloud
+    if (in_state_s() < config_.task.patience_s) {
+      watch_.forget_reference();
+      doing_ = look_trouble_ = *std::move(holes);
+      return std::nullopt;
+    }
+    record_.look = look;
+    return Happening{Event::NothingToCarry, *std::move(holes)};
   }
   planner_->set_scene(std::make_shared<planner::CollisionScene>(planner::make_collision_scene(
                           watch_.map(), look.scene.ground->plane, {}, config_.motion.scene)),
@@ -60,7 +74,8 @@ std::optional<Happening> Job::observe() {
 }
 
 std::optional<PartnerEvent> Job::watch_partner() {
-  if (!frame_) return watch_.no_frame(now_);
+  // what comes late and steadily is slow, not silent: the arm's pace answers for that
+  if (!frame_) return watch_.no_frame(now_ - picture_late_);
   auto sight = watch_.watch_partner(*frame_, posture());
   if (!sight) {
     partner_note_ = sight.error().detail;
@@ -158,6 +173,8 @@ std::optional<Happening> Job::plan() {
 
 Happening Job::find_way() {
   const hal::Timestamp start = stopwatch_.now();
+  if (auto trouble = map_trouble(watch_.map(), watch_.look().cloud))
+    return Happening{Event::NoWay, *std::move(trouble)};
   planner_->set_scene(
       std::make_shared<planner::CollisionScene>(planner::make_collision_scene(
           watch_.map(), watch_.look().scene.ground->plane, watch_.partner_points(), config_.motion.scene)),

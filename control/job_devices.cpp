@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cstring>
+#include <string_view>
 
 #include "control/job.hpp"
 
@@ -25,6 +28,14 @@ bool same_pixels(const std::vector<float>& a, const std::vector<float>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
+// The puck that an error of the hand is of alone; its `where` says so ("hand.f2.state", "hand.spread").
+std::optional<std::size_t> puck_named_in(const hal::Error& error) {
+  constexpr std::array<std::string_view, 4> kNames{"hand.f1", "hand.f2", "hand.f3", "hand.spread"};
+  for (std::size_t i = 0; i < kNames.size(); ++i)
+    if (error.where.starts_with(kNames[i])) return i;
+  return std::nullopt;
+}
+
 }  // namespace
 
 hal::Result<> Job::start_devices() {
@@ -45,7 +56,7 @@ hal::Result<> Job::start_devices() {
   if (!arm_first)
     if (auto started = start_arm(); !started) return started;
   record_.realtime = loop_.realtime();
-  began_ = now_ = since_ = frame_at_ = hand_at_ = waits_since_ = robot_.clock->now();
+  began_ = now_ = since_ = frame_at_ = aged_at_ = hand_at_ = waits_since_ = robot_.clock->now();
   wall_start_ = stopwatch_.now();
   arm_ = loop_.view().state;
   home_rad_ = arm_.q_commanded_rad;
@@ -70,15 +81,16 @@ void Job::read_devices() {
     if (auto warning = hand_.warning.str(); warning != hand_warning_) {
       hand_warning_ = std::move(warning);
       if (!hand_warning_.empty()) lose("hand", hand_warning_);
-      loop_.go_slow(!hand_warning_.empty());
     }
   } else {
     hand_trouble_ = state.error().text();
+    puck_alone_ = puck_named_in(state.error());
     const bool gone = state.error().code != hal::ErrorCode::Timeout || now_ - hand_at_ > kHandSilent;
     if (gone && !hand_silent_) lose("hand", hand_trouble_);
     hand_silent_ = hand_silent_ || gone;
   }
   read_camera();
+  set_pace();
 }
 
 void Job::read_camera() {
@@ -92,6 +104,7 @@ void Job::read_camera() {
     if (camera_lost_) lose("camera", "is back");
     camera_lost_ = false;
     frame_at_ = frame->exposed_at;
+    picture_late_ = std::clamp<hal::Duration>(now_ - frame_at_, hal::Duration(0), kCameraSilent);
     frame_ = std::move(*frame);
     return;
   }
@@ -112,6 +125,9 @@ void Job::read_camera() {
 std::optional<Happening> Job::emergency(const JobHooks& hooks) {
   if (hooks.interrupted && hooks.interrupted()) return Happening{Event::Interrupted, "asked to end"};
   if (arm_silent_) return Happening{Event::ArmLost, arm_trouble_};
+  // with nothing held yet the others are opened; later one finger less is a grip that nobody may trust
+  if (hand_silent_ && puck_alone_ && next(state_, Event::FingerLost))
+    return Happening{Event::FingerLost, hand_trouble_};
   if (hand_silent_) return Happening{Event::HandLost, hand_trouble_};
   if (camera_lost_) return Happening{Event::CameraLost, "the camera gives no picture"};
   if (hand_.hot && !is_loaded(state_)) return Happening{Event::HandUnfit, hand_.warning.str()};

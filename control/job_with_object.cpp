@@ -134,7 +134,8 @@ std::optional<Happening> Job::beyond_limits() const {
 
 std::optional<Happening> Job::serve_lift() const {
   if (!loop_.end_of_reach()) return std::nullopt;
-  return Happening{Event::LimitReached, "the arm has come to the end of its reach"};
+  return Happening{Event::EndOfReach,
+                   fmt::format("{:.1f} cm up, the palm cannot go on straight", 1e2 * loop_.view().height_m)};
 }
 
 std::optional<Happening> Job::lift() {
@@ -184,7 +185,7 @@ std::optional<Happening> Job::hold() {
 
 std::optional<Happening> Job::lower() {
   watch_object();
-  if (auto stuck = serve_lift()) return Happening{Event::OnGround, stuck->detail};
+  if (auto stuck = serve_lift()) return stuck;
   done_ = 1.0 - loop_.view().height_m / std::max(config_.task.lift_height_m, 1e-3);
   doing_ = "lowers together with the partner";
   if (!loop_.lift_at_rest()) {
@@ -199,11 +200,12 @@ std::optional<Happening> Job::release() {
   doing_ = "the fingers open";
   if (in_state_s() > kHandPatience_s) return Happening{Event::TimeOut, "the hand does not open"};
   if (hand_.moving || hand_.held || in_state_s() < 0.2) return std::nullopt;
-  // a finger that stayed around the object would drag it along
-  const bool open = std::all_of(hand_.finger_rad.begin(), hand_.finger_rad.end(),
-                                [](double rad) { return rad < kOpen_rad; });
+  // a finger that stayed around the object would drag it along; of one that does not answer nobody knows
+  bool open = true;
+  for (std::size_t f = 0; f < hand_.finger_rad.size(); ++f)
+    open = open && (hand_.finger_rad[f] < kOpen_rad || f == without_puck_);
   if (!open) return std::nullopt;
-  return Happening{Event::HandOpen, ""};
+  return Happening{Event::HandOpen, without_puck_ ? "as far as it answers" : ""};
 }
 
 void Job::back_to_pre_grasp() {
@@ -256,7 +258,8 @@ std::optional<Happening> Job::retreat() {
     return std::nullopt;
   }
   if (!failed_) return Happening{Event::BackHome, ""};
-  if (approaches_ < kGrips && !lifted_ && object_stays()) return Happening{Event::TryAgain, failed_because_};
+  if (approaches_ < kGrips && !lifted_ && !without_puck_ && object_stays())
+    return Happening{Event::TryAgain, failed_because_};
   return Happening{Event::BackInVain, failed_because_};
 }
 

@@ -59,6 +59,15 @@ void look_fast(Look& out, const LookInput& input, const Config& c, Stopwatch& wa
   out.ms.surfaces = watch.lap();
 }
 
+// The face itself is no obstacle to the hand that grasps it. Its points stray by the camera's noise, and the
+// rectangle goes through their middle.
+planner::CandidateConfig thesis_candidates() {
+  constexpr double kStray_m = 0.02;
+  planner::CandidateConfig config = planner::thesis_candidates();
+  config.collision.feature_margin_m = kStray_m;
+  return config;
+}
+
 }  // namespace
 
 hal::Result<Look> look(LookInput input, Method method, const Config& c, const planner::HandModel& hand,
@@ -82,7 +91,7 @@ hal::Result<Look> look(LookInput input, Method method, const Config& c, const pl
   }
   if (out.scene.target) {
     const bool fast = method == Method::Fast;
-    const planner::CandidateConfig candidates = fast ? c.candidates : planner::thesis_candidates();
+    const planner::CandidateConfig candidates = fast ? c.candidates : thesis_candidates();
     out.finder = std::make_shared<planner::CandidateFinder>(out.scene, fast ? &out.cloud : nullptr, hand,
                                                             candidates, fast ? hand_tables : nullptr);
     out.candidates = out.finder->find();

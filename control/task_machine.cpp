@@ -23,6 +23,8 @@ constexpr std::string_view kPulled =
     "the object is pulled with more force than allowed; holds and keeps the grip";
 constexpr std::string_view kHit = "met something on the way; holds, and goes back only on request";
 constexpr std::string_view kFell = "the load vanished from the hand; holds";
+constexpr std::string_view kReachEnds =
+    "a joint has come near its limit: holds, the grip stays closed; lower the object on request";
 constexpr std::string_view kAlone =
     "the partner let go while the object was carried; holds, the grip stays closed";
 
@@ -103,6 +105,8 @@ constexpr auto kRules = std::to_array<Rule>({
     {Close, TimeOut, Release, "the hand did not finish closing: opens it again"},
     {Close, ArmLost, Stopped, kArmGone},
     {Close, HandLost, Stopped, kHandGone},
+    {Close, FingerLost, Release,
+     "one part of the hand does not answer: opens the others, the object stands on the ground"},
     {Close, Interrupted, Stopped, kAskedLoaded},
 
     {Verify, GripGood, AwaitReady, "the grip is as wide and as firm as planned"},
@@ -132,6 +136,7 @@ constexpr auto kRules = std::to_array<Rule>({
     // the object is in the air
     {Lift, AtHeight, Hold, "the object is at its height"},
     {Lift, LimitReached, Lower, "a limit of tilt, slip or load was reached: sets the object down"},
+    {Lift, EndOfReach, Stopped, kReachEnds},
     {Lift, TimeOut, Lower, "the height was not reached in time: sets the object down"},
     {Lift, PartnerLetGo, Stopped, kAlone},
     {Lift, HandEmpty, Stopped, kFell},
@@ -143,6 +148,7 @@ constexpr auto kRules = std::to_array<Rule>({
 
     {Hold, HoldOver, Lower, "held as long as wished"},
     {Hold, LimitReached, Lower, "a limit of tilt, slip or load was reached: sets the object down"},
+    {Hold, EndOfReach, Stopped, kReachEnds},
     {Hold, TimeOut, Lower, "held long enough: sets the object down"},
     {Hold, PartnerLetGo, Stopped, kAlone},
     {Hold, HandEmpty, Stopped, kFell},
@@ -153,6 +159,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Hold, Interrupted, Stopped, kAskedLoaded},
 
     {Lower, OnGround, Release, "the object stands on the ground again"},
+    {Lower, EndOfReach, Stopped, kReachEnds},
     {Lower, TimeOut, Stopped, "found no ground under the object; holds, the grip stays closed"},
     {Lower, PartnerLetGo, Stopped, kAlone},
     {Lower, HandEmpty, Stopped, kFell},
@@ -289,6 +296,8 @@ std::string_view word(Event event) {
       return "at height";
     case LimitReached:
       return "limit reached";
+    case EndOfReach:
+      return "end of reach";
     case HoldOver:
       return "hold over";
     case OnGround:
@@ -311,6 +320,8 @@ std::string_view word(Event event) {
       return "hand unfit";
     case HandLost:
       return "hand lost";
+    case FingerLost:
+      return "finger lost";
     case Interrupted:
       return "interrupted";
     case TimeOut:

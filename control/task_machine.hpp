@@ -51,6 +51,7 @@ enum class Event {
   PartnerReady,
   AtHeight,
   LimitReached,  ///< LimitReached: tilt, slip, force or mass beyond its limit.
+  EndOfReach,    ///< EndOfReach: a joint would come too near to its limit; the arm has slowed to rest.
   HoldOver,
   OnGround,
   HandOpen,
@@ -61,7 +62,8 @@ enum class Event {
   CameraBack,
   ArmLost,
   HandLost,
-  HandUnfit,  ///< It works, but may not grip now, or not hold on for long.
+  FingerLost,  ///< FingerLost: one puck does not answer, the others obey.
+  HandUnfit,   ///< It works, but may not grip now, or not hold on for long.
   Interrupted,
   TimeOut,
 };

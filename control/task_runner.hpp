@@ -26,6 +26,8 @@ struct JobStatus {
   double load_n = 0.0;
   std::optional<double> height_m, tilt_rad, slip_m;
   const RunRecord* record = nullptr;  ///< As far as it is.
+  /// The collision world, made once when the scene is known; null until then. Borrowed for the call.
+  const perception::WorldMap* map = nullptr;
 };
 
 /// What the job calls while it runs; each may be empty.

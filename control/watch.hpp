@@ -62,7 +62,8 @@ class Watch {
   [[nodiscard]] const Look& look() const;
   [[nodiscard]] const perception::WorldMap& map() const;
 
-  /// Looks for the partner's hands; the tracker turns touches into events.
+  /// Looks for the partner's hands; the tracker turns touches into events. The thesis's method looks at every
+  /// tenth frame; in between its last sighting is returned, and the tracker hears of nothing.
   [[nodiscard]] hal::Result<Sight> watch_partner(hal::DepthFrame frame, const RobotPosture& robot);
   /// The camera gave nothing: a silent one must not keep a grasp alive.
   std::optional<perception::PartnerEvent> no_frame(hal::Timestamp now);
@@ -71,7 +72,8 @@ class Watch {
   [[nodiscard]] const perception::PartnerTracker& tracker() const;
   void forget_partner();
 
-  /// Points of the partner in the last frame, in W: his hands, arms and body near the object.
+  /// Points of the partner in the last frame that was looked at, in W: his hands, arms and body near the
+  /// object.
   [[nodiscard]] const std::vector<Eigen::Vector3f>& partner_points() const;
 
   /// Where the object is now against the scene; nullopt when too little of it is seen.

@@ -6,7 +6,10 @@
 #include <pcl/segmentation/segment_differences.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "perception/thesis/thesis_stages.hpp"
 
@@ -28,9 +31,8 @@ PclCloud changed_points(const PclCloud& reference, const PclCloud& current, cons
   return PclCloud{std::move(changed)};
 }
 
-std::optional<PartnerGrasp> thesis_partner(const PclCloud& reference, const PclCloud& current,
-                                           std::span<const Eigen::Vector3f> object,
-                                           const ThesisConfig& config, std::string* because) {
+std::optional<PartnerGrasp> thesis_grasp(const PclCloud& changed, std::span<const Eigen::Vector3f> object,
+                                         const ThesisConfig& config, std::string* because) {
   const auto answer = [&](std::string why) {
     if (because) *because = std::move(why);
   };
@@ -39,7 +41,6 @@ std::optional<PartnerGrasp> thesis_partner(const PclCloud& reference, const PclC
     answer("no partner's grasp: there is no object to hold");
     return std::nullopt;
   }
-  const PclCloud changed = changed_points(reference, current, config);
   const auto wanted = static_cast<std::size_t>(config.partner_points);
   if (changed.size() < wanted) {
     answer(fmt::format("no partner's grasp: {} points changed by more than {:.1f} cm, a grasp needs {}",
@@ -88,6 +89,47 @@ std::optional<PartnerGrasp> thesis_partner(const PclCloud& reference, const PclC
   answer(fmt::format("the {} nearest of {} changed points lie {:.1f} cm from the object on average", wanted,
                      changed.size(), 100 * distance));
   return grasp;
+}
+
+std::vector<Eigen::Vector3f> thesis_person(const PclCloud& changed, const PartnerGrasp& grasp) {
+  using Cell = std::array<int, 3>;
+  constexpr float kCell_m = 0.05f;
+  constexpr std::size_t kFew = 5;  // points that a cell needs to be a part of him
+  std::map<Cell, std::vector<Eigen::Vector3f>> cells;
+  for (const Eigen::Vector3f& p : changed.to_vector()) {
+    const Eigen::Vector3f at = (p / kCell_m).array().floor();
+    cells[{static_cast<int>(at.x()), static_cast<int>(at.y()), static_cast<int>(at.z())}].push_back(p);
+  }
+  const double reach = kCell_m + 2.0 * std::sqrt(std::max(0.0, grasp.covariance.trace()));
+  const auto at_grasp = [&](const std::vector<Eigen::Vector3f>& points) {
+    return std::any_of(points.begin(), points.end(), [&](const Eigen::Vector3f& p) {
+      return (p.cast<double>() - grasp.position).norm() < reach;
+    });
+  };
+  std::vector<Cell> open;
+  for (const auto& [cell, points] : cells)
+    if (points.size() >= kFew && at_grasp(points)) open.push_back(cell);
+  std::set<Cell> person(open.begin(), open.end());
+  std::vector<Eigen::Vector3f> out;
+  while (!open.empty()) {
+    const Cell c = open.back();
+    open.pop_back();
+    const auto& points = cells.at(c);
+    out.insert(out.end(), points.begin(), points.end());
+    for (int n = 0; n < 27; ++n) {
+      const Cell next{c[0] + n % 3 - 1, c[1] + n / 3 % 3 - 1, c[2] + n / 9 - 1};
+      const auto there = cells.find(next);
+      if (there == cells.end() || there->second.size() < kFew || !person.insert(next).second) continue;
+      open.push_back(next);
+    }
+  }
+  return out;
+}
+
+std::optional<PartnerGrasp> thesis_partner(const PclCloud& reference, const PclCloud& current,
+                                           std::span<const Eigen::Vector3f> object,
+                                           const ThesisConfig& config, std::string* because) {
+  return thesis_grasp(changed_points(reference, current, config), object, config, because);
 }
 
 }  // namespace colift::perception

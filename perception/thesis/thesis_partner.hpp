@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "perception/organised_cloud.hpp"
 #include "perception/scene.hpp"
@@ -20,13 +21,24 @@ namespace colift::perception {
                                       const ThesisConfig& config);
 
 /// Where the partner holds the object (thesis section 5.3.3): the mean of the partner_points changed points
-/// that are nearest to the object. `reference` is the cloud before the partner came, `object` the target's
-/// points in it; all in W. Its covariance is the scatter of those points, since the palm is somewhere among
-/// them.
+/// that are nearest to the object. `changed` are those of a frame against the cloud before the partner came,
+/// `object` the target's points in that cloud; all in W. Its covariance is the scatter of those points, since
+/// the palm is somewhere among them.
 ///
 /// Nothing if fewer points changed, or if those lie farther than partner_reach_m from the object on average:
 /// then somebody is in view and nobody holds the object. `because`, if given, is told which, with the
 /// numbers.
+[[nodiscard]] std::optional<PartnerGrasp> thesis_grasp(const PclCloud& changed,
+                                                       std::span<const Eigen::Vector3f> object,
+                                                       const ThesisConfig& config,
+                                                       std::string* because = nullptr);
+
+/// The changed points that hang together with those of a grasp: the person's hand, arm and body, without the
+/// ragged pixels that come and go at edges elsewhere. The thesis has no use for them; a planner that keeps
+/// clear of the person has. W (m).
+[[nodiscard]] std::vector<Eigen::Vector3f> thesis_person(const PclCloud& changed, const PartnerGrasp& grasp);
+
+/// Grasp from both clouds.
 [[nodiscard]] std::optional<PartnerGrasp> thesis_partner(const PclCloud& reference, const PclCloud& current,
                                                          std::span<const Eigen::Vector3f> object,
                                                          const ThesisConfig& config,

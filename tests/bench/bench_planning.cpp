@@ -29,9 +29,10 @@ using sim_hal::Label;
 using tests::TableAt;
 
 constexpr int kProblemsEach = 10;
-constexpr int kStraightEach = 2;  // of these, at most, that a straight line solves
-constexpr double kLimitS = 20.0;  // of a problem, all tries together
-constexpr int kTries = 3;         // as many as find_transit() has, each at half the step of the one before
+constexpr int kLeastProblems = 100;  // in all
+constexpr int kStraightEach = 2;     // of these, at most, that a straight line solves
+constexpr double kLimitS = 20.0;     // of a problem, all tries together
+constexpr int kTries = 3;            // as many as find_transit() has, each at half the step of the one before
 
 class ThreadClock final : public hal::Clock {
  public:
@@ -204,6 +205,16 @@ std::vector<double> part_of(const Column& column, Part part) {
   return out;
 }
 
+/// How many times longer `other` took than `ours`, for each problem that both solved with a way that the
+/// exact check lets pass.
+std::vector<double> ratios(const Column& ours, const Column& other) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < ours.all.size(); ++i)
+    if (ours.all[i].exact && other.all[i].exact)
+      out.push_back(other.all[i].whole_ms() / ours.all[i].whole_ms());
+  return out;
+}
+
 /// Times of judging single grasps (us).
 struct ReachTimes {
   std::vector<double> reachable, refused;
@@ -360,8 +371,15 @@ int run() {
                c->name, c->found(), c->exact(), at_once, median(plan), percentile(plan, 0.95), median(cut),
                percentile(cut, 0.95), median(c->times()), percentile(c->times(), 0.95), median(length));
   }
-  fmt::print("\nMedian ratio: {:.0f} to OMPL's default, {:.0f} at the finer step (goal 30). ",
+  fmt::print("\nRatio of the medians: {:.0f} to OMPL's default, {:.0f} at the finer step (goal 30). ",
              median(coarse.times()) / median(ours.times()), median(fine.times()) / median(ours.times()));
+  const auto to_coarse = ratios(ours, coarse), to_fine = ratios(ours, fine);
+  fmt::print(
+      "Problem by problem, where both have an exactly free way: median {:.0f} times ({} problems) and {:.0f} "
+      "times "
+      "({}), least tenth below {:.0f} and {:.0f}. ",
+      median(to_coarse), to_coarse.size(), median(to_fine), to_fine.size(), percentile(to_coarse, 0.1),
+      percentile(to_fine, 0.1));
   fmt::print(
       "After that CoLift takes {:.1f} / {:.1f} ms to round and time the way and {:.1f} / {:.1f} ms for the "
       "exact check.\n\n",
@@ -387,7 +405,8 @@ int run() {
                median(a.times()), percentile(a.times(), 0.95), b.exact(), median(b.times()),
                percentile(b.times(), 0.95));
   }
-  return ours.exact() == ours.found() ? 0 : 1;
+  // a benchmark of ways that touch something, or of a handful of problems, says nothing
+  return ours.exact() == ours.found() && count >= kLeastProblems ? 0 : 1;
 }
 
 }  // namespace

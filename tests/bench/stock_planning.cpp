@@ -47,8 +47,8 @@ struct StockPlanner::Impl {
     std::unique_ptr<fcl::CollisionObjectd> object;
   };
   hal::RobotModel model;
-  std::vector<std::pair<int, int>> pairs;
   std::vector<Solid> solids;
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;  ///< Solids of links that may touch each other.
   std::unique_ptr<fcl::CollisionObjectd> octree;
   std::shared_ptr<ob::RealVectorStateSpace> space;
   std::vector<hal::Pose> X_WL;
@@ -67,13 +67,9 @@ struct StockPlanner::Impl {
       if (fcl::collide(solid.object.get(), octree.get(), request, result) > 0) return false;
     }
     for (const auto& [a, b] : pairs) {
-      for (const Solid& first : solids) {
-        if (first.link != a) continue;
-        for (const Solid& second : solids) {
-          if (second.link != b || !first.object->getAABB().overlap(second.object->getAABB())) continue;
-          if (fcl::collide(first.object.get(), second.object.get(), request, result) > 0) return false;
-        }
-      }
+      fcl::CollisionObjectd &first = *solids[a].object, &second = *solids[b].object;
+      if (!first.getAABB().overlap(second.getAABB())) continue;
+      if (fcl::collide(&first, &second, request, result) > 0) return false;
     }
     return true;
   }
@@ -85,11 +81,16 @@ StockPlanner::StockPlanner(const hal::RobotModel& model, const planner::SphereMo
   ompl::msg::setLogLevel(ompl::msg::LOG_NONE);
   Impl& m = *impl_;
   m.model = model;
-  m.pairs = spheres.self_pairs;
   for (std::size_t link = 0; link < model.links.size(); ++link) {
     for (const hal::LinkShape& shape : model.links[link].shapes) {
       m.solids.push_back(
           {static_cast<int>(link), shape.X_LS, std::make_unique<fcl::CollisionObjectd>(geometry(shape))});
+    }
+  }
+  for (const auto& [a, b] : spheres.self_pairs) {
+    for (std::size_t i = 0; i < m.solids.size(); ++i) {
+      for (std::size_t k = 0; k < m.solids.size(); ++k)
+        if (m.solids[i].link == a && m.solids[k].link == b) m.pairs.emplace_back(i, k);
     }
   }
   auto tree = std::make_shared<octomap::OcTree>(map.tree());

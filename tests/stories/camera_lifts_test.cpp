@@ -1,10 +1,12 @@
 // Whole lifts whose camera fails in each phase as a Kinect behind its capture process does: the process
-// killed, stopped, the cable gone, and pictures that are none (safety-and-faults, rows 1 to 8 and 11). In
-// lock step, behind the guard; what the process itself does stands in unit/sim_hal/camera_emulator.
+// killed, stopped, the cable gone, pictures that are none, old or full of holes (safety-and-faults, rows 1 to
+// 9 and 11). In lock step, behind the guard; what the process itself does stands in
+// unit/sim_hal/camera_emulator, and whole lifts with it in tests/camera.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <deque>
 #include <iterator>
 #include <limits>
 #include <optional>
@@ -14,6 +16,7 @@
 #include "hal/guarded_arm.hpp"
 #include "hal/guarded_camera.hpp"
 #include "hal/guarded_hand.hpp"
+#include "sim_hal/mock/hash_random.hpp"
 #include "sim_hal/mujoco/sim_devices.hpp"
 #include "tests/support/thorough.hpp"
 
@@ -28,10 +31,28 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 /// What the driver shows of a fault, from a moment on.
 struct Fault {
-  enum class Kind { None, Killed, Stopped, Unplugged, Silent, Blind, Zeros, HalfSize, Stuck, Late, Moved };
+  enum class Kind {
+    None,
+    Killed,
+    Stopped,
+    Unplugged,
+    Silent,
+    Blind,
+    Zeros,
+    HalfSize,
+    Stuck,
+    Late,
+    Moved,
+    Old,   ///< Pictures come later and later, up to `value` s after their exposure.
+    Holes  ///< `value` of the pixels never see anything: sunlight, in blots.
+  };
   Kind kind = Kind::None;
   double for_s = 0.0;
+  double value = 0.0;
 };
+
+constexpr double kGetsOlder = 0.25;  // seconds a second
+constexpr std::size_t kBlot = 16;    // pixels of a side
 
 class FailingCamera final : public hal::DepthCamera {
  public:
@@ -54,6 +75,7 @@ class FailingCamera final : public hal::DepthCamera {
     using Kind = Fault::Kind;
     auto frame = inner_->next_frame(patience);
     if (gone()) return hal::failure(hal::ErrorCode::LinkLost, "test", words_);
+    if (fault_.kind == Kind::Old) frame = held_back(std::move(frame));
     if (!frame) return frame;
     frame->up_C = up_C_;
     if (!active()) {
@@ -82,6 +104,12 @@ class FailingCamera final : public hal::DepthCamera {
       case Kind::Moved:
         frame->up_C = Eigen::AngleAxisd(0.087, hal::Vec3::UnitX()) * up_C_;
         break;
+      case Kind::Holes:
+        for (std::size_t i = 0; i < frame->depth_m.size(); ++i) {
+          const std::size_t blot = i / 640 / kBlot * (640 / kBlot) + i % 640 / kBlot;
+          if (sim_hal::unit(sim_hal::hash(3, 97, blot)) < fault_.value) frame->depth_m[i] = kNan;
+        }
+        break;
       default:
         break;
     }
@@ -90,6 +118,18 @@ class FailingCamera final : public hal::DepthCamera {
   int opened = 0;
 
  private:
+  using Frame = hal::Result<hal::DepthFrame>;
+  /// Pictures in their order, each when it is old enough.
+  Frame held_back(Frame frame) {
+    if (frame) waiting_.push_back(std::move(*frame));
+    const double delay = active() ? std::min(fault_.value, kGetsOlder * age()) : 0.0;
+    while (!active() && waiting_.size() > 1) waiting_.pop_front();
+    if (waiting_.empty() || hal::seconds(clock_.now() - waiting_.front().exposed_at) < delay)
+      return hal::failure(hal::ErrorCode::Timeout, "test", "none yet");
+    Frame out = std::move(waiting_.front());
+    waiting_.pop_front();
+    return out;
+  }
   [[nodiscard]] double age() const { return hal::seconds(clock_.now() - since_); }
   [[nodiscard]] bool active() const { return fault_.kind != Fault::Kind::None && age() < fault_.for_s; }
   [[nodiscard]] bool gone() {
@@ -109,6 +149,7 @@ class FailingCamera final : public hal::DepthCamera {
   hal::Timestamp since_{0};
   std::string words_;
   std::vector<float> last_;
+  std::deque<hal::DepthFrame> waiting_;
 };
 
 struct Lift {
@@ -135,6 +176,7 @@ Lift lift_with(const Fault& fault, Task in) {
       std::make_unique<hal::GuardedCamera>(std::move(failing), config.guard_camera, *robot.clock, up_C);
   config.task.lift_height_m = scenario.task.height;
   config.task.hold_s = 1.0;
+  if (in == Task::Observe) config.task.patience_s = 5.0;  // nobody needs to be waited for
   const planner::HandModel hand;
   const auto tables = std::make_shared<planner::HandCollision>(hand, config.candidates.collision);
   const hal::SteadyClock wall;
@@ -143,6 +185,10 @@ Lift lift_with(const Fault& fault, Task in) {
                              wall);
   Lift lift;
   std::optional<hal::Timestamp> failed_at;
+  if (in == Task::Observe) {
+    failed_at = robot.clock->now();
+    camera.fail(fault);
+  }
   control::JobHooks hooks;
   hooks.changed = [&](Task, Task to) {
     if (failed_at && std::isnan(lift.stops_after_s))
@@ -173,10 +219,18 @@ bool came_to(const Lift& lift, Task state) {
                      [&](const auto& s) { return s.state == state; });
 }
 
-bool said(const Lift& lift, const std::string& words) {
+bool said(const Lift& lift, const std::string& words, const std::string& device = "camera") {
   return std::any_of(lift.record.faults.begin(), lift.record.faults.end(), [&](const auto& f) {
-    return f.device == "camera" && f.what.find(words) != std::string::npos;
+    return f.device == device && f.what.find(words) != std::string::npos;
   });
+}
+
+/// Time in a state, the first time it came to it.
+double seconds_in(const Lift& lift, Task state) {
+  const auto& all = lift.record.states;
+  for (std::size_t i = 0; i + 1 < all.size(); ++i)
+    if (all[i].state == state) return hal::seconds(all[i + 1].at - all[i].at);
+  return NAN;
 }
 
 const std::pair<Fault, std::string> kLosses[] = {
@@ -205,8 +259,9 @@ TEST_CASE("a camera that is lost on the approach stops the arm, which plans anew
   }
 }
 
-TEST_CASE("a camera that is lost while the object is carried changes nothing but what is said",
-          "[camera][faults]") {
+TEST_CASE(
+    "a camera that is lost while the object is carried slows the arm, and it is said; force leads the lift",
+    "[camera][faults]") {
   const Task in = GENERATE(Task::Lift, Task::Hold);
   for (std::size_t i = 0; i < std::size(kLosses); ++i) {
     const auto& [fault, words] = kLosses[i];
@@ -217,6 +272,9 @@ TEST_CASE("a camera that is lost while the object is carried changes nothing but
     CHECK(lift.record.outcome == Result::Lifted);
     CHECK_FALSE(lift.record.hand_keeps_grip);
     CHECK_FALSE(came_to(lift, Task::Halt));
+    if (in != Task::Lift) continue;
+    CHECK(said(lift, "goes on slowly: the camera gives no picture", "arm"));
+    CHECK(seconds_in(lift, Task::Lift) > 2.5);  // 2.3 s with a camera
   }
 }
 
@@ -236,4 +294,29 @@ TEST_CASE("a camera that was moved is not looked through any more", "[camera][fa
   CHECK(said(lift, "calibrate"));
   CHECK(lift.record.outcome == Result::Refused);
   CHECK_FALSE(came_to(lift, Task::Approach));
+}
+
+TEST_CASE("pictures that are old slow the arm on its way", "[camera][faults]") {
+  const Lift old = lift_with({Fault::Kind::Old, 1e9, 0.21}, Task::Approach);
+  INFO(told(old));
+  CHECK(said(old, "goes on slowly: the camera's pictures are", "arm"));
+  CHECK_FALSE(came_to(old, Task::Halt));
+  REQUIRE(old.record.plan);
+  const double planned_s = old.record.plan->transit.duration_s() + old.record.plan->approach.duration_s();
+  CHECK(seconds_in(old, Task::Approach) > 1.3 * planned_s);
+  CHECK(old.record.outcome == Result::Lifted);
+}
+
+TEST_CASE("nothing is grasped in a picture that is half holes; when the sun has gone it is",
+          "[camera][faults]") {
+  const Lift blinded = lift_with({Fault::Kind::Holes, 1e9, 0.5}, Task::Observe);
+  INFO(told(blinded));
+  CHECK(blinded.record.outcome == Result::Refused);
+  CHECK_THAT(blinded.record.because, Catch::Contains("of the pixels on and about the object see nothing"));
+  CHECK_FALSE(came_to(blinded, Task::Approach));
+
+  const Lift lift = lift_with({Fault::Kind::Holes, 1.0, 0.5}, Task::Observe);
+  INFO(told(lift));
+  CHECK(seconds_in(lift, Task::Observe) > 1.0);
+  CHECK(lift.record.outcome == Result::Lifted);
 }

@@ -25,14 +25,18 @@ struct Phase {
   Task task;
   double at_s;
 };
-constexpr std::array<Phase, 8> kPhases{{{Task::AwaitPartner, 0.3},
-                                        {Task::Approach, 1.0},
-                                        {Task::Close, 0.3},
-                                        {Task::Lift, 1.0},
-                                        {Task::Hold, 0.3},
-                                        {Task::Lower, 1.0},
-                                        {Task::Release, 0.2},
-                                        {Task::Retreat, 1.5}}};
+constexpr std::array<Phase, 11> kPhases{{{Task::AwaitPartner, 0.3},
+                                         {Task::Approach, 1.0},
+                                         {Task::Close, 0.3},
+                                         {Task::Lift, 1.0},
+                                         {Task::Hold, 0.3},
+                                         {Task::Lower, 1.0},
+                                         {Task::Release, 0.2},
+                                         {Task::Retreat, 1.5},
+                                         {Task::Verify, 0.1},
+                                         {Task::AwaitReady, 0.2},
+                                         {Task::BackOff, 0.5}}};
+constexpr std::size_t kPhasesOfEvery = 8;  // the others only where it is to be thorough
 
 tests::ForkedFault fault_at(const std::string& what, const Phase& phase) {
   auto parsed = sim_hal::parse_krc_fault(fmt::format("{}:{}", phase.at_s, what));
@@ -50,7 +54,8 @@ std::vector<tests::ForkedEnd> lift_with(const std::vector<tests::ForkedFault>& f
 }
 
 bool hand_at_object(Task task) {
-  return task == Task::Close || task == Task::Lift || task == Task::Hold || task == Task::Lower;
+  return task == Task::Close || task == Task::Verify || task == Task::AwaitReady || task == Task::Lift ||
+         task == Task::Hold || task == Task::Lower;
 }
 
 }  // namespace
@@ -82,31 +87,31 @@ struct Row {
 };
 
 // phases: await-partner (observe is the same to the arm), approach, close, lift, hold, lower, release,
-// retreat
+// retreat; verify, await-ready; back-off, after which a partner is waited for as without the fault
 const Row kRows[] = {
-    {"36, three lost", "loss=3", "++++++++", ""},
-    {"36, twenty lost", "loss=20", "........", "command mode"},
-    {"37, doubled", "duplicate:1", "++++++++", ""},
-    {"37, reordered", "reorder:1", "........", "takes no commands"},
-    {"38, corrupted", "corrupt:0.1", "........", "arm"},
-    {"39, a burst", "burst=25", "........", "arm"},
-    {"40, bad", "quality=1:1", "++++++++", ""},
-    {"40, unacceptable", "quality=0:0.5", "........", "command mode"},
-    {"41, monitor mode", "monitor", "........", "command mode"},
-    {"42, emergency stop", "emergency-stop", "........", "drives are off"},
-    {"42, drive error", "drive-error@2", "........", "drive error of A2"},
-    {"43, drive warning", "drive-warning@2:1", "++++++++", ""},
-    {"43, hot", "temperature=90:1", "........", "90 deg C"},
-    {"44, off and on", "unplug:1", "........", "arm"},
-    {"46, jump", "jump=0.2@3:0.1", "........", "jump"},
+    {"36, three lost", "loss=3", "+++++++++++", ""},
+    {"36, twenty lost", "loss=20", "...........", "command mode"},
+    {"37, doubled", "duplicate:1", "+++++++++++", ""},
+    {"37, reordered", "reorder:1", "...........", "takes no commands"},
+    {"38, corrupted", "corrupt:0.1", "...........", "arm"},
+    {"39, a burst", "burst=25", "...........", "arm"},
+    {"40, bad", "quality=1:1", "+++++++++++", ""},
+    {"40, unacceptable", "quality=0:0.5", "...........", "command mode"},
+    {"41, monitor mode", "monitor", "...........", "command mode"},
+    {"42, emergency stop", "emergency-stop", "...........", "drives are off"},
+    {"42, drive error", "drive-error@2", "...........", "drive error of A2"},
+    {"43, drive warning", "drive-warning@2:1", "+++++++++++", ""},
+    {"43, hot", "temperature=90:1", "...........", "90 deg C"},
+    {"44, off and on", "unplug:1", "...........", "arm"},
+    {"46, jump", "jump=0.2@3:0.1", "...........", "jump"},
     // an arm that holds still may well be still; what lasts into the retreat shows there
-    {"46, stuck", "freeze:1", "+.+.+...", ""},
-    {"46, not a number", "nan@3:0.05", "........", "arm"},
+    {"46, stuck", "freeze:1", "+.+.+...+..", ""},
+    {"46, not a number", "nan@3:0.05", "...........", "arm"},
     // while the object is borne a wrong torque is a wrong load, within its limit; a hand at work feels
     // nothing
-    {"47, torque offset", "torque-offset=20@2:1", "+.++.+..", ""},
+    {"47, torque offset", "torque-offset=20@2:1", "+.++.+..++.", ""},
     // an object that is on its way down goes on down: nowhere is it safer
-    {"48, contact", "contact=60:1", "+.+v.+..", ""},
+    {"48, contact", "contact=60:1", "+.+v.+..++.", ""},
 };
 
 void check(const Row& row, Task in, char expected, const tests::ForkedEnd& lift) {
@@ -154,7 +159,48 @@ TEST_CASE("faults of wire and controller until the hand is closed end as they ha
 
 TEST_CASE("faults of wire and controller while the object is borne, and after, end as they have to",
           "[wire][faults]") {
-  check_rows(3, kPhases.size());
+  check_rows(3, kPhasesOfEvery);
+}
+
+TEST_CASE(
+    "faults of wire and controller while the grip is checked and the partner awaited end as they have to",
+    "[wire][faults]") {
+  if (tests::thorough()) check_rows(kPhasesOfEvery, kPhases.size() - 1);
+}
+
+TEST_CASE("faults of wire and controller on the way back from a grasp that is off end as they have to",
+          "[wire][faults]") {
+  if (!tests::thorough()) return;
+  auto scenario =
+      sim_hal::load_scenario(std::string(COLIFT_SOURCE_DIR) + "/config/scenario/partner_lets_go.yaml");
+  REQUIRE(scenario);
+  scenario->camera.noise = "none";
+  control::Config config = control::run_defaults();
+  config.task.patience_s = 2.5;
+  const Phase& back_off = kPhases.back();
+  std::vector<tests::ForkedFault> faults;
+  for (const Row& row : kRows) faults.push_back(fault_at(row.fault, back_off));
+  const auto lifts = tests::lift_forked(*scenario, config, tests::OverWire{}, faults);
+  for (std::size_t i = 0; i < lifts.size(); ++i) {
+    const auto& lift = lifts[i];
+    INFO(kRows[i].rows << " in back-off, expected " << kRows[i].ends.back() << " " << lift.crash << "\n"
+                       << lift.because << "\n"
+                       << lift.told);
+    REQUIRE(lift.crash.empty());
+    REQUIRE(lift.ran);
+    CHECK(lift.outcome == Result::Aborted);
+    if (kRows[i].ends.back() == '+') {
+      CHECK(lift.end == Task::Refused);
+      CHECK_THAT(lift.told, Catch::Contains("back where it started"));
+    } else {
+      CHECK(lift.end == Task::Stopped);
+      CHECK_THAT(lift.because, Catch::Contains(kRows[i].says));
+    }
+    CHECK_FALSE(lift.hand_keeps_grip);
+    CHECK_FALSE(lift.hit_something);
+    CHECK(lift.troubles == 0);
+    CHECK(lift.broken_rules <= (std::string_view(kRows[i].fault).starts_with("nan") ? 1u : 0u));
+  }
 }
 
 namespace {
@@ -173,7 +219,7 @@ TEST_CASE("while the controller is patient, a gap that heals makes the arm rest 
           "[wire][faults]") {
   std::vector<tests::ForkedFault> faults;
   const char* const gaps[] = {"loss.out=12", "loss.out=30", "burst.out=25:0.05"};
-  for (std::size_t p = 0; p < kPhases.size(); ++p)
+  for (std::size_t p = 0; p < kPhasesOfEvery; ++p)
     for (std::size_t g = 0; g < std::size(gaps); ++g)
       if (tests::chosen(g, p)) faults.push_back(fault_at(gaps[g], kPhases[p]));
   const auto lifts = lift_with(faults, patient());
@@ -195,7 +241,7 @@ TEST_CASE("while the controller is patient, a gap that heals makes the arm rest 
 TEST_CASE("while the controller is patient, a gap that does not heal in time ends in a hold",
           "[wire][faults]") {
   std::vector<tests::ForkedFault> faults;
-  for (std::size_t p = 0; p < kPhases.size(); ++p)
+  for (std::size_t p = 0; p < kPhasesOfEvery; ++p)
     if (tests::chosen(1, p)) faults.push_back(fault_at("loss:0.3", kPhases[p]));
   const auto lifts = lift_with(faults, patient());
   for (std::size_t i = 0; i < lifts.size(); ++i) {

@@ -25,14 +25,24 @@ std::string line(const std::string& name, const SimulatedLift& lift) {
       lift.hit_something ? ", HIT SOMETHING" : "");
 }
 
+void see_from_beside_robot(sim_hal::Scenario& scenario) {
+  // on the side to which the near face is turned
+  const double side = scenario.object.yaw_deg < 0.0 ? 1.0 : -1.0;
+  scenario.camera.xyz = {0.0, side * 1.6, 1.3};
+  scenario.camera.look_at =
+      hal::Vec3(scenario.object.xyz.x() - 0.15, scenario.object.xyz.y(), 0.6 * scenario.object.size[2]);
+}
+
 LiftFigures lift_random(sim_hal::RandomKind kind, control::Method method, std::uint64_t first, int count,
-                        const std::function<void(const std::string&)>& done) {
+                        const std::function<void(const std::string&)>& done,
+                        const std::function<void(sim_hal::Scenario&)>& arrange) {
   LiftFigures f;
   f.trials = count;
   std::vector<double> tilt, share_error, partner, slip;
   double sim_s = 0.0, wall_s = 0.0;
   for (std::uint64_t seed = first; seed < first + static_cast<std::uint64_t>(count); ++seed) {
-    const sim_hal::Scenario scenario = sim_hal::random_scenario(kind, seed);
+    sim_hal::Scenario scenario = sim_hal::random_scenario(kind, seed);
+    if (arrange) arrange(scenario);
     const SimulatedLift lift = simulate(scenario, method, seed);
     const std::string said = line(scenario.name, lift);
     if (done) done(said);

@@ -22,9 +22,15 @@ struct LiftFigures {
   std::vector<std::string> not_lifted;  ///< A sentence each.
 };
 
-/// Lifts random scenarios with seeds first to first + count - 1; `done` is told after each.
+/// Lifts random scenarios with seeds first to first + count - 1; `done` is told after each. `arrange` may
+/// change a scenario before it is lifted.
 [[nodiscard]] LiftFigures lift_random(sim_hal::RandomKind kind, control::Method method, std::uint64_t first,
-                                      int count, const std::function<void(const std::string&)>& done = {});
+                                      int count, const std::function<void(const std::string&)>& done = {},
+                                      const std::function<void(sim_hal::Scenario&)>& arrange = {});
+
+/// Puts the camera beside the robot, from where the faces that it can reach are seen. The thesis's method
+/// grasps nothing else.
+void see_from_beside_robot(sim_hal::Scenario& scenario);
 
 /// One line on one lift.
 [[nodiscard]] std::string line(const std::string& name, const SimulatedLift& lift);

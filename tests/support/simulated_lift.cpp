@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <stdexcept>
 
+#include "control/method.hpp"
 #include "control/task_runner.hpp"
 #include "hal/guarded_arm.hpp"
 #include "hal/guarded_hand.hpp"
@@ -86,15 +86,14 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
 
   config.task.lift_height_m = scenario.task.height;
   config.task.hold_s = scenario.task.hold_s;
-  if (method == control::Method::Thesis) {
-    config.decision.weights = planner::SharingWeights::thesis();
-    config.decision.max_sideways = std::numeric_limits<double>::infinity();
-    config.decision.max_lever_m = std::numeric_limits<double>::infinity();
-  }
+  control::set_thesis_defaults(config);
+  control::use_method(method, config);
   const planner::HandModel hand;
   const auto tables = std::make_shared<planner::HandCollision>(hand, config.candidates.collision);
   const hal::SteadyClock wall;
-  const control::RigView rig{model, hand, tables, sim_hal::camera_pose(scenario.camera)};
+  hal::Pose X_WC = sim_hal::camera_pose(scenario.camera);
+  if (over) X_WC.pretranslate(over->camera_off_m);
+  const control::RigView rig{model, hand, tables, X_WC};
   control::TaskRunner runner(robot, rig, config, {method, seed, false, world->truth().mass_kg}, wall);
 
   SimulatedLift lift;
@@ -143,7 +142,7 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
       sim_hal::HandFault fault = f.fault;
       fault.at_s += bus->pucks.elapsed_s();
       bus->pucks.inject(fault);
-      return true;
+      return !f.each_time;
     });
     entered(to);
   };

@@ -48,8 +48,10 @@ struct OverWire {
   struct OfHand {
     sim_hal::HandFault fault;
     control::Task in = control::Task::Observe;
+    bool each_time = false;  ///< At every entry, not at the first alone.
   };
   std::vector<OfHand> hand_faults;
+  hal::Vec3 camera_off_m = hal::Vec3::Zero();  ///< Where the rig believes the camera beside where it is.
   /// Asked at the start of the job and whenever it enters a state: what goes wrong with the arm from then on.
   std::function<std::optional<sim_hal::KrcFault>(control::Task)> entered;
   int extrapolated = 3;       ///< Missing answers in a row that the arm's controller bridges.

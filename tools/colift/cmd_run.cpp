@@ -87,13 +87,6 @@ struct Diary {
   }
 };
 
-hal::Error no_pose(const std::filesystem::path& robot) {
-  return {hal::ErrorCode::BadConfig, robot.string(),
-          fmt::format("nothing says where the camera stands; run colift calibrate --robot {} --out camera.yaml, and "
-                      "name its result: calibration: camera.yaml",
-                      robot.string())};
-}
-
 int exit_code(const control::RunRecord& record, const RunOptions& options) {
   if (InterruptGuard::asked()) return kInterrupted;
   if (record.outcome == control::RunRecord::Result::Lifted) return kDone;
@@ -122,7 +115,6 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
   if (setup->calibration) X_WC = setup->calibration->X_BC();
   auto rig = open_rig({options.robot, options.scenario, options.seed, X_WC}, setup->config);
   if (!rig) return report_error("run", rig.error());
-  if (!rig->pose_known) return report_error("run", no_pose(*options.robot));
 
   const RunSetting setting = setting_of(common, options, *task, *rig, *method, setup->config);
   const hal::SteadyClock wall;
@@ -187,8 +179,8 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
                     rig->truth ? &diary.scenes : nullptr, link ? &*link : nullptr};
   const std::string document = run_document(run);
   if (*recording)
-    for (const std::string& line : (*recording)->finish(*record, document))
-      if (!common.quiet) std::fprintf(stderr, "%s\n", line.c_str());
+    for (const std::string& line : (*recording)->finish(*record, document, common.quiet))
+      std::fprintf(stderr, "%s\n", line.c_str());
   const int ended_with = exit_code(*record, options);  // before Ctrl-C may mean the view
   if (common.json)
     std::puts(document.c_str());
@@ -205,7 +197,8 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
       return report_error("run", written.error());
   }
   if (*live && !InterruptGuard::asked()) {
-    std::fprintf(stderr, "the live view keeps the last state at %s; Ctrl-C ends it\n", (*live)->url().c_str());
+    std::fprintf(stderr, "the live view keeps the last state at %s; Ctrl-C ends it\n",
+                 (*live)->url().c_str());
     (*live)->stay(InterruptGuard::asked);
     return (*live)->stopped() ? kInterrupted : ended_with;
   }

@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <limits>
-
+#include "control/method.hpp"
 #include "tools/colift/numbers.hpp"
 
 namespace colift::tools {
@@ -18,12 +17,7 @@ hal::Result<control::Method> parse_method(const std::string& text, const control
 
 hal::Result<> set_weights(control::Method method, const std::string& share, const std::string& epsilon,
                           control::Config& config) {
-  // the thesis sets all weights to one (sections 4.3 and 5.3.4)
-  if (method == control::Method::Thesis) {
-    config.decision.weights = planner::SharingWeights::thesis();
-    config.decision.max_sideways = std::numeric_limits<double>::infinity();
-    config.decision.max_lever_m = std::numeric_limits<double>::infinity();
-  }
+  control::use_method(method, config);
   if (!share.empty() && !epsilon.empty())
     return hal::failure(hal::ErrorCode::BadInput, "--share",
                         "goes without --epsilon: either one says how the load is shared");

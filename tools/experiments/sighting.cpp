@@ -3,14 +3,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
-
+#include "control/method.hpp"
 #include "sim_hal/mujoco/sim_devices.hpp"
 
 namespace colift::experiments {
 namespace {
 
-constexpr double kNobody_s = 1.0;  // after his arrival he is seen, or not at all
+constexpr double kNobody_s = 2.0;  // after his arrival he is seen, or not at all
 constexpr double kRenewed_m = 1e-6;
 
 /// Computing time has no part in any result here: the stopwatch stands still.
@@ -36,10 +35,8 @@ const SharedHand& shared_hand() {
 
 control::Config config_for(control::Method method, std::optional<double> share) {
   control::Config config = control::run_defaults();
-  if (method == control::Method::Thesis) {
-    config.decision.weights = planner::SharingWeights::thesis();
-    config.decision.max_sideways = std::numeric_limits<double>::infinity();
-  }
+  control::set_thesis_defaults(config);
+  control::use_method(method, config);
   if (share) config.decision.weights.epsilon = planner::epsilon_for_share(*share).value_or(1.0);
   return config;
 }

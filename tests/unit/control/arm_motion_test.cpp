@@ -1,13 +1,17 @@
 // A lift in the arm's cycle: cut off and taken up again, slow, at the end of the reach; and no page faults.
 #include "control/arm_motion.hpp"
 
+#include <sys/mman.h>
 #include <sys/resource.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
+#include <string>
 #include <vector>
+
+#include "hal/os/realtime.hpp"
 
 using namespace colift;
 using namespace colift::control;
@@ -170,13 +174,22 @@ TEST_CASE("after warm-up a cycle of the arm faults no page in") {
     rig.ask(ArmRequest::Kind::Hold);
     rig.steps(100);
   };
+  // as the arm's thread does: memory locked, stack and heap touched; then what the cycle itself needs is
+  // there
+  const auto granted = hal::ask_for_realtime(
+      {.priority = 0, .lock_memory = true, .stack_bytes = 262144, .heap_bytes = 1 << 20});
   job();
   rusage before{}, after{};
   REQUIRE(::getrusage(RUSAGE_THREAD, &before) == 0);
   job();
   REQUIRE(::getrusage(RUSAGE_THREAD, &after) == 0);
-  // a page that the kernel takes away and gives back on its own (accessed bits, migration) is no fault of the
-  // cycle; memory that is touched for the first time in 4600 cycles would show as many more
-  CHECK(after.ru_minflt - before.ru_minflt <= 2);
+  (void)::munlockall();
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  constexpr long kOfSanitizer = 8;  // its own books
+#else
+  constexpr long kOfSanitizer = 0;
+#endif
+  INFO((granted.words.empty() ? std::string() : granted.words.front()));
+  CHECK(after.ru_minflt - before.ru_minflt <= kOfSanitizer);
   CHECK(after.ru_majflt - before.ru_majflt == 0);
 }

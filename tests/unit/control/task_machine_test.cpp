@@ -177,6 +177,22 @@ TEST_CASE("a loaded hand opens on release alone", "[task]") {
   }
 }
 
+TEST_CASE("one silent finger opens the others only while nothing is held yet", "[task]") {
+  for (const Task task : all_tasks()) {
+    CAPTURE(word(task));
+    const auto rule = next(task, Event::FingerLost);
+    CHECK(rule.has_value() == (task == Task::Close));
+    if (rule) CHECK(rule->to == Task::Release);
+  }
+}
+
+TEST_CASE("at the end of the arm's reach a lift holds: nothing lowers or opens by itself", "[task]") {
+  for (const Task task : {Task::Lift, Task::Hold, Task::Lower}) {
+    REQUIRE(next(task, Event::EndOfReach));
+    CHECK(next(task, Event::EndOfReach)->to == Task::Stopped);
+  }
+}
+
 TEST_CASE("nobody lifts before the grip was verified and the partner was ready", "[task]") {
   for (const Event skipped : {Event::HandHeld, Event::GripGood, Event::PartnerReady, Event::Arrived}) {
     CAPTURE(word(skipped));

@@ -74,3 +74,17 @@ TEST_CASE("without an object or without any points nobody holds anything", "[the
   CHECK_FALSE(thesis_partner(reference, PclCloud{}, board.object, board.config));
   CHECK_FALSE(thesis_partner(PclCloud{}, PclCloud{}, board.object, board.config));
 }
+
+TEST_CASE("the person is what hangs together with his grasp", "[thesis][partner]") {
+  const Board board;
+  SampledShapes added(0.01);
+  added.rectangle({0.2, 0.54, 0.3}, {0.09, 0, 0}, {0, 0, 0.09});  // hand
+  added.rectangle({0.2, 0.6, 0.35}, {0.09, 0, 0}, {0, 0.5, 0});   // arm
+  added.rectangle({0.7, -0.5, 0.2}, {0.05, 0, 0}, {0, 0, 0.05});  // something else that is new
+  const PclCloud changed{added.points};
+  const auto grasp = thesis_grasp(changed, board.object, board.config);
+  REQUIRE(grasp);
+  const auto person = thesis_person(changed, *grasp);
+  CHECK(person.size() > 500);
+  for (const auto& p : person) REQUIRE(p.y() > 0.5f);
+}
