@@ -20,6 +20,13 @@ using State = DeviceHealth::State;
 
 namespace {
 
+/// `where` of an error of state(): of one puck alone, or of the hand. Short enough not to be allocated.
+constexpr std::array<const char*, 4> kWhereAlone{"hand.f1.state", "hand.f2.state", "hand.f3.state",
+                                                 "hand.spread"};
+const char* where_of(const HandTrouble& trouble) {
+  return trouble.alone ? kWhereAlone[index(*trouble.alone)] : "hand.state";
+}
+
 constexpr Duration kGap = std::chrono::milliseconds(30);  // nobody let the hand run
 constexpr Duration kCatchUp = std::chrono::milliseconds(3);
 
@@ -157,14 +164,18 @@ struct BarrettHand::Impl {
     s.slips = motion.slipped();
     s.hot = watch.hot();
     s.warning = !watch.warning().empty() ? watch.warning() : bus_words;
+    if (const auto missing = watch.missing())
+      say(s.warning, "{} is silent: the hand does without it", name(*missing));
     return s;
   }
 
   /// `although`: a silent or reset puck is no reason to refuse.
   Result<> may_act(const char* where, bool although = false) {
     if (life != Life::Active) return fail(ErrorCode::NotReady, where, "the hand is not active");
-    if (bus_watch.state() != BusWatch::State::Up || !although)
-      if (const auto trouble = watch.trouble()) return fail(trouble->code, where, trouble->words.str());
+    if (bus_watch.state() == BusWatch::State::Up && although) return {};
+    if (const auto trouble = watch.trouble()) return fail(trouble->code, where, trouble->words.str());
+    if (const auto missing = watch.missing(); !although && missing)
+      return fail(ErrorCode::LinkLost, where, fmt::format("{} is silent", name(*missing)));
     return {};
   }
 };
@@ -252,7 +263,8 @@ Result<HandState> BarrettHand::state() {
       h.poll(std::chrono::microseconds(500));
   }
   h.publish();
-  if (const auto trouble = h.watch.trouble()) return h.fail(trouble->code, kWhere, trouble->words.str());
+  if (const auto trouble = h.watch.trouble())
+    return h.fail(trouble->code, where_of(*trouble), trouble->words.str());
   if (h.stale()) return h.fail(ErrorCode::Timeout, kWhere, "the pucks tell no fresh positions");
   h.last_error = {};
   return h.state_now();
@@ -290,6 +302,7 @@ Result<> BarrettHand::close(double torque_nm) {
 Result<> BarrettHand::release() {
   Impl& h = *impl_;
   if (auto may = h.may_act("hand.release", /*although=*/true); !may) return may;
+  h.watch.go_without_silent();
   h.motion.release();
   return {};
 }

@@ -38,7 +38,8 @@ struct HandReport {
 /// the pucks and opens the hand to find its zeros, when those are not known and nothing is held.
 ///
 /// Errors of state(): LinkLost (bus lost, a puck silent), DeviceFault (a puck reset, out of its mode, in
-/// error), Timeout (no fresh positions). Fingers keep their torque through all of them.
+/// error), Timeout (no fresh positions). Fingers keep their torque through all of them. `where` names a puck
+/// that is silent alone: "hand.f2.state", "hand.spread".
 class BarrettHand final : public Hand {
  public:
   BarrettHand(CanBus& bus, const BarrettHandConfig& config, const Clock& clock);
@@ -57,7 +58,8 @@ class BarrettHand final : public Hand {
   Result<> preshape(double spread_rad) override;
   /// Refused with DeviceFault when the hand is too hot.
   Result<> close(double torque_nm) override;
-  /// Also with a silent or reset puck, as far as the others go.
+  /// Also with a silent or reset puck, as far as the others go. From then on state() tells of the others,
+  /// with a warning and the silent one's last known angle, until another falls silent.
   Result<> release() override;
   void stop() noexcept override;  ///< Takes effect with the next state().
 

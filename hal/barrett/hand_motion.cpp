@@ -57,7 +57,7 @@ void HandMotion::open_fingers() {
     if (facts_.zero_lost[index(finger)]) {
       // its "0" is where it stands now
       let_rest(finger);
-      say(why_, "{} has lost its zero and was not opened: configure() finds it anew", name(finger));
+      say(why_, "{} has lost its zero and was not opened: it has to be initialised anew", name(finger));
     } else if (std::abs(position(finger)) > kNear / 2) {
       begin(finger, 0, config_.move_torque_units, 0);
     } else {

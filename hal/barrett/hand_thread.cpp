@@ -10,7 +10,7 @@
 namespace colift::hal {
 namespace {
 
-constexpr Duration kUntilTaken = std::chrono::milliseconds(5);
+constexpr Duration kUntilTaken = std::chrono::milliseconds(50);  // an ordinary kernel under load wakes late
 constexpr Duration kUntilDone = std::chrono::milliseconds(200);  // deactivate() waits for the bus
 constexpr Duration kLookAgain = std::chrono::microseconds(50);
 
@@ -132,7 +132,7 @@ struct HandThread::Impl {
       if (waited > kUntilTaken) {
         Letter posted = Letter::Posted;
         if (letter.compare_exchange_strong(posted, Letter::Empty, std::memory_order_acq_rel))
-          return late("the hand's thread took no command within 5 ms: nothing was done");
+          return late("the hand's thread took no command within 50 ms: nothing was done");
       }
       if (waited > kUntilDone) return late("the hand's thread has not finished the command");
       std::this_thread::sleep_for(kLookAgain);

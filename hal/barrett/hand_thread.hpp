@@ -12,7 +12,7 @@ namespace colift::hal {
 /// health() come from one thread.
 ///
 /// configure() runs in the caller's thread while the hand's own one rests. A command is handed over and
-/// answered within some milliseconds; when the hand's thread does not take it within 5 ms (it may be opening
+/// answered within some milliseconds; when the hand's thread does not take it within 50 ms (it may be opening
 /// a bus again) it is taken back and fails with Timeout: nothing was done then. state() gives what was last
 /// known, with its time of measurement: whoever needs it fresh looks at that (GuardedHand does).
 class HandThread final : public Hand {

@@ -39,7 +39,7 @@ void HandWatch::start() {
   judged_at_ = mode_suspected_ = reset_suspected_ = {};
   torques_over_ = {};
   strained_at_ = {};
-  was_silent_ = failed_ = {};
+  was_silent_ = failed_ = without_ = {};
   warm_ = hot_ = over_torque_ = false;
   warning_ = {};
 }
@@ -200,8 +200,23 @@ void HandWatch::step(Timestamp now) {
     judge_position(puck);
     judge_mode(puck, now);
     judge_torque(puck);
+    // it is back when its position is as fresh as those of the others
+    const bool fresh = seconds(now - good_[index(puck)].at) < 0.5 * config_.stale_s;
+    if (!link_.silent(puck) && fresh) without_[index(puck)] = false;
   }
   judge_heat();
+}
+
+void HandWatch::go_without_silent() {
+  const auto silent = [&](Puck p) { return link_.silent(p); };
+  if (std::all_of(kAllPucks.begin(), kAllPucks.end(), silent)) return;  // then there is nobody to go on with
+  for (const Puck puck : kAllPucks) without_[index(puck)] = without_[index(puck)] || link_.silent(puck);
+}
+
+std::optional<Puck> HandWatch::missing() const {
+  for (const Puck puck : kAllPucks)
+    if (without_[index(puck)]) return puck;
+  return std::nullopt;
 }
 
 bool HandWatch::all_known() const {
@@ -209,9 +224,10 @@ bool HandWatch::all_known() const {
 }
 
 Timestamp HandWatch::oldest_position() const {
-  return std::min_element(good_.begin(), good_.end(),
-                          [](const auto& a, const auto& b) { return a.at < b.at; })
-      ->at;
+  Timestamp oldest = Timestamp::max();
+  for (const Puck puck : kAllPucks)
+    if (!without_[index(puck)]) oldest = std::min(oldest, good_[index(puck)].at);
+  return oldest == Timestamp::max() ? Timestamp{0} : oldest;  // without any of them: no state
 }
 
 std::optional<HandTrouble> HandWatch::trouble() const {
@@ -221,7 +237,7 @@ std::optional<HandTrouble> HandWatch::trouble() const {
     return t;
   }
   if (bus_.state() == BusWatch::State::Asking) {
-    say(t.words, "the bus is back, the pucks are asked for their state");
+    say(t.words, "bus-off or down until now: the pucks are asked for their state");
     return t;
   }
   const char* held = motion_.loaded() ? " while the hand is loaded: support the object, then release"
@@ -239,8 +255,17 @@ std::optional<HandTrouble> HandWatch::trouble() const {
       return t;
     }
   }
+  const auto silent =
+      std::count_if(kAllPucks.begin(), kAllPucks.end(), [&](Puck p) { return link_.silent(p); });
   for (const Puck puck : kAllPucks) {
-    if (!link_.silent(puck)) continue;
+    if (!link_.silent(puck) || without_[index(puck)]) continue;
+    if (silent == static_cast<std::ptrdiff_t>(kPucks)) {
+      say(t.words,
+          "all four pucks are silent: the bus may be off (bus-off, which not every gateway tells), or the "
+          "supply, or the cable is out");
+      return t;
+    }
+    if (silent == 1) t.alone = puck;
     say(t.words, "{} (node {}) is silent: three questions without an answer", name(puck), node_id(puck));
     return t;
   }

@@ -21,6 +21,7 @@ struct GoodPosition {
 /// Why the hand cannot be used now.
 struct HandTrouble {
   ErrorCode code = ErrorCode::LinkLost;
+  std::optional<Puck> alone;  ///< It is of this puck alone, which is silent; the others obey.
   ShortText words;
 };
 
@@ -35,8 +36,12 @@ class HandWatch {
   void step(Timestamp now);
 
   [[nodiscard]] std::optional<HandTrouble> trouble() const;
+  /// Pucks that are silent now are no trouble any more, until they have answered again or start() was called:
+  /// a person or a controller knows, and goes on with the others.
+  void go_without_silent();
+  [[nodiscard]] std::optional<Puck> missing() const;  ///< One of those.
   [[nodiscard]] const GoodPosition& good(Puck puck) const { return good_[index(puck)]; }
-  [[nodiscard]] Timestamp oldest_position() const;
+  [[nodiscard]] Timestamp oldest_position() const;  ///< Of those that are not done without.
   [[nodiscard]] bool all_known() const;
   [[nodiscard]] double temperature_c(Puck puck) const;  ///< Of puck or motor, the hotter; NaN when not told.
   [[nodiscard]] double hottest_c() const;
@@ -75,7 +80,7 @@ class HandWatch {
   std::array<std::int32_t, kPucks> jumped_to_{};
   std::array<Timestamp, kPucks> torque_seen_{}, judged_at_{}, mode_suspected_{}, reset_suspected_{};
   std::array<Timestamp, kFingers> strained_at_{};  ///< When a gauge last showed its most.
-  std::array<bool, kPucks> was_silent_{}, failed_{};
+  std::array<bool, kPucks> was_silent_{}, failed_{}, without_{};
   bool therm_next_ = false, warm_ = false, hot_ = false, over_torque_ = false;
   ShortText warning_;
 };

@@ -117,7 +117,7 @@ std::string no_command_mode(const FriStatus& s, const FriConfig& c) {
 std::string why_not(const FriStatus& s, const FriConfig& c) {
   switch (s.reason) {
     case FriReason::None:
-      return s.may_command ? "" : "command mode is not active; activate() asks for it";
+      return s.may_command ? "" : "command mode is not active; nobody has asked for it";
     case FriReason::NotOpen:
       return "the arm is not open; configure() comes first";
     case FriReason::NoDatagram:
@@ -128,17 +128,17 @@ std::string why_not(const FriStatus& s, const FriConfig& c) {
           "switched off, or friClose",
           1e3 * c.silent_s, s.received);
     case FriReason::LinkBroken:
-      return "the socket does not work any more; configure() opens it again";
+      return "the socket does not work any more; it has to be opened again";
     case FriReason::Gap:
       return fmt::format(
           "more than 5 datagrams in a row were lost ({} lost so far, {} cycles without one); "
           "the target was brought to rest and starts from the measured pose",
           s.lost, s.timeouts);
     case FriReason::NotAsked:
-      return fmt::format("the KRC is in {} mode and nobody asked for commands; activate() does",
+      return fmt::format("the KRC is in {} mode and nobody has asked to command",
                          s.state == FriState::Command ? "command" : "monitor");
     case FriReason::Stopped:
-      return "it was stopped; activate() lets it act again";
+      return "it was stopped, and acts again when it is asked to anew";
     case FriReason::QualityLow:
       return fmt::format(
           "the quality of the connection is {} and has to be {} ({}); the answers come too late or "
@@ -185,8 +185,8 @@ std::string why_not(const FriStatus& s, const FriConfig& c) {
       return fmt::format("the KRC runs {}, asked for was {}", name(s.control), c.control);
     case FriReason::LeftCommand:
       return fmt::format(
-          "the KRC left command mode (quality {}, {}); its message window says why. activate() asks "
-          "anew, from the measured pose",
+          "the KRC left command mode (quality {}, {}); its message window says why. Asked again, "
+          "commands begin at the measured pose",
           name(s.quality), link(s));
     case FriReason::KrcRestarted:
       return "the KRC counts its datagrams anew: it was restarted, or FRI was opened again";

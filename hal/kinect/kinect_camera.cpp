@@ -81,7 +81,14 @@ struct KinectCamera::Impl {
       return;
     }
     process.emplace(std::move(*started));
-    if (infrared) process->tell("infrared on");
+    if (infrared) ask_for_infrared();
+  }
+
+  void ask_for_infrared() const {
+    if (!process) return;
+    process->tell("infrared on");
+    if (config.infrared_brightness > 0)
+      process->tell(fmt::format("brightness {}", config.infrared_brightness));
   }
 
   /// What went wrong with it, in one sentence.
@@ -330,7 +337,10 @@ Result<> KinectCamera::want_infrared(bool wanted) {
     return failure(ErrorCode::DeviceFault, kWhere,
                    "there is no infrared here: a fakenect recording holds none");
   k.infrared = wanted;
-  if (k.process) k.process->tell(wanted ? "infrared on" : "infrared off");
+  if (wanted)
+    k.ask_for_infrared();
+  else if (k.process)
+    k.process->tell("infrared off");
   return {};
 }
 

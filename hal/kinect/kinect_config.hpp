@@ -16,6 +16,7 @@ struct KinectConfig {
   double cx = 320.0, cy = 240.0;
   double latency_ms = 50.0;
   bool drop_suspect = true;
+  int infrared_brightness = 0;
 
   double open_s = 6.0;
   double silent_s = 0.2;
@@ -41,6 +42,8 @@ struct KinectConfig {
     v("latency_ms", latency_ms, Range{0, 500},
       "From the exposure to the quickest delivery; to be measured (ms).");
     v("drop_suspect", drop_suspect, "Whether a frame with lost USB packets is dropped.");
+    v("infrared_brightness", infrared_brightness, Range{0, 50},
+      "Of infrared images, 1 to 50, as low as still shows the emitter; 0: as the device has it.");
     v("open_s", open_s, kDeadline, "Patience from the start of the process to its first frame (s).");
     v("silent_s", silent_s, kDeadline, "Without a frame for this long the camera is lost (s).");
     v("heartbeat_s", heartbeat_s, kDeadline, "A process without sign of life for this long is ended (s).");

@@ -182,6 +182,9 @@ void CameraServer::hear() {
         report_.tilt_deg = degrees;
       }
       tell(fmt::format("the motor turns to {} deg", degrees));
+    } else if (head.what == CameraMessage::Brightness) {
+      const std::lock_guard lock(mutex_);
+      report_.brightness = static_cast<int>(std::min<std::uint32_t>(head.value, 50));
     }
   }
 }

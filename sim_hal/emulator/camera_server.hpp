@@ -33,6 +33,7 @@ struct CameraServerReport {
   std::uint64_t refused = 0;  ///< While there was no device.
   double worst_render_ms = 0.0;
   double tilt_deg = 0.0;  ///< Where the motor was sent.
+  int brightness = 0;     ///< Of the infrared image, as it was asked for; 0: never.
 };
 
 /// An emulated Kinect in real time, in a thread of its own, for the library in freenect/. One client at a

@@ -9,7 +9,6 @@
 #include "hal/robot_model/robot_model.hpp"
 #include "sim_hal/mock/hash_random.hpp"
 #include "sim_hal/mock/infrared_scene.hpp"
-#include "sim_hal/mock/ray_caster.hpp"
 #include "sim_hal/mujoco/sim_camera.hpp"
 #include "sim_hal/mujoco/sim_devices.hpp"
 
@@ -29,17 +28,7 @@ hal::CameraIntrinsics infrared_intrinsics() {
 
 class SimInfrared final : public hal::InfraredCamera {
  public:
-  SimInfrared(SimWorld& world, const SimEmitter& emitter)
-      : world_(world),
-        emitter_(emitter),
-        caster_(infrared_intrinsics(), camera_pose(world.scenario().camera)) {
-    // a smooth error of the kinematics: one wave over the joints for each axis
-    Draws draws(world.seed(), kArmStream);
-    for (int a = 0; a < 3; ++a) {
-      for (int i = 0; i < hal::kArmJoints; ++i) wave_(a, i) = draws.between(-3.0, 3.0);
-      phase_[a] = draws.between(0.0, 2.0 * std::numbers::pi);
-    }
-  }
+  SimInfrared(SimWorld& world, const SimEmitter& emitter) : world_(world), eye_(world, emitter) {}
 
   hal::Result<> want_infrared(bool wanted) override {
     wanted_ = wanted;
@@ -57,7 +46,7 @@ class SimInfrared final : public hal::InfraredCamera {
     if (due > now()) world_.advance(due - now());
     const std::uint64_t frame = std::max(next_, newest_due());
     next_ = frame + 1;
-    return expose(frame);
+    return eye_.expose(frame);
   }
 
  private:
@@ -67,40 +56,51 @@ class SimInfrared final : public hal::InfraredCamera {
     return ms * kFramesPerSecond / 1000;
   }
 
-  hal::InfraredFrame expose(std::uint64_t frame) {
-    const Rendering& truth = caster_.cast(world_.shapes());
-    const hal::JointVector q = world_.truth().q_rad;
-    const Pose X_WH = hal::hand_pose(world_.model(), q);
-    std::optional<Emitter> lit;
-    const double t = hal::seconds(now());
-    if (static_cast<long>(std::floor(t / emitter_.blink_s)) % 2 == 0) {
-      lit.emplace();
-      lit->at_W = X_WH * emitter_.at_H;
-      for (int a = 0; a < 3; ++a)
-        lit->at_W[a] += std::numbers::sqrt2 * emitter_.arm_m * std::sin(wave_.row(a).dot(q) + phase_[a]);
-      lit->towards_W = X_WH.linear().col(2);
-    }
-    InfraredNoise noise;
-    noise.spot_px = emitter_.spot_px;
-    // by the pose, coarsely: an arm that stands still trembles by less
-    for (int i = 0; i < hal::kArmJoints; ++i)
-      noise.pose_seed =
-          hash(noise.pose_seed, kArmStream, static_cast<std::uint64_t>(std::lround(q[i] * 20.0) + 1000));
-    auto image = expose_infrared(truth, lit, {}, noise, hash(world_.seed(), kNoiseStream, frame));
-    image.exposed_at = now();
-    return image;
-  }
-
   SimWorld& world_;
-  SimEmitter emitter_;
-  RayCaster caster_;
-  Eigen::Matrix<double, 3, hal::kArmJoints> wave_;
-  Vec3 phase_ = Vec3::Zero();
+  SimInfraredEye eye_;
   bool wanted_ = false;
   std::uint64_t next_ = 0;
 };
 
 }  // namespace
+
+SimInfraredEye::SimInfraredEye(const SimWorld& world, const SimEmitter& emitter)
+    : world_(world), emitter_(emitter), caster_(infrared_intrinsics(), camera_pose(world.scenario().camera)) {
+  // a smooth error of the kinematics: one wave over the joints for each axis
+  Draws draws(world.seed(), kArmStream);
+  for (int a = 0; a < 3; ++a) {
+    for (int i = 0; i < hal::kArmJoints; ++i) wave_(a, i) = draws.between(-3.0, 3.0);
+    phase_[a] = draws.between(0.0, 2.0 * std::numbers::pi);
+  }
+}
+
+void SimInfraredEye::move_to(const Pose& X_WC) {
+  caster_ = RayCaster(infrared_intrinsics(), X_WC);
+}
+
+hal::InfraredFrame SimInfraredEye::expose(std::uint64_t frame) {
+  const hal::Timestamp now = world_.clock().now();
+  const Rendering& truth = caster_.cast(world_.shapes());
+  const hal::JointVector q = world_.truth().q_rad;
+  const Pose X_WH = hal::hand_pose(world_.model(), q);
+  std::optional<Emitter> lit;
+  if (static_cast<long>(std::floor(hal::seconds(now) / emitter_.blink_s)) % 2 == 0) {
+    lit.emplace();
+    lit->at_W = X_WH * emitter_.at_H;
+    for (int a = 0; a < 3; ++a)
+      lit->at_W[a] += std::numbers::sqrt2 * emitter_.arm_m * std::sin(wave_.row(a).dot(q) + phase_[a]);
+    lit->towards_W = X_WH.linear().col(2);
+  }
+  InfraredNoise noise;
+  noise.spot_px = emitter_.spot_px;
+  // by the pose, coarsely: an arm that stands still trembles by less
+  for (int i = 0; i < hal::kArmJoints; ++i)
+    noise.pose_seed =
+        hash(noise.pose_seed, kArmStream, static_cast<std::uint64_t>(std::lround(q[i] * 20.0) + 1000));
+  auto image = expose_infrared(truth, lit, {}, noise, hash(world_.seed(), kNoiseStream, frame));
+  image.exposed_at = now;
+  return image;
+}
 
 std::unique_ptr<hal::InfraredCamera> make_sim_infrared(SimWorld& world, const SimEmitter& emitter) {
   return std::make_unique<SimInfrared>(world, emitter);

@@ -141,6 +141,38 @@ def rules(report):
     return [b["rule"] for b in report["broken_rules"]]
 
 
+def flange(q):
+    """Forward kinematics of the LWR 4+ from its published distances (standard Denavit-Hartenberg): a 3 by 4 frame."""
+    alphas, ds = (90, -90, -90, 90, 90, -90, 0), (0.3105, 0, 0.4, 0, 0.39, 0, 0.078)
+    frame = [[float(i == j) for j in range(4)] for i in range(4)]
+    for angle, alpha, d in zip(q, alphas, ds):
+        c, s, ca, sa = math.cos(angle), math.sin(angle), math.cos(math.radians(alpha)), math.sin(math.radians(alpha))
+        link = [[c, -s * ca, s * sa, 0], [s, c * ca, -c * sa, 0], [0, sa, ca, d], [0, 0, 0, 1]]
+        frame = [[sum(a * link[k][j] for k, a in enumerate(row)) for j in range(4)] for row in frame]
+    return [x for row in frame[:3] for x in row]
+
+
+def offsets(colift):
+    """Fields at their published offsets, counted from the first byte: bytes and physics, not the formats above."""
+    c = Client(colift, "stanford")
+    data, c.peer = c.socket.recvfrom(2000)
+    assert len(data) == 916 and data[:8] == bytes.fromhex("0100000094030620"), data[:8].hex()
+    assert data[144:146] == b"\1\0" and data[148:156] == bytes.fromhex("6f12833b6f12833b"), data[144:156].hex()
+    assert data[180:184] == bytes.fromhex("7f000100") and data[184:188] == bytes(4), data[180:188].hex()
+    at = lambda offset, n: struct.unpack_from(f"<{n}f", data, offset)
+    q, krl, fri, jacobian, mass = at(216, 7), at(292, 7), at(320, 7), at(524, 42), at(692, 49)
+    assert all(abs(m - a - b) < 1e-4 for m, a, b in zip(q, krl, fri)), (q, krl, fri)
+    for found in (at(244, 12), at(348, 12)):
+        assert all(abs(a - b) < 1e-4 for a, b in zip(found, flange(q))), (found, flange(q))
+    # rows X Y Z RZ RY RX: the first axis stands upright, and lifts nothing
+    assert abs(jacobian[2 * 7]) < 1e-6 and abs(jacobian[3 * 7] - 1.0) < 1e-6, jacobian
+    assert all(abs(mass[7 * i + j] - mass[7 * j + i]) < 1e-4 for i in range(7) for j in range(7)) and mass[0] > 0.1
+    assert abs(at(888, 7)[0]) < 1e-3 and all(0 < t < 60 for t in at(188, 7))
+    c.receive()
+    c.answer()
+    c.end(0)
+
+
 def stanford(colift):
     c = Client(colift, "stanford")
     c.turns(5)
@@ -305,7 +337,7 @@ def bad_options(colift):
         assert done.returncode == 2 and part in done.stderr and done.stdout == "", (options, done)
 
 
-TESTS = (stanford, tum, vendor, colift_program, flags_changed, big_step, missing_answers, wrong_start, real_time, bad_options)
+TESTS = (offsets, stanford, tum, vendor, colift_program, flags_changed, big_step, missing_answers, wrong_start, real_time, bad_options)
 
 
 def main():

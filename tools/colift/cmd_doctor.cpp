@@ -5,9 +5,11 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "hal/kinect/kinect_source.hpp"
 #include "tools/colift/cmd_hal.hpp"
 #include "tools/colift/doctor_can.hpp"
 #include "tools/colift/doctor_row.hpp"
+#include "tools/colift/doctor_usb_capture.hpp"
 #include "tools/colift/robot_file.hpp"
 #include "tools/colift/session.hpp"
 
@@ -53,6 +55,11 @@ int cmd_doctor(const CommonOptions& common, const DoctorOptions& options) {
   for (DoctorRow& row : can_rows(options.root, robot->barrett.can, hal::read_can_link))
     rows.push_back(std::move(row));
   for (DoctorRow& row : usb_rows(options.root)) rows.push_back(std::move(row));
+  const fs::path capture = robot->kinect.program.empty()
+                               ? fs::path(hal::kinect::own_folder()) / "colift-kinect"
+                               : fs::path(robot->kinect.program);
+  for (DoctorRow& row : capture_rows(capture, robot->camera == "kinect", ask_capture))
+    rows.push_back(std::move(row));
 
   const auto count = [&](Verdict v) {
     return std::count_if(rows.begin(), rows.end(), [v](const DoctorRow& r) { return r.verdict == v; });

@@ -2,19 +2,23 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <thread>
+#include <vector>
 
 #include "hal/config/config_file.hpp"
 #include "hal/kinect/fakenect_writer.hpp"
 #include "hal/kinect/kinect_camera.hpp"
+#include "perception/calibration/grey_png.hpp"
 #include "tools/colift/emulate.hpp"
 #include "tools/colift/hal_camera_view.hpp"
 #include "tools/colift/hal_screen.hpp"
 #include "tools/colift/robot_file.hpp"
 #include "tools/colift/session.hpp"
+#include "tools/picture/file_output.hpp"
 
 namespace colift::tools {
 namespace {
@@ -47,7 +51,7 @@ hal::Result<double> time_of(const HalCameraOptions& o) {
   if (o.hal.for_s) return *o.hal.for_s;
   if (o.hal.verb == "info") return 1.5;
   if (o.hal.verb == "tilt") return 4.0;
-  if (o.hal.verb == "watch" && o.png) return 1.0;
+  if (o.hal.verb == "watch" && (o.png || o.depth || o.infrared)) return 1.0;
   return std::numeric_limits<double>::infinity();
 }
 
@@ -73,6 +77,8 @@ class Session {
     screen_.line(fmt::format("{:8.1f} s  starts the capture process and waits for a frame", 0.0));
     if (auto open = camera_.configure(); !open) return failed(open.error());
     if (auto active = camera_.activate(); !active) return failed(active.error());
+    if (o_.infrared)
+      if (auto done = camera_.want_infrared(true); !done) return failed(done.error());
     if (o_.hal.verb == "record") {
       auto writer = hal::kinect::FakenectWriter::open(o_.folder);
       if (!writer) return {kBadInput, "bad-request", writer.error().text()};
@@ -94,6 +100,7 @@ class Session {
     return view_;
   }
   [[nodiscard]] const std::optional<hal::DepthFrame>& last() const { return last_; }
+  [[nodiscard]] const std::optional<hal::InfraredFrame>& infrared() const { return infrared_; }
   [[nodiscard]] std::string recorded() const {
     return writer_ ? fmt::format("{} frames, {:.1f} MB in {}", writer_->frames(),
                                  static_cast<double>(writer_->bytes()) / 1e6, o_.folder.string())
@@ -116,6 +123,8 @@ class Session {
         return {std::isfinite(for_s_) ? kInterrupted : kDone, "interrupted", "asked to end"};
       auto frame = camera_.next_frame(50ms);
       if (!disk_) return {kBadInput, "failed", disk_.error().text()};
+      if (o_.infrared)
+        if (auto image = camera_.next_infrared(0ms)) infrared_ = std::move(*image);
       if (frame) {
         if (lost) screen_.line(fmt::format("{:8.1f} s  sees again", view().at_s));
         lost = false;
@@ -148,11 +157,35 @@ class Session {
   std::optional<hal::kinect::FakenectWriter> writer_;
   hal::Result<> disk_;
   std::optional<hal::DepthFrame> last_;
+  std::optional<hal::InfraredFrame> infrared_;
   hal::ErrorCode code_ = hal::ErrorCode::LinkLost;
 
  public:
   [[nodiscard]] hal::ErrorCode code() const { return code_; }
 };
+
+/// A frame as `look`, `decide` and `check` read it.
+hal::Result<> write_depth(const std::filesystem::path& png, const hal::DepthFrame& frame) {
+  std::vector<std::uint16_t> mm;
+  mm.reserve(frame.depth_m.size());
+  for (const float z : frame.depth_m)
+    mm.push_back(z > 0.0f && z < 65.0f ? static_cast<std::uint16_t>(std::lround(1000.0f * z)) : 0);
+  const hal::CameraIntrinsics& k = frame.intrinsics;
+  if (auto done = perception::write_grey_png(png, k.width, k.height, mm); !done) return done;
+  const std::string camera = fmt::format(
+      "{{\"width\": {}, \"height\": {}, \"fx\": {}, \"fy\": {}, \"cx\": {}, \"cy\": {}, "
+      "\"depth_scale_m\": 0.001, \"invalid_depth\": 0}}\n",
+      k.width, k.height, k.fx, k.fy, k.cx, k.cy);
+  return picture::write_file(png.parent_path() / "camera.json",
+                             {reinterpret_cast<const std::uint8_t*>(camera.data()), camera.size()});
+}
+
+/// Ten bits, as bright as the file can show them.
+hal::Result<> write_infrared(const std::filesystem::path& png, const hal::InfraredFrame& frame) {
+  std::vector<std::uint16_t> bright = frame.brightness;
+  for (std::uint16_t& b : bright) b = static_cast<std::uint16_t>(64U * std::min<unsigned>(b, 1023U));
+  return perception::write_grey_png(png, frame.width, frame.height, bright);
+}
 
 }  // namespace
 
@@ -171,6 +204,17 @@ int cmd_hal_camera(const CommonOptions& common, const HalCameraOptions& options)
     if (auto written = write_camera_picture(*options.png, *session.last(), view); !written)
       return report_error(where.c_str(), written.error());
     if (!common.quiet) std::fprintf(stderr, "picture: %s\n", options.png->c_str());
+  }
+  if (options.infrared && session.infrared()) {
+    if (auto written = write_infrared(*options.infrared, *session.infrared()); !written)
+      return report_error(where.c_str(), written.error());
+    if (!common.quiet) std::fprintf(stderr, "infrared image: %s\n", options.infrared->c_str());
+  }
+  if (options.depth && session.last()) {
+    if (auto written = write_depth(*options.depth, *session.last()); !written)
+      return report_error(where.c_str(), written.error());
+    if (!common.quiet)
+      std::fprintf(stderr, "depth image: %s, camera.json beside it\n", options.depth->c_str());
   }
   if (common.json)
     std::puts(camera_document(options.hal.verb, view, end.word, end.because).c_str());

@@ -10,9 +10,11 @@ namespace colift::tools {
 
 struct HalCameraOptions {
   HalOptions hal;
-  std::string source;                        ///< In place of the robot file's kinect.source; empty: that.
-  std::optional<std::filesystem::path> png;  ///< Picture of one frame.
-  std::filesystem::path folder;              ///< Of a recording.
+  std::string source;                          ///< In place of the robot file's kinect.source; empty: that.
+  std::optional<std::filesystem::path> png;    ///< Picture of one frame.
+  std::optional<std::filesystem::path> depth;  ///< The frame itself: 16-bit PNG (mm), camera.json beside it.
+  std::optional<std::filesystem::path> infrared;  ///< Picture of one infrared image.
+  std::filesystem::path folder;                   ///< Of a recording.
   double tilt_deg = 0.0;
 };
 

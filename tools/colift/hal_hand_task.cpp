@@ -243,6 +243,13 @@ std::string hand_advice(hal::ErrorCode code, const std::string& bus) {
     case hal::ErrorCode::DeviceFault:
       return "switch the hand's supply off and on, then: colift hal hand init";
     default:
+      if (bus.starts_with("socketcand:"))
+        return fmt::format(
+            "does a gateway run there (socketcand -v -i can0; without a hand: colift emulate hand --bus {})? "
+            "behind it: supply on (48 V)? CAN termination on at the hand's supply (the usual cause)? bit "
+            "rate "
+            "1 Mbit/s? candump -e can0 on the gateway shows what the bus says",
+            bus);
       return "supply on (48 V)? CAN termination on at the hand's supply (the usual cause), 120 ohm at the "
              "other end? bit "
              "rate 1 Mbit/s? then: colift doctor, and candump -e can0 shows what the bus says";

@@ -99,16 +99,33 @@ void ask_for_priority() {
     (void)::setpriority(PRIO_PROCESS, 0, -10);
 }
 
+/// For the doctor: whether the library is there, starts, and has what is needed. Opens no device.
+int probe() {
+  freenect_context* context = nullptr;
+  if (freenect_init(&context, nullptr) < 0) {
+    say("note libusb does not start: is /dev/bus/usb there?");
+    return 1;
+  }
+  const bool depth = colift::capture::depth_mode().has_value();
+  const bool infrared = colift::capture::infrared_mode().has_value();
+  (void)freenect_shutdown(context);
+  say(std::string("note ") + (depth ? "11-bit depth" : "no 11-bit depth") +
+      (infrared ? ", infrared" : ", no infrared"));
+  return depth ? 0 : 1;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   int ring_fd = -1;
   std::string serial;
-  bool motor = false;
+  bool motor = false, asked = false;
   for (int i = 1; i < argc; ++i) {
     const std::string a = argv[i];
     if (a == "--motor")
       motor = true;
+    else if (a == "--probe")
+      asked = true;
     else if (a == "--ring" && i + 1 < argc)
       ring_fd = number_after<int>(argv[++i], "").value_or(-1);
     else if (a == "--serial" && i + 1 < argc)
@@ -116,6 +133,7 @@ int main(int argc, char** argv) {
     else
       ring_fd = -2;
   }
+  if (asked) return probe();
   if (ring_fd < 0) {
     std::fputs("colift-kinect is started by colift's camera driver: see \"colift hal camera watch\"\n",
                stderr);

@@ -10,15 +10,28 @@ constexpr std::uint64_t kNoiseStream = 71;
 
 }  // namespace
 
-CameraWorldEye::CameraWorldEye(const SimWorld& world)
-    : world_(world), X_WC_(camera_pose(world.scenario().camera)), caster_(hal::CameraIntrinsics{}, X_WC_) {}
+CameraWorldEye::CameraWorldEye(const SimWorld& world, const SimEmitter& emitter)
+    : world_(world),
+      emitter_(emitter),
+      X_WC_(camera_pose(world.scenario().camera)),
+      caster_(hal::CameraIntrinsics{}, X_WC_) {}
 
 void CameraWorldEye::turn(double angle_rad) {
   X_WC_ = camera_pose(world_.scenario().camera) * Eigen::AngleAxisd(angle_rad, Vec3::UnitX());
   caster_ = RayCaster(hal::CameraIntrinsics{}, X_WC_);
+  if (infrared_) infrared_->move_to(X_WC_);
+}
+
+std::vector<std::uint16_t> CameraWorldEye::infrared(const CameraExposure&) {
+  if (!infrared_) {
+    infrared_.emplace(world_, emitter_);
+    infrared_->move_to(X_WC_);
+  }
+  return infrared_->expose(frame_).brightness;
 }
 
 CameraExposure CameraWorldEye::look(std::uint64_t frame) {
+  frame_ = frame;
   CameraExposure e;
   e.at = world_.clock().now();
   const Rendering& truth = caster_.cast(world_.shapes());

@@ -58,6 +58,20 @@ TEST_CASE("a slow client sees fewer pictures, the newest ones, and every change 
   CHECK(box.dropped() == 99);
 }
 
+TEST_CASE("of the robot's time only the newest waits, and it takes nobody's place") {
+  Outbox box;
+  box.push_control("hello", false);
+  for (int i = 0; i < 100000; ++i) box.push_time(std::to_string(i));
+  box.push(Topic::Status, "s");
+  CHECK_FALSE(box.hopeless());
+  CHECK(box.take().message == "hello");
+  CHECK(box.take().message == "99999");
+  CHECK(box.take().message == "s");
+  CHECK(box.empty());
+  box.push_time("later");
+  CHECK(box.take().binary);
+}
+
 TEST_CASE("a client that reads nothing costs a bounded amount of memory") {
   Outbox box;
   for (int i = 0; i < 100000; ++i) box.push(Topic::Log, std::to_string(i));

@@ -29,9 +29,9 @@ TEST_CASE("a client is spoken to in the first of our sub-protocols that it offer
 }
 
 TEST_CASE("only who may operate hears of services") {
-  CHECK(json::parse(server_info("CoLift", "7", false))["capabilities"].empty());
+  CHECK(json::parse(server_info("CoLift", "7", false))["capabilities"] == json::array({"time"}));
   const json info = json::parse(server_info("CoLift", "7", true));
-  CHECK(info["capabilities"] == json::array({"services"}));
+  CHECK(info["capabilities"] == json::array({"time", "services"}));
   CHECK(info["supportedEncodings"] == json::array({"json"}));
   CHECK(info["sessionId"] == "7");
 }
@@ -52,6 +52,11 @@ TEST_CASE("message data: opcode, subscription, nanoseconds, payload, little-endi
   const unsigned char expected[] = {1, 4, 3, 2, 1, 0x88, 0x77, 0x66, 0x55, 0x44, 0x33, 0x22, 0x11, '{', '}'};
   REQUIRE(bytes.size() == sizeof(expected));
   CHECK(std::memcmp(bytes.data(), expected, sizeof(expected)) == 0);
+}
+
+TEST_CASE("the robot's time: opcode, nanoseconds; never before its zero") {
+  CHECK(server_time(hal::Timestamp(0x0102)) == std::string("\x02\x02\x01\0\0\0\0\0\0", 9));
+  CHECK(server_time(hal::Timestamp(-5)) == std::string("\x02\0\0\0\0\0\0\0\0", 9));
 }
 
 TEST_CASE("what clients say is taken apart, or refused in one sentence") {

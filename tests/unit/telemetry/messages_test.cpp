@@ -1,5 +1,6 @@
 #include "tools/telemetry/messages.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -112,10 +113,86 @@ TEST_CASE("every message is what its schema says", "[messages]") {
   scene.partner.emplace();
   scene.optimum = hal::Vec3(0, 0, 0);
   scene.way_W = {hal::Vec3(0, 0, 0), hal::Vec3(1, 0, 0)};
+  scene.gripper = gripper_view(model, hal::Pose::Identity());
   const std::string entities = scene_message(at, scene);
   check_message(Topic::Scene, entities);
   std::set<std::string> ids;
   for (const auto& e : J::parse(entities)["entities"]) CHECK(ids.insert(e["id"]).second);
+}
+
+TEST_CASE("the chosen gripper is the robot's own hand, wherever the palm is put", "[messages]") {
+  const hal::RobotModel& model = hal::built_in_robot();
+  hal::Pose X_WH = hal::Pose::Identity();
+  X_WH.translation() = hal::Vec3(1, 2, 3);
+  X_WH.linear() = Eigen::AngleAxisd(1.0, hal::Vec3::UnitX()).toRotationMatrix();
+  const GripperView here = gripper_view(model, hal::Pose::Identity()), there = gripper_view(model, X_WH);
+  REQUIRE(here.hand_W.size() == there.hand_W.size());
+  CHECK(here.hand_W.size() >= 4);  // palm and three fingers at least
+  for (std::size_t i = 0; i < here.hand_W.size(); ++i) {
+    CHECK(there.hand_W[i].X_LS.isApprox(X_WH * here.hand_W[i].X_LS, 1e-9));
+    CHECK(here.hand_W[i].X_LS.translation().norm() < 0.3);
+  }
+}
+
+TEST_CASE("the map is sent as few boxes, each cell in one of them", "[messages]") {
+  MapView map;
+  map.cell_m = 0.02;
+  map.origin_W = hal::Vec3(-0.1, 0, 0);
+  map.size = {10, 6, 5};
+  map.cells.assign(300, MapView::Cell::Nothing);
+  const auto cell = [&](int x, int y, int z) -> MapView::Cell& {
+    return map.cells[static_cast<std::size_t>((z * 6 + y) * 10 + x)];
+  };
+  for (int z = 0; z < 3; ++z)  // a wall with a target in it
+    for (int x = 0; x < 10; ++x) cell(x, 2, z) = MapView::Cell::Obstacle;
+  cell(4, 2, 1) = MapView::Cell::Target;
+  cell(9, 5, 4) = MapView::Cell::Hidden;
+  const std::string message = map_message(hal::Timestamp(0), map);
+  check_message(Topic::Map, message);
+  const J entities = J::parse(message)["entities"];
+  REQUIRE(entities.size() == 3);
+  CHECK(entities[0]["id"] == "obstacles");
+  double volume = 0.0;
+  for (const auto& c : entities[0]["cubes"])
+    volume += c["size"]["x"].get<double>() * c["size"]["y"].get<double>() * c["size"]["z"].get<double>();
+  CHECK(volume == Approx(29 * 8e-6));
+  CHECK(entities[0]["cubes"].size() <= 5);
+  CHECK(entities[0]["metadata"][1]["value"] == "29");
+  REQUIRE(entities[1]["cubes"].size() == 1);
+  CHECK(entities[1]["cubes"][0]["pose"]["position"] == J{{"x", -0.01}, {"y", 0.05}, {"z", 0.03}});
+  CHECK(entities[2]["cubes"].size() == 1);
+  CHECK(message == map_message(hal::Timestamp(0), map));
+
+  INFO("a map that is nothing but single cells stays bounded, and says what it left out");
+  map.size = {100, 100, 2};
+  map.cells.assign(20000, MapView::Cell::Nothing);
+  for (std::size_t i = 0; i < 10000; ++i)
+    if ((i % 100 + i / 100) % 2 == 0) map.cells[i] = MapView::Cell::Obstacle;
+  const std::string crowded = map_message(hal::Timestamp(0), map);
+  CHECK(crowded.size() < 1u << 20);
+  const J first = J::parse(crowded)["entities"][0];
+  CHECK(first["cubes"].size() == 3000);
+  CHECK(first["metadata"][2]["value"] == "2000");
+}
+
+TEST_CASE("of the map the cells near the robot are taken, and the others counted", "[messages]") {
+  perception::WorldMapConfig config;
+  config.min_m = hal::Vec3(-0.2, -0.2, 0.0);
+  config.max_m = hal::Vec3(3.0, 0.2, 0.4);
+  perception::WorldMap map(config);
+  const std::vector<hal::Vec3> target = {hal::Vec3(1.0, 0.0, 0.2), hal::Vec3(2.5, 0.0, 0.2)};
+  map.set_target(target);
+  const MapView view = map_view(map, {hal::Vec3::UnitZ(), 0.0});
+  CHECK(view.size == std::array<int, 3>{110, 20, 20});
+  CHECK(view.cropped == 1);
+  CHECK(std::count(view.cells.begin(), view.cells.end(), MapView::Cell::Target) == 1);
+
+  config.cell_m = 0.015;  // too many cells for one message: some of them make one
+  config.min_m = hal::Vec3(-2, -2, 0.0);
+  config.max_m = hal::Vec3(2, 2, 2);
+  const MapView fine = map_view(perception::WorldMap(config), {hal::Vec3::UnitZ(), 0.0});
+  CHECK(fine.cell_m == Approx(0.03));
+  CHECK(fine.size == std::array<int, 3>{133, 133, 67});
 }
 
 TEST_CASE("inputs of a cycle read back to the same bits", "[messages]") {

@@ -2,7 +2,9 @@
 
 #include "tools/telemetry/recorder.hpp"
 
+#include <sys/resource.h>
 #include <unistd.h>
+
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <filesystem>
@@ -11,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/unit/telemetry/disk.hpp"
+#include "tools/telemetry/export.hpp"
 #include "tools/telemetry/mcap_reader.hpp"
 #include "tools/telemetry/messages.hpp"
 
@@ -156,6 +159,30 @@ TEST_CASE("a disk that fills up costs lines that are counted; the file stays rea
   CHECK(lines_of(disk.bytes).size() == report.written);
 }
 
+TEST_CASE("a limit of the file's size is like a full disk, not the end of the program", "[recorder]") {
+  const auto file =
+      std::filesystem::temp_directory_path() / ("colift-limit-" + std::to_string(::getpid()) + ".mcap");
+  rlimit before{};
+  REQUIRE(::getrlimit(RLIMIT_FSIZE, &before) == 0);
+  const rlimit small{20000, before.rlim_max};
+  REQUIRE(::setrlimit(RLIMIT_FSIZE, &small) == 0);
+  RecorderConfig config;
+  config.file = file;
+  config.wait_when_full = true;
+  config.zstd_level = 0;
+  auto recorder = Recorder::start(config, {});
+  REQUIRE(recorder);
+  for (int i = 0; i < 1000; ++i) (*recorder)->publish(line(i));
+  const RecorderReport report = (*recorder)->finish();
+  REQUIRE(::setrlimit(RLIMIT_FSIZE, &before) == 0);
+  CHECK(report.written > 0);
+  CHECK(report.lost_disk > 0);
+  CHECK(report.trouble.find("File too large") != std::string::npos);
+  std::ifstream in(file, std::ios::binary);
+  CHECK(lines_of({std::istreambuf_iterator<char>(in), {}}).size() == report.written);
+  std::filesystem::remove(file);
+}
+
 TEST_CASE("a disk that cannot be begun is an error at the start", "[recorder]") {
   Disk disk;
   disk.room = 3;
@@ -180,7 +207,13 @@ TEST_CASE("the flight recorder writes the last seconds before a fault, and what 
   documents.metadata.push_back({"colift.run", {{"seed", "7"}}});
   auto recorder = Recorder::start(config, documents);
   REQUIRE(recorder);
-  for (int i = 0; i < 1000; ++i) (*recorder)->publish(line(i));  // ten seconds
+  for (int i = 0; i < 1000; ++i) {  // ten seconds
+    (*recorder)->publish(line(i));
+    const hal::Timestamp at(std::chrono::milliseconds(10 * i));
+    if (i == 100 || i == 300 || i == 950)  // long before, before, and in the last two seconds
+      for (const Topic topic : {Topic::Scene, Topic::Change, Topic::Preview})
+        (*recorder)->publish({topic, at, [i] { return "{\"i\":" + std::to_string(i) + "}"; }});
+  }
   (*recorder)->fault();
   const RecorderReport report = (*recorder)->finish();
   REQUIRE(report.flights.size() == 1);
@@ -194,6 +227,17 @@ TEST_CASE("the flight recorder writes the last seconds before a fault, and what 
   const auto reader = McapReader::open(source_of(bytes), "flight");
   CHECK(reader->info().complete);
   CHECK(reader->metadata("colift.run")->entries.at("seed") == "7");
+  CHECK(reader->metadata(kSnapshot));
+  CHECK(reader->scan().damage.empty());
+  std::map<std::string, std::string> said;
+  auto cursor = reader->messages({"/scene", "/task/change", "/camera/preview"});
+  while (const auto m = cursor.next())
+    said[reader->info().channels.at(m->channel_id).topic] += std::string(m->data);
+  CHECK(said["/scene"] == R"({"i":300}{"i":950})");  // what held when the file begins, then what came
+  CHECK(said["/task/change"] == R"({"i":100}{"i":300}{"i":950})");
+  CHECK(said["/camera/preview"] == R"({"i":950})");
+  const auto start = reader->info().statistics.start_time;
+  CHECK(start > 7'000'000'000);  // they are stamped as part of the last seconds
   std::filesystem::remove_all(folder);
 }
 
@@ -216,4 +260,30 @@ TEST_CASE("a snapshot is written when it is asked for, and nothing without", "[r
   CHECK(std::filesystem::exists(file));
   CHECK((*recorder)->finish().flights.size() == 1);
   std::filesystem::remove(file);
+}
+
+TEST_CASE("a recording becomes tables, with numbers and words as they are", "[recorder]") {
+  Disk disk;
+  auto recorder = Recorder::start(on(disk), {});
+  REQUIRE(recorder);
+  const auto say = [&](Topic topic, const std::string& json) {
+    (*recorder)->publish({topic, hal::Timestamp(1'500'000'000), [json] { return json; }});
+  };
+  say(Topic::Change, R"({"t":0.5,"state":"lift","because":"the \"partner\", who holds"})");
+  say(Topic::Truth, R"({"list":[1,2],"data":")" + std::string(2000, 'A') + R"(","yes":true,"none":null})");
+  (*recorder)->finish();
+  const auto reader = McapReader::open(source_of(disk.bytes), "disk");
+  REQUIRE(reader);
+  const auto folder = std::filesystem::temp_directory_path() / ("colift-csv-" + std::to_string(::getpid()));
+  const auto done = export_csv(*reader, folder);
+  REQUIRE(done);
+  CHECK(done->count == 2);
+  const auto text = [&](const char* name) {
+    std::ifstream in(folder / name);
+    return std::string{std::istreambuf_iterator<char>(in), {}};
+  };
+  CHECK(text("task_change.csv") ==
+        "log_time_s,because,state,t\n1.500000000,\"the \"\"partner\"\", who holds\",\"lift\",0.5\n");
+  CHECK(text("truth.csv") == "log_time_s,list.0,list.1,yes\n1.500000000,1,2,1\n");
+  std::filesystem::remove_all(folder);
 }

@@ -126,6 +126,50 @@ TEST_CASE("row 27: a silent puck is noticed in 50 ms; loaded, the others keep th
   }
 }
 
+TEST_CASE("row 27: a puck that is silent alone is named by place; once released the others are told of",
+          "[hand][faults]") {
+  HandRig rig;
+  rig.start();
+  rig.put_object(1.2);
+  REQUIRE(rig.hand.close(0.75));
+  rig.pass(200ms);
+  const double reached_rad = rig.look().finger_rad[1];
+  rig.fake.pucks[1].silent = true;
+  (void)until(rig, 100ms, [&] { return trouble(rig).has_value(); });
+  CHECK(rig.hand.state().error().where == "hand.f2.state");
+  REQUIRE(rig.hand.release());
+  rig.pass(2s);
+  const auto state = rig.look();
+  CHECK_FALSE(state.moving);
+  CHECK(state.finger_rad[0] < 0.02);
+  CHECK(state.finger_rad[1] > reached_rad - 0.02);  // as far as is known
+  CHECK(state.finger_rad[2] < 0.02);
+  CHECK_THAT(state.warning.str(), Contains("F2 is silent"));
+  CHECK(rig.hand.health().last_error.find("F2") != std::string::npos);
+  // it may not grip like that
+  CHECK(rig.hand.close(0.5).error().code == ErrorCode::LinkLost);
+  CHECK(rig.hand.preshape(0.0).error().code == ErrorCode::LinkLost);
+
+  SECTION("it answers again") {
+    rig.fake.pucks[1].silent = false;
+    (void)until(rig, 500ms, [&] { return rig.look().warning.empty(); });
+    rig.fake.pucks[1].silent = true;
+    (void)until(rig, 100ms, [&] { return trouble(rig).has_value(); });
+  }
+  SECTION("another falls silent") {
+    rig.fake.pucks[0].silent = true;
+    (void)until(rig, 100ms, [&] { return trouble(rig).has_value(); });
+    CHECK(rig.hand.state().error().where == "hand.state");
+    CHECK_THAT(words(rig), Contains("F1 (node 11) is silent"));
+  }
+  SECTION("all fall silent") {
+    for (auto& puck : rig.fake.pucks) puck.silent = true;
+    (void)until(rig, 100ms, [&] { return trouble(rig).has_value(); });
+    rig.pass(50ms);
+    CHECK_THAT(words(rig), Contains("all four pucks are silent") && Contains("bus-off"));
+  }
+}
+
 TEST_CASE("row 27: a finger that falls silent while closing does not keep the hand from being released",
           "[hand][faults]") {
   HandRig rig;

@@ -1,10 +1,12 @@
 // Whatever comes in, what goes out keeps every limit and can come to rest: a million random cycles of bad
-// states, bad commands, gaps, lost packets, stops and restarts against a judge at the far end of the wire.
+// states, bad commands, gaps, lost packets, stops and restarts against a judge at the far end of the wire; as
+// many with the limits of mode T1.
 
 #include <catch2/catch.hpp>
 #include <random>
 
 #include "hal/braking_law.hpp"
+#include "hal/t1_profile.hpp"
 #include "judged_arm.hpp"
 
 using namespace guards;
@@ -105,7 +107,9 @@ class Caller {
 TEST_CASE("whatever is commanded and measured, the arm gets nothing that breaks a limit",
           "[guard][property]") {
   const RobotModel& model = built_in_robot();
-  const GuardConfig config;
+  const bool t1 = GENERATE(false, true);
+  CAPTURE(t1);
+  const GuardConfig config = t1 ? in_t1({}) : GuardConfig{};
   const Limits limits(model, config);
   auto owned = std::make_unique<JudgedArm>(limits);
   JudgedArm& wire = *owned;

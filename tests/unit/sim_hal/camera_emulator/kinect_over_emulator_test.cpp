@@ -71,6 +71,14 @@ TEST_CASE("infrared comes beside the depth when it is wanted", "[camera][emulate
   REQUIRE(image->brightness.size() == 640UL * 488);
   CHECK(image->intrinsics.cx == Approx(325.0));
   CHECK(rig.camera.next_frame(2s));
+  // also of the process that follows one that was killed
+  REQUIRE(::kill(rig.camera.report().pid, SIGKILL) == 0);
+  REQUIRE(rig.until([&] {
+    const auto lost = rig.camera.next_infrared(0ms);
+    return !lost && lost.error().code == hal::ErrorCode::LinkLost;
+  }));
+  CHECK(rig.until([&] { return rig.camera.next_infrared(0ms).has_value(); }));
+  CHECK(rig.camera.report().starts == 2);
   REQUIRE(rig.camera.want_infrared(false));
   CHECK_FALSE(rig.camera.next_infrared(10ms));
 }

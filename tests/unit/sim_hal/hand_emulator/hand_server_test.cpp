@@ -10,7 +10,10 @@
 #include <catch2/catch.hpp>
 #include <memory>
 #include <string>
+#include <thread>
 
+#include "hal/barrett/make_barrett_hand.hpp"
+#include "hal/os/make_can_bus.hpp"
 #include "sim_hal/emulator/hand_gateway.hpp"
 #include "sim_hal/emulator/hand_light_plant.hpp"
 
@@ -164,4 +167,33 @@ TEST_CASE("a gateway tells of bus-off and breaks off when its interface goes dow
   REQUIRE(down);
   s.server->inject(*down);
   CHECK(client.once().empty());
+}
+
+TEST_CASE("row 30: behind a gateway the driver names bus-off, and works on when the bus is back",
+          "[hand][emulator][server]") {
+  Served s;
+  auto bus = hal::make_can_bus("socketcand:127.0.0.1:" + std::to_string(s.port()) + "/can0");
+  REQUIRE(bus);
+  const auto hand = hal::make_barrett_hand(std::move(*bus), {});
+  const auto configured = hand->configure();
+  INFO((configured ? std::string() : configured.error().text()));
+  REQUIRE(configured);
+  const hal::SteadyClock clock;
+  const auto in_time = [&](const auto& happens) {
+    const hal::Timestamp until = clock.now() + 20s;
+    for (; clock.now() < until; std::this_thread::sleep_for(1ms))
+      if (happens()) return true;
+    return false;
+  };
+  REQUIRE(in_time([&] { return hand->activate().has_value(); }));
+  REQUIRE(in_time([&] { return hand->state().has_value(); }));
+  auto off = parse_hand_fault("0:bus-off:1.5");
+  REQUIRE(off);
+  s.server->inject(*off);
+  CHECK(in_time([&] {
+    const auto state = hand->state();
+    return !state && state.error().detail.find("bus-off") != std::string::npos;
+  }));
+  CHECK(in_time([&] { return hand->state().has_value(); }));
+  CHECK(in_time([&] { return hand->preshape(0.5).has_value(); }));
 }

@@ -1,6 +1,10 @@
-// A whole simulated lift: recording it changes nothing, and replaying it decides the same to the bit.
+// A whole simulated lift: recording it and being watched by somebody who never reads changes nothing, and
+// replaying it decides the same to the bit.
 
+#include <arpa/inet.h>
+#include <sys/socket.h>
 #include <unistd.h>
+
 #include <bit>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -14,6 +18,7 @@
 #include "sim_hal/mujoco/sim_devices.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
 #include "sim_hal/scenario/scenario.hpp"
+#include "tools/live/live_server.hpp"
 #include "tools/telemetry/built_in_texts.hpp"
 #include "tools/telemetry/depth_codes.hpp"
 #include "tools/telemetry/recorder.hpp"
@@ -63,6 +68,45 @@ struct Recorded {
   RecorderReport report;
 };
 
+/// A viewer that asks for everything and then never reads.
+class DeafViewer {
+ public:
+  explicit DeafViewer(const live::LiveServer& server) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    const int small = 4096;
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &small, sizeof(small));
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(server.port());
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    REQUIRE(::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof(to)) == 0);
+    send(
+        "GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n"
+        "Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n\r\n");
+    char c = 0;
+    for (std::string head; !head.ends_with("\r\n\r\n"); head.push_back(c))
+      REQUIRE(::recv(socket_, &c, 1, 0) == 1);
+    std::string all = R"({"op":"subscribe","subscriptions":[)";
+    for (int i = 0; i < static_cast<int>(Topic::Depth); ++i)
+      all += (i == 0 ? "" : ",") + ("{\"id\":" + std::to_string(i)) + ",\"channelId\":" + std::to_string(i) +
+             "}";
+    all += "]}";
+    // one masked frame of text (RFC 6455); the mask is zero
+    std::string frame = {'\x81', '\xFE', static_cast<char>(all.size() >> 8),
+                         static_cast<char>(all.size() & 0xFF)};
+    send(frame + std::string(4, '\0') + all);
+  }
+  ~DeafViewer() { ::close(socket_); }
+  DeafViewer(const DeafViewer&) = delete;
+  DeafViewer& operator=(const DeafViewer&) = delete;
+
+ private:
+  void send(const std::string& bytes) const {
+    REQUIRE(::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size()));
+  }
+  int socket_;
+};
+
 Recorded run(const sim_hal::Scenario& scenario, const std::filesystem::path* file) {
   const hal::RobotModel& model = hal::built_in_robot();
   control::Config config = config_of(scenario);
@@ -81,6 +125,8 @@ Recorded run(const sim_hal::Scenario& scenario, const std::filesystem::path* fil
   options.seed = kSeed;
   options.known_mass_kg = (*world)->truth().mass_kg;
 
+  std::unique_ptr<live::LiveServer> server;
+  std::optional<DeafViewer> deaf;
   std::unique_ptr<Recorder> recorder;
   std::unique_ptr<RunTelemetry> telemetry;
   if (file) {
@@ -97,9 +143,15 @@ Recorded run(const sim_hal::Scenario& scenario, const std::filesystem::path* fil
     auto started = Recorder::start(recording, documents_of(about));
     REQUIRE(started);
     recorder = std::move(*started);
+    live::ServerConfig view;
+    view.port = 0;
+    auto opened = live::LiveServer::open(view, live::PageFiles("/nowhere"));
+    REQUIRE(opened);
+    server = std::move(*opened);
+    deaf.emplace(*server);
     telemetry = std::make_unique<RunTelemetry>(
-        RunTelemetry::Setting{&model, X_WC, options.known_mass_kg, control::Drive::InStep},
-        std::vector<TelemetrySink*>{recorder.get()}, wall);
+        RunTelemetry::Setting{&model, X_WC, options.known_mass_kg, control::Drive::InStep, true, &hand},
+        std::vector<TelemetrySink*>{recorder.get(), server.get()}, wall);
     telemetry->tap(robot);
   }
   const control::RigView rig{model, hand, tables, X_WC};
@@ -108,10 +160,23 @@ Recorded run(const sim_hal::Scenario& scenario, const std::filesystem::path* fil
   REQUIRE(record);
   Recorded out{std::move(*record), {}};
   if (recorder) out.report = recorder->finish();
+  if (server) CHECK(server->counts().published > 1000);
   return out;
 }
 
-hal::Result<ReplayReport> replayed(const McapReader& reader, const std::vector<std::string>& settings = {}) {
+/// Counts what a viewer of a replay gets.
+class Watcher final : public TelemetrySink {
+ public:
+  void publish(const Publication& p) override {
+    ++count[p.topic];
+    if (p.topic == Topic::Devices || p.topic == Topic::Map) text[p.topic] = p.encode();
+  }
+  std::map<Topic, std::size_t> count;
+  std::map<Topic, std::string> text;
+};
+
+hal::Result<ReplayReport> replayed(const McapReader& reader, const std::vector<std::string>& settings = {},
+                                   Watcher* watcher = nullptr) {
   const auto about = description_of(reader, "lift");
   REQUIRE(about);
   ReplaySetting setting;
@@ -124,6 +189,7 @@ hal::Result<ReplayReport> replayed(const McapReader& reader, const std::vector<s
   auto model = hal::parse_robot(about->robot_urdf, "recorded");
   REQUIRE(model);
   setting.model = std::make_shared<hal::RobotModel>(std::move(*model));
+  if (watcher) setting.watchers = {watcher};
   return replay(reader, "lift", *about, setting);
 }
 
@@ -137,7 +203,8 @@ McapReader opened(const std::filesystem::path& file) {
 
 }  // namespace
 
-TEST_CASE("a lift that is recorded is the same lift, and its replay decides the same to the bit", "[lift]") {
+TEST_CASE("a lift that is recorded and watched is the same lift, and its replay decides the same to the bit",
+          "[lift]") {
   const auto file =
       std::filesystem::temp_directory_path() / ("colift-lift-" + std::to_string(::getpid()) + ".mcap");
   const sim_hal::Scenario scenario = short_lift();
@@ -155,7 +222,8 @@ TEST_CASE("a lift that is recorded is the same lift, and its replay decides the 
   CHECK(reader.info().complete);
   CHECK(reader.scan().damage.empty());
 
-  const auto again = replayed(reader);
+  Watcher watcher;
+  const auto again = replayed(reader, {}, &watcher);
   REQUIRE(again);
   for (const auto& d : again->differences)
     UNSCOPED_INFO(channel_of(d.topic).topic << " " << d.index << "\n" << d.recorded << "\n" << d.replayed);
@@ -167,6 +235,27 @@ TEST_CASE("a lift that is recorded is the same lift, and its replay decides the 
   CHECK(again->compared.at(Topic::Status) > 200);
   CHECK(again->record.states.size() == recorded.record.states.size());
 
+  {
+    INFO("who watches the replay sees what was to be seen then: scene and map anew, devices as they were");
+    const auto of = [&](Topic topic) {
+      const Channel* channel = reader.info().channel(channel_of(topic).topic);
+      return channel == nullptr ? 0 : reader.info().statistics.per_channel.at(channel->id);
+    };
+    for (const Topic topic :
+         {Topic::Scene, Topic::Map, Topic::Decision, Topic::Devices, Topic::Timing, Topic::Cloud}) {
+      INFO(channel_of(topic).topic);
+      CHECK(watcher.count[topic] > 0);
+      CHECK(watcher.count[topic] == of(topic));
+    }
+    auto cursor = reader.messages({"/map", "/devices"});
+    std::map<std::string, std::string> last;
+    while (const auto message = cursor.next())
+      last[reader.info().channels.at(message->channel_id).topic] = std::string(message->data);
+    CHECK(watcher.text[Topic::Map] == last["/map"]);
+    CHECK(watcher.text[Topic::Devices] == last["/devices"]);
+    CHECK(last["/map"].size() < 1u << 20);
+    WARN("the map is a message of " << last["/map"].size() / 1000 << " kB");
+  }
   {
     INFO("with another configuration the replay shows what differs");
     const auto other = replayed(reader, {"decision.weights.epsilon=3"});
