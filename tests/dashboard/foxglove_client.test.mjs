@@ -4,7 +4,7 @@ import { after, before, test } from "node:test";
 import protocol from "@foxglove/ws-protocol";
 import schemas from "@foxglove/schemas/jsonschema.js";
 import WebSocket from "ws";
-import { startLift, until } from "./running_lift.mjs";
+import { startLift, startView, until } from "./running_lift.mjs";
 
 const { FoxgloveClient } = protocol;
 let lift;
@@ -17,6 +17,7 @@ function listen(protocol, query = "") {
   const seen = { info: null, channels: new Map(), messages: new Map(), status: [], services: [], failures: [], open: true, client, socket };
   const topics = new Map();
   client.on("serverInfo", (info) => { seen.info = info; });
+  client.on("time", ({ timestamp }) => { seen.time = timestamp; });
   client.on("status", (status) => { seen.status.push(status); });
   client.on("close", () => { seen.open = false; });
   client.on("advertiseServices", (services) => { seen.services.push(...services); });
@@ -39,10 +40,15 @@ for (const protocol of ["foxglove.websocket.v1", "foxglove.sdk.v1"])
     const seen = listen(protocol);
     await until(() => seen.messages.has("/decision") && seen.messages.has("/tf") && seen.messages.has("/scene"), "a decision");
     assert.equal(seen.socket.protocol, protocol);
-    assert.deepEqual(seen.info.capabilities, []);
+    assert.deepEqual(seen.info.capabilities, ["time"]);
     assert.equal(seen.services.length, 0);
-    for (const topic of ["/task/status", "/task/change", "/joint_states", "/cloud", "/devices", "/camera/calibration"])
+    for (const topic of ["/task/status", "/task/change", "/joint_states", "/cloud", "/map", "/devices", "/camera/calibration"])
       await until(() => seen.messages.has(topic), topic);
+    assert.ok(seen.time > 0n && seen.time < 600n * 10n ** 9n, "the robot's clock, not the wall's");
+    const map = seen.messages.get("/map").at(-1);
+    assert.deepEqual(map.entities.map((e) => e.id), ["obstacles", "target", "hidden"]);
+    assert.ok(map.entities[0].cubes.length > 0 && map.entities[1].cubes.length > 0);
+    assert.ok(seen.messages.get("/scene").at(-1).entities.some((e) => e.id === "gripper" && e.arrows.length === 3));
     const decision = seen.messages.get("/decision").at(-1);
     assert.ok(decision.candidates.length > 10);
     assert.ok(decision.candidates.every((c) => c.because !== "" || ["ok", "chosen"].includes(c.verdict)));
@@ -92,6 +98,26 @@ test("garbage is answered with a status, a flood ends its own connection, and th
   assert.ok(watcher.open);
   assert.ok(before > 0);
   watcher.client.close();
+});
+
+test("a viewer that never reads changes nothing about a run, bit for bit", async () => {
+  const dry = ["--seed", "1", "--dry-run", "--json"];
+  const plain = await startView("run", "--view", "0", "--speed", "0", ...dry);
+  const watched = await startView("run", "--view", "0", "--speed", "0", ...dry);
+  const socket = new WebSocket(watched.url.replace("http", "ws"), ["foxglove.sdk.v1"]);
+  await new Promise((open) => socket.on("open", open));
+  socket.send(JSON.stringify({ op: "subscribe", subscriptions: [...Array(17).keys()].map((id) => ({ id, channelId: id })) }));
+  socket.pause();
+  const documents = [];
+  for (const run of [plain, watched]) {
+    await until(() => run.output.endsWith("\n"), "the run's document");
+    const document = JSON.parse(run.output);
+    document.timing = null; // how long the machine took
+    documents.push(JSON.stringify(document));
+    assert.equal(await run.end(), 0);
+  }
+  socket.terminate();
+  assert.equal(documents[0], documents[1]);
 });
 
 test("a page from elsewhere is turned away, and so is who speaks no protocol of ours", async () => {

@@ -3,9 +3,10 @@ import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { after, before, test } from "node:test";
 import { chromium } from "playwright-core";
-import { startLift, until } from "./running_lift.mjs";
+import { startLift, startView, until } from "./running_lift.mjs";
 
 const PICTURES = process.env.COLIFT_PICTURES ?? "pictures";
+const RECORDING = "watched.mcap";
 let browser, lift, page;
 
 before(async () => {
@@ -15,9 +16,15 @@ before(async () => {
     args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
       "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"],
   });
-  lift = await startLift("--speed", "3", "--allow-operator");
+  lift = await startLift("--speed", "3", "--allow-operator", "--record", RECORDING);
   page = await browser.newPage({ viewport: { width: 1366, height: 768 } });
   page.on("pageerror", (error) => { throw error; });
+  // what is said for two seconds only is not missed by a browser that is busy
+  await page.addInitScript(() => addEventListener("DOMContentLoaded", () => {
+    const words = document.getElementById("shares");
+    window.sharesSaid = [];
+    new MutationObserver(() => window.sharesSaid.push(words.textContent)).observe(words, { childList: true });
+  }));
   await page.goto(lift.url);
 });
 after(async () => {
@@ -48,9 +55,38 @@ test("the strip names the states as the lift goes through them", async () => {
   assert.notEqual(await page.textContent("#state"), "not connected");
 });
 
+test("the load's share is drawn while it is carried", async () => {
+  const said = () => page.evaluate(() => window.sharesSaid.some((words) => /The robot carries [1-9]\d* N/.test(words)));
+  await until(said, "a share", 120000);
+  await page.screenshot({ path: `${PICTURES}/live_lift.png` });
+});
+
 test("the scene shows robot, cloud and grasps", async () => {
   await until(async () => (await litPixels()) > 0.05, "lit pixels", 60000);
 });
+
+/** Part of the 3D picture that a layer covers, 0 to 1. */
+const covered = (layer) => page.evaluate(async (name) => {
+  const canvas = document.getElementById("scene");
+  const box = [...document.querySelectorAll("#layers label")].find((l) => l.textContent === name).querySelector("input");
+  const picture = async () => {
+    for (let i = 0; i < 2; ++i) await new Promise((drawn) => requestAnimationFrame(drawn));
+    const copy = document.createElement("canvas");
+    copy.width = 400;
+    copy.height = 300;
+    const context = copy.getContext("2d");
+    context.drawImage(canvas, 0, 0, 400, 300);
+    return context.getImageData(0, 0, 400, 300).data;
+  };
+  const on = await picture();
+  box.click();
+  const off = await picture();
+  box.click();
+  let changed = 0;
+  for (let i = 0; i < on.length; i += 4)
+    if (Math.abs(on[i] - off[i]) + Math.abs(on[i + 1] - off[i + 1]) + Math.abs(on[i + 2] - off[i + 2]) > 15) ++changed;
+  return changed / (400 * 300);
+}, layer);
 
 test("a click on a candidate says why", async () => {
   await page.waitForSelector("#candidates tr[data-id]");
@@ -63,14 +99,14 @@ test("a click on a candidate says why", async () => {
   await page.screenshot({ path: `${PICTURES}/live_choice.png` });
 });
 
+test("collision world, partner, chosen gripper and way are drawn", async () => {
+  for (const layer of ["map", "partner", "gripper", "way", "target", "candidates"])
+    await until(async () => (await covered(layer)) > 0.0002, `the layer ${layer}`, 30000);
+});
+
 test("every device is there and alive", async () => {
   await page.waitForSelector("#device-list li");
   assert.deepEqual(await page.$$eval("#device-list b", (list) => list.map((b) => b.textContent)), ["arm", "hand", "camera"]);
-});
-
-test("the load's share is drawn while it is carried", async () => {
-  await until(async () => /The robot carries [1-9]\d* N/.test(await page.textContent("#shares")), "a share", 120000);
-  await page.screenshot({ path: `${PICTURES}/live_lift.png` });
 });
 
 test("light and dark, by key", async () => {
@@ -86,4 +122,21 @@ test("an operator's stop ends the run safely", async () => {
   await page.click("#stop");
   await until(async () => ["stopped", "aborted", "done", "refused"].includes(await page.textContent("#state")), "the end", 60000);
   assert.equal(await lift.end(), 130);
+});
+
+test("the recording of it is watched on the same page", async () => {
+  const replay = await startView("log", "replay", RECORDING, "--view", "0", "--speed", "0");
+  try {
+    await page.goto(replay.url);
+    await until(async () => (await page.textContent("#name")).includes(RECORDING), "the recording's name");
+    await until(() => /^the same, bit for bit/m.test(replay.output), "the replay's end", 60000);
+    assert.ok(await page.$("#candidates tr[data-id]"));
+    assert.deepEqual(await page.$$eval("#device-list b", (list) => list.map((b) => b.textContent)), ["arm", "hand", "camera"]);
+    assert.ok(["stopped", "aborted", "refused", "done"].includes(await page.textContent("#state")));
+    await until(async () => (await litPixels()) > 0.05, "lit pixels");
+    await page.screenshot({ path: `${PICTURES}/live_replay.png` });
+    assert.equal(await replay.end(), 0); // the last state stays until it is told to go
+  } finally {
+    replay.child.kill("SIGKILL");
+  }
 });

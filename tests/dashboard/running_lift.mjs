@@ -4,8 +4,11 @@ import { spawn } from "node:child_process";
 export const PROGRAM = process.env.COLIFT_PROGRAM ?? "build/colift";
 
 /** Starts `colift run --view 0 ...`; `url` is what it printed. */
-export async function startLift(...more) {
-  const child = spawn(PROGRAM, ["run", "--view", "0", "--seed", "1", "--quiet", ...more], { stdio: ["ignore", "pipe", "pipe"] });
+export const startLift = (...more) => startView("run", "--view", "0", "--seed", "1", "--quiet", ...more);
+
+/** Starts a command with a live view. */
+export async function startView(...command) {
+  const child = spawn(PROGRAM, command, { stdio: ["ignore", "pipe", "pipe"] });
   const lift = { child, errors: "", output: "", exit: new Promise((done) => child.on("exit", (code) => done(code))) };
   child.stdout.on("data", (data) => { lift.output += data; });
   lift.url = await new Promise((found, failed) => {

@@ -93,8 +93,8 @@ for await (const message of reader.readMessages()) {
   const theirs = foxglove[schema.name.replace("foxglove.", "")];
   if (schema.name.startsWith("foxglove.")) assert.deepEqual(broken(value, theirs, channel.topic), []);
 }
-for (const topic of ["/tf", "/joint_states", "/camera/depth", "/camera/calibration", "/cloud", "/scene", "/log",
-  "/task/status", "/task/change", "/decision", "/devices", "/arm/timing", "/load", "/inputs"])
+for (const topic of ["/tf", "/joint_states", "/camera/depth", "/camera/calibration", "/cloud", "/scene", "/map", "/log",
+  "/task/status", "/task/change", "/decision", "/plan", "/devices", "/arm/timing", "/load", "/inputs"])
   assert.ok(counts.get(topic) > 0, `${topic} has messages`);
 
 const attachments = [];

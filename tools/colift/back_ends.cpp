@@ -1,6 +1,6 @@
 #include "tools/colift/back_ends.hpp"
 
-#include <cmath>
+#include <fmt/format.h>
 
 #include "hal/barrett/make_barrett_hand.hpp"
 #include "hal/barrett/puck_codec.hpp"
@@ -50,6 +50,14 @@ hal::Result<> check_together(const RobotFile& file, bool emulated, const std::st
   return {};
 }
 
+hal::Error no_pose(const std::filesystem::path& robot) {
+  return {
+      hal::ErrorCode::BadConfig, robot.string(),
+      fmt::format("nothing says where the camera stands; run colift calibrate --robot {} --out camera.yaml, "
+                  "and name its result: calibration: camera.yaml",
+                  robot.string())};
+}
+
 ArmLink link_of(const hal::FriArm& arm, EmulatedRig* emulated) {
   ArmLink link;
   const hal::FriStatus status = arm.status();
@@ -86,11 +94,13 @@ hal::Result<std::unique_ptr<hal::Hand>> open_hand(const RobotFile& file, const W
   const auto filters = hal::barrett::hand_filters();
   auto bus = hal::make_can_bus(file.barrett.can, {filters.begin(), filters.end()});
   if (!bus) return tl::unexpected(bus.error());
+  // a bus that is not there is said before the arm is asked for anything
+  if (auto opened = (*bus)->open(); !opened) return tl::unexpected(opened.error());
   return hal::make_barrett_hand(std::move(*bus), file.barrett);
 }
 
 void open_camera(const RobotFile& file, const sim_hal::Scenario& scenario, const World& world,
-                 EmulatedRig* far_ends, const control::Config& config, Rig& rig) {
+                 EmulatedRig* far_ends, bool pose_known, const control::Config& config, Rig& rig) {
   if (file.camera == "simulated") {
     rig.robot.camera = sim_hal::make_sim_camera(*world);
     rig.infrared = sim_hal::make_sim_infrared(*world, {});
@@ -105,7 +115,7 @@ void open_camera(const RobotFile& file, const sim_hal::Scenario& scenario, const
   // an ideal camera shows a scene at rest alike
   if (file.emulator != "never" && scenario.camera.noise == "none") guard.stuck_s = 0.0;
   std::optional<hal::Vec3> up_C;
-  if (rig.pose_known) up_C = rig.X_WC.linear().transpose() * hal::Vec3::UnitZ();
+  if (pose_known) up_C = rig.X_WC.linear().transpose() * hal::Vec3::UnitZ();
   hal::GuardedKinect made = hal::make_guarded_kinect(kinect, guard, *rig.robot.clock, up_C);
   rig.robot.camera = std::move(made.camera);
   rig.infrared = std::move(made.infrared);
@@ -140,7 +150,8 @@ hal::Result<Rig> open_rig(const RigRequest& request, const control::Config& conf
   if (!real_time || emulated || served_elsewhere)
     rig.X_WC = rig.true_X_WC = sim_hal::camera_pose(read->camera);
   const bool calibrated = !file->calibration.empty() && !request.calibrates;
-  rig.pose_known = request.X_WC || calibrated || !real_time || emulated || served_elsewhere;
+  const bool pose_known = request.X_WC || calibrated || !real_time || emulated || served_elsewhere;
+  if (!pose_known && !request.calibrates) return tl::unexpected(no_pose(*robot));
   if (calibrated) {
     const auto calibration = perception::load_calibration(file->calibration, config.calibration);
     if (!calibration) return tl::unexpected(calibration.error());
@@ -178,7 +189,7 @@ hal::Result<Rig> open_rig(const RigRequest& request, const control::Config& conf
   auto hand = open_hand(*file, world);
   if (!hand) return tl::unexpected(hand.error());
   rig.robot.hand = std::make_unique<hal::GuardedHand>(std::move(*hand), config.guard_hand);
-  open_camera(*file, *read, world, far_ends.get(), config, rig);
+  open_camera(*file, *read, world, far_ends.get(), pose_known, config, rig);
   return rig;
 }
 

@@ -35,7 +35,6 @@ struct Rig {
   std::shared_ptr<const hal::RobotModel> model;
   hal::Robot robot;
   std::shared_ptr<hal::InfraredCamera> infrared;  ///< Where it is not the camera itself.
-  bool pose_known = false;                        ///< Whether X_WC says where the camera is.
   hal::Pose X_WC = hal::Pose::Identity();
   hal::Pose true_X_WC = hal::Pose::Identity();           ///< In simulation; X_WC may come from a calibration.
   hal::JointVector home_rad = hal::JointVector::Zero();  ///< Where the arm stands at the start.

@@ -60,7 +60,7 @@ hal::Result<Taken> take(const CommonOptions& common, const CalibrateOptions& o, 
   }
   // a cleared floor unless a scenario says otherwise
   const auto scenario = o.scenario ? o.scenario : std::optional<std::filesystem::path>(kClearedFloor);
-  auto rig = open_rig(o.robot, scenario, o.seed, setup.config);
+  auto rig = open_rig({o.robot, scenario, o.seed, std::nullopt, true}, setup.config);
   if (!rig) return tl::unexpected(rig.error());
   hal::InfraredCamera* infrared = rig->infrared.get();
   if (infrared == nullptr) infrared = dynamic_cast<hal::InfraredCamera*>(rig->robot.camera.get());

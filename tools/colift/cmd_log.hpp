@@ -16,6 +16,7 @@ struct LogOptions {
   std::optional<std::filesystem::path> out;  ///< export: folder; recover: file.
   std::vector<std::string> formats;          ///< export: csv, png, fakenect.
   std::optional<int> pid;                    ///< snapshot: which run.
+  ViewOptions live;                          ///< replay: watched on the page.
 };
 
 /// Recordings. info, export, recover: 0 done, 2 no usable recording. replay: 0 the same decisions, 1 others.

@@ -16,8 +16,15 @@ namespace colift::tools {
 /// aborted, 2 bad input or configuration, 3 a device failed, 130 interrupted.
 [[nodiscard]] int cmd_run(const CommonOptions& common, const RunOptions& options);
 
-/// Reads configuration and hand and prints what would be used, or draws the rules of the job. 0 usable, 2
-/// not.
-[[nodiscard]] int cmd_check(const CommonOptions& common, const CheckOptions& options);
+/// Where a calibration comes from beside the configuration, and a picture that it is tried on.
+struct CheckedCamera {
+  std::optional<std::filesystem::path> robot;   ///< Whose calibration and driver.
+  std::optional<std::filesystem::path> frame;   ///< Depth image, PCD or PLY.
+  std::optional<std::filesystem::path> camera;  ///< camera.json of a PNG; unset: beside it.
+};
+/// Reads configuration, hand and calibration and prints what would be used, or draws the rules of the job. 0
+/// usable, 1 the ground of `frame` is not where the calibration has it, 2 not usable.
+[[nodiscard]] int cmd_check(const CommonOptions& common, const CheckOptions& options,
+                            const CheckedCamera& camera);
 
 }  // namespace colift::tools

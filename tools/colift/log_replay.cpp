@@ -6,6 +6,7 @@
 #include "hal/config/config_file.hpp"
 #include "tools/colift/cmd_log.hpp"
 #include "tools/colift/emulate.hpp"
+#include "tools/colift/run_live.hpp"
 #include "tools/colift/session.hpp"
 #include "tools/colift/weights.hpp"
 #include "tools/telemetry/built_in_texts.hpp"
@@ -113,6 +114,20 @@ Json document(const LogOptions& options, const telemetry::RunDescription& run, c
           {"notes", r.notes}};
 }
 
+std::string dumped(const Json& j) {
+  return j.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+/// Of a recording that was shown and not replayed.
+std::string shown_document(const LogOptions& options, const telemetry::RunDescription& run,
+                           const std::string& note) {
+  return dumped({{"schema", "colift.replay/1"},
+                 {"file", options.file.string()},
+                 {"recorded_by", run.version},
+                 {"same", nullptr},
+                 {"notes", {note}}});
+}
+
 std::string short_text(const Json& j) {
   std::string text = j.is_string() ? j.get<std::string>() : j.dump();
   if (text.size() > 160) text = text.substr(0, 157) + "...";
@@ -160,15 +175,51 @@ int log_replay(const CommonOptions& common, const LogOptions& options) {
   if (!run) return report_error(kCommand, run.error());
   auto setting = setting_of(common, *run);
   if (!setting) return report_error(kCommand, setting.error());
+  const auto speed = speed_of(options.live, control::Drive::InStep);
+  if (!speed) return report_error(kCommand, speed.error());
+  const auto live =
+      RunLive::open(options.live, fmt::format("CoLift, recording {}", options.file.filename().string()),
+                    run->robot_urdf.empty() ? telemetry::built_in_robot_urdf() : run->robot_urdf);
+  if (!live) return report_error(kCommand, live.error());
   const InterruptGuard signals;
-  setting->interrupted = [] { return InterruptGuard::asked(); };
-  const auto report = telemetry::replay(*reader, options.file.string(), *run, *setting);
-  if (InterruptGuard::asked()) return kInterrupted;
-  if (!report) return report_error(kCommand, report.error());
-  const Json j = document(options, *run, *report);
-  std::fputs((common.json ? j.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n" : text(j)).c_str(),
-             stdout);
-  return report->same() ? kDone : kNoGoal;
+  const auto enough = [&] { return InterruptGuard::asked() || (*live && (*live)->stopped()); };
+  setting->interrupted = enough;
+  if (*live) {
+    setting->watchers.push_back(&(*live)->sink());
+    std::fprintf(stderr, "live view: %s\n", (*live)->url().c_str());
+  }
+  Pace pace(*speed);
+  if (*speed > 0.0)
+    setting->pace = [&](hal::Timestamp at) {
+      if (!enough()) pace.wait_for(at);
+    };
+
+  std::string said;
+  int ended_with = kDone;
+  const auto whole = telemetry::can_replay(*reader, options.file.string());
+  if (!whole && *live) {
+    // the flight recorder's last seconds, say: nothing to decide, but something to see
+    telemetry::play_recording(*reader, *setting);
+    const std::string note = whole.error().text() + "; it was shown as it was recorded";
+    said = common.json ? shown_document(options, *run, note) : note + "\n";
+  } else {
+    const auto report = telemetry::replay(*reader, options.file.string(), *run, *setting);
+    if (enough()) return kInterrupted;
+    if (!report) return report_error(kCommand, report.error());
+    const Json j = document(options, *run, *report);
+    said = common.json ? dumped(j) : text(j);
+    ended_with = report->same() ? kDone : kNoGoal;
+  }
+  if (enough()) return kInterrupted;
+  std::fputs(said.c_str(), stdout);
+  std::fflush(stdout);
+  if (*live) {
+    std::fprintf(stderr, "the live view keeps the last state at %s; Ctrl-C ends it\n",
+                 (*live)->url().c_str());
+    (*live)->stay(enough);
+    if ((*live)->stopped()) return kInterrupted;
+  }
+  return ended_with;
 }
 
 }  // namespace colift::tools

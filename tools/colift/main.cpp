@@ -8,8 +8,8 @@
 #include <exception>
 #include <string>
 
-#include "tools/colift/cmd_experiment.hpp"
 #include "tools/colift/calibrate.hpp"
+#include "tools/colift/cmd_experiment.hpp"
 #include "tools/colift/cmd_hal.hpp"
 #include "tools/colift/cmd_hal_camera.hpp"
 #include "tools/colift/cmd_log.hpp"
@@ -18,6 +18,7 @@
 #include "tools/colift/emulate.hpp"
 #include "tools/colift/emulate_camera.hpp"
 #include "tools/colift/emulate_hand.hpp"
+#include "tools/colift/emulate_rig.hpp"
 
 namespace {
 
@@ -70,13 +71,17 @@ void add_view(CLI::App& command, colift::tools::ViewOptions& o) {
           "Shows it on a page in the browser, and to Foxglove and Lichtblick (default port 8765)")
       ->expected(0, 1)
       ->type_name("[PORT]");
-  command.add_option("--view-address", o.view_address, "Where the page is served (default: this machine alone)")
+  command
+      .add_option("--view-address", o.view_address, "Where the page is served (default: this machine alone)")
       ->type_name("ADDRESS");
   command.add_flag("--allow-operator", o.allow_operator,
                    "Who has the address with the token that is printed may stop the run");
-  command.add_option("--allow-origin", o.allow_origins, "A page from elsewhere that may connect")->type_name("URL");
-  command.add_option("--speed", o.speed,
-                     "Of simulated time, as a multiple of real time (default: 1 with --view, else as fast as it goes)")
+  command.add_option("--allow-origin", o.allow_origins, "A page from elsewhere that may connect")
+      ->type_name("URL");
+  command
+      .add_option(
+          "--speed", o.speed,
+          "Of simulated time, as a multiple of real time (default: 1 with --view, else as fast as it goes)")
       ->type_name("X");
 }
 
@@ -127,13 +132,16 @@ CLI::App* add_log(CLI::App& app, colift::tools::LogOptions& o, CommonOptions& co
       ->take_all()
       ->allow_extra_args(false);
   add_output(exported, common);
-  CLI::App& recovered = add_log_verb(*log, "recover", "Makes a whole file of one that was cut or damaged", o, kRecording);
+  CLI::App& recovered =
+      add_log_verb(*log, "recover", "Makes a whole file of one that was cut or damaged", o, kRecording);
   recovered.add_option("--out", o.out, "The new file (default: FILE.recovered.mcap)")->type_name("FILE");
   add_output(recovered, common);
-  add_common(add_log_verb(*log, "replay",
-                          "Decides once more on what was recorded; --config and --set change what with", o,
-                          kRecording),
-             common);
+  CLI::App& replayed = add_log_verb(
+      *log, "replay",
+      "Decides once more on what was recorded; --config and --set change what with; --view shows it", o,
+      kRecording);
+  add_view(replayed, o.live);
+  add_common(replayed, common);
   CLI::App& snapshot =
       add_log_verb(*log, "snapshot", "Has a running colift run write its last seconds", o, "Where they go");
   snapshot.add_option("--pid", o.pid, "Of the run (default: the newest of this user)")->type_name("PID");
@@ -142,9 +150,12 @@ CLI::App* add_log(CLI::App& app, colift::tools::LogOptions& o, CommonOptions& co
 }
 
 void add_experiment(CLI::App& command, colift::tools::ExperimentOptions& o) {
-  command.add_option("NAME", o.words, "grasps, realtime, tilt, load, complex, robust, wrong-cog, slip or all; or: merge DIR...")
+  command
+      .add_option("NAME", o.words,
+                  "grasps, realtime, tilt, load, complex, robust, wrong-cog, slip or all; or: merge DIR...")
       ->required();
-  command.add_option("--trials", o.trials, "How many (default: each experiment's own number)")->type_name("N");
+  command.add_option("--trials", o.trials, "How many (default: each experiment's own number)")
+      ->type_name("N");
   command.add_option("--seed", o.seed, "Same seed and trials: same figures (default 1)")->type_name("S");
   command.add_option("--method", o.method, "fast (default), thesis or both");
   command.add_option("--shard", o.shard, "Only part I of N of the trials, for a cluster")->type_name("I/N");
@@ -154,11 +165,13 @@ void add_experiment(CLI::App& command, colift::tools::ExperimentOptions& o) {
 }
 
 void add_calibrate(CLI::App& command, colift::tools::CalibrateOptions& o) {
-  command.add_option("--samples", o.samples, "Folder with samples.yaml and infrared images")->type_name("FOLDER");
+  command.add_option("--samples", o.samples, "Folder with samples.yaml and infrared images")
+      ->type_name("FOLDER");
   command.add_flag("--sim", o.sim, "Takes the samples on the simulated rig");
   command.add_option("--robot", o.robot, "Takes them with these devices; clear the space around the arm")
       ->type_name("FILE");
-  command.add_option("--scenario", o.scenario, "What the simulated rig holds (default: nothing near the arm)")
+  command
+      .add_option("--scenario", o.scenario, "What the simulated rig holds (default: nothing near the arm)")
       ->type_name("FILE");
   command.add_option("--poses", o.poses, "Poses of the arm, 5 to 200 (default 20)")->type_name("N");
   command.add_option("--seed", o.seed, "Same samples, seed and program: same result, bit for bit")
@@ -175,11 +188,11 @@ void add_calibrate(CLI::App& command, colift::tools::CalibrateOptions& o) {
 void add_emulate(CLI::App& command, colift::tools::EmulateOptions& o) {
   command.add_option("--plant", o.plant, "What is behind the device: mujoco (default) or light")
       ->type_name("PLANT");
-  command.add_option("--scenario", o.scenario, "What the simulated rig holds, and its faults (default: table)")
+  command
+      .add_option("--scenario", o.scenario, "What the simulated rig holds, and its faults (default: table)")
       ->type_name("FILE");
   command.add_option("--for", o.for_s, "Ends after that time (s)")->type_name("S");
-  command
-      .add_option("--fault", o.faults, "Something goes wrong at T (s); may be given several times")
+  command.add_option("--fault", o.faults, "Something goes wrong at T (s); may be given several times")
       ->type_name("T:KIND[:DURATION]")
       ->take_all()
       ->allow_extra_args(false);
@@ -189,7 +202,8 @@ void add_emulate(CLI::App& command, colift::tools::EmulateOptions& o) {
 }
 
 void add_emulate_krc(CLI::App& command, colift::tools::EmulateKrcOptions& o) {
-  command.add_option("--to", o.to, "Where the client listens (default 127.0.0.1:49938)")->type_name("IP:PORT");
+  command.add_option("--to", o.to, "Where the client listens (default 127.0.0.1:49938)")
+      ->type_name("IP:PORT");
   command.add_option("--from", o.from_port, "The controller's own port (default: any)")->type_name("PORT");
   command.add_option("--cycle-ms", o.cycle_ms, "Time between two measurements, 1 to 100 (default 2)")
       ->type_name("N");
@@ -238,9 +252,11 @@ CLI::App* add_hal_arm(CLI::App& hal, colift::tools::HalOptions& o, CommonOptions
   const auto yes = [&o](CLI::App& verb) {
     verb.add_flag("--yes", o.yes, "Goes beyond the careful limits of bring-up");
   };
-  for_s(add_verb(*arm, "state", "How it is, and why command mode would be refused now; nothing moves", o, common),
+  for_s(add_verb(*arm, "state", "How it is, and why command mode would be refused now; nothing moves", o,
+                 common),
         "Looks for that time (default 1.2)");
-  for_s(add_verb(*arm, "watch", "The same all the time, with the times of the answers; nothing moves", o, common),
+  for_s(add_verb(*arm, "watch", "The same all the time, with the times of the answers; nothing moves", o,
+                 common),
         "Ends after that time (default: when interrupted)");
   for_s(add_verb(*arm, "hold", "Gets command mode, holds the measured pose, leaves", o, common),
         "Holds for that time (default 10)");
@@ -270,7 +286,8 @@ CLI::App* add_hal_hand(CLI::App& hal, colift::tools::HalOptions& o, CommonOption
   const auto torque = [&o](CLI::App& verb) {
     verb.add_option("--torque", o.torque_nm, "At the fingertips, at most (default 0.5 N m)")->type_name("NM");
   };
-  yes(add_verb(*hand, "init", "Wakes the pucks and opens all joints to their stops to find their zeros", o, common));
+  yes(add_verb(*hand, "init", "Wakes the pucks and opens all joints to their stops to find their zeros", o,
+               common));
   for_s(add_verb(*hand, "state", "How it is; nothing moves", o, common), "Looks for that time (default 1)");
   for_s(add_verb(*hand, "watch", "The same all the time; nothing moves", o, common),
         "Ends after that time (default: when interrupted)");
@@ -292,12 +309,18 @@ CLI::App* add_hal_camera(CLI::App& hal, colift::tools::HalCameraOptions& o, Comm
   camera->require_subcommand(1);
   const auto add = [&](const char* name, const char* help) -> CLI::App& {
     CLI::App& verb = add_verb(*camera, name, help, o.hal, common);
-    verb.add_option("--source", o.source, "usb, usb:SERIAL, fakenect:DIR or emulated:ADDRESS (default: the file's)");
+    verb.add_option("--source", o.source,
+                    "usb, usb:SERIAL, fakenect:DIR or emulated:ADDRESS (default: the file's)");
     verb.add_option("--for", o.hal.for_s, "Ends after that time")->type_name("S");
     return verb;
   };
   const auto png = [&o](CLI::App& verb) {
     verb.add_option("--png", o.png, "Writes a picture of the last frame")->type_name("OUT.png");
+    verb.add_option("--depth", o.depth,
+                    "Writes the last frame itself (16-bit PNG, mm), camera.json beside it")
+        ->type_name("OUT.png");
+    verb.add_option("--infrared", o.infrared, "Writes an infrared image: is the emitter seen?")
+        ->type_name("OUT.png");
   };
   png(add("info", "What it is, how it hangs, what it sees"));
   png(add("watch", "The same all the time (with --png: for a second)"));
@@ -347,7 +370,9 @@ int run(int argc, char** argv) {
       ->add_option("--epsilon", decide.epsilon,
                    "Price of the robot's effort against the partner's (thesis eq. 4.5)")
       ->type_name("E");
-  decide_command->add_option("--why", decide.why, "Explains candidate K: what its cost is made of, what stands against it")
+  decide_command
+      ->add_option("--why", decide.why,
+                   "Explains candidate K: what its cost is made of, what stands against it")
       ->type_name("K");
   add_common(*decide_command, common);
 
@@ -386,10 +411,21 @@ int run(int argc, char** argv) {
   CLI::App* kinect_command = emulate_command->add_subcommand(
       "camera", "A Kinect on a simulated world, behind libfreenect's own functions");
   add_emulate(*kinect_command, kinect.common);
-  kinect_command->add_option("--fakenect", kinect.fakenect, "Writes a recording for fakenect there (2 s)")->type_name("DIR");
+  kinect_command->add_option("--fakenect", kinect.fakenect, "Writes a recording for fakenect there (2 s)")
+      ->type_name("DIR");
   kinect_command->add_flag("--live", kinect.live, "Serves it live (default)");
-  kinect_command->add_option("--address", kinect.address, "Of the live camera (default @colift-kinect)")->type_name("@NAME");
+  kinect_command->add_option("--address", kinect.address, "Of the live camera (default @colift-kinect)")
+      ->type_name("@NAME");
   add_output(*kinect_command, common);
+
+  colift::tools::EmulateRigOptions rig;
+  CLI::App* rig_command = emulate_command->add_subcommand(
+      "rig",
+      "All three on one simulated world, for colift run --robot config/emulated.yaml in another terminal");
+  add_emulate(*rig_command, rig.common);
+  rig_command->add_option("--robot", rig.robot, "Whose wires (default: those of config/emulated.yaml)")
+      ->type_name("FILE");
+  add_output(*rig_command, common);
 
   CLI::App* hal_command = app.add_subcommand("hal", "Bring-up of one device at a time");
   hal_command->require_subcommand(1);
@@ -410,7 +446,8 @@ int run(int argc, char** argv) {
   CLI::App* doctor_command =
       app.add_subcommand("doctor", "This machine: what is found, and the line that repairs it");
   doctor_command
-      ->add_option("--robot", doctor.robot, "Whose port and bus are looked at (default: the drivers' defaults)")
+      ->add_option("--robot", doctor.robot,
+                   "Whose port and bus are looked at (default: the drivers' defaults)")
       ->type_name("FILE");
   doctor_command->add_option("--root", doctor.root, "Where /sys, /proc and /dev are looked for (default: /)")
       ->type_name("FOLDER");
@@ -425,6 +462,14 @@ int run(int argc, char** argv) {
   check_command->add_flag("--graph", check.graph,
                           "Prints the states of the job and what leads from one to the other, as a Graphviz "
                           "drawing; with --json the rules");
+  colift::tools::CheckedCamera checked;
+  check_command->add_option("--robot", checked.robot, "Whose calibration and Kinect are looked at too")
+      ->type_name("FILE");
+  check_command
+      ->add_option("--frame", checked.frame, "A depth image: is the ground where the calibration has it?")
+      ->type_name("FILE");
+  check_command->add_option("--camera", checked.camera, "Of a PNG: its camera.json (default: beside it)")
+      ->type_name("FILE");
   add_common(*check_command, common);
 
   try {
@@ -437,10 +482,10 @@ int run(int argc, char** argv) {
     const bool known = std::any_of(commands.begin(), commands.end(),
                                    [&](const CLI::App* c) { return c->get_name() == first; });
     if (first[0] != '-' && !known)
-      std::fprintf(
-          stderr,
-          "colift: \"%s\" is no command; there are run, look, decide, rank, experiment, hal, emulate, doctor, log and check; see colift --help\n",
-          first.c_str());
+      std::fprintf(stderr,
+                   "colift: \"%s\" is no command; there are run, look, decide, rank, experiment, hal, "
+                   "emulate, doctor, log and check; see colift --help\n",
+                   first.c_str());
     else
       std::fprintf(stderr, "colift: %s; see colift --help\n", e.what());
     return colift::tools::kBadInput;
@@ -451,6 +496,7 @@ int run(int argc, char** argv) {
   if (experiment_command->parsed()) return colift::tools::cmd_experiment(common, experiment);
   if (krc_command->parsed()) return colift::tools::cmd_emulate_krc(common, krc);
   if (kinect_command->parsed()) return colift::tools::cmd_emulate_camera(common, kinect);
+  if (rig_command->parsed()) return colift::tools::cmd_emulate_rig(common, rig);
   if (camera_command->parsed()) return colift::tools::cmd_hal_camera(common, camera);
   if (pucks_command->parsed()) return colift::tools::cmd_emulate_hand(common, pucks);
   if (hand_command->parsed()) return colift::tools::cmd_hal_hand(common, hand);
@@ -459,7 +505,7 @@ int run(int argc, char** argv) {
   if (doctor_command->parsed()) return colift::tools::cmd_doctor(common, doctor);
   if (log_command->parsed()) return colift::tools::cmd_log(common, log);
   if (rank_command->parsed()) return colift::tools::cmd_rank(problem, common.json);
-  return colift::tools::cmd_check(common, check);
+  return colift::tools::cmd_check(common, check, checked);
 }
 
 }  // namespace

@@ -106,7 +106,9 @@ hal::Result<std::unique_ptr<RunRecording>> RunRecording::open(const CommonOption
     sinks.push_back(impl->recorder.get());
   }
   impl->telemetry = std::make_unique<telemetry::RunTelemetry>(
-      telemetry::RunTelemetry::Setting{rig.model.get(), rig.X_WC, job.known_mass_kg, job.drive}, sinks, wall);
+      telemetry::RunTelemetry::Setting{rig.model.get(), rig.X_WC, job.known_mass_kg, job.drive, true,
+                                       &setup.hand},
+      sinks, wall);
   impl->telemetry->tap(rig.robot);
   if (impl->recorder)
     impl->telemetry->on_fault([r = impl->recorder.get()](const std::string&) { r->fault(); });
@@ -124,14 +126,16 @@ void RunRecording::truth(hal::Timestamp at, const TruthSample& s) {
   impl_->telemetry->truth(at, now);
 }
 
-std::vector<std::string> RunRecording::finish(const control::RunRecord& record, const std::string& document) {
+std::vector<std::string> RunRecording::finish(const control::RunRecord& record, const std::string& document,
+                                              bool quiet) {
   std::vector<std::string> lines;
   if (!impl_->recorder) return lines;
   telemetry::RunDocuments end;
   end.attachments.push_back({0, 0, "run.json", "application/json", document});
   end.metadata.push_back({"colift.result", {{"outcome", word(record.outcome)}, {"because", record.because}}});
   const telemetry::RecorderReport report = impl_->recorder->finish(end);
-  if (impl_->file)
+  impl_->post.reset();  // nobody answers any more
+  if (impl_->file && !quiet)
     lines.push_back(fmt::format("recording: {}, {} messages, {:.1f} MB", impl_->file->string(),
                                 report.written, 1e-6 * static_cast<double>(report.file_bytes)));
   if (report.lost_queue > 0)

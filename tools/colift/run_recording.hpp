@@ -31,10 +31,10 @@ class RunRecording {
   /// The last call before the job runs.
   [[nodiscard]] control::JobHooks hooks(control::JobHooks yours);
   void truth(hal::Timestamp at, const TruthSample& sample);
-  /// Closes the files. What was written and what was lost, in lines for a person; `document` is the run's
-  /// JSON.
-  [[nodiscard]] std::vector<std::string> finish(const control::RunRecord& record,
-                                                const std::string& document);
+  /// Closes the files. What was written and what was lost, in lines for a person; `quiet` leaves only what
+  /// went wrong. `document` is the run's JSON.
+  [[nodiscard]] std::vector<std::string> finish(const control::RunRecord& record, const std::string& document,
+                                                bool quiet);
 
  private:
   struct Impl;

@@ -7,6 +7,12 @@ namespace colift::live {
 
 using telemetry::Topic;
 
+namespace {
+
+constexpr int kControl = -1, kTime = -2;  // in place of a topic
+
+}  // namespace
+
 TopicRule rule_of(Topic topic) {
   switch (topic) {
     case Topic::Log:
@@ -42,8 +48,17 @@ std::shared_ptr<Post> Board::put(telemetry::Publication publication) {
 }
 
 void Outbox::push_control(std::string message, bool binary) {
-  items_.push_back({std::move(message), binary, -1});
+  items_.push_back({std::move(message), binary, kControl});
   ++control_;
+}
+
+void Outbox::push_time(std::string message) {
+  const auto waits =
+      std::find_if(items_.begin(), items_.end(), [](const Item& i) { return i.topic == kTime; });
+  if (waits == items_.end())
+    items_.push_back({std::move(message), true, kTime});
+  else
+    waits->message = std::move(message);
 }
 
 void Outbox::push(Topic topic, std::string message) {
@@ -70,9 +85,9 @@ void Outbox::push(Topic topic, std::string message) {
 Outbox::Item Outbox::take() {
   Item item = std::move(items_.front());
   items_.pop_front();
-  if (item.topic < 0)
+  if (item.topic == kControl)
     --control_;
-  else
+  else if (item.topic >= 0)
     --waiting_[static_cast<std::size_t>(item.topic)];
   return item;
 }

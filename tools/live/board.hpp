@@ -52,6 +52,8 @@ class Outbox {
  public:
   /// Messages of the protocol itself.
   void push_control(std::string message, bool binary);
+  /// The robot's time; one that still waits is replaced.
+  void push_time(std::string message);
   /// A message of a topic. One of the same topic that still waits is replaced, unless every one of them
   /// matters.
   void push(telemetry::Topic topic, std::string message);
@@ -59,7 +61,7 @@ class Outbox {
   struct Item {
     std::string message;
     bool binary = true;
-    int topic = -1;  ///< -1: control.
+    int topic = -1;  ///< -1: control; -2: time.
   };
   [[nodiscard]] bool empty() const { return items_.empty(); }
   /// The oldest, which leaves.

@@ -20,6 +20,7 @@ namespace websocket = beast::websocket;
 using Request = http::request<http::empty_body>;
 
 constexpr std::uint32_t kStop = 1;
+constexpr hal::Duration kPatience = std::chrono::seconds(20);  ///< With a message that is not taken.
 
 /// One client of the channels. Everything happens in the server's thread.
 class ChannelClient final : public Listener, public std::enable_shared_from_this<ChannelClient> {
@@ -46,6 +47,7 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
       response.set(http::field::server, "CoLift");
       if (protocol) response.set(http::field::sec_websocket_protocol, *protocol);
     }));
+    ws_.auto_fragment(false);  // a message is one frame, and one call of the system
     ws_.read_message_max(hub_->config().largest_message);
     ws_.async_accept(request_,
                      [self = shared_from_this(), spoken = protocol.has_value()](beast::error_code error) {
@@ -56,7 +58,14 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
   void deliver(Post& post) override {
     const auto found = subscriptions_.find(static_cast<std::uint32_t>(post.topic()));
     if (found == subscriptions_.end()) return;
+    // who talks without ever reading is not idle, and would stay for good
+    if (sending_ && clock_.now() - sending_since_ > kPatience) return cut();
     queue(found->second, post);
+    send();
+  }
+
+  void tell_time(hal::Timestamp now) override {
+    outbox_.push_time(server_time(now));
     send();
   }
 
@@ -73,6 +82,7 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
       const OperatorService stop{kStop, "/operator/stop", "The run ends safely: as at Ctrl-C."};
       outbox_.push_control(advertise_services({&stop, 1}), false);
     }
+    if (const auto now = hub_->now()) outbox_.push_time(server_time(*now));
     send();
     read();
   }
@@ -85,9 +95,8 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
   }
 
   void hear() {
-    const hal::SteadyClock clock;
-    if (!talk_.take(hal::seconds(clock.now())))
-      return close(websocket::close_code::policy_error, "too many messages");
+    // a polite end would read the rest of the flood, in search of the answer
+    if (!talk_.take(hal::seconds(clock_.now()))) return cut();
     const auto data = buffer_.data();
     const std::string_view bytes(static_cast<const char*>(data.data()), data.size());
     const auto message = ws_.got_binary() ? parse_binary(bytes) : parse_text(bytes);
@@ -96,8 +105,7 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
     else
       outbox_.push_control(status(StatusLevel::Error, message.error().detail), false);
     buffer_.consume(buffer_.size());
-    if (outbox_.hopeless())
-      return close(websocket::close_code::policy_error, "nothing of the answers is read");
+    if (outbox_.hopeless()) return cut();  // nothing of the answers is read
     send();
     read();
   }
@@ -155,6 +163,7 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
   void send() {
     if (sending_ || closing_ || outbox_.empty()) return;
     sending_ = true;
+    sending_since_ = clock_.now();
     flying_ = outbox_.take();
     ws_.binary(flying_.binary);
     ws_.async_write(boost::asio::buffer(flying_.message),
@@ -167,6 +176,12 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
                     });
   }
 
+  /// Without a word: it would not be read.
+  void cut() {
+    closing_ = true;
+    boost::system::error_code ignored;
+    beast::get_lowest_layer(ws_).socket().close(ignored);
+  }
   void close(websocket::close_code code, const char* why) {
     hub_->leave(this);
     closing_ = true;
@@ -187,6 +202,8 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
   Outbox outbox_;
   Outbox::Item flying_;
   bool sending_ = false, closing_ = false;
+  hal::Timestamp sending_since_{0};
+  const hal::SteadyClock clock_;
   websocket::close_reason reason_;
 };
 

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr char kMessageData = 0x01, kServiceCall = 0x02, kServiceResponse = 0x03;
+constexpr char kMessageData = 0x01, kServerTime = 0x02, kServiceCall = 0x02, kServiceResponse = 0x03;
 
 template <class Unsigned>
 void append(std::string& bytes, Unsigned value) {
@@ -69,7 +69,7 @@ std::optional<std::string> chosen_sub_protocol(std::string_view offered) {
 }
 
 std::string server_info(const std::string& name, const std::string& session, bool operates) {
-  Json j = {{"op", "serverInfo"}, {"name", name}, {"capabilities", Json::array()}};
+  Json j = {{"op", "serverInfo"}, {"name", name}, {"capabilities", {"time"}}};
   if (operates) j["capabilities"].push_back("services");
   j["supportedEncodings"] = {"json"};
   j["metadata"] = {{"program", "colift"}, {"operator", operates ? "yes" : "no"}};
@@ -122,6 +122,12 @@ std::string message_data(std::uint32_t subscription, hal::Timestamp at, std::str
   append(bytes, subscription);
   append(bytes, static_cast<std::uint64_t>(std::max<std::int64_t>(0, at.count())));
   bytes.append(payload);
+  return bytes;
+}
+
+std::string server_time(hal::Timestamp at) {
+  std::string bytes(1, kServerTime);
+  append(bytes, static_cast<std::uint64_t>(std::max<std::int64_t>(0, at.count())));
   return bytes;
 }
 

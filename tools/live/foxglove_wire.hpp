@@ -15,7 +15,7 @@
 namespace colift::live {
 
 // The messages of Foxglove's WebSocket protocol, version 1, as far as CoLift speaks it: server information,
-// status, channels, subscriptions, message data, and services for the operator. The sub-protocols
+// status, channels, subscriptions, message data, time, and services for the operator. The sub-protocols
 // foxglove.websocket.v1 and foxglove.sdk.v1 name the same messages. Pure functions; source:
 // https://github.com/foxglove/ws-protocol, docs/spec.md.
 
@@ -43,6 +43,8 @@ struct OperatorService {
 /// Binary: 0x01, subscription, nanoseconds, payload; little-endian.
 [[nodiscard]] std::string message_data(std::uint32_t subscription, hal::Timestamp at,
                                        std::string_view payload);
+/// Binary: 0x02, nanoseconds: what the clock says by which all messages are stamped.
+[[nodiscard]] std::string server_time(hal::Timestamp at);
 /// Binary: 0x03, service, call, length of "json", "json", payload.
 [[nodiscard]] std::string service_response(std::uint32_t service, std::uint32_t call,
                                            std::string_view payload);

@@ -1,6 +1,11 @@
 #include "tools/live/hub.hpp"
 
 namespace colift::live {
+namespace {
+
+constexpr hal::Duration kTimeEvery = std::chrono::milliseconds(30);
+
+}  // namespace
 
 bool Hub::hand_in(const telemetry::Publication& publication) {
   ++published;
@@ -19,6 +24,11 @@ void Hub::pass_on() {
   {
     const std::lock_guard lock(waiting_mutex_);
     taken_.swap(waiting_);
+  }
+  for (const auto& publication : taken_) now_ = publication.at;
+  if (now_ && (!told_ || *now_ < *told_ || *now_ - *told_ >= kTimeEvery)) {
+    told_ = now_;
+    for (Listener* listener : listeners_) listener->tell_time(*now_);
   }
   for (auto& publication : taken_)
     if (const auto post = board_.put(std::move(publication)))

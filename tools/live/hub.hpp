@@ -3,6 +3,7 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -18,6 +19,8 @@ class Listener {
  public:
   virtual ~Listener() = default;
   virtual void deliver(Post& post) = 0;
+  /// What the robot's clock says.
+  virtual void tell_time(hal::Timestamp now) = 0;
 };
 
 /// What all connections share: configuration, files, the board, who listens. Lives in the server's thread,
@@ -30,6 +33,8 @@ class Hub {
   [[nodiscard]] const PageFiles& files() const { return files_; }
   [[nodiscard]] const Board& board() const { return board_; }
   [[nodiscard]] const std::string& session() const { return session_; }
+  /// Of the newest message; unset before the first.
+  [[nodiscard]] std::optional<hal::Timestamp> now() const { return now_; }
   void set_session(std::string session) { session_ = std::move(session); }
 
   void join(Listener* listener) { listeners_.insert(listener); }
@@ -50,6 +55,7 @@ class Hub {
   const PageFiles files_;
   std::string session_;
   Board board_;
+  std::optional<hal::Timestamp> now_, told_;
   std::set<Listener*> listeners_;
 
   std::mutex waiting_mutex_;

@@ -1,6 +1,8 @@
 #include "tools/live/live_server.hpp"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -82,7 +84,11 @@ hal::Result<std::unique_ptr<LiveServer>> LiveServer::open(const ServerConfig& co
   impl->hub->set_session(
       fmt::format("{}", std::chrono::duration_cast<std::chrono::milliseconds>(born).count()));
   impl->accept();
-  impl->thread = std::thread([raw = impl.get()] { raw->context.run(); });
+  impl->thread = std::thread([raw = impl.get()] {
+    // whoever works goes before whoever watches
+    (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), 10);
+    raw->context.run();
+  });
   return std::unique_ptr<LiveServer>(new LiveServer(std::move(impl)));
 }
 

@@ -2,13 +2,40 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+#include <ctime>
 
 namespace colift::telemetry {
 namespace {
+
+/// Keeps the limit of a file's size (ulimit -f) from ending the program, which may move an arm: write() then
+/// says EFBIG, as it says ENOSPC for a full disk.
+class NoSizeSignal {
+ public:
+  NoSizeSignal() {
+    ::sigemptyset(&signal_);
+    ::sigaddset(&signal_, SIGXFSZ);
+    ::pthread_sigmask(SIG_BLOCK, &signal_, &before_);
+  }
+  ~NoSizeSignal() {
+    // what waits for this thread is taken before it may come through again
+    const timespec at_once{};
+    if (::sigismember(&before_, SIGXFSZ) == 0) {
+      while (::sigtimedwait(&signal_, nullptr, &at_once) == SIGXFSZ) {
+      }
+    }
+    ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  NoSizeSignal(const NoSizeSignal&) = delete;
+  NoSizeSignal& operator=(const NoSizeSignal&) = delete;
+
+ private:
+  sigset_t signal_{}, before_{};
+};
 
 class FileSink final : public ByteSink {
  public:
@@ -19,6 +46,7 @@ class FileSink final : public ByteSink {
 
   hal::Result<> write(std::string_view bytes) override {
     const std::size_t all = bytes.size();
+    const NoSizeSignal quiet;
     while (!bytes.empty()) {
       const ssize_t done = ::write(fd_, bytes.data(), bytes.size());
       if (done < 0 && errno == EINTR) continue;

@@ -268,6 +268,7 @@ std::vector<ChannelInfo> all() {
   add(Topic::Preview, "/camera/preview", "foxglove.RawImage", raw_image());
   add(Topic::Cloud, "/cloud", "foxglove.PointCloud", cloud());
   add(Topic::Scene, "/scene", "foxglove.SceneUpdate", scene());
+  add(Topic::Map, "/map", "foxglove.SceneUpdate", scene());
   add(Topic::Log, "/log", "foxglove.Log", log());
   add(Topic::Status, "/task/status", "colift.TaskStatus", status());
   add(Topic::Change, "/task/change", "colift.TaskChange", change());

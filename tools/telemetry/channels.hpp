@@ -18,6 +18,7 @@ enum class Topic : std::uint8_t {
   Preview,      ///< foxglove.RawImage: depth in millimetres, half as wide and high, twice a second.
   Cloud,        ///< foxglove.PointCloud: every fourth pixel in both directions, once a second.
   Scene,        ///< foxglove.SceneUpdate: ground, target, surfaces, candidates, partner, grasp, way.
+  Map,          ///< foxglove.SceneUpdate: the collision world's cells near the robot, once it is made.
   Log,          ///< foxglove.Log.
   Status,       ///< colift.TaskStatus, 30 a second.
   Change,       ///< colift.TaskChange, for each change of state.

@@ -19,8 +19,9 @@ struct Exported {
 
 // All make the folder. Errors: BadInput (the folder cannot be written, no such messages in the recording).
 
-/// One table for each JSON channel: a row per message, a column per number in it, times in seconds first.
-/// Lists of at most 16 numbers get a column each; longer ones, texts and pictures are left out.
+/// One table for each JSON channel (RFC 4180): a row per message, a column per number and text in it, times
+/// in seconds first. Lists of at most 16 entries get a column each; longer ones, texts beyond 1000 bytes and
+/// pictures are left out.
 [[nodiscard]] hal::Result<Exported> export_csv(const McapReader& file, const std::filesystem::path& folder);
 
 /// depth_000000.png ... in 16-bit grey, one unit a millimetre, 0 where nothing was seen; camera.json beside

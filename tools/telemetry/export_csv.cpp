@@ -13,8 +13,19 @@ namespace {
 
 constexpr std::size_t kMostInList = 16;
 constexpr std::size_t kMostColumns = 400;
+constexpr std::size_t kLongestText = 1000;  // longer ones are data
 
 using Row = std::map<std::string, std::string>;
+
+/// A text as a cell (RFC 4180).
+std::string quoted(const std::string& text) {
+  std::string cell = "\"";
+  for (const char c : text) {
+    if (c == '"') cell += '"';
+    cell += c;
+  }
+  return cell + '"';
+}
 
 void flatten(const Json& j, const std::string& path, Row& row) {
   const auto below = [&](const std::string& name) { return path.empty() ? name : path + "." + name; };
@@ -27,6 +38,9 @@ void flatten(const Json& j, const std::string& path, Row& row) {
     row[path] = j.dump();
   } else if (j.is_boolean()) {
     row[path] = std::string(1, j.get<bool>() ? '1' : '0');
+  } else if (j.is_string()) {
+    const auto& text = j.get_ref<const std::string&>();
+    if (text.size() <= kLongestText) row[path] = quoted(text);
   }
 }
 
@@ -53,7 +67,8 @@ hal::Result<> write_table(const McapReader& file, const Channel& channel, const 
       if (!any) return {};
       out.open(to, std::ios::binary | std::ios::trunc);
       out << "log_time_s";
-      for (const std::string& c : columns) out << ',' << c;
+      for (const std::string& c : columns)
+        out << ',' << (c.find_first_of(",\"\r\n") == std::string::npos ? c : quoted(c));
       out << '\n';
     }
     auto cursor = file.messages({channel.topic});
@@ -98,7 +113,7 @@ hal::Result<Exported> export_csv(const McapReader& file, const std::filesystem::
   }
   if (out.count == 0)
     return hal::failure(hal::ErrorCode::BadInput, "export",
-                        "the recording has no JSON messages with numbers in them");
+                        "the recording has no JSON messages with numbers or words in them");
   return out;
 }
 

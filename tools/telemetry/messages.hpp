@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -78,8 +80,16 @@ struct PlanView {
 [[nodiscard]] PlanView plan_view(double t_s, const planner::MotionPlan& plan, const hal::RobotModel& model);
 [[nodiscard]] std::string plan_message(const PlanView& plan);
 
+/// The open hand with its palm frame at the chosen grasp.
+struct GripperView {
+  hal::Pose X_WH = hal::Pose::Identity();
+  std::vector<hal::LinkShape> hand_W;  ///< The hand's shapes; their X_LS is the pose in W.
+};
+[[nodiscard]] GripperView gripper_view(const hal::RobotModel& model, const hal::Pose& X_WH);
+
 /// What the scene holds by now, for three-dimensional pictures. Entities keep their ids from message to
-/// message: "ground", "target", "surface 3", "candidate 12", "partner", "cog", "optimum", "way".
+/// message: "ground", "target", "shape", "cog", "surface 3", "candidate 12", "partner", "optimum", "gripper",
+/// "way".
 struct SceneView {
   std::optional<perception::Ground> ground;
   hal::Vec3 target_center = hal::Vec3::Zero(), cog = hal::Vec3::Zero();
@@ -88,10 +98,32 @@ struct SceneView {
   std::vector<planner::GraspCandidate> candidates;
   std::optional<perception::PartnerGrasp> partner;
   std::optional<hal::Vec3> optimum;
+  std::optional<GripperView> gripper;
   std::vector<hal::Vec3> way_W;
 };
 [[nodiscard]] SceneView scene_view(const control::Look& look);
 [[nodiscard]] std::string scene_message(hal::Timestamp at, const SceneView& scene);
+
+/// A part of the collision world, small enough to be sent: the cells near the robot, copied.
+struct MapView {
+  enum class Cell : std::uint8_t {
+    Nothing,
+    Obstacle,  ///< Measured, above the ground.
+    Target,    ///< Of the object that is to be carried.
+    Hidden,    ///< Behind what was measured: the arm keeps out of it too.
+  };
+  double cell_m = 0.02;
+  hal::Vec3 origin_W = hal::Vec3::Zero();  ///< Lower corner of the first cell.
+  std::array<int, 3> size{};               ///< Cells along x, y, z.
+  std::vector<Cell> cells;                 ///< x fastest, then y.
+  std::size_t cropped = 0;                 ///< Obstacle and target cells of the map outside of it.
+};
+/// The cells within 2 m of the robot's base; where those are more than four million, several make one. The
+/// ground's own cells are left out: the planner has it as a plane. One pass over the map.
+[[nodiscard]] MapView map_view(const perception::WorldMap& map, const hal::Plane& ground);
+/// Entities "obstacles", "target", "hidden": cells of one kind as few boxes, at most some thousands, those
+/// near the robot first; what was left out stands in the metadata.
+[[nodiscard]] std::string map_message(hal::Timestamp at, const MapView& map);
 
 /// "chosen", "near-partner", ...: the words of all of CoLift's documents.
 [[nodiscard]] const char* verdict_word(planner::Verdict verdict);

@@ -10,6 +10,7 @@
 #include <mutex>
 #include <thread>
 
+#include "tools/telemetry/flight_memory.hpp"
 #include "tools/telemetry/mcap_chunk.hpp"
 #include "tools/telemetry/mcap_writer.hpp"
 #include "tools/telemetry/messages.hpp"
@@ -77,8 +78,8 @@ struct Recorder::Impl {
   std::unique_ptr<McapWriter> writer;
   ChunkBuilder builder{3};
   std::vector<std::uint32_t> sequences = std::vector<std::uint32_t>(kTopics + 1, 0);
-  std::deque<std::shared_ptr<const Chunk>> last_chunks;
-  std::size_t last_bytes = 0;
+  std::unique_ptr<FlightMemory> memory;     ///< Null where nobody can ask for the last seconds.
+  int faults_written = 0;                   ///< Files; what somebody asked for has names of its own.
   std::optional<std::uint64_t> flight_due;  ///< Log time at which the last seconds are written.
   std::uint64_t newest = 0, reported_lost = 0;
   RecorderReport report;
@@ -102,6 +103,7 @@ struct Recorder::Impl {
     const std::uint64_t time = log_time(p.at);
     const Channel& channel = all_channels.at(id);
     const auto schema = schemas.find(channel.schema_id);
+    if (memory) memory->note(p.topic, sequences[id], time, payload);
     builder.add(schema == schemas.end() ? nullptr : &schema->second, channel,
                 {id, sequences[id]++, time, time, payload});
     newest = std::max(newest, time);
@@ -124,25 +126,40 @@ struct Recorder::Impl {
     } else {
       report.written += chunk->messages;
     }
-    if (!config.flight && !config.snapshot_asked) return;
-    last_bytes += chunk->records.size();
-    last_chunks.push_back(std::move(chunk));
-    const auto keep = static_cast<std::uint64_t>(1e9 * config.flight_s);
-    while (last_chunks.size() > 1 && (last_bytes > config.flight_bytes ||
-                                      last_chunks[1]->start_time + keep < last_chunks.back()->end_time)) {
-      last_bytes -= last_chunks.front()->records.size();
-      last_chunks.pop_front();
-    }
+    if (memory) memory->keep(std::move(chunk));
+  }
+
+  /// What held before the first of these chunks, stamped with its beginning: what is shown then.
+  [[nodiscard]] std::optional<Chunk> opening(const std::vector<std::shared_ptr<const Chunk>>& chunks) const {
+    if (chunks.empty()) return std::nullopt;
+    const std::uint64_t time = chunks.front()->start_time;
+    ChunkBuilder first(config.zstd_level);
+    memory->before([&](Topic topic, std::uint32_t sequence, const std::string& payload) {
+      const auto id = static_cast<std::uint16_t>(static_cast<int>(topic) + 1);
+      const Channel& channel = all_channels.at(id);
+      const auto schema = schemas.find(channel.schema_id);
+      first.add(schema == schemas.end() ? nullptr : &schema->second, channel,
+                {id, sequence, time, time, payload});
+    });
+    if (first.empty()) return std::nullopt;
+    return first.close();
   }
 
   void write_last(const std::filesystem::path& file) {
     close_chunk();
+    const auto chunks = memory->chunks();
+    const auto before = opening(chunks);
     // whole or not at all, for whoever waits for it
     const std::filesystem::path part = file.string() + ".part";
     const auto written = [&]() -> hal::Result<> {
       auto made = begin_file(part);
       if (!made) return tl::unexpected(made.error());
-      for (const auto& chunk : last_chunks)
+      if (auto done = (*made)->add(Metadata{kSnapshot, {{"seconds", fmt::format("{}", config.flight_s)}}});
+          !done)
+        return done;
+      if (before)
+        if (auto done = (*made)->add(*before, schemas, all_channels); !done) return done;
+      for (const auto& chunk : chunks)
         if (auto done = (*made)->add(*chunk, schemas, all_channels); !done) return done;
       return (*made)->finish();
     }();
@@ -158,8 +175,10 @@ struct Recorder::Impl {
 
   void write_flight() {
     flight_due.reset();
-    if (!config.flight || static_cast<int>(report.flights.size()) >= config.most_flights) return;
-    write_last(numbered(*config.flight, static_cast<int>(report.flights.size()) + 1));
+    if (!config.flight || faults_written >= config.most_flights) return;
+    const std::size_t before = report.flights.size();
+    write_last(numbered(*config.flight, faults_written + 1));
+    if (report.flights.size() > before) ++faults_written;
   }
 
   /// The losses as a line of the log itself, so that nobody takes the gap for silence.
@@ -219,6 +238,8 @@ hal::Result<std::unique_ptr<Recorder>> Recorder::start(const RecorderConfig& con
   impl->config = config;
   impl->documents = documents;
   impl->builder = ChunkBuilder(config.zstd_level);
+  if (config.flight || config.snapshot_asked)
+    impl->memory = std::make_unique<FlightMemory>(config.flight_s, config.flight_bytes);
   if (config.file) {
     auto writer = impl->begin_file(*config.file);
     if (!writer) return tl::unexpected(writer.error());

@@ -15,6 +15,9 @@
 
 namespace colift::telemetry {
 
+/// Metadata that only files of last seconds have: such a file may end in the middle of a cycle of the task.
+inline constexpr const char* kSnapshot = "colift.snapshot";
+
 /// What every file of a run carries beside its messages.
 struct RunDocuments {
   std::vector<Attachment> attachments;

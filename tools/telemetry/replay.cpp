@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "control/task_runner.hpp"
+#include "tools/telemetry/playback.hpp"
 #include "tools/telemetry/replay_robot.hpp"
 #include "tools/telemetry/run_telemetry.hpp"
 
@@ -31,6 +32,37 @@ class Listener final : public TelemetrySink {
  private:
   const Tape& tape_;
 };
+
+/// What a replay does not say, or only of itself.
+const std::set<Topic> kOfThen = {Topic::Devices, Topic::Timing, Topic::Stages, Topic::Truth};
+
+/// Passes on what the recording does not hold itself.
+class Beside final : public TelemetrySink {
+ public:
+  Beside(const McapReader& file, TelemetrySink& to) : to_(to) {
+    for (const Topic topic : kOfThen)
+      if (file.info().channel(channel_of(topic).topic)) held_.insert(topic);
+  }
+  void publish(const Publication& p) override {
+    if (held_.count(p.topic) == 0) to_.publish(p);
+  }
+
+ private:
+  TelemetrySink& to_;
+  std::set<Topic> held_;
+};
+
+/// Goes to the first cycle. Errors: BadInput.
+hal::Result<> begin(Tape& tape, const std::string& name) {
+  if (!tape.advance())
+    return hal::failure(hal::ErrorCode::BadInput, name, "holds no inputs of a task: nothing can be replayed");
+  if (tape.now().cycle != 0)
+    return hal::failure(
+        hal::ErrorCode::BadInput, name,
+        fmt::format("begins in the middle of a run, at cycle {} of the task; a replay needs its start",
+                    tape.now().cycle));
+  return {};
+}
 
 Said recorded_words(const McapReader& file) {
   Said said;
@@ -69,23 +101,28 @@ void compare(const Said& recorded, const Said& replayed, bool cut, ReplayReport&
 
 }  // namespace
 
+hal::Result<> can_replay(const McapReader& file, const std::string& name) {
+  Tape tape(file);
+  return begin(tape, name);
+}
+
 hal::Result<ReplayReport> replay(const McapReader& file, const std::string& name, const RunDescription& run,
                                  const ReplaySetting& setting) {
   Tape tape(file);
-  if (!tape.advance())
-    return hal::failure(hal::ErrorCode::BadInput, name, "holds no inputs of a task: nothing can be replayed");
-  if (tape.now().cycle != 0)
-    return hal::failure(
-        hal::ErrorCode::BadInput, name,
-        fmt::format("begins in the middle of a run, at cycle {} of the task; a replay needs its start",
-                    tape.now().cycle));
+  if (auto begun = begin(tape, name); !begun) return tl::unexpected(begun.error());
 
   hal::Robot robot = replayed_robot(tape);
   const hal::SteadyClock wall;
   Listener listener(tape);
   std::vector<TelemetrySink*> sinks = {&listener};
-  sinks.insert(sinks.end(), setting.watchers.begin(), setting.watchers.end());
-  RunTelemetry telemetry({setting.model.get(), run.X_WC, run.known_mass_kg, run.drive, false}, sinks, wall);
+  std::vector<std::unique_ptr<Beside>> watchers;
+  for (TelemetrySink* watcher : setting.watchers) {
+    watchers.push_back(std::make_unique<Beside>(file, *watcher));
+    sinks.push_back(watchers.back().get());
+  }
+  Playback of_then(file, setting.watchers.empty() ? std::set<Topic>() : kOfThen, setting.watchers);
+  RunTelemetry telemetry({setting.model.get(), run.X_WC, run.known_mass_kg, run.drive, false, &setting.hand},
+                         sinks, wall);
   if (!setting.watchers.empty()) telemetry.tap(robot);
 
   control::JobHooks mine;
@@ -95,7 +132,11 @@ hal::Result<ReplayReport> replay(const McapReader& file, const std::string& name
   control::JobHooks hooks = telemetry.hooks(mine);
   const auto listen = hooks.cycle;
   hooks.cycle = [&](const control::ArmView& view) {
+    const auto& clock = tape.now().clock_ns;
+    const hal::Timestamp at(clock.empty() ? 0 : clock.back());
     listen(view);
+    if (!setting.watchers.empty()) of_then.play(at);
+    if (setting.pace && !clock.empty()) setting.pace(at);
     (void)tape.advance();
   };
   control::JobOptions options;
@@ -114,13 +155,24 @@ hal::Result<ReplayReport> replay(const McapReader& file, const std::string& name
   if (!record) return tl::unexpected(record.error());
 
   ReplayReport report;
-  const bool cut = !file.info().complete;
+  const bool cut = !file.info().complete || file.metadata(kSnapshot);
   compare(recorded_words(file), listener.said, cut, report);
   report.cycles = tape.cycles();
   report.notes = tape.notes();
-  if (cut) report.notes.push_back("the recording was cut: it was replayed up to there");
+  if (cut) report.notes.push_back("the recording holds a part of the run: it was replayed up to there");
   report.record = std::move(*record);
   return report;
+}
+
+void play_recording(const McapReader& file, const ReplaySetting& setting) {
+  std::set<Topic> all;
+  for (const ChannelInfo& channel : channels()) all.insert(channel.id);
+  Playback playback(file, all, setting.watchers);
+  while (const auto at = playback.next_at()) {
+    if (setting.interrupted && setting.interrupted()) return;
+    if (setting.pace) setting.pace(*at);
+    playback.play(*at);
+  }
 }
 
 }  // namespace colift::telemetry

@@ -42,14 +42,26 @@ struct ReplaySetting {
   std::shared_ptr<const hal::RobotModel> model;
   std::vector<TelemetrySink*> watchers;  ///< Live view.
   std::function<bool()> interrupted;     ///< A person wants it to end; may be empty.
+  /// Called in each cycle with the recorded time: whoever watches may want it slower. May be empty.
+  std::function<void(hal::Timestamp)> pace;
 };
+
+/// Whether the recording holds the start of a run. Errors: BadInput (it begins in the middle, as the flight
+/// recorder's do, or holds no inputs at all): it can be watched, but nothing can be decided once more.
+[[nodiscard]] hal::Result<> can_replay(const McapReader& file, const std::string& name);
 
 /// Runs the same task on what was recorded: every frame, every state, every time that was read, each in its
 /// cycle, and holds what it says (status, changes of state, decisions with all verdicts, plans) against what
 /// was said then, byte by byte. With another configuration the arm still does what it did then: the first
-/// difference is what would have changed; what follows it says less and less.
+/// difference is what would have changed; what follows it says less and less. Watchers get what the replay
+/// says, and beside it what only the recording knows: the devices' health, the arm's cycle, computing times
+/// and the simulation's truth of then.
 /// Errors: BadInput (the recording does not hold the start of a run), and the task's.
 [[nodiscard]] hal::Result<ReplayReport> replay(const McapReader& file, const std::string& name,
                                                const RunDescription& run, const ReplaySetting& setting);
+
+/// Hands watchers what a recording holds, as it is: for one that cannot be replayed. Of the setting only
+/// watchers, interrupted and pace are used.
+void play_recording(const McapReader& file, const ReplaySetting& setting);
 
 }  // namespace colift::telemetry

@@ -59,7 +59,7 @@ struct RunTelemetry::Impl {
   std::optional<hal::Timestamp> last_measured;
   // what was told already
   std::size_t states_told = 0, faults_told = 0;
-  bool look_told = false;
+  bool look_told = false, map_told = false, plan_told = false;
   std::optional<Task> state;
   SceneView scene;
   std::optional<hal::Vec3> cog;
@@ -169,6 +169,17 @@ struct RunTelemetry::Impl {
     log(at, Level::Info, "look", look.because);
   }
 
+  /// The job makes its collision world once; here it is only copied, encoded where somebody wants it.
+  void tell_map(hal::Timestamp at, const perception::WorldMap& map, const perception::Ground& ground) {
+    map_told = true;
+    const auto kept = std::make_shared<const MapView>(map_view(map, ground.plane));
+    publish(
+        Topic::Map, at, [at, kept] { return map_message(at, *kept); }, kept->cells.size());
+    if (kept->cropped > 0)
+      log(at, Level::Info, "map",
+          fmt::format("{} measured cells lie far from the robot and are not shown on /map", kept->cropped));
+  }
+
   void publish_scene(hal::Timestamp at) {
     publish(
         Topic::Scene, at, [at, s = scene] { return scene_message(at, s); }, 65536);
@@ -185,9 +196,17 @@ struct RunTelemetry::Impl {
     scene.partner = outcome.partner;
     scene.optimum = outcome.decision.optimum;
     scene.way_W.clear();
+    scene.gripper.reset();
     share_predicted.reset();
-    if (outcome.decision.chosen) share_predicted = outcome.decision.share;
-    if (record.plan && (s.state == Task::Approach)) {
+    if (outcome.decision.chosen) {
+      share_predicted = outcome.decision.share;
+      if (setting.hand)
+        scene.gripper = gripper_view(
+            *setting.model, planner::hand_pose(outcome.candidates[*outcome.decision.chosen], *setting.hand));
+    }
+    // a dry run ends with its first plan; an older one is no plan any more
+    if (record.plan && (s.state == Task::Approach || !plan_told)) {
+      plan_told = true;
       const PlanView plan = plan_view(t_s, *record.plan, *setting.model);
       scene.way_W = plan.palm_W;
       publish(
@@ -204,6 +223,7 @@ struct RunTelemetry::Impl {
     const hal::Timestamp at = time();
     const control::RunRecord& record = *s.record;
     if (!look_told && record.look) tell_look(at, *record.look);
+    if (!map_told && s.map && record.look->scene.ground) tell_map(at, *s.map, *record.look->scene.ground);
     const bool changed = states_told != record.states.size();
     for (; states_told < record.states.size(); ++states_told) {
       const control::StateChange change = record.states[states_told];
@@ -220,6 +240,7 @@ struct RunTelemetry::Impl {
     }
     control::JobStatus kept = s;
     kept.record = nullptr;
+    kept.map = nullptr;
     publish(Topic::Status, at, [kept] { return status_message(kept); });
     LoadNow load{view.wrench_W, view.load_n, {}, share_predicted, s.height_m, s.tilt_rad, s.slip_m};
     if (setting.known_mass_kg > 0.0 && control::is_loaded(s.state))

@@ -32,6 +32,7 @@ class RunTelemetry {
     double known_mass_kg = 0.0;  ///< 0: unknown.
     control::Drive drive = control::Drive::InStep;
     bool asks_devices = true;  ///< For their health; not those of a replay, whose every answer is counted.
+    const planner::HandModel* hand = nullptr;  ///< Borrowed; null: the chosen gripper pose is not shown.
   };
   /// `wall` times the arm's answers; borrowed, as the sinks are.
   RunTelemetry(const Setting& setting, std::vector<TelemetrySink*> sinks, const hal::Clock& wall);

@@ -10,6 +10,7 @@ export class LiveClient {
   onLink: (word: "connected" | "connecting" | "lost", operates: boolean) => void = () => {};
   onNote: (level: number, text: string) => void = () => {};
   onReset: () => void = () => {};
+  onName: (name: string) => void = () => {};
 
   private handlers = new Map<string, Handler>();
   private topics = new Map<number, string>(); // subscription -> topic
@@ -61,6 +62,7 @@ export class LiveClient {
       // another program, or another run, on the same port: nothing of the old one holds
       if (this.session !== "" && this.session !== message.sessionId) this.onReset();
       this.session = message.sessionId;
+      this.onName(message.name);
       this.onLink("connected", false);
     } else if (message.op === "advertise") {
       const subscriptions = [];

@@ -44,10 +44,15 @@ stop.onclick = () => {
 
 client.onLink = (word, operates) => {
   const chip = $("link");
-  chip.textContent = word === "connected" ? (operates ? "live, operator" : "live") : word;
+  const what = document.title.startsWith("CoLift, recording") ? "recording" : "live";
+  chip.textContent = word === "connected" ? (operates ? `${what}, operator` : what) : word;
   chip.className = `chip ${word}`;
   stop.disabled = !operates;
   if (word === "connected") stop.textContent = "Stop";
+};
+client.onName = (name) => {
+  document.title = name;
+  $("name").textContent = name.replace(/^CoLift,? ?/, "");
 };
 client.onNote = (level, text) => say(level + 2, text, "page");
 client.onReset = () => {
@@ -62,6 +67,7 @@ client.on<M.TaskStatus>("/task/status", (s) => {
   $("state").textContent = s.state;
   $("waits").textContent = [s.doing || s.waits_for, s.partner_note].filter((t) => t).join(" · ");
   strip.status(s);
+  scene.robot.state(s.state);
 });
 client.on<M.TaskChange>("/task/change", (c) => strip.change(c));
 client.on<M.Decision>("/decision", (d) => choice.show(d));
@@ -70,13 +76,13 @@ client.on<M.Load>("/load", (l, at) => plots.add(l, at));
 client.on<{ transforms: M.Transform[] }>("/tf", (m) => scene.transforms(m.transforms));
 client.on<M.JointStates>("/joint_states", (m) => scene.robot.joints(m));
 client.on<M.PointCloud>("/cloud", (m) => scene.cloud(m));
-client.on<M.VoxelGrid>("/map", (m) => scene.map(m));
+client.on<M.SceneUpdate>("/map", (m) => scene.map(m));
 client.on<M.SceneUpdate>("/scene", (m) => scene.update(m));
 client.on<M.Log>("/log", (m) => say(m.level, m.message, m.name));
 client.on<{ devices: M.Device[] }>("/devices", (m) => {
   $("device-list").innerHTML = m.devices.map((d) =>
     `<li><b>${escaped(d.name)}</b> <span class="health ${escaped(d.state)}">${escaped(d.state)}</span> ` +
-    `<span class="count">${d.accepted} taken, ${d.rejected} refused</span> <em>${escaped(d.last_error)}</em></li>`).join("");
+    `<span class="count">${d.accepted} taken${d.rejected > 0 ? `, ${d.rejected} refused` : ""}</span> <em>${escaped(d.last_error)}</em></li>`).join("");
 });
 let stages = "", cycle = "";
 const timing = () => { $("timing").textContent = [stages, cycle].filter((t) => t).join(" · "); };

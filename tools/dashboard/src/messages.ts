@@ -41,10 +41,6 @@ export interface PointCloud {
   frame_id: string; pose: Pose; point_stride: number; fields: { name: string; offset: number; type: number }[];
   data: string;
 }
-export interface VoxelGrid {
-  pose: Pose; row_count: number; column_count: number; cell_size: Xyz; slice_stride: number; row_stride: number;
-  cell_stride: number; data: string;
-}
 export interface Solid { pose: Pose; size: Xyz; color: Colour; bottom_scale?: number; top_scale?: number }
 export interface Arrow {
   pose: Pose; shaft_length: number; shaft_diameter: number; head_length: number; head_diameter: number; color: Colour;

@@ -6,7 +6,7 @@ import type { Load } from "./messages";
 import { percent } from "./choice_panel";
 
 const KEPT = 3600;
-const HEIGHT = 96;
+const HEIGHTS = [64, 88]; // the upper one leaves the time to the lower one
 
 export class LoadPlots {
   private t: number[] = [];
@@ -66,28 +66,29 @@ export class LoadPlots {
     const style = getComputedStyle(document.documentElement);
     const colour = (name: string) => style.getPropertyValue(name).trim();
     const axis = (label: string): uPlot.Axis => ({
-      label, stroke: colour("--text"), grid: { stroke: colour("--line"), width: 1 }, ticks: { stroke: colour("--line") },
-      size: 44, labelSize: 16, font: "11px sans-serif", labelFont: "11px sans-serif",
+      label, space: 20, stroke: colour("--text"), grid: { stroke: colour("--line"), width: 1 }, ticks: { stroke: colour("--line") },
+      size: 46, labelSize: 14, font: "11px sans-serif", labelFont: "11px sans-serif",
     });
-    const time: uPlot.Axis = { ...axis(""), size: 28, labelSize: 0, values: (_, ticks) => ticks.map((v) => `${v} s`) };
-    const options = (box: HTMLElement, series: uPlot.Series[], axes: uPlot.Axis[], scales: uPlot.Scales): uPlot.Options => ({
-      width: Math.max(200, box.clientWidth), height: HEIGHT, series: [{ label: "s" }, ...series], axes: [time, ...axes],
+    const time: uPlot.Axis = { ...axis(""), space: 50, size: 28, labelSize: 0, values: (_, ticks) => ticks.map((v) => `${v} s`) };
+    const options = (row: number, box: HTMLElement, series: uPlot.Series[], axes: uPlot.Axis[], scales: uPlot.Scales): uPlot.Options => ({
+      width: Math.max(200, box.clientWidth), height: HEIGHTS[row]!, series: [{ label: "s" }, ...series],
+      axes: [row === 0 ? { ...time, size: 6, values: (_, ticks) => ticks.map(() => "") } : time, ...axes],
       scales: { x: { time: false }, ...scales }, legend: { show: false }, cursor: { drag: { x: false, y: false } },
     });
     this.plots = [
-      new uPlot(options(this.shareBox, [
+      new uPlot(options(0, this.shareBox, [
         { label: "robot's share", stroke: colour("--good"), width: 2 },
         { label: "predicted", stroke: colour("--muted"), width: 1, dash: [4, 4] },
       ], [{ ...axis("share"), values: (_, ticks) => ticks.map((v) => percent(v)) }], { y: { range: [0, 1] } }), [[], [], []], this.shareBox),
-      new uPlot(options(this.tiltBox, [
+      new uPlot(options(1, this.tiltBox, [
         { label: "tilt °", stroke: colour("--warn"), width: 2 },
         { label: "height cm", stroke: colour("--accent"), width: 2 },
-      ], [{ ...axis("° · cm") }], {}), [[], [], []], this.tiltBox),
+      ], [{ ...axis("° · cm") }], { y: { range: (_, low, high) => (low === null ? [0, 5] : [Math.min(0, low), Math.max(1, 1.1 * high)]) } }), [[], [], []], this.tiltBox),
     ];
   }
 
   private resize(): void {
     for (const [i, box] of [this.shareBox, this.tiltBox].entries())
-      this.plots[i]?.setSize({ width: Math.max(200, box.clientWidth), height: HEIGHT });
+      this.plots[i]?.setSize({ width: Math.max(200, box.clientWidth), height: HEIGHTS[i]! });
   }
 }

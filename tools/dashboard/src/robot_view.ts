@@ -6,6 +6,7 @@ import type { JointStates, Plan } from "./messages";
 
 const ARM = ["arm_1", "arm_2", "arm_3", "arm_4", "arm_5", "arm_6", "arm_7"];
 const GHOST_SECONDS = 4;
+const AFTER = ["close", "verify", "await-ready", "lift", "hold", "lower", "release", "retreat", "done", "stopped"];
 
 export class RobotView {
   readonly group = new THREE.Group();
@@ -14,6 +15,7 @@ export class RobotView {
   private shadow: URDFRobot | null = null;
   private plan: Plan | null = null;
   private last: JointStates | null = null;
+  private arrived = false;
 
   async load(url: string): Promise<void> {
     const answer = await fetch(url);
@@ -28,7 +30,7 @@ export class RobotView {
     });
     this.group.add(this.robot);
     this.ghost.add(this.shadow);
-    this.ghost.visible = false;
+    this.ghost.visible = this.plan !== null && !this.arrived;
     if (this.last) this.joints(this.last);
   }
 
@@ -39,7 +41,13 @@ export class RobotView {
 
   show(plan: Plan | null): void {
     this.plan = plan && plan.postures.length > 1 ? plan : null;
-    this.ghost.visible = this.plan !== null;
+    this.ghost.visible = this.plan !== null && !this.arrived;
+  }
+
+  /** From the closing hand on the way is behind it. */
+  state(word: string): void {
+    this.arrived = AFTER.includes(word);
+    this.ghost.visible = this.plan !== null && !this.arrived;
   }
 
   /** Lets the ghost walk along the way, again and again. */

@@ -17,6 +17,7 @@ export function place(object: THREE.Object3D, pose: Pose): void {
 }
 
 const BOX = new THREE.BoxGeometry(1, 1, 1);
+const EDGES = new THREE.EdgesGeometry(BOX);
 const BALL = new THREE.SphereGeometry(0.5, 24, 16);
 const ROUND = new THREE.CylinderGeometry(0.5, 0.5, 1, 32).rotateX(Math.PI / 2);
 const SHAFT = new THREE.CylinderGeometry(0.5, 0.5, 1, 12).rotateZ(-Math.PI / 2).translate(0.5, 0, 0);
@@ -29,11 +30,55 @@ function solid(geometry: THREE.BufferGeometry, s: Solid): THREE.Mesh {
   return mesh;
 }
 
+/** Entities that are looked for first wear their name. */
+const LABELS: Record<string, string> = { partner: "partner", gripper: "chosen" };
+
+/** A word above a place, always turned to who looks and of the same size. */
+function label(word: string, pose: Pose, c: Colour): THREE.Sprite {
+  const canvas = document.createElement("canvas");
+  canvas.width = 256;
+  canvas.height = 64;
+  const context = canvas.getContext("2d")!;
+  context.fillStyle = "rgba(255, 255, 255, 0.88)";
+  context.beginPath();
+  context.roundRect(4, 4, 248, 56, 20);
+  context.fill();
+  context.font = "600 44px sans-serif";
+  context.textAlign = "center";
+  context.fillStyle = `#${new THREE.Color(c.r, c.g, c.b).multiplyScalar(0.25).getHexString()}`;
+  context.fillText(word, 128, 46);
+  const texture = new THREE.CanvasTexture(canvas);
+  texture.colorSpace = THREE.SRGBColorSpace;
+  const sprite = new THREE.Sprite(new THREE.SpriteMaterial({ map: texture, depthTest: false, sizeAttenuation: false }));
+  sprite.position.set(pose.position.x, pose.position.y, pose.position.z + 0.17);
+  sprite.scale.set(0.1, 0.025, 1);
+  sprite.renderOrder = 6;
+  return sprite;
+}
+
 export function objectOf(entity: Entity): THREE.Group {
   const group = new THREE.Group();
   group.name = entity.id;
-  for (const s of entity.cubes) group.add(solid(BOX, s));
-  for (const s of entity.spheres) group.add(solid(BALL, s));
+  for (const s of entity.cubes) {
+    const box = solid(BOX, s);
+    group.add(box);
+    // what encloses something is drawn by its edges: the filling would hide it
+    if (entity.id === "ground") (box.material as THREE.Material).opacity = 0.12;
+    if (s.color.a > 0.25 || entity.id === "ground") continue;
+    (box.material as THREE.MeshLambertMaterial).opacity = 0.3 * s.color.a;
+    const edges = new THREE.LineSegments(EDGES, new THREE.LineBasicMaterial({ color: (box.material as THREE.MeshLambertMaterial).color }));
+    edges.position.copy(box.position);
+    edges.quaternion.copy(box.quaternion);
+    edges.scale.copy(box.scale);
+    group.add(edges);
+  }
+  for (const s of entity.spheres) {
+    const ball = solid(BALL, s);
+    // small, and often inside of something
+    (ball.material as THREE.Material).depthTest = false;
+    ball.renderOrder = 5;
+    group.add(ball);
+  }
   for (const s of entity.cylinders) group.add(solid(ROUND, s));
   for (const a of entity.arrows) {
     const arrow = new THREE.Group();
@@ -52,15 +97,50 @@ export function objectOf(entity: Entity): THREE.Group {
     place(line, l.pose);
     group.add(line);
   }
+  const name = LABELS[entity.id], first = entity.spheres[0] ?? entity.arrows[0];
+  if (name && first) group.add(label(name, first.pose, entity.cubes[0]?.color ?? first.color));
   const id = /^candidate (\d+)$/.exec(entity.id);
   if (id) group.userData.candidate = Number(id[1]);
   return group;
 }
 
+/** An entity of many boxes as one object: each box cut into the cells that it is made of, `size` of a cell's edge. */
+export function cellsOf(entity: Entity, size: number): THREE.Object3D {
+  const edge = Number(entity.metadata.find((m) => m.key === "cell_m")?.value ?? 0);
+  const color = entity.cubes[0]?.color ?? { r: 0, g: 0, b: 0, a: 1 };
+  const places: number[] = [], edges: number[] = [];
+  for (const box of entity.cubes) {
+    const length = [box.size.x, box.size.y, box.size.z], p = box.pose.position;
+    // where nobody sees the joints, a box stays one
+    const count = length.map((l) => (edge > 0 && size < 1 ? Math.max(1, Math.round(l / edge)) : 1));
+    const step = length.map((l, i) => l / count[i]!);
+    for (let z = 0; z < count[2]!; z++)
+      for (let y = 0; y < count[1]!; y++)
+        for (let x = 0; x < count[0]!; x++) {
+          places.push(...[p.x, p.y, p.z].map((m, i) => m - length[i]! / 2 + ([x, y, z][i]! + 0.5) * step[i]!));
+          edges.push(...step.map((s) => size * s));
+        }
+  }
+  const mesh = new THREE.InstancedMesh(BOX, material(color), places.length / 3);
+  const matrix = new THREE.Matrix4();
+  for (let n = 0; n < mesh.count; n++) {
+    matrix.makeScale(edges[3 * n]!, edges[3 * n + 1]!, edges[3 * n + 2]!);
+    matrix.setPosition(places[3 * n]!, places[3 * n + 1]!, places[3 * n + 2]!);
+    mesh.setMatrixAt(n, matrix);
+  }
+  mesh.name = entity.id;
+  return mesh;
+}
+
 /** Frees what a group holds for itself; the shapes are shared. */
 export function dispose(group: THREE.Object3D): void {
   group.traverse((object) => {
-    if (object instanceof THREE.Line) object.geometry.dispose();
+    if (object instanceof THREE.InstancedMesh) object.dispose();
+    if (object instanceof THREE.Line && object.geometry !== EDGES) object.geometry.dispose();
+    if (object instanceof THREE.Sprite) {
+      object.material.map?.dispose();
+      object.material.dispose();
+    }
     if (object instanceof THREE.Mesh || object instanceof THREE.Line) (object.material as THREE.Material).dispose();
   });
 }

@@ -2,18 +2,23 @@
 
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { type PointCloud, type SceneUpdate, type Transform, type VoxelGrid, bytesOf } from "./messages";
-import { dispose, objectOf, place } from "./scene_entities";
+import { type PointCloud, type SceneUpdate, type Transform, bytesOf } from "./messages";
+import { cellsOf, dispose, objectOf, place } from "./scene_entities";
 import { RobotView } from "./robot_view";
 
-const LAYERS = ["robot", "cloud", "map", "ground", "target", "surfaces", "candidates", "partner", "way"] as const;
+const LAYERS = ["robot", "cloud", "map", "unseen", "ground", "target", "surfaces", "candidates", "partner", "gripper",
+  "way"] as const;
 type Layer = (typeof LAYERS)[number];
+/** Not there at first: they cover what is more asked for. */
+const HIDDEN: Layer[] = ["unseen", "surfaces"];
+/** Layers that /scene fills. */
+const OF_SCENE: Layer[] = ["ground", "target", "surfaces", "candidates", "partner", "gripper", "way"];
 
 function layerOf(id: string): Layer {
   if (id === "ground") return "ground";
   if (id.startsWith("surface")) return "surfaces";
   if (id.startsWith("candidate")) return "candidates";
-  if (id === "partner") return "partner";
+  if (id === "partner" || id === "gripper") return id;
   if (id === "way" || id === "optimum") return "way";
   return "target";
 }
@@ -56,7 +61,7 @@ export class SceneView {
       const label = document.createElement("label");
       const box = document.createElement("input");
       box.type = "checkbox";
-      box.checked = name !== "surfaces";
+      box.checked = !HIDDEN.includes(name);
       group.visible = box.checked;
       box.onchange = () => { group.visible = box.checked; };
       label.append(box, name);
@@ -125,29 +130,19 @@ export class SceneView {
     this.points.geometry.setAttribute("position", new THREE.BufferAttribute(xyz, 3));
   }
 
-  map(grid: VoxelGrid): void {
+  /** The collision world: its boxes as cells. */
+  map(message: SceneUpdate): void {
     this.clear("map");
-    const bytes = bytesOf(grid.data);
-    const cells: THREE.Vector3[] = [];
-    const slices = grid.slice_stride > 0 ? Math.floor(bytes.length / grid.slice_stride) : 0;
-    for (let k = 0; k < slices; k++)
-      for (let j = 0; j < grid.row_count; j++)
-        for (let i = 0; i < grid.column_count; i++)
-          if (bytes[k * grid.slice_stride + j * grid.row_stride + i * grid.cell_stride])
-            cells.push(new THREE.Vector3((i + 0.5) * grid.cell_size.x, (j + 0.5) * grid.cell_size.y, (k + 0.5) * grid.cell_size.z));
-    const mesh = new THREE.InstancedMesh(
-      new THREE.BoxGeometry(0.9 * grid.cell_size.x, 0.9 * grid.cell_size.y, 0.9 * grid.cell_size.z),
-      new THREE.MeshLambertMaterial({ color: "#8a7fb0", transparent: true, opacity: 0.35, depthWrite: false }), cells.length);
-    const matrix = new THREE.Matrix4();
-    cells.forEach((p, n) => mesh.setMatrixAt(n, matrix.makeTranslation(p.x, p.y, p.z)));
-    place(mesh, grid.pose);
-    this.layers.get("map")!.add(mesh);
+    this.clear("unseen");
+    for (const entity of message.entities) {
+      const unseen = entity.id === "hidden";
+      this.layers.get(unseen ? "unseen" : "map")!.add(cellsOf(entity, unseen ? 1 : 0.85));
+    }
   }
 
   update(message: SceneUpdate): void {
     for (const gone of message.deletions)
-      for (const name of LAYERS) {
-        if (name === "robot" || name === "cloud" || name === "map") continue;
+      for (const name of OF_SCENE) {
         const group = this.layers.get(name)!;
         for (const child of [...group.children])
           if (child !== this.robot.ghost && (gone.type === 1 || child.name === gone.id)) { dispose(child); group.remove(child); }
