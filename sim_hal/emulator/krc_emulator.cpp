@@ -164,6 +164,7 @@ void KrcEmulator::count_answer() {
   } else {
     quality_.missed();
     ++report_.missed;
+    if (state_ == FriState::Command) ++report_.missed_in_command;
     if (ever_answered_)
       report_.most_missed_in_a_row = std::max(report_.most_missed_in_a_row, quality_.missed_in_a_row());
   }

@@ -33,6 +33,7 @@ struct KrcReport {
   std::uint64_t late = 0, duplicate = 0, reordered = 0;
   std::map<std::string, std::uint64_t> rejected;  ///< By reason.
   int most_missed_in_a_row = 0;                   ///< Since the first answer.
+  std::uint64_t missed_in_command = 0;            ///< Of `missed`, while the client commanded.
   std::array<std::uint64_t, 4> quality_cycles{};  ///< Cycles at each quality.
   FriQuality quality = FriQuality::Unacceptable;
   FriState state = FriState::Off;

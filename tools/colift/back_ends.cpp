@@ -72,7 +72,7 @@ ArmLink link_of(const hal::FriArm& arm, EmulatedRig* emulated) {
   const sim_hal::KrcServerTiming timing = emulated->krc().timing();
   link.controller =
       ArmLink::Controller{report.sent, report.answered,     report.missed, report.most_missed_in_a_row,
-                          timing.late, timing.worst_late_ms};
+                          timing.late, timing.worst_late_ms, report.missed_in_command};
   for (const auto& broken : report.broken_rules) link.controller->broken_rules.push_back(broken.because);
   for (const auto& change : report.mode_changes)
     if (change.from == sim_hal::FriState::Command) link.controller->left_command.push_back(change.because);

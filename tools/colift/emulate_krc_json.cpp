@@ -38,6 +38,7 @@ std::string emulate_krc_json(const EmulateKrcOptions& o, const sim_hal::KrcRepor
         {"answered", r.answered},
         {"missed", r.missed},
         {"most_missed_in_a_row", r.most_missed_in_a_row},
+        {"missed_in_command", r.missed_in_command},
         {"received", r.received},
         {"late", r.late},
         {"duplicate", r.duplicate},

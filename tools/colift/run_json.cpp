@@ -85,6 +85,7 @@ Json arm_link(const ArmLink& link) {
                      {"most_missed_in_a_row", c.most_missed_in_a_row},
                      {"late_cycles", c.late},
                      {"worst_late_ms", c.worst_late_ms},
+                     {"missed_in_command", c.missed_in_command},
                      {"broken_rules", c.broken_rules},
                      {"left_command", c.left_command}};
   return j;

@@ -79,8 +79,9 @@ std::string link_text(const ArmLink& link) {
   if (!link.controller) return text;
   const ArmLink::Controller& c = *link.controller;
   return text +
-         fmt::format("; the emulated controller missed {} of {} answers and began {} cycles late itself",
-                     c.missed, c.sent, c.late);
+         fmt::format("; the emulated controller missed {} of {} answers, {} of them while it took commands, and began {} "
+                     "cycles late itself",
+                     c.missed, c.sent, c.missed_in_command, c.late);
 }
 
 }  // namespace

@@ -70,6 +70,7 @@ struct ArmLink {
     int most_missed_in_a_row = 0;
     std::uint64_t late = 0;  ///< Cycles that it began late itself.
     double worst_late_ms = 0.0;
+    std::uint64_t missed_in_command = 0;  ///< Of `missed`, while it took commands.
     std::vector<std::string> broken_rules = {};
     std::vector<std::string> left_command = {};  ///< Why it left command mode, each time.
   };
