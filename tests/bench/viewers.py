@@ -3,7 +3,7 @@
 first with nobody, then with 20 viewers. One of them never reads, one floods; both come back when they are closed.
 
 Prints for both how long the arm's answers took and how many came too late, beside the cycles that the emulated
-controller itself began late, for which nobody but the machine is to blame. Means something only on a machine with
+controller itself began late, for which the machine is to blame, or, where `fri.cpu` has both on one processor, a slow answer: look at the times. Means something only on a machine with
 nothing else to do. Standard library only. Usage: viewers.py COLIFT [--robot FILE] [--viewers N] [--seed N]
 Exit: 0 no more missed with viewers than without; 1 more; 2 a run failed or was no whole lift.
 """
