@@ -268,3 +268,13 @@ TEST_CASE("--version and --help are not errors", "[program]") {
     CHECK(r.out.size() > 200);
   }
 }
+
+TEST_CASE("a file behind --view is the recording, a number is the port", "[program]") {
+  for (const char* arguments : {"log replay --view nowhere.mcap", "log replay nowhere.mcap --view 0"}) {
+    const Run r = colift(arguments);
+    INFO(arguments << "\n" << r.err);
+    CHECK(r.code == 2);
+    CHECK_THAT(r.err, Catch::Contains("nowhere.mcap"));
+    CHECK_THAT(r.err, !Catch::Contains("port"));
+  }
+}
