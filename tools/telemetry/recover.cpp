@@ -8,14 +8,10 @@ namespace {
 
 constexpr std::size_t kChunkBytes = 4u << 20;
 
-}  // namespace
-
-hal::Result<Recovered> recover(const McapReader& file, const std::filesystem::path& to) {
+hal::Result<Recovered> copy(const McapReader& file, std::unique_ptr<ByteSink> sink) {
   // read from the front: the summary of a file that is damaged in the middle knows nothing of it
   const McapInfo info = file.scan();
-  auto sink = create_file(to);
-  if (!sink) return tl::unexpected(sink.error());
-  McapWriter writer(std::move(*sink));
+  McapWriter writer(std::move(sink));
   Recovered out;
   out.damage = info.damage;
   if (auto done = writer.begin(info.profile, info.library); !done) return tl::unexpected(done.error());
@@ -59,6 +55,23 @@ hal::Result<Recovered> recover(const McapReader& file, const std::filesystem::pa
   if (auto done = writer.finish(); !done) return tl::unexpected(done.error());
   out.bytes = writer.size();
   return out;
+}
+
+}  // namespace
+
+hal::Result<Recovered> recover(const McapReader& file, const std::filesystem::path& to) {
+  // under its own name only when it is whole: a full disk leaves nothing behind that looks like a recording
+  std::filesystem::path part = to;
+  part += ".part";
+  auto sink = create_file(part);
+  if (!sink) return tl::unexpected(sink.error());
+  auto done = copy(file, std::move(*sink));
+  std::error_code trouble;
+  if (done) std::filesystem::rename(part, to, trouble);
+  if (trouble)
+    done = hal::failure(hal::ErrorCode::BadInput, to.string(), "cannot be written: " + trouble.message());
+  if (!done) std::filesystem::remove(part, trouble);
+  return done;
 }
 
 }  // namespace colift::telemetry
