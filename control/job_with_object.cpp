@@ -29,6 +29,14 @@ double deg(double rad) {
   return rad * 180.0 / std::numbers::pi;
 }
 
+// The joint with the least way left to one of its limits, in words.
+std::string nearest_limit(const hal::RobotModel& model, const hal::JointVector& q_rad) {
+  const hal::JointVector to_lower = q_rad - model.lower_rad(), to_upper = model.upper_rad() - q_rad;
+  Eigen::Index joint = 0;
+  const double left_rad = to_lower.cwiseMin(to_upper).minCoeff(&joint);
+  return fmt::format("A{} is {:.1f} deg from its limit", joint + 1, deg(left_rad));
+}
+
 }  // namespace
 
 std::optional<Happening> Job::close() {
@@ -135,7 +143,8 @@ std::optional<Happening> Job::beyond_limits() const {
 std::optional<Happening> Job::serve_lift() const {
   if (!loop_.end_of_reach()) return std::nullopt;
   return Happening{Event::EndOfReach,
-                   fmt::format("{:.1f} cm up, the palm cannot go on straight", 1e2 * loop_.view().height_m)};
+                   fmt::format("{:.1f} cm up, the palm cannot go on straight: {}",
+                               1e2 * loop_.view().height_m, nearest_limit(rig_.model, loop_.commanded()))};
 }
 
 std::optional<Happening> Job::lift() {

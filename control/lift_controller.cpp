@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace colift::control {
 namespace {
@@ -10,9 +11,9 @@ constexpr double kFeedForward_s = 0.25;    // time constant: slower than the obj
 constexpr double kFollowSpeed_m_s = 0.08;  // a person who lifts 5 cm in 2 s peaks at 0.047 m/s
 constexpr double kFollowGain_1_s = 4.0;
 constexpr double kFollowAcceleration_m_s2 = 0.4;
-constexpr double kLimitMargin_rad = 0.02;
 constexpr double kLargestStep_rad = 0.05;  // in one cycle; more is a jump to another posture
 constexpr double kAtRest_m = 0.002;
+constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kLeastSpan = 0.25;  // of the time of a whole lift: for what is left of one
 
 // height along a minimum-jerk profile from 0 to 1
@@ -90,7 +91,7 @@ std::optional<LiftController::Command> LiftController::step(double dt_s,
   height_m_ = next_height(pace * dt_s);
   hal::Pose X_WF = X_WF0_;
   X_WF.translation().z() += height_m_;
-  const auto q = planner::follow_ik(arm_, X_WF, q_rad_, kLimitMargin_rad, kLargestStep_rad);
+  const auto q = planner::follow_ik(arm_, X_WF, q_rad_, kDegree * config_.limit_margin_deg, kLargestStep_rad);
   if (!q) {
     height_m_ = before_m;  // the way down begins here
     at_end_ = true;        // what lies behind may be in reach again, but not by the way that the palm goes

@@ -20,6 +20,7 @@ struct TaskConfig {
   double contact_n = 30.0;
   double slow_part = 0.3;
   double arm_patience_s = 1.0;
+  double limit_margin_deg = 1.2;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -43,6 +44,8 @@ struct TaskConfig {
       "Part of its speed that the arm goes on with while its controller warns.");
     v("arm_patience_s", arm_patience_s, hal::Range{0, 30},
       "How long the arm may stand because its controller takes no commands, before the job ends (s).");
+    v("limit_margin_deg", limit_margin_deg, hal::Range{1.2, 45},
+      "Kept from the joints' limits while the object is borne; plans keep motion.limit_margin_deg (deg).");
   }
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <numbers>
 #include <string>
 #include <string_view>
 
@@ -271,6 +272,41 @@ TEST_CASE("while the controller warns, the arm really goes slower (rows 40 and 4
     CHECK(lifts[i].in_state_s < 4.0 * lifts[i - i % 4].in_state_s);
     CHECK_THAT(lifts[i].told, Catch::Contains("goes on slowly"));
   }
+}
+
+TEST_CASE(
+    "a joint near its limit is planned around, and where no plan foresaw it the arm stops before (row 45)",
+    "[wire][faults]") {
+  auto scenario = sim_hal::load_scenario(std::string(COLIFT_SOURCE_DIR) + "/config/scenario/box.yaml");
+  REQUIRE(scenario);
+  scenario->camera.noise = "none";
+  control::Config config = control::run_defaults();
+  const hal::RobotModel robot = hal::built_in_robot();
+  const auto to_limit_deg = [&](const tests::SimulatedLift& lift) {
+    const hal::JointVector& q = lift.at_end.q_rad;
+    return (q - robot.lower_rad()).cwiseMin(robot.upper_rad() - q).minCoeff() * 180.0 / std::numbers::pi;
+  };
+
+  // while it lifts this box from above, A4 comes as near as 17.5 deg: a plan that knows nothing of it
+  config.task.limit_margin_deg = 19.0;
+  const auto stopped = tests::simulate(*scenario, control::Method::Fast, 1, config, tests::OverWire{});
+  INFO(stopped.record.because);
+  CHECK(stopped.record.outcome == Result::Aborted);
+  CHECK(stopped.record.states.back().state == Task::Stopped);
+  CHECK_THAT(stopped.record.because, Catch::Contains("A4 is 19."));
+  CHECK(stopped.record.hand_keeps_grip);
+  CHECK(stopped.at_end.robot_touches_object);
+  CHECK(stopped.at_end.height_m > 0.005);
+  CHECK(to_limit_deg(stopped) > 19.0 - 0.3);  // the springs of the impedance give a little
+  CHECK(stopped.record.faults.empty());
+  CHECK(stopped.wire->broken_rules_in_all == 0);
+
+  // a plan that knows it takes another grasp or posture
+  config.motion.limit_margin_deg = 19.0;
+  const auto around = tests::simulate(*scenario, control::Method::Fast, 1, config, tests::OverWire{});
+  INFO(around.record.because);
+  CHECK(around.record.outcome == Result::Lifted);
+  CHECK(around.tilt_deg < 1.0);
 }
 
 TEST_CASE("in T1 a whole lift keeps below the speed that the controller stops at", "[wire]") {
