@@ -13,6 +13,7 @@ namespace colift::hal {
 class AnswerTimes {
  public:
   static constexpr std::size_t kBuckets = 80;
+  static constexpr std::size_t kSlow = 256;
 
   void add(Duration took) noexcept {
     const std::uint64_t us = took.count() > 0 ? (static_cast<std::uint64_t>(took.count()) + 999) / 1000 : 0;
@@ -20,7 +21,16 @@ class AnswerTimes {
     if (us > worst_us_.load(std::memory_order_relaxed)) worst_us_.store(us, std::memory_order_relaxed);
   }
 
+  /// One that took too long, beside add(); the first kSlow of them are kept with their times.
+  void note_slow(Timestamp arrived, Timestamp answered) noexcept {
+    const std::size_t i = slow_.load(std::memory_order_relaxed);
+    if (i >= kSlow) return;
+    slow_at_[i] = {arrived, answered};
+    slow_.store(i + 1, std::memory_order_release);
+  }
+
   void reset() noexcept {
+    slow_.store(0, std::memory_order_relaxed);
     for (auto& c : counts_) c.store(0, std::memory_order_relaxed);
     worst_us_.store(0, std::memory_order_relaxed);
   }
@@ -43,6 +53,12 @@ class AnswerTimes {
     }
     return upper_us(kBuckets - 1);
   }
+
+  struct Slow {
+    Timestamp arrived{0}, answered{0};
+  };
+  [[nodiscard]] std::size_t slow() const noexcept { return slow_.load(std::memory_order_acquire); }
+  [[nodiscard]] const Slow& slow(std::size_t i) const noexcept { return slow_at_[i]; }
 
   /// Answers in one bucket, and its upper edge (included): for drawing.
   [[nodiscard]] std::uint64_t in_bucket(std::size_t i) const noexcept {
@@ -69,6 +85,8 @@ class AnswerTimes {
 
   std::array<std::atomic<std::uint64_t>, kBuckets> counts_{};
   std::atomic<std::uint64_t> worst_us_{0};
+  std::array<Slow, kSlow> slow_at_{};
+  std::atomic<std::size_t> slow_{0};
 };
 
 }  // namespace colift::hal

@@ -55,9 +55,13 @@ bool FriExchange::answer(FriCommand& command) noexcept {
   }
   ++send_;
   ++answered;
-  const Duration took = clock_.now() - arrived_at_;
+  const Timestamp now = clock_.now();
+  const Duration took = now - arrived_at_;
   times_.add(took);
-  if (seconds(took) > period_s_) ++late;
+  if (seconds(took) > period_s_) {
+    ++late;
+    times_.note_slow(arrived_at_, now);
+  }
   return true;
 }
 

@@ -75,6 +75,8 @@ class KrcEmulator final : private KrlHost {
   void inject(const KrcFault& fault);
   /// Up to this moment.
   [[nodiscard]] KrcReport report() const;
+  /// KrcReport's, without making one.
+  [[nodiscard]] std::uint64_t missed_in_command() const { return report_.missed_in_command; }
 
  private:
   // what the program sees

@@ -4,6 +4,7 @@
 #include <sched.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "hal/os/realtime.hpp"
 #include "hal/os/udp_link.hpp"
@@ -16,6 +17,7 @@ constexpr hal::Duration kPatience = std::chrono::milliseconds(100);  // with spe
 constexpr double kLate = 0.25, kMostWaiting = 0.5;                   // of a cycle
 constexpr double kPublish_s = 0.1;
 constexpr std::size_t kMostEvents = 10000;  // that nobody fetched
+constexpr std::size_t kMostMissed = 1000;   // that are told one by one
 
 bool ask_realtime() {
   sched_param parameter{};
@@ -69,11 +71,14 @@ void KrcServer::run() {
   const hal::Timestamp began = wall_.now();
   hal::Timestamp due = began;
   double published_s = 0.0;
+  std::uint64_t missed = 0;
+  timing_.missed.reserve(kMostMissed);
   while (!stop_ && !krc_->ended()) {
     if (wishes_.exchange(false)) take_wishes();
     cycle_at_ = krc_->next_cycle();
-    cycle_wall_ = wall_.now();
+    const hal::Timestamp sent = std::exchange(cycle_wall_, wall_.now());
     krc_->cycle();
+    note_missed(sent, missed);
     const hal::Duration cycle = krc_->next_cycle() - cycle_at_;
     const hal::Duration in_wall =
         config_.speed > 0.0 ? std::chrono::duration_cast<hal::Duration>(cycle / config_.speed) : kPatience;
@@ -98,6 +103,13 @@ void KrcServer::run() {
   }
   publish();
   ended_ = true;
+}
+
+void KrcServer::note_missed(hal::Timestamp sent, std::uint64_t& before) {
+  const std::uint64_t missed = krc_->missed_in_command();
+  if (missed > before && timing_.missed.size() < kMostMissed)
+    timing_.missed.push_back({hal::seconds(sent), hal::seconds(cycle_wall_)});
+  before = missed;
 }
 
 void KrcServer::wait_for_answers(hal::Timestamp sent, hal::Timestamp until) {

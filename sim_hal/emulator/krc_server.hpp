@@ -29,6 +29,12 @@ struct KrcServerTiming {
   double worst_late_ms = 0.0, plant_ms = 0.0, worst_plant_ms = 0.0;  ///< plant_ms: mean.
   double wall_s = 0.0;
   bool realtime = false;  ///< SCHED_FIFO was granted.
+  /// Cycles whose answer was missed while the client commanded: when the measurement went out, and when it
+  /// was too late. By CLOCK_MONOTONIC (s), so that they can be laid beside what others saw of this machine.
+  struct Missed {
+    double sent_s = 0.0, until_s = 0.0;
+  };
+  std::vector<Missed> missed;  ///< Of those in command; the first 1000.
 };
 
 /// An emulated KRC in real time on a UDP port, in a thread of its own.
@@ -62,6 +68,7 @@ class KrcServer {
  private:
   void run();
   void take_wishes();
+  void note_missed(hal::Timestamp sent, std::uint64_t& before);
   void wait_for_answers(hal::Timestamp sent, hal::Timestamp until);
   void publish();
 

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Whether people who watch disturb the arm: a run on the emulated rig (real drivers, real time) with its live view,
-first with nobody, then with 20 viewers. One of them never reads, one floods; both come back when they are closed.
+"""Whether people who watch disturb the arm: runs on the emulated rig (real drivers, real time) with its live view, in
+pairs: with nobody, and with 20 viewers. One of them never reads, one floods; both come back when they are closed.
 
-Prints for both how long the arm's answers took and how many came too late, beside the cycles that the emulated
-controller itself began late, for which the machine is to blame, or, where `fri.cpu` has both on one processor, a slow answer: look at the times. Means something only on a machine with
-nothing else to do. Standard library only. Usage: viewers.py COLIFT [--robot FILE] [--viewers N] [--seed N]
-Exit: 0 no more missed with viewers than without; 1 more; 2 a run failed or was no whole lift.
+Prints for both how long the arm's answers took, how many were missed while the emulated controller took commands, and
+how many of these are the program's own: `standstill` watches the processors meanwhile (tests/support/standstill.py).
+Means something only on a machine with nothing else to do. A minute a pair.
+Usage: viewers.py COLIFT [--cpu N] [--viewers N] [--seed N] [--pairs N]
+Exit: 0 in all no more missed with viewers than without, the machine's own ones not counted; 1 more; 2 a run failed or
+was no whole lift.
 """
 
 import argparse
@@ -20,10 +22,14 @@ import socket
 import struct
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 
-CONFIG = pathlib.Path(__file__).resolve().parents[2] / "config"
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+import emulated_robot  # noqa: E402
+import standstill  # noqa: E402
+
 CONTINUED, TEXT, PONG = 0, 1, 10
 
 
@@ -157,9 +163,15 @@ class Viewers(threading.Thread):
             s.close()
 
 
-def run(options, viewers):
-    """The document of one run, and who watched."""
-    child = subprocess.Popen([options.colift, "run", "--robot", options.robot, "--seed", str(options.seed), "--view",
+def run(options, seed, viewers):
+    """The document of one run, who watched, and who watched the machine."""
+    with standstill.Witness(standstill.beside(options.colift)) as witness:
+        document, crowd = watched_run(options, seed, viewers)
+    return document, crowd, witness
+
+
+def watched_run(options, seed, viewers):
+    child = subprocess.Popen([options.colift, "run", "--robot", options.robot, "--seed", str(seed), "--view",
                               "0", "--json", "--quiet"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     crowd, said = None, ""
     for line in child.stderr:
@@ -187,42 +199,56 @@ def run(options, viewers):
     return json.loads(document), crowd
 
 
-def line(name, document):
+def missed(document, witness):
+    """Answers missed while the controller took commands, and how many of them are not the machine's."""
+    spans = standstill.missed(document)
+    return len(spans), len(standstill.programs_own(spans, witness.stood))
+
+
+def line(name, document, witness):
     link = document["arm_link"]
-    answer, krc = link["answer_us"], link.get("controller", {})
+    answer, krc = link["answer_us"], link["controller"]
+    all_missed, own = missed(document, witness)
+    stood = len([s for s in witness.stood or [] if s[1] - s[0] > 0.001])
     return (f"{name:<14}{document['outcome']:<9}{link['cycles']:>8}{answer['p50']:>7}{answer['p99']:>7}"
-            f"{answer['p999']:>8}{answer['worst']:>8}{krc.get('missed_in_command', 0):>8}{krc.get('late_cycles', 0):>12}"
-            f"{krc.get('worst_late_ms', 0.0):>12.1f}")
-
-
-def in_command(document):
-    """Missed answers while the controller took commands; before, a client that is not there yet misses many."""
-    return document["arm_link"].get("controller", {}).get("missed_in_command", 0)
+            f"{answer['p999']:>8}{answer['worst']:>8}{all_missed:>8}{own:>6}{krc['late_cycles']:>12}"
+            f"{stood:>10}{witness.worst_ms or float('nan'):>12.1f}")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("colift")
-    parser.add_argument("--robot", default=str(CONFIG / "emulated.yaml"))
+    parser.add_argument("--cpu", type=int, default=-1, help="of the driver and the emulated controller")
     parser.add_argument("--viewers", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--pairs", type=int, default=1)
     options = parser.parse_args()
-    print(f"{'':<14}{'':<9}{'cycles':>8}{'p50':>7}{'p99':>7}{'p99.9':>8}{'worst':>8}{'missed':>8}{'late cycles':>12}"
-          f"{'worst (ms)':>12}\n{'':<31}{'answer (us)':>17}", flush=True)
-    alone, _ = run(options, 0)
-    print(line("nobody", alone), flush=True)
-    watched, crowd = run(options, options.viewers)
-    print(line(f"{options.viewers} viewers", watched))
-    print(f"they got {crowd.bytes / 1e6:.0f} MB; closed: {crowd.closed['flood']} times who floods, "
-          f"{crowd.closed['deaf']} times who never reads, {crowd.closed['reader']} others")
-    for name, document in (("nobody", alone), ("viewers", watched)):
-        if document["outcome"] != "lifted":
-            print(f"with {name} it was no whole lift: {document['because']}")
-    more = in_command(watched) - in_command(alone)
-    print(f"missed while the controller took commands: {in_command(alone)} with nobody, {in_command(watched)} with viewers")
-    if "lifted" != alone["outcome"] or "lifted" != watched["outcome"]:
+    if standstill.beside(options.colift) is None:
+        print("no standstill beside colift (cmake -DCOLIFT_BENCH=ON, ninja standstill): every miss counts as the "
+              "program's own")
+    print(f"{'':<14}{'':<9}{'cycles':>8}{'p50':>7}{'p99':>7}{'p99.9':>8}{'worst':>8}{'missed':>8}{'own':>6}"
+          f"{'late cycles':>12}{'machine stood still':>22}\n{'':<31}{'answer (us)':>22}{'':>34}"
+          f"{'over 1 ms':>12}{'worst (ms)':>11}", flush=True)
+    folder = tempfile.TemporaryDirectory(prefix="colift-viewers-")
+    options.robot = emulated_robot.write(folder.name, options.cpu)
+    total = {"nobody": [0, 0], "viewers": [0, 0]}
+    whole = True
+    for seed in range(options.seed, options.seed + options.pairs):
+        for who, count in (("nobody", 0), ("viewers", options.viewers)):
+            document, crowd, witness = run(options, seed, count)
+            print(line(f"{count} viewers" if count else "nobody", document, witness), flush=True)
+            if crowd:
+                print(f"{'':<14}they got {crowd.bytes / 1e6:.0f} MB; closed: {crowd.closed['flood']} times who floods, "
+                      f"{crowd.closed['deaf']} times who never reads, {crowd.closed['reader']} others", flush=True)
+            if document["outcome"] != "lifted":
+                whole = False
+                print(f"{'':<14}no whole lift: {document['because']}", flush=True)
+            total[who] = [a + b for a, b in zip(total[who], missed(document, witness))]
+    print(f"missed in command: {total['nobody'][0]} with nobody ({total['nobody'][1]} the program's own), "
+          f"{total['viewers'][0]} with viewers ({total['viewers'][1]} its own)")
+    if not whole:
         sys.exit(2)
-    sys.exit(1 if more > 0 else 0)
+    sys.exit(1 if total["viewers"][1] > total["nobody"][1] else 0)
 
 
 if __name__ == "__main__":

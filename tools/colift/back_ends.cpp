@@ -67,12 +67,16 @@ ArmLink link_of(const hal::FriArm& arm, EmulatedRig* emulated) {
   link.lost = status.lost;
   link.answer_us = {times.percentile_us(0.5), times.percentile_us(0.99), times.percentile_us(0.999),
                     times.worst_us()};
+  for (std::size_t i = 0; i < times.slow(); ++i)
+    link.slow.push_back({hal::seconds(times.slow(i).arrived), hal::seconds(times.slow(i).answered)});
   if (emulated == nullptr) return link;
   const sim_hal::KrcReport report = emulated->krc().report();
   const sim_hal::KrcServerTiming timing = emulated->krc().timing();
-  link.controller =
-      ArmLink::Controller{report.sent, report.answered,     report.missed, report.most_missed_in_a_row,
-                          timing.late, timing.worst_late_ms, report.missed_in_command};
+  link.controller = ArmLink::Controller{
+      report.sent, report.answered,      report.missed,           report.most_missed_in_a_row,
+      timing.late, timing.worst_late_ms, report.missed_in_command};
+  for (const auto& missed : timing.missed)
+    link.controller->missed_at.push_back({missed.sent_s, missed.until_s});
   for (const auto& broken : report.broken_rules) link.controller->broken_rules.push_back(broken.because);
   for (const auto& change : report.mode_changes)
     if (change.from == sim_hal::FriState::Command) link.controller->left_command.push_back(change.because);

@@ -68,6 +68,12 @@ Json truth(const RunView& view) {
   return j;
 }
 
+Json spans(const std::vector<ArmLink::Span>& all) {
+  Json j = Json::array();
+  for (const ArmLink::Span& span : all) j.push_back({span.from_s, span.to_s});
+  return j;
+}
+
 Json arm_link(const ArmLink& link) {
   Json j;
   j["cycles"] = link.cycles;
@@ -77,6 +83,7 @@ Json arm_link(const ArmLink& link) {
                     {"p99", link.answer_us.p99},
                     {"p999", link.answer_us.p999},
                     {"worst", link.answer_us.worst}};
+  j["slow_monotonic_s"] = spans(link.slow);
   if (!link.controller) return j;
   const ArmLink::Controller& c = *link.controller;
   j["controller"] = {{"sent", c.sent},
@@ -86,6 +93,7 @@ Json arm_link(const ArmLink& link) {
                      {"late_cycles", c.late},
                      {"worst_late_ms", c.worst_late_ms},
                      {"missed_in_command", c.missed_in_command},
+                     {"missed_monotonic_s", spans(c.missed_at)},
                      {"broken_rules", c.broken_rules},
                      {"left_command", c.left_command}};
   return j;

@@ -64,6 +64,10 @@ struct ArmLink {
   struct AnswerTimes {
     std::uint64_t p50 = 0, p99 = 0, p999 = 0, worst = 0;
   } answer_us;  ///< From a datagram's arrival to its answer.
+  struct Span {
+    double from_s = 0.0, to_s = 0.0;  ///< CLOCK_MONOTONIC.
+  };
+  std::vector<Span> slow;  ///< Answers that took longer than a cycle; the first 256.
   /// What the controller at the far end says, when it is an emulated one.
   struct Controller {
     std::uint64_t sent = 0, answered = 0, missed = 0;
@@ -72,6 +76,7 @@ struct ArmLink {
     double worst_late_ms = 0.0;
     std::uint64_t missed_in_command = 0;  ///< Of `missed`, while it took commands.
     std::vector<std::string> broken_rules = {};
+    std::vector<Span> missed_at = {};            ///< Of missed_in_command; the first 1000.
     std::vector<std::string> left_command = {};  ///< Why it left command mode, each time.
   };
   std::optional<Controller> controller;

@@ -97,6 +97,17 @@ TEST_CASE("answer times fall into the bucket that holds them", "[types]") {
   CHECK(times.in_bucket(AnswerTimes::kBuckets - 1) == 1);
 }
 
+TEST_CASE("the first answers that took too long are kept with their times", "[types]") {
+  AnswerTimes times;
+  const int many = static_cast<int>(AnswerTimes::kSlow) + 10;
+  for (int i = 0; i < many; ++i) times.note_slow(std::chrono::seconds(i), std::chrono::seconds(i + 1));
+  REQUIRE(times.slow() == AnswerTimes::kSlow);
+  CHECK(times.slow(3).arrived == std::chrono::seconds(3));
+  CHECK(times.slow(3).answered == std::chrono::seconds(4));
+  times.reset();
+  CHECK(times.slow() == 0);
+}
+
 TEST_CASE("the packets' clock keeps out jitter and follows a drift", "[types]") {
   PacketClock clock;
   const double drift = GENERATE(0.0, 50e-6, -50e-6);
