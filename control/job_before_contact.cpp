@@ -8,6 +8,7 @@
 #include "control/job.hpp"
 #include "control/map_check.hpp"
 #include "control/picture_check.hpp"
+#include "control/suggest.hpp"
 
 namespace colift::control {
 namespace {
@@ -151,6 +152,10 @@ bool Job::choose() {
     // the rule says already that no grasp fits
     failed_because_ = record_.decision->decision.because;
     if (failed_because_.starts_with("no grasp: ")) failed_because_.erase(0, 10);
+    if (const auto better =
+            suggest_to_partner(record_.decision.value(), watch_.look().candidates,
+                               watch_.look().scene.target->cog, hal::Vec3::UnitZ(), config_.decision))
+      failed_because_ += "; " + better->because;
   }
   return record_.decision->decision.chosen.has_value();
 }

@@ -78,17 +78,4 @@ void SeveralAgents::move(std::size_t agent, const Vec3& position) {
   renew();
 }
 
-std::optional<PlaceSuggestion> suggest_place(const SeveralAgents& agents, std::size_t who,
-                                             std::span<const Vec3> places, std::span<const Wrench> tasks) {
-  const double now = agents.cost(tasks);
-  SeveralAgents moved = agents;
-  std::optional<PlaceSuggestion> best;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    moved.move(who, places[i]);
-    const double there = moved.cost(tasks);
-    if (there < (best ? best->cost : now)) best = {i, there, 1.0 - there / now};
-  }
-  return best;
-}
-
 }  // namespace colift::planner

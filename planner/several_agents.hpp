@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -48,18 +47,5 @@ class SeveralAgents {
   Vec3 middle_ = Vec3::Zero();
   Eigen::Matrix3d inverse_ = Eigen::Matrix3d::Zero();  ///< Of the matrix above.
 };
-
-/// Where one of them should rather take hold.
-struct PlaceSuggestion {
-  std::size_t place = 0;  ///< Index into the places.
-  double cost = 0.0;      ///< There.
-  double gain = 0.0;      ///< Part of the cost of now that it would save, 0 to 1.
-};
-
-/// The best of some places for agent `who`, the others staying; nullopt when none is better than where he is.
-/// Places as the agents' positions, relative to the centre of gravity.
-[[nodiscard]] std::optional<PlaceSuggestion> suggest_place(const SeveralAgents& agents, std::size_t who,
-                                                           std::span<const Vec3> places,
-                                                           std::span<const Wrench> tasks);
 
 }  // namespace colift::planner

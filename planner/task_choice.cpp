@@ -1,6 +1,7 @@
 #include "planner/task_choice.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 namespace colift::planner {
@@ -8,6 +9,14 @@ namespace {
 
 constexpr double kGravity = 9.80665;           // m/s^2
 constexpr double kMinimumJerkPeak = 5.773503;  // 10/sqrt(3) d/t^2
+
+Vec3 grasp_point(const GraspCandidate& c) {
+  return c.position + c.depth_m * c.approach;
+}
+
+bool possible(const GraspCandidate& c) {
+  return c.verdict == Verdict::Ok || c.verdict == Verdict::Chosen;
+}
 
 }  // namespace
 
@@ -74,8 +83,31 @@ hal::Result<TaskChoice> choose_for_task(std::span<const GraspCandidate> candidat
   TaskChoice choice;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const GraspCandidate& c = candidates[i];
-    choice.costs.push_back(sharing->cost(partner - cog, c.position + c.depth_m * c.approach - cog, wrenches));
-    if (c.verdict != Verdict::Ok && c.verdict != Verdict::Chosen) continue;
+    choice.costs.push_back(sharing->cost(partner - cog, grasp_point(c) - cog, wrenches));
+    if (!possible(c)) continue;
+    if (!choice.best || choice.costs[i] < choice.costs[*choice.best]) choice.best = i;
+  }
+  return choice;
+}
+
+hal::Result<TaskChoice> choose_beside(std::span<const GraspCandidate> candidates,
+                                      std::span<const CarryingAgent> others, CarryingAgent robot,
+                                      const Vec3& cog, std::span<const Wrench> tasks, double near_m) {
+  if (tasks.empty()) return hal::failure(hal::ErrorCode::BadInput, "task", "has no pose");
+  std::vector<CarryingAgent> all(others.begin(), others.end());
+  robot.position.setZero();
+  all.push_back(robot);
+  auto agents = SeveralAgents::create(std::move(all));
+  if (!agents) return tl::unexpected(agents.error());
+  TaskChoice choice;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const Vec3 place = grasp_point(candidates[i]) - cog;
+    agents->move(others.size(), place);
+    choice.costs.push_back(agents->cost(tasks));
+    const bool near = std::any_of(others.begin(), others.end(), [&](const CarryingAgent& a) {
+      return (a.position - place).norm() < near_m;
+    });
+    if (near || !possible(candidates[i])) continue;
     if (!choice.best || choice.costs[i] < choice.costs[*choice.best]) choice.best = i;
   }
   return choice;

@@ -7,6 +7,7 @@
 #include "hal/types/result.hpp"
 #include "planner/grasp_candidate.hpp"
 #include "planner/load_sharing.hpp"
+#include "planner/several_agents.hpp"
 
 namespace colift::planner {
 
@@ -55,5 +56,13 @@ struct TaskChoice {
                                                       const Vec3& partner, const Vec3& cog, const Vec3& up,
                                                       const Task& task, const CarriedBody& body,
                                                       const SharingWeights& weights);
+
+/// The same beside any number of others, whose positions are relative to `cog`: the robot takes the place
+/// among them where all together need least. `robot` says its prices, not its place. Candidates within
+/// `near_m` of one of the others are left out. Errors: BadInput (prices, no task).
+[[nodiscard]] hal::Result<TaskChoice> choose_beside(std::span<const GraspCandidate> candidates,
+                                                    std::span<const CarryingAgent> others,
+                                                    CarryingAgent robot, const Vec3& cog,
+                                                    std::span<const Wrench> tasks, double near_m);
 
 }  // namespace colift::planner

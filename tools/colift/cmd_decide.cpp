@@ -45,6 +45,10 @@ int cmd_decide(const CommonOptions& common, const DecideOptions& options) {
   const auto outcome = control::decide(seen->look, *partner, setup->config, hal::SteadyClock());
   if (!outcome) return report_error("decide", outcome.error());
 
+  std::optional<control::Suggestion> suggestion;
+  if (seen->look.scene.target && seen->look.scene.ground)
+    suggestion = control::suggest_to_partner(*outcome, seen->look.candidates, seen->look.scene.target->cog,
+                                             seen->look.scene.ground->plane.normal, setup->config.decision);
   std::optional<WhyCandidate> why;
   if (options.why) {
     auto explained = explain_candidate(*outcome, setup->config, *options.why);
@@ -53,11 +57,11 @@ int cmd_decide(const CommonOptions& common, const DecideOptions& options) {
   }
 
   if (common.json) {
-    const std::string document = decide_document(*seen, *outcome);
+    const std::string document = decide_document(*seen, *outcome, suggestion);
     std::puts((why ? with_why(document, *outcome, *why) : document).c_str());
   } else {
-    const std::string text =
-        common.quiet ? outcome->decision.because + "\n" : look_text(*seen) + decide_text(*outcome);
+    const std::string text = common.quiet ? outcome->decision.because + "\n"
+                                          : look_text(*seen) + decide_text(*outcome, suggestion);
     std::fputs((why ? text + "\n" + why->text : text).c_str(), stdout);
   }
   std::fflush(stdout);

@@ -73,7 +73,8 @@ void add_log(CommandLine& line, CLI::App& log, LogOptions& o) {
 void add_experiment(CLI::App& command, ExperimentOptions& o) {
   command
       .add_option("NAME", o.words,
-                  "grasps, realtime, tilt, load, complex, robust, wrong-cog, slip or all; or: merge DIR...")
+                  "grasps, realtime, tilt, load, complex, robust, wrong-cog, slip, tasks, agents or all; or: "
+                  "merge DIR...")
       ->required();
   command.add_option("--trials", o.trials, "How many (default: each experiment's own number)")
       ->type_name("N");

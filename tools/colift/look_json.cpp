@@ -93,7 +93,8 @@ std::string look_document(const Seen& seen) {
   return look(seen, "colift.look/1", std::move(candidates)).dump();
 }
 
-std::string decide_document(const Seen& seen, const control::Outcome& o) {
+std::string decide_document(const Seen& seen, const control::Outcome& o,
+                            const std::optional<control::Suggestion>& suggestion) {
   Json j = look(seen, "colift.decide/1", candidates_json(o));
   if (o.partner) {
     j["partner"] = {{"position", json_array(o.partner->position)},
@@ -105,6 +106,11 @@ std::string decide_document(const Seen& seen, const control::Outcome& o) {
   }
   j["decision"] = decision_json(o);
   if (!o.decision.chosen) j["because"] = o.decision.because;
+  j["suggestion"] = nullptr;
+  if (suggestion)
+    j["suggestion"] = {{"partner", json_array(suggestion->position)},
+                       {"gain", suggestion->gain ? Json(*suggestion->gain) : Json(nullptr)},
+                       {"because", suggestion->because}};
   j["timing_ms"]["partner"] = o.partner_ms;
   j["timing_ms"]["decision"] = o.decision_ms;
   j["timing_ms"]["total"] = seen.look.ms.total + o.partner_ms + o.decision_ms;

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "control/suggest.hpp"
 #include "tools/colift/session.hpp"
 
 namespace colift::tools {
@@ -11,6 +13,7 @@ namespace colift::tools {
 [[nodiscard]] std::string look_document(const Seen& seen);
 
 /// The document colift.decide/1: all of look's, and partner, decision and a verdict in every candidate.
-[[nodiscard]] std::string decide_document(const Seen& seen, const control::Outcome& outcome);
+[[nodiscard]] std::string decide_document(const Seen& seen, const control::Outcome& outcome,
+                                          const std::optional<control::Suggestion>& suggestion);
 
 }  // namespace colift::tools

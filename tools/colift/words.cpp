@@ -88,7 +88,7 @@ std::string look_text(const Seen& seen) {
   return text;
 }
 
-std::string decide_text(const control::Outcome& o) {
+std::string decide_text(const control::Outcome& o, const std::optional<control::Suggestion>& suggestion) {
   std::string text;
   if (o.partner)
     text +=
@@ -113,7 +113,9 @@ std::string decide_text(const control::Outcome& o) {
       text += fmt::format("      and {} more refused; --json and --report have them all\n",
                           refused - kRefusedShown);
   }
-  return text + o.decision.because + "\n";
+  text += o.decision.because + "\n";
+  if (suggestion) text += suggestion->because + "\n";
+  return text;
 }
 
 }  // namespace colift::tools

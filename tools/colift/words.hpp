@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "control/suggest.hpp"
 #include "tools/colift/session.hpp"
 
 namespace colift::tools {
@@ -17,6 +19,7 @@ namespace colift::tools {
 [[nodiscard]] std::string look_text(const Seen& seen);
 
 /// What was decided, for a person.
-[[nodiscard]] std::string decide_text(const control::Outcome& outcome);
+[[nodiscard]] std::string decide_text(const control::Outcome& outcome,
+                                      const std::optional<control::Suggestion>& suggestion);
 
 }  // namespace colift::tools

@@ -76,5 +76,7 @@ struct Experiment {
 [[nodiscard]] Experiment robust_experiment();
 [[nodiscard]] Experiment wrong_cog_experiment();
 [[nodiscard]] Experiment slip_experiment();
+[[nodiscard]] Experiment tasks_experiment();
+[[nodiscard]] Experiment agents_experiment();
 
 }  // namespace colift::experiments

@@ -82,19 +82,35 @@ TEST_CASE("for two agents it is the load sharing of the thesis", "[agents]") {
   CHECK(made->cost(std::vector<Wrench>{task}) == Approx(two->cost(p1, p2, task)).epsilon(1e-12));
 }
 
-TEST_CASE("the partner is told where he should rather take hold", "[agents]") {
-  // two agents on one side of a table: the second one should go to the other side
+TEST_CASE("beside several others the robot goes where all together need least", "[agents]") {
+  // two people at one end of a table: beside one of them alone the robot would go straight across
   const std::vector<Wrench> lift{{{0.0, 0.0, 40.0}, Vec3::Zero()}};
-  const auto made = SeveralAgents::create({{{-0.4, 0.0, 0.0}}, {{-0.1, 0.3, 0.0}}});
-  REQUIRE(made);
-  const std::vector<Vec3> places{{-0.4, 0.2, 0.0}, {0.4, 0.0, 0.0}, {0.4, 0.3, 0.0}};
-  const auto better = suggest_place(*made, 1, places, lift);
-  REQUIRE(better);
-  CHECK(better->place == 1);
-  CHECK(better->gain > 0.5);
-  // who stands at the best place already is left alone
-  const auto good = SeveralAgents::create({{{-0.4, 0.0, 0.0}}, {{0.4, 0.0, 0.0}}});
-  CHECK_FALSE(suggest_place(*good, 1, places, lift));
+  std::vector<GraspCandidate> candidates(4);
+  candidates[0].position = {-0.4, -0.3, 0.0};
+  candidates[1].position = {-0.4, 0.0, 0.0};
+  candidates[2].position = {-0.4, 0.3, 0.0};
+  candidates[3].position = {0.4, 0.25, 0.0};  // where a person is
+  const CarryingAgent first{{0.4, 0.3, 0.0}}, second{{0.4, -0.3, 0.0}}, robot;
+  const auto alone = choose_beside(candidates, {&first, 1}, robot, Vec3::Zero(), lift, 0.15);
+  REQUIRE(alone);
+  CHECK(alone->best == 0u);
+  const auto both = choose_beside(candidates, std::vector{first, second}, robot, Vec3::Zero(), lift, 0.15);
+  REQUIRE(both);
+  CHECK(both->best == 1u);
+  for (std::size_t i = 0; i < candidates.size(); ++i) CHECK(both->costs[i] >= both->costs[1] - 1e-12);
+  // beside one it is the choice for a task of the thesis
+  const SharingWeights weights;
+  const auto pair = choose_for_task(candidates, first.position, Vec3::Zero(), Vec3::UnitZ(), {TaskPose{}},
+                                    {4.0 / 9.80665 * 10.0, Eigen::Matrix3d::Zero()}, weights);
+  REQUIRE(pair);
+  for (std::size_t i = 0; i < candidates.size(); ++i)
+    CHECK(alone->costs[i] == Approx(pair->costs[i]).epsilon(1e-9));
+  // who is refused is not chosen, and nobody is put on another's hand
+  candidates[0].verdict = Verdict::Unreachable;
+  CHECK(choose_beside(candidates, {&first, 1}, robot, Vec3::Zero(), lift, 0.15)->best == 1u);
+  for (int i = 0; i < 3; ++i) candidates[static_cast<std::size_t>(i)].verdict = Verdict::Collision;
+  CHECK_FALSE(choose_beside(candidates, {&first, 1}, robot, Vec3::Zero(), lift, 0.15)->best);
+  CHECK_FALSE(choose_beside(candidates, {&first, 1}, robot, Vec3::Zero(), {}, 0.15));
 }
 
 TEST_CASE("prices that mean nothing are refused", "[agents]") {
