@@ -7,6 +7,7 @@
 
 #include "control/look.hpp"
 #include "planner/grasp_decision.hpp"
+#include "planner/robust_choice.hpp"
 
 namespace colift::control {
 
@@ -31,6 +32,12 @@ struct Outcome {
 /// Errors: BadInput (second frame of another size), BadConfig (weights or limits), and look()'s.
 [[nodiscard]] hal::Result<Outcome> decide(const Look& look, const PartnerInput& partner, const Config& config,
                                           const hal::Clock& clock);
+
+/// What a robust choice rests on: the belief and covariances of a look and a partner, that of the centre of
+/// gravity widened by uneven density, config.unevenness of the completed box along its axes. Needs a target.
+[[nodiscard]] planner::UncertainScene uncertain_scene(const Look& look,
+                                                      const perception::PartnerGrasp& partner,
+                                                      const planner::DecisionConfig& config);
 
 /// Judges candidates that are made on demand, around the optimum: sets to Unreachable what the arm cannot do.
 using Judge = std::function<void(std::vector<planner::GraspCandidate>&)>;

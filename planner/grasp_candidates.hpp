@@ -114,6 +114,7 @@ class CandidateFinder {
   void judge(GraspCandidate& candidate) const;
 
   [[nodiscard]] const CandidateConfig& config() const { return config_; }
+  [[nodiscard]] const HandModel& hand() const { return hand_; }
   [[nodiscard]] const std::vector<GraspLine>& lines() const { return lines_; }
   [[nodiscard]] const CompletedSolids& solids() const { return solids_; }
   [[nodiscard]] const Obstacles& obstacles() const { return obstacles_; }

@@ -24,6 +24,8 @@ struct DecisionConfig {
   Vec3 shoulder_m{0.0, 0.0, 0.3105};
   double arm_reach_m = 0.79;
   double wrist_to_palm_m = 0.137;
+  std::string robust = "nominal";
+  double unevenness = 0.05;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -47,6 +49,12 @@ struct DecisionConfig {
       "Largest distance of the wrist from the shoulder: upper arm and forearm in line.");
     v("wrist_to_palm_m", wrist_to_palm_m, hal::kNotNegative,
       "From the wrist's centre to the palm along the approach.");
+    v("robust", robust, hal::Choices{"nominal", "expected", "worst"},
+      "Which cost the choice minimises: at what is believed, or the expected or the worst over 10 000 "
+      "what-ifs "
+      "of centre of gravity and partner, with mass_kg and with grips that slip.");
+    v("unevenness", unevenness, hal::kFraction,
+      "Standard deviation of the centre of gravity from uneven density, as a part of the object's size.");
   }
 };
 

@@ -4,6 +4,7 @@
 #include "hal/types/geometry.hpp"
 #include "planner/grasp_candidate.hpp"
 #include "planner/hand_model.hpp"
+#include "planner/load_sharing.hpp"
 
 namespace colift::planner {
 
@@ -24,45 +25,69 @@ struct StabilityConfig {
   }
 };
 
-/// What the closed hand can bear at a candidate, per component in H about the grasp centre (the middle
-/// between the pads).
+/// What the closed hand can bear at a candidate before any load, per component in H about the grasp centre
+/// (the middle between the pads).
 struct GraspStrength {
   Vec3 center = Vec3::Zero();  ///< Grasp centre in W.
   double squeeze_n = 0.0;      ///< Normal force of each side.
   double bear_minus_n = 0.0;   ///< Load towards -Hy, borne by the fingers there; likewise towards +Hy.
   double bear_plus_n = 0.0;
-  double shear_n = 0.0;  ///< Friction of all pads along Hx and against the palm.
-  double pull_n =
-      0.0;  ///< Against being pulled out along +Hz: friction and the hook of fingers behind a cylinder.
+  double shear_n = 0.0;   ///< Friction of all pads along Hx and against the palm.
+  double pull_n = 0.0;    ///< Against being pulled out along +Hz: friction and the hook of fingers behind a
+                          ///< cylinder, whose locked fingers bear then.
   double twist_nm = 0.0;  ///< About the closing axis.
   double pitch_nm = 0.0;  ///< About Hx.
-  double roll_nm = 0.0;   ///< About the approach.
+  double roll_nm = 0.0;   ///< About the approach, until a finger comes loose.
 };
 
 /// Strength of the patch contact of two opposing finger sides. docs/decisions/0005-stability-margin.md.
 ///
-/// Each side presses with N = force * min(n-, n+) fingers. With mu friction, w the width, b x h the pad, r =
-/// (2/3) sqrt(b h / pi) the lever of a round patch of the pad's area under even pressure, and a the mean
-/// distance of a side's fingers from Hx = 0:
-///   shear = 2 mu N                        pull = 2 N (mu cos(alpha) + sin(alpha)), alpha = 0 but for a
-///   cylinder twist = mu N (sqrt(a-^2 + r^2) + sqrt(a+^2 + r^2)) pitch = N h + mu N w                  roll =
-///   N (a- + a+ + b)
-/// alpha is how far beyond the middle of the cylinder the pads touch: sin(alpha) = (height - gap - radius) /
-/// radius. A locked finger bears `finger_hold_n`.
+/// Each side presses with N = finger_force_n * max(n-, n+): the stronger side pushes until its motors stall,
+/// and the worms of the other do not give way. With mu friction, w the width, b x h the pad, r = (2/3)
+/// sqrt(b h / pi) the lever of a round patch of the pad's area under even pressure, and a the mean distance
+/// of a side's fingers from Hx = 0:
+///
+///   shear = 2 mu N        twist = mu N (sqrt(a-^2 + r^2) + sqrt(a+^2 + r^2))
+///   pitch = N h + mu N w  roll = N (a- + a+ + b)
+///
+/// Of a cylinder, alpha is how far beyond its middle the pads touch: sin(alpha) = (height - gap - radius) /
+/// radius; pull = 2 N (mu cos(alpha) + sin(alpha)) before the middle, and behind it the same of what locked
+/// fingers bear; pitch = mu N w.
 [[nodiscard]] GraspStrength grasp_strength(const GraspCandidate& candidate, const HandModel& hand);
 
-/// How many times the load could grow before the grasp gives way; 1 is just stable, infinite for no load.
-/// `load` is what the object does to the hand: force, and torque about the grasp centre, frame W. The
-/// decision's wrench about `candidate.position`, some centimetres before it, may be handed in as it stands:
-/// which point the force goes through is the decision's choice.
+/// By which factor a load may grow, at 1 just held; infinite for no load.
+struct StabilityMargin {
+  double slip = 0.0;  ///< Until the pads slide on the object, or it turns in them.
+  double bear = 0.0;  ///< Until a finger bears more of the load than `finger_hold_n`.
+  [[nodiscard]] double least() const { return slip < bear ? slip : bear; }
+};
+
+/// `load` is what the object does to the hand: force, and torque about the point that the decision hangs it
+/// on (`candidate.depth_m` behind the grasp point, between the pads), frame W. Of a cylinder the torque is
+/// taken to its axis, which the normals of all pads meet.
 ///
-///   1 / margin = max(|f_y| / bear, sqrt((f_t / F)^2 + (t_y / twist)^2 + (t_x / pitch)^2 + (t_z / roll)^2))
+/// Locked fingers are springs under the preload N. A force f_y along the closing axis adds its part to the
+/// side that bears it and takes the other's from the other, until that one comes loose; so pads that bear
+/// also rub more. A torque t_z about the approach is a couple of normal forces, of one finger against the
+/// opposite one: it is borne. What the shift of pressure along the pads does not hold of t_x is a couple of
+/// friction between the sides. A side gives way where
 ///
-/// f_t / F adds f_x / shear and f_z / (pull outwards, shear inwards) in squares; the second term is the
-/// ellipsoid that bounds friction of a soft contact (Howe and Cutkosky, IJRR 1996), with the normal couples
-/// taken from the same budget.
+///   (F / (mu N_side))^2 + (t_y / (mu sum N_side rho_side))^2 > 1,
+///
+/// the ellipsoid that bounds the friction of a soft contact (Howe and Cutkosky, IJRR 1996).
+[[nodiscard]] StabilityMargin stability_margins(const GraspCandidate& candidate, const HandModel& hand,
+                                                const hal::Wrench& load);
+/// The smaller one.
 [[nodiscard]] double stability_margin(const GraspCandidate& candidate, const HandModel& hand,
                                       const hal::Wrench& load);
+
+/// What the robot's hand has to stand of a decision: its own part, and the partner's torque as well. A
+/// person's hand gives way to turning long before a closed gripper does, so the couple that the decision
+/// leaves to him comes to the robot; his force does not.
+[[nodiscard]] hal::Wrench load_on_robot(const AgentWrenches& decided);
+
+/// Normal force of a fingertip that closes until `torque_nm` is felt about its outer joint (N).
+[[nodiscard]] double fingertip_force(const HandModel& hand, double torque_nm);
 
 /// The nominal load of a candidate: the share straight down, and as torque that share at `cog_lever_m` about
 /// the horizontal line from the grasp to the centre of gravity. The partner stands on the other side of that

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace colift::planner {
@@ -57,20 +58,21 @@ hal::Result<RobustChoice> RobustChoice::create(const SharingWeights& weights, st
     return hal::failure(hal::ErrorCode::BadInput, "robust_choice",
                         fmt::format("{} what-ifs of {} candidates, expected at least one of each", what_ifs,
                                     most_candidates));
-  const double e2 = weights.epsilon * weights.epsilon;
-  return RobustChoice(*sharing, e2 / (1.0 + e2), most_candidates, what_ifs, seed);
+  return RobustChoice(*sharing, weights, most_candidates, what_ifs, seed);
 }
 
-RobustChoice::RobustChoice(const LoadSharing& sharing, double force_price, std::size_t most_candidates,
-                           int what_ifs, std::uint64_t seed)
+RobustChoice::RobustChoice(const LoadSharing& sharing, const SharingWeights& weights,
+                           std::size_t most_candidates, int what_ifs, std::uint64_t seed)
     : sharing_(sharing),
-      force_price_(force_price),
+      force_price_(sharing.partner_part()),  // 1/(u+v)
+      alone_torque_price_(weights.omega1_per_m * weights.omega1_per_m),
       normal_(6 * static_cast<std::size_t>(what_ifs)),
       bx_(most_candidates),
       by_(most_candidates),
       ex_(most_candidates),
       ey_(most_candidates),
       ez_(most_candidates),
+      limit_(most_candidates),
       sum_(most_candidates),
       worst_(most_candidates),
       points_(most_candidates),
@@ -91,9 +93,9 @@ RobustChoice::RobustChoice(const LoadSharing& sharing, double force_price, std::
 }
 
 void RobustChoice::evaluate(const UncertainScene& scene, std::span<const Vec3> points,
-                            std::span<RobustCost> out) {
+                            std::span<RobustCost> out, std::span<const double> holds_n) {
   const std::size_t n = points.size();
-  assert(n <= bx_.size() && out.size() == n);
+  assert(n <= bx_.size() && out.size() == n && (holds_n.empty() || holds_n.size() == n));
   const Eigen::Matrix3d R = level_frame(scene.up);
   const Vec3 p = R * (scene.partner - scene.cog);
   const double part1 = sharing_.partner_part(), part2 = sharing_.robot_part();
@@ -104,6 +106,7 @@ void RobustChoice::evaluate(const UncertainScene& scene, std::span<const Vec3> p
     ex_[i] = p.x() - r.x();
     ey_[i] = p.y() - r.y();
     ez_[i] = p.z() - r.z();
+    limit_[i] = holds_n.empty() ? std::numeric_limits<double>::infinity() : holds_n[i] / scene.weight_n;
     sum_[i] = worst_[i] = 0.0;
   }
   const Eigen::Matrix3d of_cog = R * root_of(scene.cog_covariance),
@@ -114,6 +117,7 @@ void RobustChoice::evaluate(const UncertainScene& scene, std::span<const Vec3> p
   const double* __restrict ex = ex_.data();
   const double* __restrict ey = ey_.data();
   const double* __restrict ez = ez_.data();
+  const double* __restrict limit = limit_.data();
   double* __restrict sum = sum_.data();
   double* __restrict worst = worst_.data();
   const std::size_t what_ifs = normal_.size() / 6;
@@ -122,13 +126,17 @@ void RobustChoice::evaluate(const UncertainScene& scene, std::span<const Vec3> p
     const Vec3 dp = of_partner * Eigen::Map<const Vec3>(&normal_[6 * k + 3]);
     const double sx = part1 * dp.x() - dc.x(), sy = part1 * dp.y() - dc.y();
     const double px = dp.x(), py = dp.y(), pz = dp.z();
+    const double lx = p.x() + dp.x() - dc.x(), ly = p.y() + dp.y() - dc.y();
+    const double alone = 1.0 - force_price_ + alone_torque_price_ * (lx * lx + ly * ly);
     for (std::size_t i = 0; i < n; ++i) {
       // with f = z, c x f = (c_y, -c_x, 0); signs drop out of the squares
       const double cx = bx[i] + sx, cy = by[i] + sy;
       const double dx = ex[i] + px, dy = ey[i] + py, dz = ez[i] + pz;
       const double along = dx * cy - dy * cx;
-      const double cost =
-          (cx * cx + cy * cy + ratio * along * along) / (part2 * (dx * dx + dy * dy + dz * dz) + give);
+      const double ease = 1.0 / (part2 * (dx * dx + dy * dy + dz * dz) + give);
+      const double shared = (cx * cx + cy * cy + ratio * along * along) * ease;
+      const double carried = part2 * (1.0 + (dx * cx + dy * cy) * ease);
+      const double cost = carried <= limit[i] ? shared : alone;
       sum[i] += cost;
       worst[i] = worst[i] < cost ? cost : worst[i];
     }
@@ -138,7 +146,8 @@ void RobustChoice::evaluate(const UncertainScene& scene, std::span<const Vec3> p
 }
 
 std::optional<std::size_t> RobustChoice::choose(const UncertainScene& scene,
-                                                std::span<const GraspCandidate> candidates, Aim aim) {
+                                                std::span<const GraspCandidate> candidates, Aim aim,
+                                                std::span<const double> holds_n) {
   std::optional<std::size_t> best;
   double best_cost = 0.0;
   // as many at a time as there is room for
@@ -149,12 +158,13 @@ std::optional<std::size_t> RobustChoice::choose(const UncertainScene& scene,
       points_[i] = c.position + c.depth_m * c.approach;
     }
     const std::span<RobustCost> costs(costs_.data(), n);
-    evaluate(scene, {points_.data(), n}, costs);
+    evaluate(scene, {points_.data(), n}, costs, holds_n.empty() ? holds_n : holds_n.subspan(begin, n));
     for (std::size_t i = 0; i < n; ++i) {
       const Verdict v = candidates[begin + i].verdict;
       if (v != Verdict::Ok && v != Verdict::Chosen) continue;
       const double cost = aim == Aim::Expected ? costs[i].expected : costs[i].worst;
-      if (!best || cost < best_cost) best = begin + i, best_cost = cost;
+      const bool as_good = best && cost == best_cost && v == Verdict::Chosen;
+      if (!best || cost < best_cost || as_good) best = begin + i, best_cost = cost;
     }
   }
   return best;

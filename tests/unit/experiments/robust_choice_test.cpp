@@ -1,6 +1,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <memory>
+#include <utility>
 
+#include "control/decide.hpp"
 #include "planner/robust_choice.hpp"
 
 using namespace colift::planner;
@@ -73,6 +76,97 @@ TEST_CASE("where the centre of gravity may lie along the line, the wider stance 
   robust->evaluate(s, std::vector<Vec3>{near.position, far.position}, costs);
   CHECK(costs[1].expected < costs[0].expected);
   CHECK(robust->choose(s, both, RobustChoice::Aim::Expected) == 1u);
+}
+
+TEST_CASE("what a grasp carries in a what-if is the robot's force of the decision", "[robust]") {
+  const auto sharing = LoadSharing::create({});
+  UncertainScene s = scene_of(0.0, 0.0);
+  s.weight_n = 50.0;
+  const std::vector<Vec3> point{{0.6, 0.2, 0.5}};
+  const auto w = sharing->wrenches(s.partner - s.cog, point[0] - s.cog, {s.weight_n * s.up, Vec3::Zero()});
+  const double carries = w.robot.force.dot(s.up);
+  auto robust = RobustChoice::create({}, 1, 10);
+  std::vector<RobustCost> free(1), held(1), slips(1);
+  robust->evaluate(s, point, free);
+  robust->evaluate(s, point, held, std::vector<double>{carries + 1e-9});
+  robust->evaluate(s, point, slips, std::vector<double>{carries - 1e-9});
+  CHECK(held[0].expected == free[0].expected);
+  // the partner alone: the weight, and its torque about his hand
+  const Vec3 lever = (s.partner - s.cog).cross(s.up);
+  CHECK(slips[0].expected == Approx(1.0 + 400.0 * lever.squaredNorm()).epsilon(1e-9));
+}
+
+TEST_CASE("a grip near its limit gives way to one that carries less", "[robust]") {
+  // the partner holds near the centre of gravity: nominally the robot takes half, close on the other side
+  GraspCandidate near, far;
+  UncertainScene s;
+  s.partner = {0.15, 0.0, 0.0};
+  s.weight_n = 60.0;
+  near.position = {-0.15, 0.0, 0.0};
+  near.verdict = Verdict::Chosen;
+  far.position = {-0.40, 0.0, 0.0};
+  auto robust = RobustChoice::create({}, 4);
+  const std::vector<GraspCandidate> both{near, far};
+  using Aim = RobustChoice::Aim;
+  CHECK(robust->choose(s, both, Aim::Expected) == 0u);
+  const std::vector<double> holds{31.0, 31.0};
+  CHECK(robust->choose(s, both, Aim::Expected, holds) == 0u);
+  s.cog_covariance(0, 0) = 0.03 * 0.03;
+  CHECK(robust->choose(s, both, Aim::Expected, holds) == 1u);
+  // where both slip in any case the nominal choice stays
+  CHECK(robust->choose(s, both, Aim::Worst, std::vector<double>{1.0, 1.0}) == 0u);
+}
+
+TEST_CASE("decision.robust changes the choice where the nominal grip may slip, and says so", "[robust]") {
+  // a block of 6 kg; half of it is just what friction holds, and nobody knows where in it the weight lies
+  using namespace colift;
+  control::Look look;
+  look.method = control::Method::Thesis;  // the candidates as they stand
+  perception::Ground ground;
+  ground.plane = {Vec3::UnitZ(), 0.0};
+  perception::Target target;
+  target.cog = {0.0, 0.0, 0.1};
+  target.shape.size = {0.8, 0.1, 0.2};
+  look.scene.ground = ground;
+  look.scene.target = target;
+  control::Config config;
+  config.decision.check_reach = false;
+  config.decision.mass_kg = 6.0;
+  look.finder =
+      std::make_shared<planner::CandidateFinder>(look.scene, nullptr, HandModel{}, config.candidates);
+  for (const double x : {-0.15, -0.40}) {
+    GraspCandidate c;
+    c.id = static_cast<int>(look.candidates.size());
+    c.position = {x, 0.0, 0.2};
+    c.approach = -Vec3::UnitZ();
+    c.width = 0.1;
+    look.candidates.push_back(c);
+  }
+  perception::PartnerGrasp partner;
+  partner.position = {0.15, 0.0, 0.2};
+  struct Still final : hal::Clock {
+    [[nodiscard]] hal::Timestamp now() const override { return hal::Timestamp(0); }
+  } clock;
+  const auto choice = [&](const char* robust, double unevenness) {
+    config.decision.robust = robust;
+    config.decision.unevenness = unevenness;
+    auto outcome = control::decide_for(look, partner, config, clock);
+    REQUIRE(outcome);
+    REQUIRE(outcome->decision.chosen);
+    const auto& chosen = outcome->candidates[*outcome->decision.chosen];
+    CHECK(chosen.verdict == Verdict::Chosen);
+    CHECK(chosen.because == outcome->decision.because);
+    CHECK(outcome->decision.share == outcome->decision.scores[*outcome->decision.chosen]->share);
+    return std::pair(chosen.id, outcome->decision.because);
+  };
+  CHECK(choice("nominal", 0.05).first == 0);
+  CHECK(choice("expected", 0.0).first == 0);
+  CHECK(choice("expected", 0.0).second.find("the same over 10000 what-ifs") != std::string::npos);
+  const auto [id, because] = choice("expected", 0.05);
+  CHECK(id == 1);
+  CHECK(because.find("candidate 1 costs least on average over 10000 what-ifs") == 0);
+  CHECK(because.find("with what is believed it would be 0") != std::string::npos);
+  CHECK(choice("worst", 0.02).first == 1);
 }
 
 TEST_CASE("refused candidates are never chosen, and more than fit are taken in turns", "[robust]") {
