@@ -170,4 +170,9 @@ struct PadContact {
 };
 [[nodiscard]] PadContact contact_at_width(const HandModel& hand, double width_m);
 
+/// Inner joint's angle at which the fingers are stopped by what a candidate grasps (rad): by its width
+/// between the pads; by a cylinder where the first link meets it, which for a thin one is far from where pads
+/// that wide would be.
+[[nodiscard]] double stopped_angle(const HandModel& hand, const GraspCandidate& candidate);
+
 }  // namespace colift::planner

@@ -46,16 +46,7 @@ Scenario box_layout(int index, std::uint64_t seed) {
   return random(sim_hal::RandomKind::Box, index, seed);
 }
 
-Scenario box_in_line(int index, std::uint64_t seed) {
-  if (index > 0) {
-    Scenario s = box_layout(index, seed);
-    s.partner.grasp.y() = 0.0;
-    if (index % 2 == 0) return s;
-    // not at the end: there a robot at the other end bears half, and nothing bears less
-    Draws draws(sim_hal::hash(seed, 7350, static_cast<std::uint64_t>(index)), 7350);
-    s.partner.grasp.x() = 0.5 * draws.between(0.32, 0.40) * s.object.size[0];
-    return s;
-  }
+Scenario shipped_box() {
   Scenario s;
   s.name = "box";
   s.object.kind = "box";
