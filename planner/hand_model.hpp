@@ -82,7 +82,7 @@ struct HandModel {
   std::string name = "BarrettHand BH8-282";
   double opening_m = 0.19;
   double palm_gap_m = 0.03;
-  double wrap_gap_m = 0.02;
+  double wrap_gap_m = 0.01;
   std::vector<HandCuboid> cuboids = bh8_282_cuboids();
   std::vector<HandFinger> fingers = bh8_282_fingers();
   FingerGeometry finger;

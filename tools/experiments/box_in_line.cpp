@@ -21,8 +21,9 @@ using sim_hal::Scenario;
 
 constexpr double kEnd_m = 0.05;         // half a hand, and what a grasp keeps from a face's end
 constexpr double kHandsApart_m = 0.32;  // half a palm, half the partner's hand, the distance kept from him
-constexpr double kOverCog_m = 0.06;     // nearer to the centre of gravity the partner has nothing to bear
-constexpr double kNearest_m = 0.45, kFarthest_m = 0.70;  // of the place from the robot's axis
+constexpr double kOverCog_m =
+    0.12;  // of the partner in a layout: nearer, each cm of error is much of the load
+constexpr double kNearest_m = 0.45, kFarthest_m = 0.66;  // of the place from the robot's axis
 constexpr double kNearEnd_m = 0.35;                      // of the box: room for the arm at home
 constexpr double kLift_m = 0.05;
 constexpr double kSlack = 0.03;  // of the load: so near to the wanted share the best place has to come
@@ -32,12 +33,13 @@ double place_of(double partner_m, double share) {
   return partner_m * (1.0 - share) / share;
 }
 
-/// Of the wrist from the shoulder, with the hand over the place at the top of the lift (m).
+/// Of the wrist from the shoulder, with the hand as high over the place as it has to go (m).
 double wrist_from_shoulder(const Scenario& box, double place_m) {
   const planner::DecisionConfig arm;
-  const double palm = planner::HandModel().palm_gap_m, margin = planner::PlannerConfig().lift_margin_m;
+  const planner::PlannerConfig motion;
   const Vec3 place = sim_hal::object_pose(box.object) * Vec3(-place_m, 0.0, box.object.size[2]);
-  const double above = palm + arm.wrist_to_palm_m + kLift_m + margin;
+  const double above = planner::HandModel().palm_gap_m + arm.wrist_to_palm_m +
+                       std::max(motion.pre_grasp_m, kLift_m + motion.lift_margin_m);
   return (place + above * Vec3::UnitZ() - arm.shoulder_m).norm();
 }
 
@@ -81,7 +83,8 @@ Scenario box_in_line(int index, std::uint64_t seed, double share) {
   const double least = std::min(most, std::max(kOverCog_m / lever, kHandsApart_m / (1.0 + lever)));
   const double place = lever > 1.0 ? most : draws.between(least, most);
   // one hand lifts a wide box at its end only; elsewhere it has to be as thin as a hand can pinch
-  if (lever <= 1.0) s.object.size = {s.object.size[0], draws.between(0.03, 0.045), draws.between(0.16, 0.24)};
+  if (lever <= 1.0)
+    s.object.size = {s.object.size[0], draws.between(0.038, 0.046), draws.between(0.16, 0.24)};
   s.partner.grasp = {lever * place, 0.0, s.object.size[2]};
 
   const double least_away = std::min(kFarthest_m, std::max(kNearest_m, kNearEnd_m + half - place));

@@ -81,7 +81,8 @@ Scenario pipe_layout(int index, std::uint64_t seed) {
   for (const double along : {-0.25 * length, 0.25 * length}) {
     sim_hal::ScenarioClutter block;
     block.shape = "box";
-    block.size = {0.10, 0.22, height};
+    // slim ones: what touches the pipe is one object with it to a camera
+    block.size = shipped ? std::vector<double>{0.10, 0.22, height} : std::vector<double>{0.05, 0.08, height};
     block.xyz = {s.object.xyz.x() + along * c, s.object.xyz.y() + along * d, 0.0};
     block.yaw_deg = yaw;
     s.clutter.push_back(block);
