@@ -57,7 +57,7 @@ std::optional<Happening> Job::verify() {
   // still for a moment, and as wide as the object was seen to be
   if (in_state_s() < kSettle_s) return std::nullopt;
   const auto& chosen = record_.decision->candidates[*record_.decision->decision.chosen];
-  const double expected = planner::contact_at_width(rig_.hand, chosen.width).q_rad;
+  const double expected = planner::stopped_angle(rig_.hand, chosen);
   double widest = 0.0;
   for (const double q : hand_.finger_rad) widest = std::max(widest, std::abs(q - expected));
   double force = 0.0;

@@ -62,15 +62,20 @@ struct Thickness {
   std::string note;
 };
 
-Thickness thickness_at(const Obstacles& obstacles, int surface, const Rectangle& plate,
+Thickness thickness_at(const Scene& scene, const Obstacles& obstacles, int surface, const Rectangle& plate,
                        const RectangleEdge& edge, const SeenSpace& seen, const CompletedSolids& solids,
                        const HandModel& hand, const CandidateConfig& config) {
-  double deepest = 0.0;
+  // The face that closes most of the plate's edges says how thick the plate is: a leg's face that goes on
+  // from it is as deep as the leg is long, but short.
+  double longest = 0.0, deep = 0.0;
   for (const CompletedSolid& solid : solids) {
-    if (solid.a == surface || solid.b == surface)
-      deepest = std::max(deepest, solid.extent_along(plate.normal));
+    if (solid.a != surface && solid.b != surface) continue;
+    const auto& other =
+        std::get<Rectangle>(scene.surfaces[static_cast<std::size_t>(solid.a == surface ? solid.b : solid.a)]);
+    const double length = solid.extent_along(plate.normal.cross(other.normal));
+    if (length > longest) longest = length, deep = solid.extent_along(plate.normal);
   }
-  if (deepest > 0.0) return {deepest, ""};
+  if (deep > 0.0) return {deep, ""};
   if (const auto measured = seen_thickness(obstacles, plate, edge, seen, hand)) {
     return {*measured, fmt::format("thickness {:.0f} mm from points below the rim", 1000 * *measured)};
   }
@@ -121,7 +126,8 @@ std::vector<GraspLine> edge_lines(const Scene& scene, const SeenSpace& seen, con
         run = 0;
         if (run_length < 2.0 * config.end_margin_m) continue;
         if (!thickness) {
-          thickness = thickness_at(obstacles, static_cast<int>(i), *plate, edge, seen, solids, hand, config);
+          thickness =
+              thickness_at(scene, obstacles, static_cast<int>(i), *plate, edge, seen, solids, hand, config);
         }
         if (thickness->value < config.min_width_m || thickness->value > hand.opening_m) continue;
         GraspLine line;

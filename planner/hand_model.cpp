@@ -143,6 +143,25 @@ PadContact contact_at_width(const HandModel& hand, double width_m) {
   return {low, height};
 }
 
+double stopped_angle(const HandModel& hand, const GraspCandidate& candidate) {
+  if (candidate.kind != GraspKind::Wrap) return contact_at_width(hand, candidate.width).q_rad;
+  const double radius = 0.5 * candidate.width, middle = hand.gap(candidate) + radius;
+  const auto meets = [&](double q) {
+    const FingerPose pose = finger_at(hand, HandFinger{"", 0.0, 1}, q);
+    const auto near = [&](const HandBox& link) {
+      const double dy = -link.cy, dz = middle - link.cz;
+      const double along = std::abs(dy * link.ey + dz * link.ez) - link.h1;
+      const double aside = std::abs(dz * link.ey - dy * link.ez) - link.h2;
+      return std::hypot(std::max(along, 0.0), std::max(aside, 0.0)) <= radius;
+    };
+    return near(pose.inner) || near(pose.outer);
+  };
+  constexpr double kStep_rad = 0.5 * kDegree;
+  double q = hand.finger.open_deg * kDegree;
+  while (q < kClosedRad && !meets(q)) q += kStep_rad;
+  return q;
+}
+
 double HandModel::largest_gap(const GraspCandidate& c) const {
   constexpr double kHold = 0.012, kBeforeMiddle = 0.005;
   const double behind = c.kind == GraspKind::Wrap ? std::max(kHold, 0.5 * c.width - kBeforeMiddle) : kHold;

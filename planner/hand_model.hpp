@@ -82,7 +82,7 @@ struct HandModel {
   std::string name = "BarrettHand BH8-282";
   double opening_m = 0.19;
   double palm_gap_m = 0.03;
-  double wrap_gap_m = 0.02;
+  double wrap_gap_m = 0.01;
   std::vector<HandCuboid> cuboids = bh8_282_cuboids();
   std::vector<HandFinger> fingers = bh8_282_fingers();
   FingerGeometry finger;
@@ -169,5 +169,10 @@ struct PadContact {
   double height_m;  ///< Of the contact above the palm plane, along Hz.
 };
 [[nodiscard]] PadContact contact_at_width(const HandModel& hand, double width_m);
+
+/// Inner joint's angle at which the fingers are stopped by what a candidate grasps (rad): by its width
+/// between the pads; by a cylinder where the first link meets it, which for a thin one is far from where pads
+/// that wide would be.
+[[nodiscard]] double stopped_angle(const HandModel& hand, const GraspCandidate& candidate);
 
 }  // namespace colift::planner

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim_hal/mock/hash_random.hpp"
 #include "sim_hal/mock/ray_caster.hpp"
 
 namespace colift::sim_hal {
@@ -61,7 +60,11 @@ Scenario random_scenario(RandomKind kind, std::uint64_t seed) {
   }
   s.partner.kind = "compliant";
   s.partner.arrives_s = 2.5;
-  // from the side, so that neither the arm nor the person hides the object; all of it and his hand in view
+  draw_camera(s, draws);
+  return s;
+}
+
+void draw_camera(Scenario& s, Draws& draws) {
   const Vec3 middle(s.object.xyz.x(), s.object.xyz.y(), 0.6 * s.object.size[2]);
   constexpr int kAttempts = 50;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -72,7 +75,6 @@ Scenario random_scenario(RandomKind kind, std::uint64_t seed) {
     if (in_view(s)) break;
   }
   s.camera.noise = "kinect";
-  return s;
 }
 
 }  // namespace colift::sim_hal

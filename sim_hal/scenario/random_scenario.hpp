@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "sim_hal/mock/hash_random.hpp"
 #include "sim_hal/scenario/scenario.hpp"
 
 namespace colift::sim_hal {
@@ -12,5 +13,9 @@ enum class RandomKind { Table, Box };
 /// friction and pose whose near side the robot reaches, a partner who takes the far side, and a camera that
 /// sees both from the side. Same seed, same scenario.
 [[nodiscard]] Scenario random_scenario(RandomKind kind, std::uint64_t seed);
+
+/// Puts the camera beside the object, so that neither the arm nor the person hides it, with all of it and
+/// room for a hand at the partner's grasp in view. For objects whose size is three lengths.
+void draw_camera(Scenario& scenario, Draws& draws);
 
 }  // namespace colift::sim_hal

@@ -46,16 +46,7 @@ Scenario box_layout(int index, std::uint64_t seed) {
   return random(sim_hal::RandomKind::Box, index, seed);
 }
 
-Scenario box_in_line(int index, std::uint64_t seed) {
-  if (index > 0) {
-    Scenario s = box_layout(index, seed);
-    s.partner.grasp.y() = 0.0;
-    if (index % 2 == 0) return s;
-    // not at the end: there a robot at the other end bears half, and nothing bears less
-    Draws draws(sim_hal::hash(seed, 7350, static_cast<std::uint64_t>(index)), 7350);
-    s.partner.grasp.x() = 0.5 * draws.between(0.32, 0.40) * s.object.size[0];
-    return s;
-  }
+Scenario shipped_box() {
   Scenario s;
   s.name = "box";
   s.object.kind = "box";
@@ -90,7 +81,8 @@ Scenario pipe_layout(int index, std::uint64_t seed) {
   for (const double along : {-0.25 * length, 0.25 * length}) {
     sim_hal::ScenarioClutter block;
     block.shape = "box";
-    block.size = {0.10, 0.22, height};
+    // slim ones: what touches the pipe is one object with it to a camera
+    block.size = shipped ? std::vector<double>{0.10, 0.22, height} : std::vector<double>{0.05, 0.08, height};
     block.xyz = {s.object.xyz.x() + along * c, s.object.xyz.y() + along * d, 0.0};
     block.yaw_deg = yaw;
     s.clutter.push_back(block);

@@ -94,6 +94,8 @@ struct Sighting::Impl {
       true_partner = world->truth().partner_W.value_or(sim_hal::object_pose(world->scenario().object) *
                                                        world->scenario().partner.grasp);
       set_scene();
+      // now that he stands there, his arms are in some ways
+      planner.judge(watch.look().candidates, lift_height_m);
       return {};
     }
     return tl::unexpected(missing("the partner's grasp: " + note));

@@ -61,6 +61,24 @@ sim_hal::SyntheticScene open_box() {
   return scene;
 }
 
+/// A seat of 30 mm on legs that are flush with its edges, seen from the side: the leg's face goes on from the
+/// seat's own edge face.
+sim_hal::SyntheticScene seat_on_legs() {
+  const Vec3 center(0, 0, 0.385), size(0.44, 0.42, 0.03);
+  std::vector<sim_hal::Shape> shapes{sim_hal::box(center, size, 0.0, kTarget)};
+  for (const double x : {-0.2025, 0.2025})
+    for (const double y : {-0.1925, 0.1925})
+      shapes.push_back(sim_hal::box({x, y, 0.185}, {0.035, 0.035, 0.37}, 0.0, kTarget));
+  auto scene = tests::scene_of(shapes, {1.7, 0.19, 1.2}, {0, 0, 0.3});
+  const auto face = [&](const Vec3& middle, const Vec3& normal, const Vec3& u, double width, double height) {
+    scene.faces.push_back({middle, normal, u, normal.cross(u), width, height});
+  };
+  face({0, 0, 0.40}, Vec3::UnitZ(), Vec3::UnitX(), 0.44, 0.42);
+  face({0.22, -0.02, 0.385}, Vec3::UnitX(), Vec3::UnitY(), 0.37, 0.03);
+  face({0.22, 0.1925, 0.20}, Vec3::UnitX(), Vec3::UnitY(), 0.035, 0.40);
+  return scene;
+}
+
 int count(const std::vector<GraspCandidate>& list, GraspKind kind, Verdict verdict) {
   return static_cast<int>(std::count_if(list.begin(), list.end(), [&](const GraspCandidate& c) {
     return c.kind == kind && c.verdict == verdict;
@@ -178,6 +196,20 @@ TEST_CASE("a thickness that was not seen is assumed and said so", "[candidates]"
   for (const auto& line : finder.lines()) {
     if (line.kind == GraspKind::Edge) CHECK_THAT(line.note, Catch::StartsWith("thickness"));
   }
+}
+
+TEST_CASE("a leg's face that goes on from a seat's edge does not make the seat thick", "[candidates]") {
+  const auto seen = tests::see(seat_on_legs(), false);
+  const CandidateFinder finder(seen.scene, &seen.cloud, HandModel{}, CandidateConfig{});
+  REQUIRE(std::any_of(finder.solids().begin(), finder.solids().end(),
+                      [](const auto& solid) { return solid.extent_along(Vec3::UnitZ()) > 0.3; }));
+  int rims = 0;
+  for (const auto& line : finder.lines()) {
+    if (line.kind != GraspKind::Edge || std::abs(line.approach.z()) > 0.1) continue;
+    ++rims;
+    CHECK(line.width == Approx(0.03).margin(0.01));
+  }
+  CHECK(rims > 0);
 }
 
 TEST_CASE("an edge grasp does not repeat the grasp of a face at the same rim", "[candidates]") {

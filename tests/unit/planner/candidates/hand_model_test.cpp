@@ -112,6 +112,34 @@ TEST_CASE("fingers on both sides mirror each other and meet in the middle", "[ha
   CHECK(planner::half_gap_at(hand, contact.q_rad) == Approx(0.025).margin(1e-6));
 }
 
+TEST_CASE("fingers are stopped where they first meet what is grasped", "[hand]") {
+  const HandModel hand;
+  planner::GraspCandidate c;
+  c.width = 0.05;
+  CHECK(planner::stopped_angle(hand, c) == planner::contact_at_width(hand, 0.05).q_rad);
+
+  c.kind = planner::GraspKind::Wrap;
+  double before = 10.0;
+  for (const double radius : {0.02, 0.03, 0.04, 0.05}) {
+    c.width = 2.0 * radius;
+    const double q = planner::stopped_angle(hand, c), middle = hand.gap(c) + radius;
+    INFO("radius " << radius << ", stopped at " << q);
+    CHECK(q < before);
+    before = q;
+    // no point of the circle is inside a link before, and some is a degree after
+    const auto inside = [&](double at) {
+      const auto pose = planner::finger_at(hand, hand.fingers[2], at);
+      for (double a = 0.0; a < 6.283; a += 0.002) {
+        const double y = radius * std::cos(a), z = middle + radius * std::sin(a), x = hand.fingers[2].x_m;
+        if (pose.inner.depth(x, y, z) > 0.0 || pose.outer.depth(x, y, z) > 0.0) return true;
+      }
+      return false;
+    };
+    CHECK_FALSE(inside(q - 0.02));
+    CHECK(inside(q + 0.02));
+  }
+}
+
 TEST_CASE("the closing stops before the object's width", "[hand]") {
   const HandModel hand;
   const planner::HandSweep sweep(hand, 0.1, 2.0, 0.0);
