@@ -9,6 +9,7 @@
 
 #include "sim_hal/mock/hash_random.hpp"
 #include "tools/experiments/bar_plot.hpp"
+#include "tools/experiments/box_in_line.hpp"
 #include "tools/experiments/experiment.hpp"
 #include "tools/experiments/layouts.hpp"
 #include "tools/experiments/tried_grasps.hpp"
@@ -16,6 +17,7 @@
 namespace colift::experiments {
 namespace {
 
+constexpr double kBoxShare = 0.3;  // laid out for it: the partner holds near the middle
 constexpr double kHeight_m = 0.05, kHold_s = 1.0;
 constexpr double kSlip_m = 0.005;                  // of the object in the hand: it gives way
 constexpr double kMost = 0.4;                      // of the size: the centre of gravity stays inside
@@ -31,7 +33,7 @@ TrialRows run(const Trial& trial) {
   const std::uint64_t seed = trial.own_seed(5);
   const bool table = trial.index % 2 == 0;
   sim_hal::Scenario scenario =
-      table ? table_layout(trial.index / 2 + 2, trial.seed) : box_in_line(trial.index, trial.seed);
+      table ? table_layout(trial.index / 2 + 2, trial.seed) : box_in_line(trial.index, trial.seed, kBoxShare);
   sim_hal::Draws draws(seed, 7500);
   control::Config config = config_for(trial.method);
   hal::Vec3& off = scenario.object.cog_offset;
