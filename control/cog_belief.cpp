@@ -130,8 +130,8 @@ Eigen::Matrix2d CogBelief::covariance() const {
 
 double CogBelief::mass_kg() const {
   double sum = 0.0;
-  for (const Case& c : cases) sum += c.weight * c.mass_kg;
-  return sum;
+  for (const Case& c : cases) sum += c.weight * std::log(c.mass_kg);
+  return std::exp(sum);
 }
 
 hal::Result<CogBelief> weigh_cog(const CarriedObject& object, std::span<const FeltLift> tests,
@@ -143,10 +143,15 @@ hal::Result<CogBelief> weigh_cog(const CarriedObject& object, std::span<const Fe
   std::vector<Reading> readings;
   for (const FeltLift& test : tests) {
     Reading reading{felt_moment(object, test), {}};
-    if (hanging(object, test.grasp, test.X_WTnow_WTref).least_rise_m < config.clear_m)
+    const Hanging seen = hanging(object, test.grasp, test.X_WTnow_WTref);
+    if (seen.least_rise_m < config.clear_m) {
+      if (std::abs(seen.turn_rad) < kSureTurn_rad) continue;  // it stands as it stood
       reading.foot = standing_foot(object, test.X_WTnow_WTref);
+    }
     readings.push_back(reading);
   }
+  if (readings.empty())
+    return hal::failure(hal::ErrorCode::NotFound, "test_lift", "the object stands as it stood");
   const Eigen::Matrix2d covariance =
       object.cog_covariance.topLeftCorner<2, 2>() +
       std::max(1e-6, config.density_sigma_m * config.density_sigma_m) * Eigen::Matrix2d::Identity();

@@ -69,7 +69,7 @@ struct CogBelief {
 
   [[nodiscard]] Eigen::Vector2d mean() const;
   [[nodiscard]] Eigen::Matrix2d covariance() const;
-  [[nodiscard]] double mass_kg() const;
+  [[nodiscard]] double mass_kg() const;  ///< Geometric mean: what is known of it is a product.
 };
 
 /// How the object hangs or stands, from what the camera saw.
@@ -95,7 +95,8 @@ struct Hanging {
 /// mass and one n that fit. What was felt about the line between the hands, against the turn that was seen,
 /// is how stiffly hands hold the object. Test lifts at several grasps have to agree on the mass, and their
 /// directions enclose the place from both sides. The partner's hand is taken as a point, but for a torque of
-/// about `partner_nm`. Errors: NotFound (no place fits), BadInput (fewer than three feet).
+/// about `partner_nm`. Errors: NotFound (no place fits, or no test lift says anything),
+/// BadInput (fewer than three feet).
 [[nodiscard]] hal::Result<CogBelief> weigh_cog(const CarriedObject& object, std::span<const FeltLift> tests,
                                                const CogBeliefConfig& config);
 

@@ -244,6 +244,10 @@ TEST_CASE("a test lift that says nothing is refused", "[test_lift]") {
   CHECK(code(object, none) == hal::ErrorCode::NotFound);
   none.felt.force.x() = NAN;
   CHECK(code(object, none) == hal::ErrorCode::BadInput);
+  // it has not moved at all
+  FeltLift still = test;
+  still.X_WTnow_WTref = hal::Pose::Identity();
+  CHECK(code(object, still) == hal::ErrorCode::NotFound);
   FeltLift near = test;
   near.grasp = kPartner + Vec3(0.02, 0.0, 0.0);
   CHECK(code(object, near) == hal::ErrorCode::BadInput);
