@@ -8,7 +8,7 @@
 namespace colift::experiments {
 namespace {
 
-constexpr int kInARow = 3;              // frames that have to agree, as in a run
+constexpr int kInARow = 6;  // frames that have to agree: while the partner comes after, the object swings
 constexpr double kSameGrasp_m = 0.004;  // two candidates so near to each other are one
 constexpr double kNoLever_m = 10.0;     // the belief judges levers itself
 
