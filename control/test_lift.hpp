@@ -16,8 +16,8 @@ namespace colift::control {
 
 /// A slow lift of a few millimetres, which ends as soon as it has told what there is to tell.
 struct TestLiftConfig {
-  double height_m = 0.02;
-  double raise_s = 10.0;
+  double height_m = 0.03;
+  double raise_s = 15.0;
   double hold_s = 1.0;
   double slow_turn_deg = 0.8;
   double slow_part = 0.2;

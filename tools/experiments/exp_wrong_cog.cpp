@@ -169,7 +169,7 @@ Experiment wrong_cog_experiment() {
   e.thesis = "beyond it";
   e.question =
       "A table whose centre of gravity lies 10 to 20 cm off its shape's, in any direction. Lifted at once, "
-      "and after test lifts: slow, at most 20 mm, ended as soon as the camera sees the table turn or hang "
+      "and after test lifts: slow, at most 30 mm, ended as soon as the camera sees the table turn or hang "
       "free. What arm and camera say of mass and centre of gravity decides: lift on, or put down and take "
       "hold elsewhere, up to four times.";
   e.default_trials = 100;
