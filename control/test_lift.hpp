@@ -14,7 +14,7 @@
 
 namespace colift::control {
 
-/// A slow lift of a few millimetres, which ends as soon as it has told what there is to tell.
+/// A slow lift of some millimetres, which ends as soon as it has told what there is to tell.
 struct TestLiftConfig {
   double height_m = 0.03;
   double raise_s = 15.0;
