@@ -81,10 +81,12 @@ hal::Result<TestLift> understand_test_lift(const CarriedObject& object, std::spa
       "between both hands",
       out.mass_kg, 1e3 * (out.cog - object.cog).norm(), 1e3 * out.lever_m);
   const double drift_deg_s = std::abs(last.drift_rad_s) / kDegree;
-  if (out.stands || out.seen.tilt_rad > config.max_turn_deg * kDegree) {
+  out.bearable = !out.stands && out.seen.tilt_rad <= config.max_turn_deg * kDegree &&
+                 drift_deg_s <= config.max_drift_deg_s;
+  if (out.stands || out.seen.tilt_rad > config.good_turn_deg * kDegree) {
     out.next = TestLift::Next::Regrasp;
     out.because = fmt::format("turned by {:.1f} deg (limit {:.1f}){}: {}", out.seen.tilt_rad / kDegree,
-                              config.max_turn_deg, out.stands ? " and stands on a foot" : "", facts);
+                              config.good_turn_deg, out.stands ? " and stands on a foot" : "", facts);
   } else if (drift_deg_s > config.max_drift_deg_s) {
     out.next = TestLift::Next::Regrasp;
     out.because = fmt::format("turns in the hand by {:.1f} deg in a second (limit {:.1f}): {}", drift_deg_s,
@@ -115,7 +117,7 @@ std::optional<NextGrip> next_grip(std::span<const planner::GraspCandidate> grasp
                     [&](const FeltLift& t) { return (t.grasp - grasp).norm() < kSameGrip_m; }))
       continue;
     const double chance =
-        chance_level(belief, object.partner, grasp, config.max_turn_deg * kDegree, config.belief.grip_sigma);
+        chance_level(belief, object.partner, grasp, config.good_turn_deg * kDegree, config.belief.grip_sigma);
     possible.push_back({i, chance, share_at(belief.mean(), object.partner.head<2>(), grasp.head<2>())});
     best = std::max(best, chance);
   }

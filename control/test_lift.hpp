@@ -21,7 +21,8 @@ struct TestLiftConfig {
   double hold_s = 1.0;
   double slow_turn_deg = 0.8;
   double slow_part = 0.2;
-  double max_turn_deg = 1.5;
+  double good_turn_deg = 1.5;
+  double max_turn_deg = 1.75;
   double max_drift_deg_s = 0.2;
   double max_share_error = 0.10;
   double least_load_n = 2.0;
@@ -40,6 +41,8 @@ struct TestLiftConfig {
       "An object that has turned so far about the line between both hands is raised slowly from there "
       "(deg).");
     v("slow_part", slow_part, hal::Range{0.05, 1}, "Part of the speed that is slow.");
+    v("good_turn_deg", good_turn_deg, hal::Range{0.1, 10},
+      "An object that hangs at this tilt or less is lifted on; at more, another grip is looked for (deg).");
     v("max_turn_deg", max_turn_deg, hal::Range{0.1, 10},
       "One that has turned further is raised no more, and is put down (deg).");
     v("max_drift_deg_s", max_drift_deg_s, hal::kPositive,
@@ -64,7 +67,9 @@ enum class Raise { On, Slowly, Enough };
 struct TestLift {
   Hanging seen;
   bool stands = false;  ///< A foot is on the ground and bears torque that the arm does not feel.
-  CogBelief belief;     ///< After this and all test lifts before it.
+  bool bearable =
+      false;         ///< It hangs, still, at max_turn_deg or less: to be lifted if no better grip is found.
+  CogBelief belief;  ///< After this and all test lifts before it.
   double mass_kg = 0.0;
   hal::Vec3 cog = hal::Vec3::Zero();  ///< Mean of the belief; its height stays the shape's.
   double lever_m = 0.0;               ///< Of it from the line between both hands, level.
@@ -84,9 +89,9 @@ struct TestLift {
 /// hangs, or until feet on the heavy side stand on the ground. Only one that hangs is felt as it is
 /// (weigh_cog() says what follows from either). So a test lift is raised until the camera sees that all feet
 /// are clear, or that the object has turned by max_turn_deg: before it would show the whole lever. One that
-/// hangs still and at less is lifted on, as slowly: its tilt does not grow with height. All others are put
-/// down. Errors: NotFound (the load says nothing, or nothing that is possible fits it, with the numbers),
-/// BadInput (no test lift, not finite, hands at one place, fewer than three feet).
+/// hangs still and at good_turn_deg or less is lifted on, as slowly: its tilt does not grow with height. All
+/// others are put down. Errors: NotFound (the load says nothing, or nothing that is possible fits it, with
+/// the numbers), BadInput (no test lift, not finite, hands at one place, fewer than three feet).
 [[nodiscard]] hal::Result<TestLift> understand_test_lift(const CarriedObject& object,
                                                          std::span<const FeltLift> tests,
                                                          const TestLiftConfig& config);

@@ -55,7 +55,7 @@ TrialRows run(const Trial& trial) {
   DirectLift lift;
   if (search.level) {
     config.task.lift_s = kCarefully_s;
-    lift = try_grasp(**sighting, scenario, last.grasp, config, seed);
+    lift = try_grasp(**sighting, scenario, search.tried[*search.level].grasp, config, seed);
   }
 
   const hal::Vec3 true_cog = (*sighting)->true_cog();
@@ -95,7 +95,7 @@ TrialRows run(const Trial& trial) {
               cell(last.known ? 1e3 * (last.known->cog - true_cog).head<2>().norm() : NAN),
               cell(last.known ? last.known->share : NAN),
               cell(worst_test),
-              cell(search.level),
+              cell(search.level.has_value()),
               cell(lift.lifted ? lift.share_robot : NAN),
               cell(lift.lifted ? lift.tilt_deg : NAN),
               search.level && !lift.lifted ? lift.because : search.because};

@@ -135,7 +135,7 @@ GripSearch search_level_grip(Sighting& sighting, const sim_hal::Scenario& scenar
   GripSearch search;
   std::vector<control::FeltLift> felt;
   planner::GraspCandidate grasp = first;
-  double share = share_predicted, chance = NAN;
+  double share = share_predicted, chance = NAN, least_tilt_rad = INFINITY;
   for (;;) {
     TriedGrip& tried = search.tried.emplace_back();
     tried.grasp = grasp;
@@ -163,8 +163,14 @@ GripSearch search_level_grip(Sighting& sighting, const sim_hal::Scenario& scenar
     }
     search.because = tried.because = known->because;
     tried.known = std::move(*known);
-    search.level = tried.known->next != control::TestLift::Next::Regrasp;
-    if (search.level) return search;
+    if (tried.known->next != control::TestLift::Next::Regrasp) {
+      search.level = search.tried.size() - 1;
+      return search;
+    }
+    if (tried.known->bearable && tried.known->seen.tilt_rad < least_tilt_rad) {
+      least_tilt_rad = tried.known->seen.tilt_rad;
+      search.level = search.tried.size() - 1;
+    }
     if (static_cast<int>(search.tried.size()) >= test_config.grips) {
       search.because = fmt::format("after {} grips: {}", search.tried.size(), search.because);
       return search;

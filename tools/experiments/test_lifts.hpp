@@ -19,14 +19,15 @@ struct TriedGrip {
 };
 
 struct GripSearch {
-  std::vector<TriedGrip> tried;  ///< At least one.
-  bool level = false;            ///< The last one may be lifted.
+  std::vector<TriedGrip> tried;           ///< At least one.
+  std::optional<std::size_t> level = {};  ///< The one that may be lifted.
   std::string because;
 };
 
 /// Test lifts, beginning with `first`: takes hold, raises slowly until the camera has seen enough, puts down;
-/// takes hold elsewhere (control::next_grip) as long as the object turns. Each in a world of its own, where
-/// the object stands as it stood. `share_predicted` belongs to `first`; `config` is the decision's.
+/// takes hold elsewhere (control::next_grip) as long as the object turns. When no grip is good, the least
+/// tilted of the bearable ones is. Each in a world of its own, where the object stands as it stood.
+/// `share_predicted` belongs to `first`; `config` is the decision's.
 [[nodiscard]] GripSearch search_level_grip(Sighting& sighting, const sim_hal::Scenario& scenario,
                                            const planner::GraspCandidate& first, double share_predicted,
                                            const control::Config& config,

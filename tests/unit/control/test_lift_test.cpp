@@ -144,6 +144,21 @@ TEST_CASE("a table that hangs tells the direction of its centre of gravity", "[t
   }
 }
 
+TEST_CASE("what hangs at more than is good is kept for want of better", "[test_lift]") {
+  Table table;
+  table.cog = {0.0, 0.10, 0.3};
+  for (const auto& [turn_deg, bearable] : {std::pair{1.6, true}, {1.9, false}}) {
+    const double lever = 0.10 - 0.025;  // of the line from (0.4, 0.05) to (-0.4, 0)
+    table.grip_nm_rad = table.mass_kg * kGravity * lever / (turn_deg * kDegree);
+    const FeltLift test = raised(table, {-0.4, 0.0, 0.4}, 0.03);
+    const auto t = understand_test_lift(seen(table), std::span(&test, 1), {});
+    REQUIRE(t);
+    CHECK_FALSE(t->stands);
+    CHECK(t->next == TestLift::Next::Regrasp);
+    CHECK(t->bearable == bearable);
+  }
+}
+
 TEST_CASE("a foot that stands hides the lever, and tells the side", "[test_lift]") {
   Table table;
   for (const double y : {-0.17, 0.17}) {
@@ -154,7 +169,7 @@ TEST_CASE("a foot that stands hides the lever, and tells the side", "[test_lift]
     CHECK(t->stands);
     CHECK(t->next == TestLift::Next::Regrasp);
     // never turned further than it may
-    CHECK(t->seen.tilt_rad < 1.7 * kDegree);
+    CHECK(t->seen.tilt_rad < 2.0 * kDegree);
     const Eigen::Vector2d felt = control::felt_moment(seen(table), test);
     const auto lever = [](const Eigen::Vector2d& arm) {
       const Eigen::Vector2d line = Eigen::Vector2d(-0.8, -0.05).normalized();
@@ -189,7 +204,7 @@ TEST_CASE("test lifts at several grasps find a level one", "[test_lift]") {
           tests.push_back(test_lift(table, grasp, config));
           const auto t = understand_test_lift(seen(table), tests, config);
           if (!t) break;  // the robot bears nothing
-          CHECK(t->seen.tilt_rad < 1.8 * kDegree);
+          CHECK(t->seen.tilt_rad < 2.0 * kDegree);
           if (t->next != TestLift::Next::Regrasp) {
             ++found;
             wrong += tilt_deg(table, grasp) > 2.0;
