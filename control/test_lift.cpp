@@ -2,80 +2,132 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace colift::control {
 namespace {
 
 constexpr double kGravity = 9.80665;  // m/s^2
-constexpr double kSameHand_m = 0.05;
-constexpr double kNearest_m = 0.02;  // the centre of gravity is not in the partner's hand
+constexpr double kSameHand_m = 0.05;  // hands nearer to each other hold no object between them
+constexpr double kSameGrip_m = 0.02;  // a place so near to a tried one is the same place
+constexpr double kAsGood = 0.05;      // of a chance
+constexpr double kWellClear = 2.0;    // while it is raised: what is left for the measurement at the top
+constexpr double kDegree = std::numbers::pi / 180.0;
 
 using Vec2 = Eigen::Vector2d;
 
-double cross(const Vec2& a, const Vec2& b) {
-  return a.x() * b.y() - a.y() * b.x();
+bool is_finite(const CarriedObject& object) {
+  return object.partner.allFinite() && object.cog.allFinite() && object.cog_covariance.allFinite() &&
+         std::all_of(object.feet.begin(), object.feet.end(),
+                     [](const hal::Vec3& f) { return f.allFinite(); });
+}
+
+bool is_finite(const FeltLift& test) {
+  return test.felt.force.allFinite() && test.felt.torque.allFinite() && test.palm.allFinite() &&
+         test.grasp.allFinite() && std::isfinite(test.drift_rad_s) && test.X_WTnow_WTref.matrix().allFinite();
+}
+
+// the robot's part by the lever rule
+double share_at(const Vec2& cog, const Vec2& partner, const Vec2& grasp) {
+  return (cog - partner).dot(grasp - partner) / (grasp - partner).squaredNorm();
 }
 
 }  // namespace
 
-hal::Result<TestLift> understand_test_lift(const TestLiftInput& in, const TestLiftConfig& config) {
-  const bool finite = in.felt.force.allFinite() && in.felt.torque.allFinite() && in.palm.allFinite() &&
-                      in.grasp.allFinite() && in.partner.allFinite() && in.cog.allFinite() &&
-                      in.cog_covariance.allFinite();
-  if (!finite) return hal::failure(hal::ErrorCode::BadInput, "test_lift", "a number is not finite");
-  const Vec2 partner = in.partner.head<2>(), span = in.grasp.head<2>() - partner;
-  if (span.norm() < kSameHand_m)
-    return hal::failure(hal::ErrorCode::BadInput, "test_lift",
-                        fmt::format("the hands are {:.0f} mm apart", 1e3 * span.norm()));
+Raise raise_on(const Hanging& now, const TestLiftConfig& config) {
+  const double turn_deg = std::abs(now.turn_rad) / kDegree;
+  if (turn_deg > config.max_turn_deg || now.least_rise_m > kWellClear * config.belief.clear_m)
+    return Raise::Enough;
+  return turn_deg > config.slow_turn_deg ? Raise::Slowly : Raise::On;
+}
 
-  // what the hand does to the object, about the partner
-  const hal::Vec3 force = -in.felt.force;
-  const hal::Vec3 about_partner = (in.palm - in.partner).cross(force) - in.felt.torque;
-  // z x (d x z) = d for level d: the level part of m (c - p)
-  const Vec2 moment = Vec2(-about_partner.y(), about_partner.x()) / kGravity;
-  if (force.z() < config.least_load_n || moment.norm() < 1e-3)
+hal::Result<TestLift> understand_test_lift(const CarriedObject& object, std::span<const FeltLift> tests,
+                                           const TestLiftConfig& config) {
+  const auto bad = [](std::string why) {
+    return hal::failure(hal::ErrorCode::BadInput, "test_lift", std::move(why));
+  };
+  if (tests.empty()) return bad("no test lift was made");
+  for (const FeltLift& test : tests) {
+    if (!is_finite(object) || !is_finite(test)) return bad("a number is not finite");
+    const double span = (test.grasp - object.partner).head<2>().norm();
+    if (span < kSameHand_m) return bad(fmt::format("the hands are {:.0f} mm apart", 1e3 * span));
+  }
+  const FeltLift& last = tests.back();
+  const double load_n = -last.felt.force.z();
+  if (load_n < config.least_load_n)
     return hal::failure(
         hal::ErrorCode::NotFound, "test_lift",
-        fmt::format("the robot bears {:.1f} N (least {:.1f} N): the object stands on the ground", force.z(),
+        fmt::format("the robot bears {:.1f} N (least {:.1f} N): the object stands on the ground", load_n,
                     config.least_load_n));
+  auto belief = weigh_cog(object, tests, config.belief);
+  if (!belief) return tl::unexpected(belief.error());
 
   TestLift out;
-  const Vec2 believed = in.cog.head<2>() - partner;
-  double distance = 0.0;
-  const Vec2 ray = moment.normalized();
-  if (in.known_mass_kg && *in.known_mass_kg > 0.0) {
-    distance = moment.norm() / *in.known_mass_kg;
-  } else {
-    const Eigen::Matrix2d covariance =
-        in.cog_covariance.topLeftCorner<2, 2>() +
-        std::max(1e-6, config.density_sigma_m * config.density_sigma_m) * Eigen::Matrix2d::Identity();
-    const Eigen::Matrix2d information = covariance.inverse();
-    distance = ray.dot(information * believed) / ray.dot(information * ray);
-  }
-  distance = std::max(distance, kNearest_m);
-  out.mass_kg = moment.norm() / distance;
-  out.cog = in.cog;
-  out.cog.head<2>() = partner + distance * ray;
-  out.lever_m = std::abs(cross(distance * ray, span.normalized()));
-  out.share = force.z() / (out.mass_kg * kGravity);
+  out.seen = hanging(object, last.grasp, last.X_WTnow_WTref);
+  out.stands = out.seen.least_rise_m < config.belief.clear_m;
+  out.belief = std::move(*belief);
+  out.mass_kg = out.belief.mass_kg();
+  out.cog = object.cog;
+  out.cog.head<2>() = out.belief.mean();
+  const Vec2 line = (last.grasp - object.partner).head<2>().normalized();
+  const Vec2 arm = (out.cog - object.partner).head<2>();
+  out.lever_m = std::abs(arm.x() * line.y() - arm.y() * line.x());
+  out.share = load_n / (out.mass_kg * kGravity);
 
-  const std::string facts = fmt::format("{:.1f} kg, centre of gravity {:.0f} mm from where its shape has it",
-                                        out.mass_kg, 1e3 * (out.cog - in.cog).norm());
-  if (out.lever_m > config.max_lever_m) {
+  const std::string facts = fmt::format(
+      "{:.1f} kg, centre of gravity {:.0f} mm from where its shape has it, {:.0f} mm beside the line "
+      "between both hands",
+      out.mass_kg, 1e3 * (out.cog - object.cog).norm(), 1e3 * out.lever_m);
+  const double drift_deg_s = std::abs(last.drift_rad_s) / kDegree;
+  out.bearable = !out.stands && out.seen.tilt_rad <= config.max_turn_deg * kDegree &&
+                 drift_deg_s <= config.max_drift_deg_s;
+  if (out.stands || out.seen.tilt_rad > config.good_turn_deg * kDegree) {
     out.next = TestLift::Next::Regrasp;
-    out.because = fmt::format("{}, {:.0f} mm beside the line between both hands (limit {:.0f} mm)", facts,
-                              1e3 * out.lever_m, 1e3 * config.max_lever_m);
-  } else if (std::abs(out.share - in.share_predicted) > config.max_share_error) {
+    out.because = fmt::format("turned by {:.1f} deg (limit {:.1f}){}: {}", out.seen.tilt_rad / kDegree,
+                              config.good_turn_deg, out.stands ? " and stands on a foot" : "", facts);
+  } else if (drift_deg_s > config.max_drift_deg_s) {
+    out.next = TestLift::Next::Regrasp;
+    out.because = fmt::format("turns in the hand by {:.1f} deg in a second (limit {:.1f}): {}", drift_deg_s,
+                              config.max_drift_deg_s, facts);
+  } else if (std::abs(out.share - last.share_predicted) > config.max_share_error) {
     out.next = TestLift::Next::OtherShare;
     out.because = fmt::format("{}; the robot bears {:.0f} % where {:.0f} % were expected", facts,
-                              100 * out.share, 100 * in.share_predicted);
+                              100 * out.share, 100 * last.share_predicted);
   } else {
-    out.because = fmt::format("{}, {:.0f} mm beside the line between both hands", facts, 1e3 * out.lever_m);
+    out.because = facts;
   }
   return out;
+}
+
+std::optional<NextGrip> next_grip(std::span<const planner::GraspCandidate> grasps,
+                                  const CarriedObject& object, std::span<const FeltLift> tests,
+                                  const CogBelief& belief, double wanted_share,
+                                  const TestLiftConfig& config) {
+  std::vector<NextGrip> possible;
+  double best = config.least_chance;
+  for (std::size_t i = 0; i < grasps.size(); ++i) {
+    using planner::Verdict;
+    const planner::GraspCandidate& c = grasps[i];
+    if (c.verdict != Verdict::Ok && c.verdict != Verdict::Chosen) continue;
+    const hal::Vec3 grasp = c.position + c.depth_m * c.approach;
+    if ((grasp - object.partner).head<2>().norm() < kSameHand_m) continue;
+    if (std::any_of(tests.begin(), tests.end(),
+                    [&](const FeltLift& t) { return (t.grasp - grasp).norm() < kSameGrip_m; }))
+      continue;
+    const double chance =
+        chance_level(belief, object.partner, grasp, config.good_turn_deg * kDegree, config.belief.grip_sigma);
+    possible.push_back({i, chance, share_at(belief.mean(), object.partner.head<2>(), grasp.head<2>())});
+    best = std::max(best, chance);
+  }
+  std::optional<NextGrip> next;
+  const double least = std::max(config.least_chance, best - kAsGood);
+  for (const NextGrip& grip : possible) {
+    if (grip.chance < least) continue;
+    if (!next || std::abs(grip.share - wanted_share) < std::abs(next->share - wanted_share)) next = grip;
+  }
+  return next;
 }
 
 }  // namespace colift::control

@@ -1,73 +1,113 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
+#include "control/cog_belief.hpp"
 #include "hal/config/range.hpp"
 #include "hal/types/geometry.hpp"
 #include "hal/types/result.hpp"
+#include "planner/grasp_candidate.hpp"
 
 namespace colift::control {
 
-/// What is done after a lift of a few millimetres.
+/// A slow lift of some millimetres, which ends as soon as it has told what there is to tell.
 struct TestLiftConfig {
-  double height_m = 0.006;
-  double hold_s = 0.6;
-  double density_sigma_m = 0.10;
-  double max_lever_m = 0.03;
+  double height_m = 0.03;
+  double raise_s = 15.0;
+  double hold_s = 1.0;
+  double slow_turn_deg = 0.8;
+  double slow_part = 0.2;
+  double good_turn_deg = 1.5;
+  double max_turn_deg = 1.75;
+  double max_drift_deg_s = 0.2;
   double max_share_error = 0.10;
   double least_load_n = 2.0;
+  int grips = 4;
+  double least_chance = 0.03;
+  CogBeliefConfig belief;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("height_m", height_m, hal::Range{0.002, 0.03}, "Height of the test lift (m).");
+    v("height_m", height_m, hal::Range{0.002, 0.05},
+      "Greatest height of a test lift (m): at max_turn_deg every foot has to be clear of the ground by "
+      "then.");
+    v("raise_s", raise_s, hal::Range{0.2, 30}, "Time in which that height would be reached (s).");
     v("hold_s", hold_s, hal::Range{0.1, 10}, "How long is measured at the top (s).");
-    v("density_sigma_m", density_sigma_m, hal::Range{0.0, 1.0},
-      "How far uneven density may put the centre of gravity off the shape's, standard deviation (m).");
-    v("max_lever_m", max_lever_m, hal::Range{0.001, 0.5},
-      "Distance of the centre of gravity from the line between both hands that is still lifted (m).");
+    v("slow_turn_deg", slow_turn_deg, hal::Range{0.1, 10},
+      "An object that has turned so far about the line between both hands is raised slowly from there "
+      "(deg).");
+    v("slow_part", slow_part, hal::Range{0.05, 1}, "Part of the speed that is slow.");
+    v("good_turn_deg", good_turn_deg, hal::Range{0.1, 10},
+      "An object that hangs at this tilt or less is lifted on; at more, another grip is looked for (deg).");
+    v("max_turn_deg", max_turn_deg, hal::Range{0.1, 10},
+      "One that has turned further is raised no more, and is put down (deg).");
+    v("max_drift_deg_s", max_drift_deg_s, hal::kPositive,
+      "One that still turns faster at the top slips in the hand, and is put down (deg/s).");
     v("max_share_error", max_share_error, hal::kFraction,
       "Difference of the robot's share from what was predicted that is still lifted.");
     v("least_load_n", least_load_n, hal::kNotNegative,
       "A load below this says nothing: the object stands still on the ground (N).");
+    v("grips", grips, hal::Range{1, 20}, "Places where the hand takes hold before it gives up.");
+    v("least_chance", least_chance, hal::kFraction,
+      "A grasp is not tried when the chance that it holds the object level is below this.");
+    v("belief", belief, "What is believed of an object before it is lifted.");
   }
 };
 
-/// What was felt while the object was clear of the ground, and what was believed before. Frame W.
-struct TestLiftInput {
-  hal::Wrench felt;  ///< Of the object on the hand, about `palm` (LoadEstimator::wrench_W), mean at the top.
-  hal::Vec3 palm = hal::Vec3::Zero();
-  hal::Vec3 grasp = hal::Vec3::Zero();  ///< Where the load hangs in the hand.
-  hal::Vec3 partner = hal::Vec3::Zero();
-  hal::Vec3 cog = hal::Vec3::Zero();  ///< Of the shape.
-  Eigen::Matrix3d cog_covariance = Eigen::Matrix3d::Zero();
-  double share_predicted = 0.5;
-  std::optional<double> known_mass_kg = {};
-};
+/// How a test lift goes on: it is enough when the object has turned too far, or every foot is well clear of
+/// the ground.
+enum class Raise { On, Slowly, Enough };
+[[nodiscard]] Raise raise_on(const Hanging& now, const TestLiftConfig& config);
 
+/// What a test lift says.
 struct TestLift {
+  Hanging seen;
+  bool stands = false;  ///< A foot is on the ground and bears torque that the arm does not feel.
+  bool bearable =
+      false;         ///< It hangs, still, at max_turn_deg or less: to be lifted if no better grip is found.
+  CogBelief belief;  ///< After this and all test lifts before it.
   double mass_kg = 0.0;
-  hal::Vec3 cog = hal::Vec3::Zero();  ///< Corrected; its height stays as believed.
-  double lever_m = 0.0;  ///< Of the corrected centre of gravity from the line between both hands, level.
-  double share = 0.0;    ///< The robot's measured part of the weight.
+  hal::Vec3 cog = hal::Vec3::Zero();  ///< Mean of the belief; its height stays the shape's.
+  double lever_m = 0.0;               ///< Of it from the line between both hands, level.
+  double share = 0.0;                 ///< The robot's measured part of the weight.
   enum class Next {
     GoOn,
     OtherShare,  ///< Level, but the robot bears another part than was agreed: say so, and ask.
-    Regrasp,     ///< Put down and decide again with the corrected centre of gravity.
+    Regrasp,     ///< Put down, and take hold where the belief gives the best chance (chance_level).
   } next = Next::GoOn;
   std::string because;
 };
 
-/// Mass and centre of gravity from external torques.
+/// Mass and centre of gravity from test lifts of one object, the last of which was made just now; the
+/// partner holds it at one place in all of them.
 ///
-/// Torques about the partner's grasp p balance without his force: m g (c - p) x up = what the robot exerts.
-/// So the level part of m (c - p) is measured, two numbers for three unknowns: the *direction* in which the
-/// centre of gravity lies from the partner, which is what tilts the object, is known, while mass and distance
-/// are known as a product only, whatever the lift. The distance is taken as the point of that ray nearest to
-/// the believed centre of gravity, in units of its uncertainty; a known mass settles it. The partner's hand
-/// is taken as a point: his torque (1 N m or so) shows as an error of the direction. Errors: NotFound (the
-/// load says nothing, with the numbers), BadInput (not finite, hands at one place).
-[[nodiscard]] hal::Result<TestLift> understand_test_lift(const TestLiftInput& input,
+/// An object whose centre of gravity lies beside the line between the hands turns about that line until it
+/// hangs, or until feet on the heavy side stand on the ground. Only one that hangs is felt as it is
+/// (weigh_cog() says what follows from either). So a test lift is raised until the camera sees that all feet
+/// are clear, or that the object has turned by max_turn_deg: before it would show the whole lever. One that
+/// hangs still and at good_turn_deg or less is lifted on, as slowly: its tilt does not grow with height. All
+/// others are put down. Errors: NotFound (the load says nothing, or nothing that is possible fits it, with
+/// the numbers), BadInput (no test lift, not finite, hands at one place, fewer than three feet).
+[[nodiscard]] hal::Result<TestLift> understand_test_lift(const CarriedObject& object,
+                                                         std::span<const FeltLift> tests,
                                                          const TestLiftConfig& config);
+
+/// Of the grasps that are possible (Ok or Chosen), where the hand takes hold next: where chance_level() is
+/// best; of those that are as good to within a twentieth, the one whose share is nearest to `wanted_share`.
+/// Places that a test lift was made at are left out. nullopt when no chance is as good as
+/// TestLiftConfig::least_chance.
+struct NextGrip {
+  std::size_t index = 0;  ///< Of the grasps.
+  double chance = 0.0;
+  double share = 0.0;  ///< What the robot would bear, by the mean of the belief.
+};
+[[nodiscard]] std::optional<NextGrip> next_grip(std::span<const planner::GraspCandidate> grasps,
+                                                const CarriedObject& object, std::span<const FeltLift> tests,
+                                                const CogBelief& belief, double wanted_share,
+                                                const TestLiftConfig& config);
 
 }  // namespace colift::control

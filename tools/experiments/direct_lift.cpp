@@ -13,18 +13,21 @@
 namespace colift::experiments {
 namespace {
 
-constexpr double kTare_s = 0.2, kClosing_s = 0.1, kSettle_s = 0.3, kReady_s = 0.5, kTooLong_s = 25.0;
-constexpr double kGone_m = 0.05;  // an object that moved so far in the hand is not held
+constexpr double kTare_s = 0.2, kClosing_s = 0.1, kSettle_s = 0.3, kReady_s = 0.5;
+constexpr double kTooLong_s = 23.0;  // beside the lift itself, which may be slowed
+constexpr double kGone_m = 0.05;     // an object that moved so far in the hand is not held
 
-enum class Phase { Tare, Approach, Close, Ready, Lift, Hold, Over };
+enum class Phase { Tare, Approach, Close, Ready, Lift, Stop, Hold, Over };
 
 /// One lift while it goes on.
 class Lift {
  public:
-  Lift(sim_hal::SimWorld& world, const planner::MotionPlan& plan, const control::Config& config)
+  Lift(sim_hal::SimWorld& world, const planner::MotionPlan& plan, const control::Config& config,
+       const LiftEye& eye)
       : world_(world),
         plan_(plan),
         config_(config),
+        eye_(eye),
         arm_(sim_hal::make_sim_arm(world), world.model(), config.guard_arm),
         hand_(sim_hal::make_sim_hand(world), config.guard_hand),
         geometry_(planner::arm_geometry(world.model()).value()),
@@ -36,13 +39,19 @@ class Lift {
     if (auto ok = hand_.activate(); !ok) return tl::unexpected(ok.error());
     if (auto ok = loop_.start(); !ok) return tl::unexpected(ok.error());
     if (auto ok = hand_.preshape(0.0); !ok) return tl::unexpected(ok.error());
+    if (eye_) {
+      camera_ = sim_hal::make_sim_camera(world_);
+      if (auto ok = camera_->configure(); !ok) return tl::unexpected(ok.error());
+      if (auto ok = camera_->activate(); !ok) return tl::unexpected(ok.error());
+    }
     loop_.start_tare();
     while (phase_ != Phase::Over) {
       loop_.begin_cycle();
       now_s_ = hal::seconds(world_.elapsed());
       step();
       loop_.end_cycle();
-      if (now_s_ > kTooLong_s) end("it takes too long");
+      if (now_s_ > kTooLong_s + config_.task.lift_s / (eye_ ? config_.task.slow_part : 1.0))
+        end("it takes too long");
       if (loop_.blocked()) end("the arm met something: " + loop_.why_blocked());
     }
     loop_.finish();
@@ -62,9 +71,18 @@ class Lift {
   }
   [[nodiscard]] double in_phase_s() const { return now_s_ - since_s_; }
 
+  control::Raise look(const hal::HandState& hand, LiftPart part) {
+    if (!eye_) return control::Raise::On;
+    if (auto frame = camera_->next_frame(std::chrono::milliseconds(0)))
+      raise_ = eye_(std::move(*frame), {loop_.view().state.q_rad, hal::posture_of(hand)}, part);
+    return raise_;
+  }
+
   void step() {
     const auto state = hand_.state();
     if (!state) return end(state.error().text());
+    if (phase_ >= Phase::Ready)
+      out_.most_tilt_deg = std::max(out_.most_tilt_deg, world_.truth().tilt_rad * 180.0 / std::numbers::pi);
     switch (phase_) {
       case Phase::Tare:
         if (in_phase_s() < kTare_s || state->moving) return;
@@ -77,10 +95,12 @@ class Lift {
           return end(closing.error().text());
         return go(Phase::Close);
       case Phase::Close:
+        look(*state, LiftPart::Before);
         if (state->moving || in_phase_s() < kClosing_s) return;
         if (!state->held) return end("the fingers met nothing");
         return go(Phase::Ready);
       case Phase::Ready:
+        look(*state, LiftPart::Before);
         if (in_phase_s() < kReady_s) return;
         out_.held = state->held && world_.truth().robot_touches_object;
         if (!out_.held) return end("the hand closed, and does not touch the object");
@@ -89,14 +109,31 @@ class Lift {
       case Phase::Lift:
         if (loop_.end_of_reach()) return end("the arm has come to the end of its reach");
         out_.slip_m = world_.truth().slip_m;
+        raise(look(*state, LiftPart::Raising));
+        if (phase_ != Phase::Lift) return;
         if (!loop_.lift_at_rest()) at_rest_s_ = now_s_;
         if (now_s_ - at_rest_s_ < kSettle_s) return;
         return go(Phase::Hold);
+      case Phase::Stop:
+        look(*state, LiftPart::Raising);
+        if (in_phase_s() < kSettle_s) return;
+        return go(Phase::Hold);
       case Phase::Hold:
+        look(*state, LiftPart::Top);
         return hold(state->held);
       case Phase::Over:
         return;
     }
+  }
+
+  void raise(control::Raise how) {
+    if (how == control::Raise::Enough) {
+      loop_.hold();
+      return go(Phase::Stop);
+    }
+    const bool slowly = how == control::Raise::Slowly;
+    if (slowly != slow_) loop_.go_slow(slowly);
+    slow_ = slowly;
   }
 
   void hold(bool held) {
@@ -130,11 +167,15 @@ class Lift {
   sim_hal::SimWorld& world_;
   const planner::MotionPlan& plan_;
   const control::Config& config_;
+  const LiftEye& eye_;
+  std::unique_ptr<hal::DepthCamera> camera_;
   hal::GuardedArm arm_;
   hal::GuardedHand hand_;
   planner::ArmGeometry geometry_;
   control::ArmLoop loop_;
   Phase phase_ = Phase::Tare;
+  control::Raise raise_ = control::Raise::On;
+  bool slow_ = false;
   double now_s_ = 0.0, since_s_ = 0.0, at_rest_s_ = 0.0;
   DirectLift out_;
   int n_ = 0;
@@ -144,7 +185,7 @@ class Lift {
 }  // namespace
 
 hal::Result<DirectLift> lift_directly(sim_hal::Scenario scenario, const planner::MotionPlan& plan,
-                                      const control::Config& config, std::uint64_t seed) {
+                                      const control::Config& config, std::uint64_t seed, const LiftEye& eye) {
   scenario.partner.arrives_s = 0.1;
   scenario.partner.events.clear();
   scenario.faults.clear();
@@ -152,7 +193,7 @@ hal::Result<DirectLift> lift_directly(sim_hal::Scenario scenario, const planner:
   sim.start_rad = plan.approach.start();
   auto world = sim_hal::SimWorld::make(scenario, hal::built_in_robot(), seed, sim);
   if (!world) return tl::unexpected(world.error());
-  return Lift(**world, plan, config).run();
+  return Lift(**world, plan, config, eye).run();
 }
 
 }  // namespace colift::experiments

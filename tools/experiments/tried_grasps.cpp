@@ -41,15 +41,15 @@ std::vector<std::size_t> next_best(const control::Outcome& outcome, std::size_t 
 }
 
 DirectLift try_grasp(Sighting& sighting, const sim_hal::Scenario& scenario,
-                     const planner::GraspCandidate& grasp, const control::Config& config,
-                     std::uint64_t seed) {
+                     const planner::GraspCandidate& grasp, const control::Config& config, std::uint64_t seed,
+                     const LiftEye& eye) {
   DirectLift lift;
   const auto plan = sighting.plan(grasp);
   if (!plan) {
     lift.because = "no way: " + plan.error().detail;
     return lift;
   }
-  auto done = lift_directly(scenario, *plan, config, seed);
+  auto done = lift_directly(scenario, *plan, config, seed, eye);
   if (!done) {
     lift.because = done.error().text();
     return lift;

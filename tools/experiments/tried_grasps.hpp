@@ -22,7 +22,7 @@ namespace colift::experiments {
 /// Plans a way and lifts. A grasp without a way gives a lift that is not held, with the reason.
 [[nodiscard]] DirectLift try_grasp(Sighting& sighting, const sim_hal::Scenario& scenario,
                                    const planner::GraspCandidate& grasp, const control::Config& config,
-                                   std::uint64_t seed);
+                                   std::uint64_t seed, const LiftEye& eye = {});
 
 /// "a", "b", ..., "z", "aa": names of the grasps of a figure.
 [[nodiscard]] std::string letter(std::size_t index);
