@@ -13,10 +13,6 @@ constexpr double kLeastGain = 0.1;
 constexpr double kGravity_m_s2 = 9.80665;
 constexpr double kAsHigh_m = 0.15;  // as he holds it now: a table is not carried by its feet
 
-hal::Vec3 grasp_point(const planner::GraspCandidate& c) {
-  return c.position + c.depth_m * c.approach;
-}
-
 // distance of the centre of gravity from the vertical plane through both hands
 double lever(const hal::Vec3& partner, const hal::Vec3& robot, const hal::Vec3& cog, const hal::Vec3& up) {
   const hal::Vec3 normal = up.cross(robot - partner);
@@ -43,13 +39,13 @@ std::optional<Suggestion> suggest_to_partner(const Outcome& outcome,
     bool found = false;
   } best;
   for (const planner::GraspCandidate& c : candidates) {
-    const hal::Vec3 place = grasp_point(c);
+    const hal::Vec3 place = planner::load_point(c);
     if (std::abs(up.dot(place - outcome.partner->position)) > kAsHigh_m) continue;
     const planner::CarryingAgent person{place - cog, 1.0, w.omega1_per_m};
     const auto choice =
         planner::choose_beside(candidates, {&person, 1}, robot, cog, lift, config.near_partner_m);
     if (!choice || !choice->best) continue;
-    const hal::Vec3 at = grasp_point(candidates[*choice->best]);
+    const hal::Vec3 at = planner::load_point(candidates[*choice->best]);
     const double cost = choice->costs[*choice->best];
     if ((best.found && cost >= best.cost) || lever(place, at, cog, up) > config.max_lever_m) continue;
     best = {cost, place, at, true};
@@ -68,9 +64,8 @@ std::optional<Suggestion> suggest_to_partner(const Outcome& outcome,
   s.gain = 1.0 - best.cost / outcome.decision.cost;
   if (*s.gain < kLeastGain) return std::nullopt;
   s.because = fmt::format(
-      "the partner would better take hold at {}, {:.2f} m from where he is: both together would need {:.0f} "
-      "% "
-      "less effort",
+      "the partner would better take hold at {}, {:.2f} m from where he is: both together would need "
+      "{:.0f} % less effort",
       place_text(best.place), away_m, 1e2 * *s.gain);
   return s;
 }

@@ -111,7 +111,7 @@ std::optional<NextGrip> next_grip(std::span<const planner::GraspCandidate> grasp
     using planner::Verdict;
     const planner::GraspCandidate& c = grasps[i];
     if (c.verdict != Verdict::Ok && c.verdict != Verdict::Chosen) continue;
-    const hal::Vec3 grasp = c.position + c.depth_m * c.approach;
+    const hal::Vec3 grasp = planner::load_point(c);
     if ((grasp - object.partner).head<2>().norm() < kSameHand_m) continue;
     if (std::any_of(tests.begin(), tests.end(),
                     [&](const FeltLift& t) { return (t.grasp - grasp).norm() < kSameGrip_m; }))

@@ -40,4 +40,9 @@ struct GraspCandidate {
   std::optional<double> gap_m;   ///< Palm plane to the surface (m), where it is not the hand's usual one.
 };
 
+/// Where the load hangs in the hand: behind the grasp point, between the pads.
+[[nodiscard]] inline Vec3 load_point(const GraspCandidate& c) {
+  return c.position + c.depth_m * c.approach;
+}
+
 }  // namespace colift::planner

@@ -17,7 +17,7 @@ void refuse(GraspCandidate& c, Verdict verdict, std::string why) {
 
 // how far the centre of gravity lies beside the vertical plane through both hands (m)
 double lever_of(const GraspCandidate& c, const DecisionInput& in) {
-  const Vec3 line = c.position + c.depth_m * c.approach - in.partner.position;
+  const Vec3 line = load_point(c) - in.partner.position;
   const Vec3 level = line - in.up * in.up.dot(line);
   if (level.norm() < 1e-6) return 0.0;
   return std::abs((in.cog - in.partner.position).dot(in.up.cross(level.normalized())));
@@ -139,7 +139,7 @@ hal::Result<Decision> decide_grasp(std::vector<GraspCandidate>& candidates, cons
   d.scores.resize(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     GraspCandidate& c = candidates[i];
-    const Vec3 robot = c.position + c.depth_m * c.approach - input.cog;
+    const Vec3 robot = load_point(c) - input.cog;
     if (c.verdict == Verdict::Ok) judge_geometry(c, input, config);
     auto wrenches = limited->wrenches(partner, robot, lift);
     if (!wrenches && c.verdict == Verdict::Ok) {

@@ -155,7 +155,7 @@ std::optional<std::size_t> RobustChoice::choose(const UncertainScene& scene,
     const std::size_t n = std::min(most_candidates(), candidates.size() - begin);
     for (std::size_t i = 0; i < n; ++i) {
       const GraspCandidate& c = candidates[begin + i];
-      points_[i] = c.position + c.depth_m * c.approach;
+      points_[i] = load_point(c);
     }
     const std::span<RobustCost> costs(costs_.data(), n);
     evaluate(scene, {points_.data(), n}, costs, holds_n.empty() ? holds_n : holds_n.subspan(begin, n));

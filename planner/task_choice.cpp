@@ -10,10 +10,6 @@ namespace {
 constexpr double kGravity = 9.80665;           // m/s^2
 constexpr double kMinimumJerkPeak = 5.773503;  // 10/sqrt(3) d/t^2
 
-Vec3 grasp_point(const GraspCandidate& c) {
-  return c.position + c.depth_m * c.approach;
-}
-
 bool possible(const GraspCandidate& c) {
   return c.verdict == Verdict::Ok || c.verdict == Verdict::Chosen;
 }
@@ -83,7 +79,7 @@ hal::Result<TaskChoice> choose_for_task(std::span<const GraspCandidate> candidat
   TaskChoice choice;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const GraspCandidate& c = candidates[i];
-    choice.costs.push_back(sharing->cost(partner - cog, grasp_point(c) - cog, wrenches));
+    choice.costs.push_back(sharing->cost(partner - cog, load_point(c) - cog, wrenches));
     if (!possible(c)) continue;
     if (!choice.best || choice.costs[i] < choice.costs[*choice.best]) choice.best = i;
   }
@@ -101,7 +97,7 @@ hal::Result<TaskChoice> choose_beside(std::span<const GraspCandidate> candidates
   if (!agents) return tl::unexpected(agents.error());
   TaskChoice choice;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const Vec3 place = grasp_point(candidates[i]) - cog;
+    const Vec3 place = load_point(candidates[i]) - cog;
     agents->move(others.size(), place);
     choice.costs.push_back(agents->cost(tasks));
     const bool near = std::any_of(others.begin(), others.end(), [&](const CarryingAgent& a) {

@@ -1,8 +1,8 @@
 #include "tools/colift/command_line.hpp"
 
+#include <fmt/format.h>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdio>

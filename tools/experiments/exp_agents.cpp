@@ -25,10 +25,6 @@ constexpr double kInside = 0.9;          // a hand is not at the very corner
 constexpr double kApart_m = 0.3;         // two people
 constexpr double kWeakRobotPrice = 4.0;  // a first agent who should bear a fifth of what the robot bears
 
-hal::Vec3 grasp_point(const planner::GraspCandidate& c) {
-  return c.position + c.depth_m * c.approach;
-}
-
 /// A table whose partner takes hold anywhere at its far end or in the far part of its sides.
 sim_hal::Scenario table_taken_anywhere(const Trial& trial) {
   sim_hal::Scenario scenario = table_layout(trial.index + 2, trial.seed);
@@ -80,7 +76,7 @@ hal::Result<Lifted> decide_and_lift(const sim_hal::Scenario& scenario, const Tri
   if (!l.possible()) return l;
   const planner::GraspCandidate& chosen = l.outcome.candidates[*l.outcome.decision.chosen];
   const hal::Wrench lift{{0.0, 0.0, 9.80665}, hal::Vec3::Zero()};
-  l.effort = sharing->cost(l.true_partner - l.true_cog, grasp_point(chosen) - l.true_cog, lift);
+  l.effort = sharing->cost(l.true_partner - l.true_cog, planner::load_point(chosen) - l.true_cog, lift);
   l.lift = try_grasp(**sighting, scenario, chosen, config, seed);
   return l;
 }
@@ -105,7 +101,7 @@ std::optional<double> saved_by_knowing(const Lifted& l, const std::vector<Carryi
   const auto true_cost = [&](std::size_t i) {
     std::vector<CarryingAgent> all = others_true;
     all.push_back(robot);
-    all.back().position = grasp_point(l.outcome.candidates[i]) - l.true_cog;
+    all.back().position = planner::load_point(l.outcome.candidates[i]) - l.true_cog;
     const auto agents = planner::SeveralAgents::create(std::move(all));
     return agents ? agents->cost(lift) : NAN;
   };
@@ -125,7 +121,8 @@ Knowing value_of_knowing(const Lifted& l, const control::Config& config, std::ui
   const CarryingAgent true_first{l.true_partner - l.true_cog, 1.0, w.omega1_per_m};
   std::vector<hal::Vec3> places;
   for (const planner::GraspCandidate& c : l.outcome.candidates)
-    if ((grasp_point(c) - l.outcome.partner->position).norm() > kApart_m) places.push_back(grasp_point(c));
+    if ((planner::load_point(c) - l.outcome.partner->position).norm() > kApart_m)
+      places.push_back(planner::load_point(c));
   if (!places.empty()) {
     sim_hal::Draws draws(seed, 7900);
     const auto pick = static_cast<std::size_t>(draws.between(0.0, static_cast<double>(places.size()) - 1e-9));

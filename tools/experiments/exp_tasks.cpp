@@ -55,10 +55,6 @@ planner::CarriedBody body_of(const hal::OrientedBox& box, double mass_kg) {
   return {mass_kg, box.axes * moments.asDiagonal() * box.axes.transpose()};
 }
 
-hal::Vec3 grasp_point(const planner::GraspCandidate& c) {
-  return c.position + c.depth_m * c.approach;
-}
-
 /// The effort of a grasp in a task, with everything where it truly is.
 struct Effort {
   double cost = 0.0;       ///< Eq. 4.6.
@@ -105,7 +101,7 @@ TrialRows run(const Trial& trial) {
     if (!for_lift) for_lift = choice->best;  // the first task
     const auto wrenches = planner::task_wrenches(t.task, body, up);
     const auto of = [&](std::size_t i) {
-      return effort(*sharing, true_partner, grasp_point(outcome->candidates[i]) - true_cog, wrenches);
+      return effort(*sharing, true_partner, planner::load_point(outcome->candidates[i]) - true_cog, wrenches);
     };
     const Effort lift = of(*for_lift), task = of(*choice->best);
     const double saved = 1.0 - task.cost / lift.cost;
