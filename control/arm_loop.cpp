@@ -20,7 +20,7 @@ constexpr auto kTaskPeriod = 4ms;  // of a task that does not run the arm's cycl
 bool moves(ArmRequest::Kind kind) {
   using Kind = ArmRequest::Kind;
   return kind == Kind::Hold || kind == Kind::Follow || kind == Kind::Resume || kind == Kind::Back ||
-         kind == Kind::StartLift || kind == Kind::Lower;
+         kind == Kind::StartLift || kind == Kind::RaiseOn || kind == Kind::Stay || kind == Kind::Lower;
 }
 
 /// Activation and the first good cycle, in the thread that makes all the others.
@@ -186,8 +186,16 @@ void ArmLoop::end_tare() {
   ask({ArmRequest::Kind::EndTare, 0, nullptr, 0.0, {}});
 }
 
-void ArmLoop::start_lift(LiftController::Role role) {
-  ask({ArmRequest::Kind::StartLift, 0, nullptr, 0.0, role});
+void ArmLoop::start_lift(LiftController::Role role, double height_m, double time_s) {
+  ask({ArmRequest::Kind::StartLift, 0, nullptr, height_m, role, time_s});
+}
+
+void ArmLoop::raise_on(LiftController::Role role, double height_m, double time_s) {
+  ask({ArmRequest::Kind::RaiseOn, 0, nullptr, height_m, role, time_s});
+}
+
+void ArmLoop::stay() {
+  ask({ArmRequest::Kind::Stay, 0, nullptr, 0.0, {}});
 }
 
 void ArmLoop::lower() {

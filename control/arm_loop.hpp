@@ -57,7 +57,12 @@ class ArmLoop {
   void unload();
   void start_tare();
   void end_tare();
-  void start_lift(LiftController::Role role);
+  /// Raises the palm by a height, in a time when it leads; raise_on() goes further, to a height over where the
+  /// lift began.
+  void start_lift(LiftController::Role role, double height_m, double time_s);
+  void raise_on(LiftController::Role role, double height_m, double time_s);
+  /// Ends a slow lift at the height that it has reached; at once, so for slow ones only.
+  void stay();
   void lower();
   void see_partner(double rise_m);
 

@@ -60,7 +60,13 @@ void ArmMotion::take(const ArmRequest& request) {
       (void)lift_time_.advance(view_.state.measured_at);
       lift_starts_ = cycle_.starts();
       lift_.start(cycle_.commanded());
-      lift_.lift(request.role);
+      lift_.lift(request.role, request.number, request.time_s);
+      break;
+    case Kind::RaiseOn:
+      lift_.lift(request.role, request.number, request.time_s);
+      break;
+    case Kind::Stay:
+      lift_.stay();
       break;
     case Kind::Lower:
       lift_.lower();

@@ -22,7 +22,9 @@ struct ArmRequest {
     Unload,      ///< Superpose no torque any more: the hand is empty.
     StartTare,   ///< What is felt from now on ...
     EndTare,     ///< ... until now is nothing.
-    StartLift,   ///< Raise the palm, in `role`.
+    StartLift,   ///< The hand has closed here: raise the palm by `number` (m) in `time_s`, in `role`.
+    RaiseOn,     ///< Raise it further, to `number` over where the hand closed.
+    Stay,        ///< Raise it no further. At once: for a slow lift.
     Lower,       ///< Bring it down again.
     SeePartner,  ///< His end of the object has risen by `number` (m).
   };
@@ -31,6 +33,7 @@ struct ArmRequest {
   std::shared_ptr<const planner::Trajectory> way;
   double number = 0.0;
   LiftController::Role role = LiftController::Role::Lead;
+  double time_s = 0.0;
 };
 
 /// What the task knows of the arm after a cycle. Copied without allocation.

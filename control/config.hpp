@@ -4,6 +4,7 @@
 
 #include "control/load_estimator.hpp"
 #include "control/task_config.hpp"
+#include "control/test_lift.hpp"
 #include "hal/config/range.hpp"
 #include "hal/guarded_arm.hpp"
 #include "hal/guarded_camera.hpp"
@@ -50,6 +51,7 @@ struct Config {
   perception::MotionConfig object_motion;
   planner::PlannerConfig motion;
   TaskConfig task;
+  TestLiftConfig test_lift;
   LoadConfig load;
   hal::GuardConfig guard_arm;
   hal::HandGuardConfig guard_hand;
@@ -83,6 +85,7 @@ struct Config {
     v("object_motion", object_motion, "How the object is followed while it is lifted.");
     v("motion", motion, "How the arm's way is planned.");
     v("task", task, "The order of the job: patience, lift, limits that end it.");
+    v("test_lift", test_lift, "Whether and how the load is tested before the lift.");
     v("load", load, "How the load is felt.");
     v("guard_arm", guard_arm, "The last gate before the arm.");
     v("guard_hand", guard_hand, "The last gate before the hand.");

@@ -10,6 +10,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr hal::Duration kTellEvery = 33ms;
+constexpr double kCarefully_m_s = 0.005;
 
 planner::ArmGeometry geometry_of(const hal::RobotModel& model) {
   // every model that load_robot() lets pass has this arm
@@ -34,7 +35,8 @@ Job::Job(hal::Robot& robot, const RigView& rig, const Config& config, const JobO
       geometry_(geometry_of(rig.model)),
       watch_(options.method, config_, rig, stopwatch),
       planner_(std::make_unique<planner::MotionPlanner>(rig.model, rig.hand, config.motion, options.seed)),
-      loop_(*robot.arm, rig.model, geometry_, config.task, config.load, options.drive, cycle_limits(config)) {
+      loop_(*robot.arm, rig.model, geometry_, config.task, config.load, options.drive, cycle_limits(config)),
+      tests_(config.test_lift) {
   if (options.recorded_views) loop_.play(options.recorded_views);
 }
 
@@ -60,6 +62,8 @@ std::optional<Happening> Job::work() {
       return verify();
     case Task::AwaitReady:
       return await_ready();
+    case Task::TestLift:
+      return test_lift();
     case Task::Lift:
       return lift();
     case Task::Hold:
@@ -114,6 +118,7 @@ void Job::apply(const Happening& happening, const JobHooks& hooks) {
   record_.states.push_back({now_ - began_, state_, because});
   last_because_ = because;
   if (happening.event == Event::LimitReached ||
+      happening.event == Event::HangsAskew || (from == Task::TestLift && state_ == Task::Lower) ||
       (state_ == Task::Release && happening.event != Event::OnGround) || state_ == Task::BackOff) {
     failed_ = true;
     failed_because_ = because;
@@ -129,6 +134,7 @@ void Job::apply(const Happening& happening, const JobHooks& hooks) {
   if (happening.event == Event::GripBad || happening.event == Event::HandEmpty)
     if (from == Task::Close || from == Task::Verify) refuse_grip("a grip here failed: " + happening.detail);
   enter(from);
+  if (happening.event == Event::PartnerAsked && hooks.asked) hooks.asked(asked_->to);
   if (hooks.changed) hooks.changed(from, state_);
   tell(hooks);
 }
@@ -137,7 +143,7 @@ void Job::enter(Task from) {
   switch (state_) {
     case Task::AwaitPartner:
       waits_since_ = now_;
-      failed_ = false;
+      failed_ = regrasp_ = false;
       if (from != Task::Observe) watch_.forget_partner();
       break;
     case Task::Decide:
@@ -169,10 +175,21 @@ void Job::enter(Task from) {
       X_WH_closed_ = palm();
       partner_top_m_ = 0.0;
       break;
+    case Task::TestLift:
+      begin_test_lift();
+      break;
     case Task::Lift:
       lifted_ = true;
       settled_at_ = now_;
-      loop_.start_lift(role_);
+      if (from == Task::TestLift) {
+        // what hung still when it was raised slowly is raised slowly
+        const double left_m = config_.task.lift_height_m - loop_.view().height_m;
+        lift_s_ = std::max(config_.task.lift_s, left_m / kCarefully_m_s);
+        loop_.raise_on(role_, config_.task.lift_height_m, lift_s_);
+      } else {
+        lift_s_ = config_.task.lift_s;
+        loop_.start_lift(role_, config_.task.lift_height_m, lift_s_);
+      }
       break;
     case Task::Hold:
       hold_load_n_ = NAN;

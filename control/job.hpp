@@ -8,6 +8,7 @@
 
 #include "control/arm_loop.hpp"
 #include "control/task_runner.hpp"
+#include "control/test_lifts.hpp"
 
 namespace colift::control {
 
@@ -64,6 +65,16 @@ class Job {
   /// to the face, the candidate becomes that one.
   void judge_reach(std::vector<planner::GraspCandidate>& candidates);
   void apply_refusals(std::vector<planner::GraspCandidate>& candidates) const;
+  /// Whether he still holds where he was asked to leave.
+  [[nodiscard]] bool stays_where_he_was() const;
+  [[nodiscard]] bool ask_partner();
+
+  // test_lift.cpp: a little, slowly, and what follows
+  void begin_test_lift();
+  [[nodiscard]] std::optional<Happening> test_lift();
+  [[nodiscard]] Happening judge_test_lift();
+  [[nodiscard]] double test_height_m() const;
+  [[nodiscard]] bool choose_level(const perception::PartnerGrasp& partner, const Judge& reach);
 
   // with_object.cpp: from the closing hand to the way home
   [[nodiscard]] std::optional<Happening> close();
@@ -151,6 +162,27 @@ class Job {
   Event off_because_ = Event::PartnerMoved;
   hal::Timestamp waits_since_{0};
 
+  // test lifts
+  TestLifts tests_;
+  struct {
+    bool at_top = false;
+  } test_;  ///< The one that goes on.
+  struct Bearable {
+    Outcome outcome;
+    double tilt_rad = 0.0;
+  };
+  std::optional<Bearable> bearable_;  ///< The most level grip that was put down again.
+  bool accepts_bearable_ = false;     ///< There is no better one.
+  bool regrasp_ = false;              ///< On the way back, to take hold elsewhere.
+
+  // what the partner was asked
+  struct Asked {
+    hal::Vec3 from, to;
+    std::string because;
+  };
+  std::optional<Asked> asked_;
+  int times_asked_ = 0;
+
   // with the object
   LiftController::Role role_ = LiftController::Role::Lead;
   hal::Pose X_WH_closed_ = hal::Pose::Identity();
@@ -159,6 +191,7 @@ class Job {
   double partner_rise_m_ = 0.0, partner_top_m_ = 0.0, tilt_rad_ = NAN, slip_m_ = NAN;
   int slipping_ = 0, tilting_ = 0;
   double hold_load_n_ = NAN;
+  double lift_s_ = 0.0;  ///< That the lift takes which goes on.
   bool lifted_ = false;
   bool failed_ = false;  ///< The job goes home without its goal.
   std::string failed_because_, last_because_;

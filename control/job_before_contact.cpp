@@ -90,11 +90,18 @@ std::optional<PartnerEvent> Job::watch_partner() {
 
 std::optional<Happening> Job::await_partner() {
   const auto event = watch_partner();
-  if (event && event->kind == PartnerEvent::Kind::Grasped)
+  if (asked_ && stays_where_he_was()) {
+    doing_ = asked_->because;
+  } else if (event && event->kind == PartnerEvent::Kind::Grasped) {
+    asked_.reset();
     return Happening{Event::PartnerGrasped, event->because};
+  } else {
+    doing_ = partner_note_;
+  }
   const double waited = hal::seconds(now_ - waits_since_);
-  doing_ = partner_note_;
-  const double patience = moved_ ? std::min(kSecondWait_s, config_.task.patience_s) : config_.task.patience_s;
+  const double patience = moved_ && !asked_ ? std::min(kSecondWait_s, config_.task.patience_s) : config_.task.patience_s;
+  if (waited > patience && asked_)
+    return Happening{Event::NobodyCame, fmt::format("asked for {}: {}", seconds_text(waited), asked_->because)};
   if (waited > patience)
     return Happening{Event::NobodyCame,
                      fmt::format("nobody took hold of the object within {}{}{}", seconds_text(waited),
@@ -142,6 +149,7 @@ bool Job::choose() {
     apply_refusals(more);
   };
   apply_refusals(watch_.look().candidates);
+  if (tests_.known()) return choose_level(*grasp, reach);
   auto outcome = decide_for(watch_.look(), *grasp, config_, stopwatch_, reach);
   if (!outcome) {
     failed_because_ = outcome.error().text();
@@ -152,12 +160,28 @@ bool Job::choose() {
     // the rule says already that no grasp fits
     failed_because_ = record_.decision->decision.because;
     if (failed_because_.starts_with("no grasp: ")) failed_because_.erase(0, 10);
-    if (const auto better =
-            suggest_to_partner(record_.decision.value(), watch_.look().candidates,
-                               watch_.look().scene.target->cog, hal::Vec3::UnitZ(), config_.decision))
-      failed_because_ += "; " + better->because;
   }
   return record_.decision->decision.chosen.has_value();
+}
+
+bool Job::stays_where_he_was() const {
+  const auto grasp = watch_.tracker().grasp();
+  return grasp && (grasp->position - asked_->from).norm() < kSamePlace_m;
+}
+
+// Where no grasp fits, the partner may be able to help; failed_because_ says so either way.
+bool Job::ask_partner() {
+  const Look& look = watch_.look();
+  const hal::Vec3& cog = tests_.known() ? tests_.known()->cog : look.scene.target->cog;
+  const auto better =
+      suggest_to_partner(*record_.decision, look.candidates, cog, hal::Vec3::UnitZ(), config_.decision);
+  if (!better) return false;
+  failed_because_ += "; " + better->because;
+  if (options_.dry_run || times_asked_ >= config_.task.asks) return false;
+  ++times_asked_;
+  asked_ = {record_.decision->partner->position, better->position, better->because};
+  record_.asked.push_back({now_ - began_, better->position, better->because});
+  return true;
 }
 
 std::optional<Happening> Job::decide() {
@@ -166,7 +190,7 @@ std::optional<Happening> Job::decide() {
   const bool chosen = choose();
   record_.timing.decision_compute_ms = see_ms_ + 1e3 * hal::seconds(stopwatch_.now() - start);
   record_.timing.grasp_to_decision_s = hal::seconds(now_ - watch_.tracker().since());
-  if (!chosen) return Happening{Event::NoGraspFits, failed_because_};
+  if (!chosen) return Happening{ask_partner() ? Event::PartnerAsked : Event::NoGraspFits, failed_because_};
   return Happening{Event::GraspChosen, record_.decision->decision.because};
 }
 

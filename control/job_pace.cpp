@@ -40,6 +40,8 @@ void Job::set_pace() {
     why = "";                                                 // nothing moves that could be slower
   else if (camera_lost_ && !next(state_, Event::CameraLost))  // where a rule stops the arm, it stops
     why = "the camera gives no picture: nobody can be seen to come near";
+  else if (state_ == Task::TestLift && tests_.said() == Raise::Slowly)
+    why = "the object turns";
   else if (pictures_old_)
     why = fmt::format("the camera's pictures are {:.0f} ms old in the mean", 1e3 * picture_age_s_);
   if (why.empty() == slow_because_.empty()) return;

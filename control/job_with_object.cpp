@@ -119,7 +119,7 @@ std::optional<Happening> Job::await_ready() {
       watch_.tracker().state() != perception::PartnerTracker::State::Holding)
     return std::nullopt;
   role_ = LiftController::Role::Lead;
-  return Happening{Event::PartnerReady,
+  return Happening{config_.test_lift.on ? Event::TestDue : Event::PartnerReady,
                    fmt::format("the partner has held still for {:.1f} s: the robot leads", in_state_s())};
 }
 
@@ -154,7 +154,7 @@ std::optional<Happening> Job::lift() {
   doing_ = loop_.view().role == LiftController::Role::Lead ? "lifts, the partner comes along"
                                                            : "follows the partner";
   if (auto limit = beyond_limits()) return limit;
-  if (in_state_s() > config_.task.lift_s + config_.task.patience_s)
+  if (in_state_s() > lift_s_ + config_.task.patience_s)
     return Happening{Event::TimeOut,
                      fmt::format("{:.1f} cm after {:.0f} s", 1e2 * loop_.view().height_m, in_state_s())};
   if (!loop_.lift_at_rest()) {
@@ -267,6 +267,7 @@ std::optional<Happening> Job::retreat() {
     return std::nullopt;
   }
   if (!failed_) return Happening{Event::BackHome, ""};
+  if (regrasp_ && object_stays()) return Happening{Event::TryAgain, failed_because_};
   if (approaches_ < kGrips && !lifted_ && !without_puck_ && object_stays())
     return Happening{Event::TryAgain, failed_because_};
   return Happening{Event::BackInVain, failed_because_};
@@ -296,7 +297,8 @@ void Job::summarise_hold() {
   // what the robot bears says the mass when the lever is known: the centre of gravity between both hands
   const hal::Vec3 grasp = X_WH_closed_.translation(), partner = record_.decision->partner->position;
   const Eigen::Vector2d span = (grasp - partner).head<2>();
-  const double lever = (watch_.look().scene.target->cog - partner).head<2>().dot(span) / span.squaredNorm();
+  const hal::Vec3& cog = tests_.known() ? tests_.known()->cog : watch_.look().scene.target->cog;
+  const double lever = (cog - partner).head<2>().dot(span) / span.squaredNorm();
   if (lever > 0.05) s.mass_kg = load / (kGravity_m_s2 * lever);
   const double mass = options_.known_mass_kg > 0.0 ? options_.known_mass_kg : s.mass_kg;
   if (mass > 0.0) s.share_robot = load / (mass * kGravity_m_s2);

@@ -15,6 +15,7 @@ constexpr double kLargestStep_rad = 0.05;  // in one cycle; more is a jump to an
 constexpr double kAtRest_m = 0.002;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kLeastSpan = 0.25;  // of the time of a whole lift: for what is left of one
+constexpr double kLeastWay_m = 0.001;
 
 // height along a minimum-jerk profile from 0 to 1
 double minimum_jerk(double s) {
@@ -31,26 +32,32 @@ LiftController::LiftController(const hal::RobotModel& model, const planner::ArmG
 void LiftController::start(const hal::JointVector& q_commanded_rad) {
   q_rad_ = q_commanded_rad;
   X_WF0_ = planner::flange_pose(arm_, q_commanded_rad);
-  height_m_ = speed_m_s_ = from_m_ = to_m_ = time_s_ = span_s_ = partner_rise_m_ = 0.0;
+  height_m_ = speed_m_s_ = from_m_ = to_m_ = time_s_ = span_s_ = s_per_m_ = partner_rise_m_ = 0.0;
   fed_ = {};
 }
 
-void LiftController::aim(double to_m) {
+void LiftController::aim(double to_m, double time_s) {
   at_end_ = false;
   from_m_ = height_m_;
   to_m_ = to_m;
   time_s_ = 0.0;
-  span_s_ = config_.lift_s;
+  span_s_ = time_s;
+  s_per_m_ = time_s / std::max(std::abs(to_m_ - from_m_), kLeastWay_m);
 }
 
-void LiftController::lift(Role role) {
+void LiftController::lift(Role role, double height_m, double time_s) {
   role_ = role;
-  aim(config_.lift_height_m);
+  aim(height_m, time_s);
+}
+
+void LiftController::stay() {
+  aim(height_m_, 0.0);
+  role_ = Role::Lead;
 }
 
 void LiftController::lower() {
   // who followed up follows down; but the ground is reached in any case
-  aim(0.0);
+  aim(0.0, config_.lift_s);
   role_ = Role::Lead;
 }
 
@@ -61,9 +68,7 @@ void LiftController::restart(const hal::JointVector& q_commanded_rad) {
   height_m_ = X_WF0_.translation().z() - floor_m;
   X_WF0_.translation().z() = floor_m;
   speed_m_s_ = 0.0;
-  aim(to_m_);
-  const double part = std::abs(to_m_ - from_m_) / std::max(config_.lift_height_m, 1e-3);
-  span_s_ *= std::clamp(part, kLeastSpan, 1.0);
+  aim(to_m_, std::max(std::abs(to_m_ - height_m_) * s_per_m_, kLeastSpan * config_.lift_s));
 }
 
 double LiftController::next_height(double dt_s) {

@@ -27,7 +27,10 @@ class LiftController {
   /// The hand has closed with the arm commanded here; heights count from now on.
   void start(const hal::JointVector& q_commanded_rad);
 
-  void lift(Role role);
+  /// To this height over where the hand closed, in this time when leading; on from the present height.
+  void lift(Role role, double height_m, double time_s);
+  /// Goes no further, and leads: at once, so from a slow lift only.
+  void stay();
   void lower();
   /// The arm was cut off and stands here, at rest: goes on to the same height from where it is, without a
   /// step. What little it was turned or shifted by stays.
@@ -47,7 +50,7 @@ class LiftController {
   [[nodiscard]] Role role() const { return role_; }
 
  private:
-  void aim(double to_m);
+  void aim(double to_m, double time_s);
   [[nodiscard]] double next_height(double dt_s);
 
   const hal::RobotModel* model_;
@@ -58,6 +61,7 @@ class LiftController {
   hal::JointVector q_rad_ = hal::JointVector::Zero();
   double height_m_ = 0.0, speed_m_s_ = 0.0;
   double from_m_ = 0.0, to_m_ = 0.0, time_s_ = 0.0, span_s_ = 0.0;  ///< Of the profile.
+  double s_per_m_ = 0.0;                                            ///< How slowly it was asked for.
   double partner_rise_m_ = 0.0;
   bool at_end_ = false;  ///< Of the reach, until another height is asked for.
   hal::Wrench fed_;      ///< Low-pass of what is felt, without the horizontal forces.

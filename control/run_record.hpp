@@ -7,6 +7,7 @@
 #include "control/decide.hpp"
 #include "control/look.hpp"
 #include "control/task_machine.hpp"
+#include "control/test_lift.hpp"
 #include "hal/device.hpp"
 #include "planner/motion/motion_planner.hpp"
 
@@ -46,6 +47,22 @@ struct RunTiming {
   double wall_s = 0.0;
 };
 
+/// A lift of some millimetres, and what it told.
+struct TestLiftRecord {
+  hal::Timestamp at{0};
+  int candidate = 0;  ///< Its id.
+  double height_m = 0.0;
+  std::optional<TestLift> known;  ///< Unset where it said nothing.
+  std::string because;
+};
+
+/// The partner was asked to take hold elsewhere.
+struct AskRecord {
+  hal::Timestamp at{0};
+  hal::Vec3 place = hal::Vec3::Zero();  ///< W, m.
+  std::string because;
+};
+
 struct DeviceNote {
   hal::Timestamp at{0};
   std::string device, what;
@@ -61,6 +78,8 @@ struct RunRecord {
   std::optional<hal::DepthFrame> frame_partner, frame_lifted;  ///< When decided; at the top.
   std::optional<planner::MotionPlan> plan;
   std::vector<LiftSample> curve;
+  std::vector<TestLiftRecord> test_lifts;
+  std::vector<AskRecord> asked;
   std::optional<LiftSummary> lift;
   RunTiming timing;
   std::vector<DeviceNote> faults;

@@ -8,6 +8,7 @@ namespace colift::control {
 struct TaskConfig {
   int reference_frames = 15;
   double patience_s = 30.0;
+  int asks = 2;
   double ready_s = 0.5;
   double lift_height_m = 0.05;
   double lift_s = 2.0;
@@ -27,6 +28,8 @@ struct TaskConfig {
     v("reference_frames", reference_frames, hal::Range{1, 60},
       "Frames that the picture of the scene is made of.");
     v("patience_s", patience_s, hal::Range{0.1, 3600}, "How long a partner is waited for (s).");
+    v("asks", asks, hal::Range{0, 20},
+      "How often the partner is asked to take hold elsewhere where the robot has no grasp as he stands.");
     v("ready_s", ready_s, hal::Range{0, 10}, "How long the partner has to hold still before the lift (s).");
     v("lift_height_m", lift_height_m, hal::Range{0.005, 0.5}, "Height of the lift (m).");
     v("lift_s", lift_s, hal::Range{0.2, 30}, "Time of the lift (s).");

@@ -48,6 +48,7 @@ constexpr auto kRules = std::to_array<Rule>({
 
     {Decide, GraspChosen, Plan, "a reachable grasp shares the load as wished"},
     {Decide, NoGraspFits, Refused, "no grasp fits"},
+    {Decide, PartnerAsked, AwaitPartner, "no grasp fits: asks the partner to take hold elsewhere"},
     {Decide, PartnerMoved, AwaitPartner, "the partner's grasp moved before it was decided"},
     {Decide, PartnerLetGo, AwaitPartner, "the partner let go before it was decided"},
     {Decide, CameraLost, AwaitPartner, "the camera is gone: waits until it sees again"},
@@ -122,6 +123,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Verify, Interrupted, Stopped, kAskedLoaded},
 
     {AwaitReady, PartnerReady, Lift, "the partner holds and is at rest"},
+    {AwaitReady, TestDue, TestLift, "the partner holds and is at rest: first a little, slowly"},
     {AwaitReady, PartnerLetGo, Release,
      "the partner let go before the lift: opens, the object stands on the ground"},
     {AwaitReady, HandEmpty, Release, "the grip is lost: opens, the object stands on the ground"},
@@ -132,6 +134,22 @@ constexpr auto kRules = std::to_array<Rule>({
     {AwaitReady, ArmLost, Stopped, kArmGone},
     {AwaitReady, HandLost, Stopped, kHandGone},
     {AwaitReady, Interrupted, Stopped, kAskedLoaded},
+
+    // some millimetres, as slowly as it takes to see the object turn
+    {TestLift, HangsLevel, Lift, "the object hangs level: lifts on"},
+    {TestLift, HangsAskew, Lower, "the object does not hang level: sets it down, takes hold elsewhere"},
+    {TestLift, PartnerReady, Lift, "the partner lifts by himself"},
+    {TestLift, CameraLost, Lower, "the camera is gone, nobody sees how the object hangs: sets it down"},
+    {TestLift, LimitReached, Lower, "a limit of tilt, slip or load was reached: sets the object down"},
+    {TestLift, EndOfReach, Stopped, kReachEnds},
+    {TestLift, TimeOut, Lower, "the test lift took too long: sets the object down"},
+    {TestLift, PartnerLetGo, Stopped, kAlone},
+    {TestLift, HandEmpty, Stopped, kFell},
+    {TestLift, Blocked, Stopped, kPulled},
+    {TestLift, ArmLost, Stopped, kArmGone},
+    {TestLift, HandLost, Stopped, kHandGone},
+    {TestLift, HandUnfit, Stopped, kHoldsBadly},
+    {TestLift, Interrupted, Stopped, kAskedLoaded},
 
     // the object is in the air
     {Lift, AtHeight, Hold, "the object is at its height"},
@@ -207,6 +225,8 @@ constexpr TaskWords words(Task task) {
       return {"verify", "the grip to be checked"};
     case AwaitReady:
       return {"await-ready", "the partner to hold still"};
+    case TestLift:
+      return {"test-lift", "the object to show how it hangs"};
     case Lift:
       return {"lift", "the object to reach its height"};
     case Hold:
@@ -274,6 +294,8 @@ std::string_view word(Event event) {
       return "grasp chosen";
     case NoGraspFits:
       return "no grasp fits";
+    case PartnerAsked:
+      return "partner asked";
     case PlanReady:
       return "plan ready";
     case NoWay:
@@ -292,6 +314,12 @@ std::string_view word(Event event) {
       return "grip bad";
     case PartnerReady:
       return "partner ready";
+    case TestDue:
+      return "test due";
+    case HangsLevel:
+      return "hangs level";
+    case HangsAskew:
+      return "hangs askew";
     case AtHeight:
       return "at height";
     case LimitReached:
@@ -335,12 +363,12 @@ bool is_end(Task task) {
 }
 
 bool is_loaded(Task task) {
-  return task == Close || task == Verify || task == AwaitReady || task == Lift || task == Hold ||
-         task == Lower || task == Release;
+  return task == Close || task == Verify || task == AwaitReady || task == TestLift || task == Lift ||
+         task == Hold || task == Lower || task == Release;
 }
 
 bool is_moving(Task task) {
-  return task == Approach || task == Lift || task == Lower || task == Retreat || task == BackOff;
+  return task == Approach || task == TestLift || task == Lift || task == Lower || task == Retreat || task == BackOff;
 }
 
 }  // namespace colift::control

@@ -17,6 +17,7 @@ enum class Task {
   Close,         ///< Closes the hand.
   Verify,        ///< Checks the grip: width, strain, nothing slips.
   AwaitReady,    ///< Waits until the partner still holds and is at rest.
+  TestLift,      ///< Raises slowly by some millimetres, to learn where the object is heavy.
   Lift,
   Hold,
   Lower,
@@ -40,6 +41,7 @@ enum class Event {
   NobodyCame,
   GraspChosen,
   NoGraspFits,
+  PartnerAsked,  ///< PartnerAsked: no grasp fits while he holds there; he was told where one would.
   PlanReady,
   NoWay,
   Arrived,
@@ -49,6 +51,9 @@ enum class Event {
   GripGood,
   GripBad,
   PartnerReady,
+  TestDue,    ///< TestDue: he is ready, and what the object weighs where is not known yet.
+  HangsLevel,
+  HangsAskew,
   AtHeight,
   LimitReached,  ///< LimitReached: tilt, slip, force or mass beyond its limit.
   EndOfReach,    ///< EndOfReach: a joint would come too near to its limit; the arm has slowed to rest.

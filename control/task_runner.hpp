@@ -37,6 +37,8 @@ struct JobHooks {
   std::function<void(const JobStatus&)>
       status;                               ///< Every 33 ms of the robot's time, and at each change of state.
   std::function<void(Task, Task)> changed;  ///< From, to: the moment for whoever keeps a diary.
+  /// The partner is asked to take hold there (W).
+  std::function<void(const hal::Vec3&)> asked;
   std::function<void(const ArmView&)> cycle;  ///< A cycle of the task is over; the arm as it left it.
 };
 

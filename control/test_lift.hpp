@@ -16,6 +16,7 @@ namespace colift::control {
 
 /// A slow lift of some millimetres, which ends as soon as it has told what there is to tell.
 struct TestLiftConfig {
+  bool on = false;
   double height_m = 0.03;
   double raise_s = 15.0;
   double hold_s = 1.0;
@@ -32,6 +33,7 @@ struct TestLiftConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
+    v("on", on, "Whether a run makes test lifts.");
     v("height_m", height_m, hal::Range{0.002, 0.05},
       "Greatest height of a test lift (m): at max_turn_deg every foot has to be clear of the ground by "
       "then.");

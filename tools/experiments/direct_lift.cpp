@@ -104,7 +104,8 @@ class Lift {
         if (in_phase_s() < kReady_s) return;
         out_.held = state->held && world_.truth().robot_touches_object;
         if (!out_.held) return end("the hand closed, and does not touch the object");
-        loop_.start_lift(control::LiftController::Role::Lead);
+        loop_.start_lift(control::LiftController::Role::Lead, config_.task.lift_height_m,
+                         config_.task.lift_s);
         return go(Phase::Lift);
       case Phase::Lift:
         if (loop_.end_of_reach()) return end("the arm has come to the end of its reach");

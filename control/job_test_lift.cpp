@@ -1,0 +1,126 @@
+// The load is tested before it is lifted: some millimetres, slowly, to learn where the object is heavy.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "control/job.hpp"
+#include "control/level_grip.hpp"
+
+namespace colift::control {
+namespace {
+
+constexpr double kSettle_s = 0.3;        // after a motion, before its end is believed
+constexpr double kLeaderRise_m = 0.008;  // the partner's end is higher than the palm by this: he lifts
+constexpr double kNoLever_m = 10.0;      // the belief judges levers itself
+
+const planner::GraspCandidate& chosen_of(const Outcome& outcome) {
+  return outcome.candidates[*outcome.decision.chosen];
+}
+
+}  // namespace
+
+double Job::test_height_m() const {
+  return std::min(config_.test_lift.height_m, config_.task.lift_height_m);
+}
+
+void Job::begin_test_lift() {
+  test_ = {};
+  tests_.begin(carried_object(*watch_.look().scene.target, record_.decision->partner->position),
+               planner::load_point(chosen_of(*record_.decision)), record_.decision->decision.share);
+  settled_at_ = now_;
+  const double part = test_height_m() / config_.test_lift.height_m;
+  loop_.start_lift(LiftController::Role::Lead, test_height_m(), part * config_.test_lift.raise_s);
+}
+
+std::optional<Happening> Job::test_lift() {
+  watch_object();
+  if (auto stuck = serve_lift()) return stuck;
+  if (auto limit = beyond_limits()) return limit;
+  const double height_m = loop_.view().height_m;
+  if (motion_ && partner_rise_m_ > height_m + kLeaderRise_m) {
+    role_ = LiftController::Role::Follow;
+    return Happening{Event::PartnerReady,
+                     fmt::format("his end is {:.0f} mm up: the robot follows", 1e3 * partner_rise_m_)};
+  }
+  if (in_state_s() > config_.test_lift.raise_s / config_.task.slow_part + config_.task.patience_s)
+    return Happening{Event::TimeOut, fmt::format("{:.0f} mm after {:.0f} s", 1e3 * height_m, in_state_s())};
+
+  if (!test_.at_top) {
+    doing_ = fmt::format("raises slowly to learn where it is heavy: {:.0f} mm", 1e3 * height_m);
+    done_ = height_m / test_height_m();
+    const bool enough = frame_ && motion_ && tests_.rising(*motion_) == Raise::Enough;
+    if (enough) loop_.stay();
+    if (enough || loop_.lift_at_rest()) {
+      test_.at_top = true;
+      settled_at_ = now_;
+    }
+    return std::nullopt;
+  }
+  const double rested_s = hal::seconds(now_ - settled_at_);
+  if (rested_s < kSettle_s) return std::nullopt;
+  doing_ = fmt::format("measures mass and centre of gravity at {:.0f} mm", 1e3 * height_m);
+  done_ = (rested_s - kSettle_s) / config_.test_lift.hold_s;
+  if (frame_ && motion_) tests_.at_top(frame_at_, *motion_);
+  if (loop_.view().wrench_W) tests_.feel(*loop_.view().wrench_W, palm().translation());
+  if (rested_s < kSettle_s + config_.test_lift.hold_s) return std::nullopt;
+  return judge_test_lift();
+}
+
+Happening Job::judge_test_lift() {
+  auto known = tests_.end();
+  TestLiftRecord& entry = record_.test_lifts.emplace_back();
+  entry.at = now_ - began_;
+  entry.candidate = chosen_of(*record_.decision).id;
+  entry.height_m = loop_.view().height_m;
+  if (!known) {
+    entry.because = known.error().detail;
+    return {Event::LimitReached, "it cannot be told where the object is heavy: " + entry.because};
+  }
+  entry.known = *known;
+  entry.because = known->because;
+  const bool last_chance = accepts_bearable_ && known->bearable;
+  if (known->next != TestLift::Next::Regrasp || last_chance) return {Event::HangsLevel, known->because};
+  if (known->bearable && (!bearable_ || known->seen.tilt_rad < bearable_->tilt_rad))
+    bearable_ = {*record_.decision, known->seen.tilt_rad};
+  regrasp_ = true;
+  return {Event::HangsAskew, known->because};
+}
+
+// After test lifts: where the object is most likely to hang level. Where nothing promises that, the best of what
+// was borne so far.
+bool Job::choose_level(const perception::PartnerGrasp& partner, const Judge& reach) {
+  Config config = config_;
+  config.decision.max_lever_m = kNoLever_m;
+  const auto decide = [&](const hal::Vec3& cog) {
+    hal::Vec3& believed = watch_.look().scene.target->cog;
+    const hal::Vec3 of_shape = std::exchange(believed, cog);
+    auto outcome = decide_for(watch_.look(), partner, config, stopwatch_, reach);
+    believed = of_shape;
+    return outcome;
+  };
+  const TestLift& known = *tests_.known();
+  const double wanted = 1.0 / (1.0 + config_.decision.weights.epsilon * config_.decision.weights.epsilon);
+  std::optional<LevelGrip> grip;
+  if (static_cast<int>(tests_.felt().size()) < config_.test_lift.grips)
+    grip = choose_level_grip(decide, tests_.object(), tests_.felt(), known.belief, wanted, config_.test_lift);
+  if (grip) {
+    record_.decision = std::move(grip->outcome);
+    return true;
+  }
+  failed_because_ = fmt::format("after {} test lifts no other grasp promises to hold the object level: {}",
+                                tests_.felt().size(), known.because);
+  if (!bearable_) {
+    // what it would be there, for whoever asks
+    if (auto outcome = decide(known.cog)) record_.decision = std::move(*outcome);
+    record_.decision->decision.chosen.reset();
+    return false;
+  }
+  record_.decision = bearable_->outcome;
+  record_.decision->decision.because = fmt::format("the most level of {} test lifts, {:.1f} deg",
+                                                   tests_.felt().size(), bearable_->tilt_rad * 57.29578);
+  accepts_bearable_ = true;
+  return true;
+}
+
+}  // namespace colift::control

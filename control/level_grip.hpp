@@ -1,0 +1,30 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "control/decide.hpp"
+#include "control/test_lift.hpp"
+
+namespace colift::control {
+
+/// The decision as if the centre of gravity were there (W).
+using DecideAt = std::function<hal::Result<Outcome>(const hal::Vec3& cog)>;
+
+/// A decision whose chosen grasp is where test lifts say that the object hangs level.
+struct LevelGrip {
+  Outcome outcome;
+  double chance = 0.0;  ///< That it turns by less than TestLiftConfig::good_turn_deg.
+};
+
+/// After test lifts: decides for several places of the centre of gravity that the belief leaves open (nearer to
+/// the partner and farther, to either side), and chooses among all grasps that are possible in any of them
+/// (next_grip). `decide` must not refuse for the lever: the belief judges that. nullopt when no grasp is worth
+/// a try.
+[[nodiscard]] std::optional<LevelGrip> choose_level_grip(const DecideAt& decide, const CarriedObject& object,
+                                                         std::span<const FeltLift> tests,
+                                                         const CogBelief& belief, double wanted_share,
+                                                         const TestLiftConfig& config);
+
+}  // namespace colift::control
