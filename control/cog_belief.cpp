@@ -32,12 +32,13 @@ Vec2 along_hands(const hal::Vec3& partner, const hal::Vec3& grasp) {
 
 // one test lift, made ready for many places
 struct Reading {
+  Vec2 partner = Vec2::Zero();
   Vec2 felt = Vec2::Zero();  // q (kg m)
   std::optional<Vec2> foot;  // from the partner; set where one stands
 };
 
 // Several feet that stand act as one between them, nearer to the lower.
-Vec2 standing_foot(const CarriedObject& object, const hal::Pose& moved) {
+Vec2 standing_foot(const CarriedObject& object, const hal::Vec3& partner, const hal::Pose& moved) {
   double lowest = INFINITY;
   std::vector<double> rise;
   for (const hal::Vec3& f : object.feet) {
@@ -51,7 +52,7 @@ Vec2 standing_foot(const CarriedObject& object, const hal::Pose& moved) {
     sum += weight * level(object.feet[i]);
     weights += weight;
   }
-  return sum / weights - level(object.partner);
+  return sum / weights - level(partner);
 }
 
 // mass that a place asks for, and how far the place is from all that fits the test (m); none: impossible
@@ -86,9 +87,9 @@ bool inside(const std::vector<hal::Vec3>& corners, const Vec2& p) {
 double grip_of(const CarriedObject& object, std::span<const FeltLift> tests, const CogBeliefConfig& config) {
   double product = config.grip_nm_rad * kSureTurn_rad * kSureTurn_rad, square = kSureTurn_rad * kSureTurn_rad;
   for (const FeltLift& test : tests) {
-    const Vec2 axis = along_hands(object.partner, test.grasp);
-    const double turn = std::abs(hanging(object, test.grasp, test.X_WTnow_WTref).turn_rad);
-    const double torque = kGravity * std::abs(cross(felt_moment(object, test), axis));
+    const Vec2 axis = along_hands(test.partner, test.grasp);
+    const double turn = std::abs(hanging(object, test.partner, test.grasp, test.X_WTnow_WTref).turn_rad);
+    const double torque = kGravity * std::abs(cross(felt_moment(test), axis));
     product += torque * turn;
     square += turn * turn;
   }
@@ -97,21 +98,22 @@ double grip_of(const CarriedObject& object, std::span<const FeltLift> tests, con
 
 }  // namespace
 
-Hanging hanging(const CarriedObject& object, const hal::Vec3& grasp, const hal::Pose& moved) {
+Hanging hanging(const CarriedObject& object, const hal::Vec3& partner, const hal::Vec3& grasp,
+                const hal::Pose& moved) {
   const Eigen::AngleAxisd turn(moved.linear());
   const hal::Vec3 up = moved.linear().col(2);
   Hanging out;
-  out.turn_rad = turn.angle() * level(turn.axis()).dot(along_hands(object.partner, grasp));
+  out.turn_rad = turn.angle() * level(turn.axis()).dot(along_hands(partner, grasp));
   out.tilt_rad = std::atan2(level(up).norm(), up.z());
   out.least_rise_m = INFINITY;
   for (const hal::Vec3& f : object.feet) out.least_rise_m = std::min(out.least_rise_m, (moved * f - f).z());
   return out;
 }
 
-Vec2 felt_moment(const CarriedObject& object, const FeltLift& test) {
+Vec2 felt_moment(const FeltLift& test) {
   // what the hand does to the object, about the partner; z x (d x z) = d for level d
   const hal::Vec3 force = -test.felt.force;
-  const hal::Vec3 about = (test.palm - object.partner).cross(force) - test.felt.torque;
+  const hal::Vec3 about = (test.palm - test.partner).cross(force) - test.felt.torque;
   return Vec2(-about.y(), about.x()) / kGravity;
 }
 
@@ -142,11 +144,11 @@ hal::Result<CogBelief> weigh_cog(const CarriedObject& object, std::span<const Fe
         fmt::format("{} test lifts of an object with {} feet", tests.size(), object.feet.size()));
   std::vector<Reading> readings;
   for (const FeltLift& test : tests) {
-    Reading reading{felt_moment(object, test), {}};
-    const Hanging seen = hanging(object, test.grasp, test.X_WTnow_WTref);
+    Reading reading{level(test.partner), felt_moment(test), {}};
+    const Hanging seen = hanging(object, test.partner, test.grasp, test.X_WTnow_WTref);
     if (seen.least_rise_m < config.clear_m) {
       if (std::abs(seen.turn_rad) < kSureTurn_rad) continue;  // it stands as it stood
-      reading.foot = standing_foot(object, test.X_WTnow_WTref);
+      reading.foot = standing_foot(object, test.partner, test.X_WTnow_WTref);
     }
     readings.push_back(reading);
   }
@@ -165,12 +167,12 @@ hal::Result<CogBelief> weigh_cog(const CarriedObject& object, std::span<const Fe
     for (double y = low.y(); y <= high.y(); y += config.step_m) {
       const Vec2 place(x, y);
       if (!inside(object.feet, place)) continue;
-      const Vec2 arm = place - level(object.partner), off = place - level(object.cog);
+      const Vec2 off = place - level(object.cog);
       double log_chance = -0.5 * off.dot(information * off), log_mass = 0.0;
       std::vector<double> masses;
       bool possible = true;
       for (const Reading& reading : readings) {
-        const auto fits = fit(reading, arm);
+        const auto fits = fit(reading, place - reading.partner);
         possible = fits && fits->mass_kg > kLeast_kg && fits->mass_kg < kMost_kg;
         if (!possible) break;
         const double sigma = std::hypot(config.place_m, config.partner_nm / (fits->mass_kg * kGravity));

@@ -37,9 +37,8 @@ struct CogBeliefConfig {
   }
 };
 
-/// The object, and who holds it, as seen before it is lifted. Frame W, z up.
+/// The object as seen before it is lifted. Frame W, z up.
 struct CarriedObject {
-  hal::Vec3 partner = hal::Vec3::Zero();
   hal::Vec3 cog = hal::Vec3::Zero();  ///< Of the shape.
   Eigen::Matrix3d cog_covariance = Eigen::Matrix3d::Zero();
   std::vector<hal::Vec3> feet;  ///< Where it stands: corners of its base, in order around it.
@@ -50,7 +49,8 @@ struct CarriedObject {
 struct FeltLift {
   hal::Wrench felt;  ///< Of the object on the hand, about `palm` (LoadEstimator::wrench_W).
   hal::Vec3 palm = hal::Vec3::Zero();
-  hal::Vec3 grasp = hal::Vec3::Zero();  ///< Where the load hangs in the hand.
+  hal::Vec3 partner = hal::Vec3::Zero();  ///< Where the partner held it meanwhile.
+  hal::Vec3 grasp = hal::Vec3::Zero();    ///< Where the load hangs in the hand.
   /// What the camera saw: moves a point of the object from where it stood to where it was at the top.
   hal::Pose X_WTnow_WTref = hal::Pose::Identity();
   double drift_rad_s = 0.0;  ///< How fast it still turned at the top: Hanging::turn_rad over time.
@@ -78,12 +78,12 @@ struct Hanging {
   double tilt_rad = 0.0;      ///< Of its up axis, in any direction.
   double least_rise_m = 0.0;  ///< Of the foot that has risen least.
 };
-[[nodiscard]] Hanging hanging(const CarriedObject& object, const hal::Vec3& grasp,
+[[nodiscard]] Hanging hanging(const CarriedObject& object, const hal::Vec3& partner, const hal::Vec3& grasp,
                               const hal::Pose& X_WTnow_WTref);
 
 /// Level part of m (c - p1) as if nothing but both hands held the object: torques about the partner's grasp
 /// p1 balance without his force (kg m).
-[[nodiscard]] Eigen::Vector2d felt_moment(const CarriedObject& object, const FeltLift& test);
+[[nodiscard]] Eigen::Vector2d felt_moment(const FeltLift& test);
 
 /// Weighs the places c of the centre of gravity over the object's base: a normal prior about that of its
 /// shape, and what test lifts say.
@@ -94,7 +94,8 @@ struct Hanging {
 /// gravity lies between the felt direction and that of the foot, however little is felt; every place has one
 /// mass and one n that fit. What was felt about the line between the hands, against the turn that was seen,
 /// is how stiffly hands hold the object. Test lifts at several grasps have to agree on the mass, and their
-/// directions enclose the place from both sides. The partner's hand is taken as a point, but for a torque of
+/// directions enclose the place from both sides; where the partner held it at two places they cross, which
+/// tells mass and distance apart. The partner's hand is taken as a point, but for a torque of
 /// about `partner_nm`. Errors: NotFound (no place fits, or no test lift says anything),
 /// BadInput (fewer than three feet).
 [[nodiscard]] hal::Result<CogBelief> weigh_cog(const CarriedObject& object, std::span<const FeltLift> tests,

@@ -9,24 +9,26 @@
 namespace colift::control {
 namespace {
 
-constexpr double kGravity = 9.80665;  // m/s^2
-constexpr double kSameHand_m = 0.05;  // hands nearer to each other hold no object between them
-constexpr double kSameGrip_m = 0.02;  // a place so near to a tried one is the same place
-constexpr double kAsGood = 0.05;      // of a chance
-constexpr double kWellClear = 2.0;    // while it is raised: what is left for the measurement at the top
+constexpr double kGravity = 9.80665;   // m/s^2
+constexpr double kSameHand_m = 0.05;   // hands nearer to each other hold no object between them
+constexpr double kSameGrip_m = 0.02;   // a place so near to a tried one is the same place
+constexpr double kSamePlace_m = 0.05;  // the partner's, who is seen to some centimetres
+constexpr double kAsGood = 0.05;       // of a chance
+constexpr double kWellClear = 2.0;     // while it is raised: what is left for the measurement at the top
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 using Vec2 = Eigen::Vector2d;
 
 bool is_finite(const CarriedObject& object) {
-  return object.partner.allFinite() && object.cog.allFinite() && object.cog_covariance.allFinite() &&
+  return object.cog.allFinite() && object.cog_covariance.allFinite() &&
          std::all_of(object.feet.begin(), object.feet.end(),
                      [](const hal::Vec3& f) { return f.allFinite(); });
 }
 
 bool is_finite(const FeltLift& test) {
   return test.felt.force.allFinite() && test.felt.torque.allFinite() && test.palm.allFinite() &&
-         test.grasp.allFinite() && std::isfinite(test.drift_rad_s) && test.X_WTnow_WTref.matrix().allFinite();
+         test.partner.allFinite() && test.grasp.allFinite() && std::isfinite(test.drift_rad_s) &&
+         test.X_WTnow_WTref.matrix().allFinite();
 }
 
 // the robot's part by the lever rule
@@ -51,7 +53,7 @@ hal::Result<TestLift> understand_test_lift(const CarriedObject& object, std::spa
   if (tests.empty()) return bad("no test lift was made");
   for (const FeltLift& test : tests) {
     if (!is_finite(object) || !is_finite(test)) return bad("a number is not finite");
-    const double span = (test.grasp - object.partner).head<2>().norm();
+    const double span = (test.grasp - test.partner).head<2>().norm();
     if (span < kSameHand_m) return bad(fmt::format("the hands are {:.0f} mm apart", 1e3 * span));
   }
   const FeltLift& last = tests.back();
@@ -65,14 +67,14 @@ hal::Result<TestLift> understand_test_lift(const CarriedObject& object, std::spa
   if (!belief) return tl::unexpected(belief.error());
 
   TestLift out;
-  out.seen = hanging(object, last.grasp, last.X_WTnow_WTref);
+  out.seen = hanging(object, last.partner, last.grasp, last.X_WTnow_WTref);
   out.stands = out.seen.least_rise_m < config.belief.clear_m;
   out.belief = std::move(*belief);
   out.mass_kg = out.belief.mass_kg();
   out.cog = object.cog;
   out.cog.head<2>() = out.belief.mean();
-  const Vec2 line = (last.grasp - object.partner).head<2>().normalized();
-  const Vec2 arm = (out.cog - object.partner).head<2>();
+  const Vec2 line = (last.grasp - last.partner).head<2>().normalized();
+  const Vec2 arm = (out.cog - last.partner).head<2>();
   out.lever_m = std::abs(arm.x() * line.y() - arm.y() * line.x());
   out.share = load_n / (out.mass_kg * kGravity);
 
@@ -101,10 +103,9 @@ hal::Result<TestLift> understand_test_lift(const CarriedObject& object, std::spa
   return out;
 }
 
-std::optional<NextGrip> next_grip(std::span<const planner::GraspCandidate> grasps,
-                                  const CarriedObject& object, std::span<const FeltLift> tests,
-                                  const CogBelief& belief, double wanted_share,
-                                  const TestLiftConfig& config) {
+std::optional<NextGrip> next_grip(std::span<const planner::GraspCandidate> grasps, const hal::Vec3& partner,
+                                  std::span<const FeltLift> tests, const CogBelief& belief,
+                                  double wanted_share, const TestLiftConfig& config) {
   std::vector<NextGrip> possible;
   double best = config.least_chance;
   for (std::size_t i = 0; i < grasps.size(); ++i) {
@@ -112,13 +113,14 @@ std::optional<NextGrip> next_grip(std::span<const planner::GraspCandidate> grasp
     const planner::GraspCandidate& c = grasps[i];
     if (c.verdict != Verdict::Ok && c.verdict != Verdict::Chosen) continue;
     const hal::Vec3 grasp = planner::load_point(c);
-    if ((grasp - object.partner).head<2>().norm() < kSameHand_m) continue;
-    if (std::any_of(tests.begin(), tests.end(),
-                    [&](const FeltLift& t) { return (t.grasp - grasp).norm() < kSameGrip_m; }))
+    if ((grasp - partner).head<2>().norm() < kSameHand_m) continue;
+    if (std::any_of(tests.begin(), tests.end(), [&](const FeltLift& t) {
+          return (t.grasp - grasp).norm() < kSameGrip_m && (t.partner - partner).norm() < kSamePlace_m;
+        }))
       continue;
     const double chance =
-        chance_level(belief, object.partner, grasp, config.good_turn_deg * kDegree, config.belief.grip_sigma);
-    possible.push_back({i, chance, share_at(belief.mean(), object.partner.head<2>(), grasp.head<2>())});
+        chance_level(belief, partner, grasp, config.good_turn_deg * kDegree, config.belief.grip_sigma);
+    possible.push_back({i, chance, share_at(belief.mean(), partner.head<2>(), grasp.head<2>())});
     best = std::max(best, chance);
   }
   std::optional<NextGrip> next;

@@ -84,8 +84,7 @@ struct TestLift {
   std::string because;
 };
 
-/// Mass and centre of gravity from test lifts of one object, the last of which was made just now; the
-/// partner holds it at one place in all of them.
+/// Mass and centre of gravity from test lifts of one object, the last of which was made just now.
 ///
 /// An object whose centre of gravity lies beside the line between the hands turns about that line until it
 /// hangs, or until feet on the heavy side stand on the ground. Only one that hangs is felt as it is
@@ -98,17 +97,17 @@ struct TestLift {
                                                          std::span<const FeltLift> tests,
                                                          const TestLiftConfig& config);
 
-/// Of the grasps that are possible (Ok or Chosen), where the hand takes hold next: where chance_level() is
-/// best; of those that are as good to within a twentieth, the one whose share is nearest to `wanted_share`.
-/// Places that a test lift was made at are left out. nullopt when no chance is as good as
-/// TestLiftConfig::least_chance.
+/// Of the grasps that are possible (Ok or Chosen), where the hand takes hold next while the partner holds at
+/// `partner` (W): where chance_level() is best; of those that are as good to within a twentieth, the one
+/// whose share is nearest to `wanted_share`. Places that a test lift was made at are left out, unless the
+/// partner was elsewhere then. nullopt when no chance is as good as TestLiftConfig::least_chance.
 struct NextGrip {
   std::size_t index = 0;  ///< Of the grasps.
   double chance = 0.0;
   double share = 0.0;  ///< What the robot would bear, by the mean of the belief.
 };
 [[nodiscard]] std::optional<NextGrip> next_grip(std::span<const planner::GraspCandidate> grasps,
-                                                const CarriedObject& object, std::span<const FeltLift> tests,
+                                                const hal::Vec3& partner, std::span<const FeltLift> tests,
                                                 const CogBelief& belief, double wanted_share,
                                                 const TestLiftConfig& config);
 

@@ -9,9 +9,8 @@ constexpr int kInARow = 6;  // frames that have to agree
 
 }  // namespace
 
-CarriedObject carried_object(const perception::Target& target, const hal::Vec3& partner) {
+CarriedObject carried_object(const perception::Target& target) {
   CarriedObject object;
-  object.partner = partner;
   object.cog = target.cog;
   object.cog_covariance = target.cog_covariance;
   const hal::OrientedBox& box = target.shape;
@@ -20,11 +19,12 @@ CarriedObject carried_object(const perception::Target& target, const hal::Vec3& 
   return object;
 }
 
-TestLiftEye::TestLiftEye(CarriedObject object, const hal::Vec3& grasp, const TestLiftConfig& config)
-    : object_(std::move(object)), grasp_(grasp), config_(config) {}
+TestLiftEye::TestLiftEye(CarriedObject object, const hal::Vec3& partner, const hal::Vec3& grasp,
+                         const TestLiftConfig& config)
+    : object_(std::move(object)), partner_(partner), grasp_(grasp), config_(config) {}
 
 Raise TestLiftEye::rising(const perception::ObjectMotion& motion) {
-  now_ = hanging(object_, grasp_, motion.X_WTnow_WTref);
+  now_ = hanging(object_, partner_, grasp_, motion.X_WTnow_WTref);
   const Raise how = raise_on(now_, config_);
   in_a_row_ = how == seen_ ? in_a_row_ + 1 : 1;
   seen_ = how;
@@ -37,7 +37,7 @@ void TestLiftEye::at_top(hal::Timestamp at, const perception::ObjectMotion& moti
   const Eigen::AngleAxisd turn(motion.X_WTnow_WTref.linear());
   turn_ += turn.angle() * turn.axis();
   shift_ += motion.X_WTnow_WTref * object_.cog - object_.cog;
-  turns_rad_.push_back(hanging(object_, grasp_, motion.X_WTnow_WTref).turn_rad);
+  turns_rad_.push_back(hanging(object_, partner_, grasp_, motion.X_WTnow_WTref).turn_rad);
   times_s_.push_back(hal::seconds(at));
 }
 

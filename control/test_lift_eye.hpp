@@ -10,16 +10,16 @@
 
 namespace colift::control {
 
-/// The object as the scene was seen, its feet at the corners of its shape's base; `partner` is where its
-/// person holds it (W).
-[[nodiscard]] CarriedObject carried_object(const perception::Target& target, const hal::Vec3& partner);
+/// The object as the scene was seen, its feet at the corners of its shape's base.
+[[nodiscard]] CarriedObject carried_object(const perception::Target& target);
 
 /// What the camera tells of one test lift, frame by frame: while the object rises, how to go on; at the top,
 /// how it hangs in the mean and how fast it still turns. One lift, one thread.
 class TestLiftEye {
  public:
-  /// `grasp`: where the load hangs in the hand (W).
-  TestLiftEye(CarriedObject object, const hal::Vec3& grasp, const TestLiftConfig& config);
+  /// `partner`: where he holds it; `grasp`: where the load hangs in the hand (W).
+  TestLiftEye(CarriedObject object, const hal::Vec3& partner, const hal::Vec3& grasp,
+              const TestLiftConfig& config);
 
   /// A frame while it rises. Several have to agree before the answer changes: the object swings while the
   /// partner comes after.
@@ -38,7 +38,7 @@ class TestLiftEye {
 
  private:
   CarriedObject object_;
-  hal::Vec3 grasp_;
+  hal::Vec3 partner_, grasp_;
   TestLiftConfig config_;
   Hanging now_;
   Raise seen_ = Raise::On, said_ = Raise::On;

@@ -264,5 +264,8 @@ std::optional<perception::ObjectMotion> Watch::watch_object(hal::DepthFrame fram
   i.hide_robot(frame, robot);
   return i.follower->update(perception::deproject(frame, i.rig.X_WC));
 }
+void Watch::object_stands_again() {
+  if (impl_->follower) impl_->follower->start_again();
+}
 
 }  // namespace colift::control

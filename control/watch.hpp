@@ -79,6 +79,8 @@ class Watch {
   /// Where the object is now against the scene; nullopt when too little of it is seen.
   [[nodiscard]] std::optional<perception::ObjectMotion> watch_object(hal::DepthFrame frame,
                                                                      const RobotPosture& robot);
+  /// It was put down, and stands about where the scene was seen: what was followed before is forgotten.
+  void object_stands_again();
 
  private:
   struct Impl;

@@ -307,8 +307,15 @@ hal::Result<ObjectFollower> ObjectFollower::make(const ReferenceImage& reference
   for (int v = 0; v < impl.k.height; ++v)
     impl.ray_y.push_back(static_cast<float>((v - impl.k.cy) / impl.k.fy));
   impl.find_uncertain_normals();
-  follower.last_.center_W = impl.X_WC * impl.samples.middle;
+  follower.start_again();
   return follower;
+}
+
+void ObjectFollower::start_again() {
+  impl_->last = {};
+  impl_->missed = 0;
+  last_ = {};
+  last_.center_W = impl_->X_WC * impl_->samples.middle;
 }
 
 std::optional<ObjectMotion> ObjectFollower::update(const OrganisedCloud& current, std::string* because) {

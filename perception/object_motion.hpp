@@ -81,6 +81,9 @@ class ObjectFollower {
   [[nodiscard]] std::optional<ObjectMotion> update(const hal::DepthFrame& current,
                                                    std::string* because = nullptr);
 
+  /// It stands where the reference saw it, or near: what was followed before is forgotten.
+  void start_again();
+
   [[nodiscard]] const ObjectMotion& last() const { return last_; }
   [[nodiscard]] std::size_t samples() const;  ///< Points that are followed.
 

@@ -18,7 +18,7 @@ constexpr double kNoLever_m = 10.0;     // the belief judges levers itself
 std::vector<planner::GraspCandidate> grasps_for(Sighting& sighting, const control::CarriedObject& object,
                                                 const control::CogBelief& belief, control::Config config) {
   config.decision.max_lever_m = kNoLever_m;
-  const Eigen::Vector2d partner = object.partner.head<2>(), arm = belief.mean() - partner;
+  const Eigen::Vector2d partner = sighting.partner()->position.head<2>(), arm = belief.mean() - partner;
   const Eigen::Vector2d across = Eigen::Vector2d(-arm.y(), arm.x()).normalized();
   const double spread = std::sqrt(across.dot(belief.covariance() * across));
   std::vector<planner::GraspCandidate> all;
@@ -52,8 +52,8 @@ GripSearch search_level_grip(Sighting& sighting, const sim_hal::Scenario& scenar
   small.task.lift_s = test_config.raise_s;
   small.task.hold_s = test_config.hold_s;
   small.task.slow_part = test_config.slow_part;
-  const control::CarriedObject object =
-      control::carried_object(*sighting.look().scene.target, sighting.partner()->position);
+  const control::CarriedObject object = control::carried_object(*sighting.look().scene.target);
+  const hal::Vec3 partner = sighting.partner()->position;
 
   GripSearch search;
   std::vector<control::FeltLift> felt;
@@ -63,7 +63,8 @@ GripSearch search_level_grip(Sighting& sighting, const sim_hal::Scenario& scenar
     TriedGrip& tried = search.tried.emplace_back();
     tried.grasp = grasp;
     tried.chance = chance;
-    control::TestLiftEye eye(object, planner::load_point(grasp), test_config);
+    sighting.watch().object_stands_again();
+    control::TestLiftEye eye(object, partner, planner::load_point(grasp), test_config);
     tried.lift = try_grasp(sighting, scenario, grasp, small, seed,
                            [&](hal::DepthFrame frame, const control::RobotPosture& robot, LiftPart part) {
                              const hal::Timestamp at = frame.exposed_at;
@@ -74,8 +75,13 @@ GripSearch search_level_grip(Sighting& sighting, const sim_hal::Scenario& scenar
                            });
     const auto moved = eye.moved();
     tried.drift_rad_s = eye.drift_rad_s();
-    control::FeltLift test{
-        tried.lift.felt, tried.lift.palm_W, planner::load_point(grasp), {}, tried.drift_rad_s, share};
+    control::FeltLift test{tried.lift.felt,
+                           tried.lift.palm_W,
+                           partner,
+                           planner::load_point(grasp),
+                           {},
+                           tried.drift_rad_s,
+                           share};
     if (tried.lift.lifted && moved) test.X_WTnow_WTref = *moved;
     felt.push_back(test);
     if (!tried.lift.lifted || !moved) {
@@ -103,7 +109,7 @@ GripSearch search_level_grip(Sighting& sighting, const sim_hal::Scenario& scenar
       return search;
     }
     const auto grasps = grasps_for(sighting, object, tried.known->belief, config);
-    const auto next = next_grip(grasps, object, felt, tried.known->belief, 0.5, test_config);
+    const auto next = next_grip(grasps, partner, felt, tried.known->belief, 0.5, test_config);
     if (!next) {
       search.because += "; no grasp fits it";
       return search;

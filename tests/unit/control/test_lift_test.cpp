@@ -28,7 +28,6 @@ struct Table {
 
 CarriedObject seen(const Table& table) {
   CarriedObject object;
-  object.partner = table.partner;
   object.cog = {0.0, 0.0, 0.3};
   object.cog_covariance = 1e-4 * Eigen::Matrix3d::Identity();
   object.feet = {{-0.4, -0.3, 0.0}, {0.4, -0.3, 0.0}, {0.4, 0.3, 0.0}, {-0.4, 0.3, 0.0}};
@@ -50,6 +49,7 @@ FeltLift raised(const Table& table, const Vec3& grasp, double height) {
   }
   FeltLift test;
   test.palm = test.grasp = grasp;
+  test.partner = table.partner;
   const double robot_n =
       (weight * u.dot(table.cog - table.partner) - foot_n * foot_along) / u.dot(grasp - table.partner);
   test.felt = {-robot_n * Vec3::UnitZ(), table.grip_nm_rad * turn * u};
@@ -63,7 +63,9 @@ FeltLift test_lift(const Table& table, const Vec3& grasp, const control::TestLif
   FeltLift test;
   for (double height = 0.0005; height <= config.height_m; height += 0.0005) {
     test = raised(table, grasp, height);
-    if (raise_on(hanging(seen(table), grasp, test.X_WTnow_WTref), config) == control::Raise::Enough) break;
+    if (raise_on(hanging(seen(table), table.partner, grasp, test.X_WTnow_WTref), config) ==
+        control::Raise::Enough)
+      break;
   }
   return test;
 }
@@ -82,7 +84,8 @@ std::vector<planner::GraspCandidate> grasps_around() {
 }
 
 double tilt_deg(const Table& table, const Vec3& grasp) {
-  return hanging(seen(table), grasp, raised(table, grasp, 0.1).X_WTnow_WTref).tilt_rad / kDegree;
+  return hanging(seen(table), table.partner, grasp, raised(table, grasp, 0.1).X_WTnow_WTref).tilt_rad /
+         kDegree;
 }
 
 }  // namespace
@@ -170,7 +173,7 @@ TEST_CASE("a foot that stands hides the lever, and tells the side", "[test_lift]
     CHECK(t->next == TestLift::Next::Regrasp);
     // never turned further than it may
     CHECK(t->seen.tilt_rad < 2.0 * kDegree);
-    const Eigen::Vector2d felt = control::felt_moment(seen(table), test);
+    const Eigen::Vector2d felt = control::felt_moment(test);
     const auto lever = [](const Eigen::Vector2d& arm) {
       const Eigen::Vector2d line = Eigen::Vector2d(-0.8, -0.05).normalized();
       return line.x() * arm.y() - line.y() * arm.x();
@@ -210,7 +213,7 @@ TEST_CASE("test lifts at several grasps find a level one", "[test_lift]") {
             wrong += tilt_deg(table, grasp) > 2.0;
             break;
           }
-          const auto next = next_grip(grasps, seen(table), tests, t->belief, 0.5, config);
+          const auto next = next_grip(grasps, table.partner, tests, t->belief, 0.5, config);
           if (!next) break;
           grasp = grasps[next->index].position;
         }
@@ -231,18 +234,18 @@ TEST_CASE("the next grip is one that is possible and was not tried", "[test_lift
   const auto t = understand_test_lift(seen(table), tests, {});
   REQUIRE(t);
   auto grasps = grasps_around();
-  const auto next = next_grip(grasps, seen(table), tests, t->belief, 0.5, {});
+  const auto next = next_grip(grasps, table.partner, tests, t->belief, 0.5, {});
   REQUIRE(next);
   CHECK(grasps[next->index].position.y() > 0.05);
   CHECK(next->chance > 0.05);
   grasps[next->index].verdict = planner::Verdict::Collision;
-  const auto other = next_grip(grasps, seen(table), tests, t->belief, 0.5, {});
+  const auto other = next_grip(grasps, table.partner, tests, t->belief, 0.5, {});
   REQUIRE(other);
   CHECK(other->index != next->index);
   // a chance of nothing is none
   for (auto& c : grasps)
     if (c.position.y() > -0.25) c.verdict = planner::Verdict::Unreachable;
-  CHECK_FALSE(next_grip(grasps, seen(table), tests, t->belief, 0.5, {}));
+  CHECK_FALSE(next_grip(grasps, table.partner, tests, t->belief, 0.5, {}));
 }
 
 TEST_CASE("a test lift that says nothing is refused", "[test_lift]") {
