@@ -197,7 +197,7 @@ void Job::enter(Task from) {
       break;
     case Task::Lower:
       summarise_hold();
-      settled_at_ = now_;
+      settled_at_ = unloaded_since_ = now_;
       loop_.lower();
       break;
     case Task::Release:

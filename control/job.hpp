@@ -86,7 +86,7 @@ class Job {
   [[nodiscard]] std::optional<Happening> release();
   [[nodiscard]] std::optional<Happening> retreat();
   void back_to_pre_grasp();
-  [[nodiscard]] bool object_stays() const;
+  [[nodiscard]] double object_moved_m() const;
   void refuse_grip(const std::string& why);
   void watch_object();
   [[nodiscard]] std::optional<Happening> serve_lift() const;
@@ -187,7 +187,7 @@ class Job {
   LiftController::Role role_ = LiftController::Role::Lead;
   hal::Pose X_WH_closed_ = hal::Pose::Identity();
   std::optional<perception::ObjectMotion> motion_;
-  hal::Timestamp settled_at_{0};
+  hal::Timestamp settled_at_{0}, unloaded_since_{0};
   double partner_rise_m_ = 0.0, partner_top_m_ = 0.0, tilt_rad_ = NAN, slip_m_ = NAN;
   int slipping_ = 0, tilting_ = 0;
   double hold_load_n_ = NAN;

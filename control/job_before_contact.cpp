@@ -93,7 +93,11 @@ std::optional<Happening> Job::await_partner() {
   if (asked_ && stays_where_he_was()) {
     doing_ = asked_->because;
   } else if (event && event->kind == PartnerEvent::Kind::Grasped) {
-    asked_.reset();
+    if (asked_) {  // what could be borne, could be borne with him elsewhere
+      asked_.reset();
+      bearable_.reset();
+      accepts_bearable_ = false;
+    }
     return Happening{Event::PartnerGrasped, event->because};
   } else {
     doing_ = partner_note_;
@@ -166,11 +170,13 @@ bool Job::choose() {
 
 bool Job::stays_where_he_was() const {
   const auto grasp = watch_.tracker().grasp();
-  return grasp && (grasp->position - asked_->from).norm() < kSamePlace_m;
+  const double near_m = std::min(kSamePlace_m, 0.5 * (asked_->to - asked_->from).norm());
+  return grasp && (grasp->position - asked_->from).norm() < near_m;
 }
 
 // Where no grasp fits, the partner may be able to help; failed_because_ says so either way.
 bool Job::ask_partner() {
+  if (!record_.decision || !record_.decision->partner) return false;
   const Look& look = watch_.look();
   const hal::Vec3& cog = tests_.known() ? tests_.known()->cog : look.scene.target->cog;
   const auto better =

@@ -13,6 +13,7 @@ namespace {
 constexpr double kSettle_s = 0.3;        // after a motion, before its end is believed
 constexpr double kLeaderRise_m = 0.008;  // the partner's end is higher than the palm by this: he lifts
 constexpr double kNoLever_m = 10.0;      // the belief judges levers itself
+constexpr double kSamePlace_m = 0.05;    // the partner's, who is seen to some centimetres
 
 const planner::GraspCandidate& chosen_of(const Outcome& outcome) {
   return outcome.candidates[*outcome.decision.chosen];
@@ -26,7 +27,7 @@ double Job::test_height_m() const {
 
 void Job::begin_test_lift() {
   test_ = {};
-  tests_.begin(carried_object(*watch_.look().scene.target, record_.decision->partner->position),
+  tests_.begin(carried_object(*watch_.look().scene.target), record_.decision->partner->position,
                planner::load_point(chosen_of(*record_.decision)), record_.decision->decision.share);
   settled_at_ = now_;
   const double part = test_height_m() / config_.test_lift.height_m;
@@ -101,9 +102,14 @@ bool Job::choose_level(const perception::PartnerGrasp& partner, const Judge& rea
   };
   const TestLift& known = *tests_.known();
   const double wanted = 1.0 / (1.0 + config_.decision.weights.epsilon * config_.decision.weights.epsilon);
+  const auto felt = tests_.felt();
+  const auto tried = std::count_if(felt.begin(), felt.end(), [&](const FeltLift& t) {
+    return (t.partner - partner.position).norm() < kSamePlace_m;
+  });
   std::optional<LevelGrip> grip;
-  if (static_cast<int>(tests_.felt().size()) < config_.test_lift.grips)
-    grip = choose_level_grip(decide, tests_.object(), tests_.felt(), known.belief, wanted, config_.test_lift);
+  if (tried < config_.test_lift.grips)
+    grip = choose_level_grip(decide, tests_.object(), partner.position, felt, known.belief, wanted,
+                             config_.test_lift);
   if (grip) {
     record_.decision = std::move(grip->outcome);
     return true;

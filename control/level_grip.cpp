@@ -14,8 +14,8 @@ struct Origin {
   std::size_t decision = 0, candidate = 0;
 };
 
-std::vector<hal::Vec3> places(const CarriedObject& object, const CogBelief& belief) {
-  const Eigen::Vector2d partner = object.partner.head<2>(), arm = belief.mean() - partner;
+std::vector<hal::Vec3> places(const CarriedObject& object, const hal::Vec3& held, const CogBelief& belief) {
+  const Eigen::Vector2d partner = held.head<2>(), arm = belief.mean() - partner;
   const Eigen::Vector2d across = Eigen::Vector2d(-arm.y(), arm.x()).normalized();
   const double spread = std::sqrt(across.dot(belief.covariance() * across));
   std::vector<hal::Vec3> all;
@@ -45,12 +45,13 @@ void choose(Outcome& outcome, std::size_t candidate, const NextGrip& grip) {
 }  // namespace
 
 std::optional<LevelGrip> choose_level_grip(const DecideAt& decide, const CarriedObject& object,
-                                           std::span<const FeltLift> tests, const CogBelief& belief,
-                                           double wanted_share, const TestLiftConfig& config) {
+                                           const hal::Vec3& partner, std::span<const FeltLift> tests,
+                                           const CogBelief& belief, double wanted_share,
+                                           const TestLiftConfig& config) {
   std::vector<Outcome> outcomes;
   std::vector<planner::GraspCandidate> grasps;
   std::vector<Origin> origins;
-  for (const hal::Vec3& cog : places(object, belief)) {
+  for (const hal::Vec3& cog : places(object, partner, belief)) {
     auto outcome = decide(cog);
     if (!outcome) continue;
     for (std::size_t i = 0; i < outcome->candidates.size(); ++i) {
@@ -59,7 +60,7 @@ std::optional<LevelGrip> choose_level_grip(const DecideAt& decide, const Carried
     }
     outcomes.push_back(std::move(*outcome));
   }
-  const auto next = next_grip(grasps, object, tests, belief, wanted_share, config);
+  const auto next = next_grip(grasps, partner, tests, belief, wanted_share, config);
   if (!next) return std::nullopt;
   const Origin from = origins[next->index];
   LevelGrip grip{std::move(outcomes[from.decision]), next->chance};

@@ -105,10 +105,11 @@ std::optional<LiftController::Command> LiftController::step(double dt_s,
   q_rad_ = *q;
 
   if (felt) {
-    // sideways the arm stays as soft as its impedance: that is the partner's freedom
+    // sideways the arm stays as soft as its impedance: that is the partner's freedom. What pushes up is the
+    // ground under the object: fed forward, it would be pressed down ever harder
     hal::Wrench borne;
-    borne.force.z() = std::clamp(felt->force.z(), -config_.max_load_n, config_.max_load_n);
-    borne.torque = felt->torque;
+    borne.force.z() = std::clamp(felt->force.z(), -config_.max_load_n, 0.0);
+    if (borne.force.z() < 0.0) borne.torque = felt->torque;
     const double a = dt_s / (kFeedForward_s + dt_s);
     fed_.force += a * (borne.force - fed_.force);
     fed_.torque += a * (borne.torque - fed_.torque);

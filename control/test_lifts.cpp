@@ -2,13 +2,15 @@
 
 namespace colift::control {
 
-void TestLifts::begin(const CarriedObject& object, const hal::Vec3& grasp, double share_predicted) {
+void TestLifts::begin(const CarriedObject& object, const hal::Vec3& partner, const hal::Vec3& grasp,
+                      double share_predicted) {
   object_ = object;
   now_ = {};
+  now_.partner = partner;
   now_.grasp = grasp;
   now_.share_predicted = share_predicted;
   cycles_ = 0;
-  eye_.emplace(object, grasp, config_);
+  eye_.emplace(object, partner, grasp, config_);
 }
 
 void TestLifts::feel(const hal::Wrench& felt, const hal::Vec3& palm) {

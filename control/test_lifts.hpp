@@ -10,7 +10,7 @@ namespace colift::control {
 
 /// The test lifts of one job: each is watched while it goes on, and understood together with those before it.
 ///
-///   lifts.begin(object, grasp, share);
+///   lifts.begin(object, partner, grasp, share);
 ///   lifts.rising(motion)                            each frame, until it says Enough or the height is reached
 ///   lifts.at_top(at, motion), lifts.feel(wrench, palm)  each frame, each cycle, for hold_s
 ///   lifts.end()
@@ -18,8 +18,10 @@ class TestLifts {
  public:
   explicit TestLifts(const TestLiftConfig& config) : config_(config) {}
 
-  /// `grasp`: where the load hangs in the hand (W); `share_predicted` of the robot there.
-  void begin(const CarriedObject& object, const hal::Vec3& grasp, double share_predicted);
+  /// `partner`: where he holds it; `grasp`: where the load hangs in the hand (W); `share_predicted` of the
+  /// robot there.
+  void begin(const CarriedObject& object, const hal::Vec3& partner, const hal::Vec3& grasp,
+             double share_predicted);
   Raise rising(const perception::ObjectMotion& motion) { return eye_->rising(motion); }
   void at_top(hal::Timestamp at, const perception::ObjectMotion& motion) { eye_->at_top(at, motion); }
   /// What the hand feels of the object, about the palm's origin, and where that is (W).
@@ -27,7 +29,6 @@ class TestLifts {
   /// Errors: NotFound (object not seen or not felt at the top; and understand_test_lift()'s).
   [[nodiscard]] hal::Result<TestLift> end();
 
-  [[nodiscard]] bool any() const { return !felt_.empty(); }
   [[nodiscard]] std::span<const FeltLift> felt() const { return felt_; }
   [[nodiscard]] const CarriedObject& object() const { return object_; }
   /// What the last one that was understood says.

@@ -17,6 +17,7 @@ constexpr double kSeenTilt_rad = 0.009;                    // half a degree: a s
 constexpr double kOnGround_m = 0.001, kRelax_per_s = 1.0;  // what rests on the ground he does not strain at
 constexpr double kOffGround_m = 0.01;  // below that he lets it down instead of levelling it
 constexpr double kRegrasp_s = 1.0, kSeenBefore_s = 0.6;
+constexpr double kHears_s = 1.0;  // until somebody who is asked lets go
 constexpr double kLeadAfter_s = 1.0, kLead_s = 2.0;
 constexpr double kTremor_m = 0.0005;
 constexpr std::uint64_t kTremorStream = 0x7e3;
@@ -52,11 +53,20 @@ SimPartner::SimPartner(const ScenarioPartner& partner, const ScenarioTask& task,
   }
 }
 
-const PartnerHold* SimPartner::holding(double t_s) const {
-  for (const PartnerHold& hold : holds_) {
-    if (t_s >= hold.from_s && (!hold.until_s || t_s < *hold.until_s)) return &hold;
+bool SimPartner::ask(const Vec3& grasp_T, double t_s) {
+  if (!partner_.obliging || partner_.kind == "none" || partner_.kind == "support") return false;
+  while (holds_.size() > 1 && holds_.back().from_s > t_s) holds_.pop_back();
+  PartnerHold& now = holds_.back();
+  now.until_s = std::max(t_s + kHears_s, now.from_s);
+  holds_.push_back({grasp_T, *now.until_s + kRegrasp_s, std::nullopt});
+  return true;
+}
+
+std::optional<std::size_t> SimPartner::holding(double t_s) const {
+  for (std::size_t i = 0; i < holds_.size(); ++i) {
+    if (t_s >= holds_[i].from_s && (!holds_[i].until_s || t_s < *holds_[i].until_s)) return i;
   }
-  return nullptr;
+  return std::nullopt;
 }
 
 const PartnerHold* SimPartner::hold_to_show(double t_s) const {
@@ -67,10 +77,10 @@ const PartnerHold* SimPartner::hold_to_show(double t_s) const {
   return shown;
 }
 
-void SimPartner::take_hold(const PartnerHold& hold, const PartnerView& view) {
+void SimPartner::take_hold(std::size_t hold, const PartnerView& view) {
   grip_ = {};
-  grip_.hold = &hold;
-  grip_.start_W = view.X_WT * hold.grasp_T;
+  grip_.hold = hold;
+  grip_.start_W = view.X_WT * holds_[hold].grasp_T;
   grip_.R_WT = view.X_WT.linear();
 }
 
@@ -116,20 +126,21 @@ std::optional<SimPartner::Action> SimPartner::tick(const PartnerView& view) {
     robot_z_m_ = (view.X_WT * *robot_T_).z();
     locked_at_s_ = view.t_s;
   }
-  const PartnerHold* hold = holding(view.t_s);
-  if (!hold || partner_.kind == "support") {
-    grip_.hold = nullptr;
+  const auto holds = holding(view.t_s);
+  if (!holds || partner_.kind == "support") {
+    grip_.hold.reset();
     return std::nullopt;
   }
-  if (grip_.hold != hold) {
-    take_hold(*hold, view);
+  if (grip_.hold != holds) {
+    take_hold(*holds, view);
     past_.fill({});
   }
-  const Vec3 at_W = view.X_WT * hold->grasp_T;
+  const PartnerHold& hold = holds_[*holds];
+  const Vec3 at_W = view.X_WT * hold.grasp_T;
   Seen now;
   if (robot_T_) {
     now.robot_m = (view.X_WT * *robot_T_).z() - robot_z_m_;
-    now.unseen_m = kSeenTilt_rad * (*robot_T_ - hold->grasp_T).norm();
+    now.unseen_m = kSeenTilt_rad * (*robot_T_ - hold.grasp_T).norm();
   }
   now.own_m = at_W.z() - grip_.start_W.z();
   Seen& seen = past_[tick_++ % past_.size()];

@@ -46,6 +46,10 @@ class SimPartner {
   };
   [[nodiscard]] std::optional<Action> tick(const PartnerView& view);
 
+  /// He is asked to take hold there (in T): lets go a moment later, and holds there soon after. What his script
+  /// has for later he forgets. Only where ScenarioPartner::obliging; whether he goes.
+  bool ask(const Vec3& grasp_T, double t_s);
+
   [[nodiscard]] const std::vector<PartnerHold>& holds() const { return holds_; }
   /// The hold that counts at a time: the present one, else the coming one if it begins within 0.6 s, else the
   /// last one. nullptr before anything is to be seen.
@@ -54,7 +58,7 @@ class SimPartner {
  private:
   static constexpr int kDelay_ms = 150;
   struct Grip {
-    const PartnerHold* hold = nullptr;
+    std::optional<std::size_t> hold;
     Vec3 start_W = Vec3::Zero();
     Eigen::Matrix3d R_WT = Eigen::Matrix3d::Identity();
     double wish_m = 0.0;      ///< How much higher he wants his hand than at the start.
@@ -65,8 +69,8 @@ class SimPartner {
     double unseen_m = 0.0;              ///< ... and the difference that he does not see.
   };
 
-  [[nodiscard]] const PartnerHold* holding(double t_s) const;
-  void take_hold(const PartnerHold& hold, const PartnerView& view);
+  [[nodiscard]] std::optional<std::size_t> holding(double t_s) const;
+  void take_hold(std::size_t hold, const PartnerView& view);
   void follow(const Seen& seen);
   void lead(const PartnerView& view, const Seen& now);
   [[nodiscard]] Vec3 tremor(double t_s) const;

@@ -186,6 +186,7 @@ void SimWorld::Impl::place_partners() {
   }
   around.shapes.insert(around.shapes.end(), clutter.begin(), clutter.end());
   const Vec3 middle_W = X_WT0 * object.cog_T;
+  figures.clear();
   for (const PartnerHold& hold : partner.holds()) {
     const Vec3 contact_W = X_WT0 * hold.grasp_T;
     figures.push_back(place_partner(around, contact_W, contact_W - middle_W));
@@ -246,6 +247,15 @@ void SimWorld::advance(hal::Duration by) {
     const std::scoped_lock lock(impl_->mutex);
     impl_->tick();
   }
+}
+
+bool SimWorld::ask_partner(const Vec3& place_W) {
+  const std::scoped_lock lock(impl_->mutex);
+  const Vec3 place_T = impl_->physics->object_pose().inverse() * place_W;
+  if (std::abs(distance_to(impl_->object, place_T)) > kGraspOff_m) return false;
+  if (!impl_->partner.ask(place_T, impl_->now_s())) return false;
+  impl_->place_partners();
+  return true;
 }
 
 SimTruth SimWorld::truth() const {

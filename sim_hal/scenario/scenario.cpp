@@ -232,6 +232,7 @@ Scenario scenario_of(const ScenarioBlock& file) {
   s.partner.kind = file.partner.kind;
   s.partner.grasp = file.partner.grasp;
   s.partner.arrives_s = file.partner.arrives_s;
+  s.partner.obliging = file.partner.obliging;
   for (const EventBlock& e : file.partner.events) s.partner.events.push_back({e.at_s, e.action, e.to});
   s.task = {file.task.kind, file.task.height, file.task.hold_s};
   for (const FaultBlock& f : file.faults) {

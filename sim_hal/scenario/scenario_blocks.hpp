@@ -118,6 +118,7 @@ struct PartnerBlock {
   std::string kind = ScenarioPartner{}.kind;
   Vec3 grasp = Vec3::Zero();
   double arrives_s = ScenarioPartner{}.arrives_s;
+  bool obliging = ScenarioPartner{}.obliging;
   std::vector<EventBlock> events;
 
   template <class Visitor>
@@ -125,6 +126,7 @@ struct PartnerBlock {
     v("kind", kind, hal::Choices{"compliant", "leader", "support", "none"}, "How the partner lifts.");
     v("grasp", grasp, kPlace_m, "Where he takes hold, in the object frame (m).");
     v("arrives_s", arrives_s, kTime_s, "When his hand is on the object (s).");
+    v("obliging", obliging, "Whether he takes hold elsewhere when the robot asks him to.");
     v("events", events, "What he does later.");
   }
 };

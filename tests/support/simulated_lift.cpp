@@ -20,9 +20,10 @@ namespace {
 class GripWatch {
  public:
   void see(control::Task state, const hal::HandState& hand) {
-    const bool in_air = state == control::Task::Lift || state == control::Task::Hold ||
-                        state == control::Task::Lower || state == control::Task::Stopped;
-    lifted_ = in_air && (lifted_ || state == control::Task::Lift);
+    using control::Task;
+    const bool raised = state == Task::TestLift || state == Task::Lift;
+    const bool in_air = raised || state == Task::Hold || state == Task::Lower || state == Task::Stopped;
+    lifted_ = in_air && (lifted_ || raised);
     if (!lifted_) {
       most_.reset();
       return;
@@ -114,6 +115,7 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
     entered(control::Task::Observe);
   };
   GripWatch grip;
+  hooks.asked = [&](const hal::Vec3& place) { world->ask_partner(place); };
   hooks.status = [&](const control::JobStatus& status) {
     const sim_hal::SimTruth truth = world->truth();
     grip.see(status.state, world->hand_state());

@@ -24,6 +24,7 @@ struct RigTruth {
   std::function<TruthSample(hal::Timestamp began)> sample;
   std::function<picture::SolidScene()> scene;         ///< Everything, where it is now.
   std::function<std::optional<hal::Vec3>()> partner;  ///< Where he holds the object.
+  std::function<void(const hal::Vec3&)> ask_partner;  ///< To take hold there (W).
   double mass_kg = 0.0;
   hal::Vec3 cog = hal::Vec3::Zero();  ///< In W, at the start.
 };

@@ -32,6 +32,12 @@ hal::Result<CampaignOptions> campaign_options(const ExperimentOptions& o) {
     return hal::failure(ErrorCode::BadInput, "--method",
                         fmt::format("\"{}\" is not known, expected fast, thesis or both", o.method));
   }
+  if (o.camera == "side") {
+    c.view = View::Side;
+  } else if (o.camera != "layout") {
+    return hal::failure(ErrorCode::BadInput, "--camera",
+                        fmt::format("\"{}\" is not known, expected layout or side", o.camera));
+  }
   const char* end = o.shard.data() + o.shard.size();
   const auto [slash, bad] = std::from_chars(o.shard.data(), end, c.shard);
   const bool split = bad == std::errc() && slash != end && *slash == '/';

@@ -13,6 +13,7 @@ struct ExperimentOptions {
   int trials = 0;                  ///< 0: each experiment's own number.
   std::uint64_t seed = 1;
   std::string method = "fast";  ///< fast | thesis | both
+  std::string camera = "layout";  ///< layout | side
   std::string shard = "1/1";
   int jobs = 0;
   std::filesystem::path out = "out/experiments";

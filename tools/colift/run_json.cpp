@@ -46,6 +46,33 @@ Json lift(const control::RunRecord& record) {
           {"slip_m", number(l.slip_m)},           {"mass_kg", number(l.mass_kg)}};
 }
 
+Json test_lifts(const control::RunRecord& record) {
+  Json all = Json::array();
+  for (const control::TestLiftRecord& t : record.test_lifts) {
+    Json j = {{"t", hal::seconds(t.at)},
+              {"candidate", t.candidate},
+              {"height_m", number(t.height_m)},
+              {"level", t.known && t.known->next != control::TestLift::Next::Regrasp},
+              {"because", t.because}};
+    if (t.known) {
+      j["tilt_deg"] = number(kDegrees * t.known->seen.tilt_rad);
+      j["mass_kg"] = number(t.known->mass_kg);
+      j["cog"] = json_array(t.known->cog);
+      j["lever_m"] = number(t.known->lever_m);
+      j["share_robot"] = number(t.known->share);
+    }
+    all.push_back(std::move(j));
+  }
+  return all;
+}
+
+Json asked(const control::RunRecord& record) {
+  Json all = Json::array();
+  for (const control::AskRecord& a : record.asked)
+    all.push_back({{"t", hal::seconds(a.at)}, {"place", json_array(a.place)}, {"because", a.because}});
+  return all;
+}
+
 Json timing(const control::RunRecord& record) {
   const control::RunTiming& t = record.timing;
   return {{"grasp_to_decision_s", number(t.grasp_to_decision_s)},
@@ -148,6 +175,8 @@ std::string run_document(const RunView& view) {
             {"states", states(record)},
             {"partner", partner(view)},
             {"decision", record.decision ? decision_json(*record.decision) : Json(nullptr)},
+            {"asked", asked(record)},
+            {"test_lifts", test_lifts(record)},
             {"lift", lift(record)},
             {"timing", timing(record)}};
   if (view.truth) j["truth"] = truth(view);

@@ -110,6 +110,8 @@ std::vector<double> values(const std::vector<Sample>& curve, Of of) {
 
 Colour band_colour(Task state) {
   switch (state) {
+    case Task::TestLift:
+      return picture::rgb(0xEAE4F5);
     case Task::Lift:
       return picture::rgb(0xE0F2EA);
     case Task::Hold:
@@ -224,7 +226,9 @@ std::optional<picture::LinePlot> curves_plot(const RunView& view) {
   const double weight = view.record.lift && std::isfinite(view.record.lift->mass_kg)
                             ? kGravity * view.record.lift->mass_kg
                             : 0.0;
-  const auto in_air = [](Task s) { return s == Task::Lift || s == Task::Hold || s == Task::Lower; };
+  const auto in_air = [](Task s) {
+    return s == Task::TestLift || s == Task::Lift || s == Task::Hold || s == Task::Lower;
+  };
   if (weight > 0)
     share.lines.push_back(
         line("felt, of the estimated weight", picture::kRobot, values(seen, [&](const auto& s) {

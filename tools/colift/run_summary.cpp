@@ -99,6 +99,9 @@ std::string run_summary(const RunView& view, int columns) {
   // a refusal's reason is said already
   if (record.decision && record.because.find(record.decision->decision.because) == std::string::npos)
     out += line("grasp", decision_text(view));
+  for (const control::AskRecord& a : record.asked) out += line("asked", a.because);
+  for (const control::TestLiftRecord& t : record.test_lifts)
+    out += line("tested", fmt::format("number {}, {} high: {}", t.candidate, metres_text(t.height_m), t.because));
   if (record.lift) {
     const auto truth = true_lift(view);
     out += line("lift", lift_text(view, truth));

@@ -151,8 +151,8 @@ hal::Result<Campaign> run_campaign(const Experiment& e, const CampaignOptions& o
     return hal::failure(ErrorCode::BadConfig, "--method",
                         "this build has no thesis method (COLIFT_THESIS=OFF)");
 #endif
-  const std::string header =
-      fmt::format("# colift.experiment/1 {} seed={} method={}", e.name, o.seed, word(o.methods));
+  const std::string header = fmt::format("# colift.experiment/1 {} seed={} method={}{}", e.name, o.seed,
+                                         word(o.methods), o.view == View::Side ? " camera=side" : "");
   auto kept = kept_from(e, o, header);
   if (!kept) return kept;
   Campaign& campaign = *kept;
@@ -178,7 +178,7 @@ hal::Result<Campaign> run_campaign(const Experiment& e, const CampaignOptions& o
       std::vector<Row> rows, details;
       std::string words;
       for (const control::Method method : list(o.methods)) {
-        TrialRows result = e.run({o.seed, to_do[mine], method});
+        TrialRows result = e.run({o.seed, to_do[mine], method, o.view});
         const Row key{std::to_string(to_do[mine]), words_of(method)};
         result.row.insert(result.row.begin(), key.begin(), key.end());
         rows.push_back(std::move(result.row));

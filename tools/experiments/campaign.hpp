@@ -17,6 +17,7 @@ struct CampaignOptions {
   int trials = 0;  ///< 0: the experiment's own number.
   std::uint64_t seed = 1;
   Methods methods = Methods::Fast;
+  View view = View::OfLayout;
   int shard = 1, shards = 1;  ///< Trials whose number modulo `shards` is shard - 1.
   int jobs = 0;               ///< Threads; 0: one per core.
   std::filesystem::path out = "out/experiments";

@@ -37,6 +37,7 @@ std::pair<const char*, sim_hal::Scenario> layout(const Trial& t) {
 TrialRows run(const Trial& trial) {
   const std::uint64_t seed = trial.own_seed(3);
   auto [object, scenario] = layout(trial);
+  scenario = seen_from(trial.view, std::move(scenario));
   scenario.partner = {};
   scenario.partner.kind = "none";
   auto sighting = Sighting::make(scenario, trial.method, seed, kHeight_m);

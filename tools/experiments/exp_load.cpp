@@ -8,6 +8,7 @@
 #include "tools/experiments/bar_plot.hpp"
 #include "tools/experiments/box_in_line.hpp"
 #include "tools/experiments/experiment.hpp"
+#include "tools/experiments/layouts.hpp"
 #include "tools/experiments/tried_grasps.hpp"
 #include "tools/picture/palette.hpp"
 
@@ -38,8 +39,9 @@ Row empty_row(const std::string& name, double mass,
 TrialRows run(const Trial& trial) {
   const std::uint64_t seed = trial.own_seed(2);
   // boxes are laid out for each share in turn; the others are asked for where that box permits them
+  const double laid_out_for = kWanted[static_cast<std::size_t>(trial.index) % kWanted.size()];
   const sim_hal::Scenario scenario =
-      box_in_line(trial.index, trial.seed, kWanted[static_cast<std::size_t>(trial.index) % kWanted.size()]);
+      seen_from(trial.view, box_in_line(trial.index, trial.seed, laid_out_for));
   std::array<std::optional<std::string>, kWanted.size()> forbidden;
   for (std::size_t w = 0; w < kWanted.size(); ++w) forbidden[w] = share_forbidden(scenario, kWanted[w]);
   const auto refused = [&](const std::string& why) {

@@ -99,7 +99,7 @@ class Session {
 
 TrialRows run(const Trial& trial) {
   const std::uint64_t seed = trial.own_seed(7);
-  sim_hal::Scenario scenario = table_layout(trial.index, trial.seed);
+  sim_hal::Scenario scenario = seen_from(trial.view, table_layout(trial.index, trial.seed));
   sim_hal::Draws draws(seed, 7700);
   // along the far edge, each place a hand's width and more from the one before
   const double half = 0.5 * scenario.object.size[1] - 0.08;

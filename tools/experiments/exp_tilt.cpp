@@ -41,7 +41,7 @@ TrialRows refused(const std::string& name, double mass, const std::string& why) 
 
 TrialRows run(const Trial& trial) {
   const std::uint64_t seed = trial.own_seed(1);
-  const sim_hal::Scenario scenario = table_layout(trial.index, trial.seed);
+  const sim_hal::Scenario scenario = seen_from(trial.view, table_layout(trial.index, trial.seed));
   auto sighting = Sighting::make(scenario, trial.method, seed, kHeight_m);
   if (!sighting) return refused(scenario.name, scenario.object.mass, sighting.error().text());
   control::Config config = config_for(trial.method);

@@ -13,11 +13,19 @@
 
 namespace colift::experiments {
 
+/// Where the camera stands.
+enum class View {
+  OfLayout,  ///< As the layout has it: mostly beyond the object, looking at robot and partner.
+  Side,      ///< Beside the robot, as in config/scenario/table_side_camera.yaml: sees the faces towards the
+             ///< arm, which the thesis's method needs.
+};
+
 /// What one trial is told. The same trial gives the same rows, wherever and beside whatever it runs.
 struct Trial {
   std::uint64_t seed = 1;  ///< Of the campaign.
   int index = 0;
   control::Method method = control::Method::Fast;
+  View view = View::OfLayout;
 
   /// A number of its own for everything random in it, the same for both methods.
   [[nodiscard]] std::uint64_t own_seed(std::uint64_t stream) const;

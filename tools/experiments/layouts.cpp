@@ -115,4 +115,12 @@ Scenario chair_layout(int index, std::uint64_t seed) {
   return soon(s);
 }
 
+Scenario seen_from(View view, Scenario scenario) {
+  if (view == View::Side) {
+    scenario.camera.xyz = {0.0, -1.6, 1.3};
+    scenario.camera.look_at = {0.75, 0.0, 0.35};
+  }
+  return scenario;
+}
+
 }  // namespace colift::experiments

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "sim_hal/scenario/scenario.hpp"
+#include "tools/experiments/experiment.hpp"
 
 namespace colift::experiments {
 
@@ -19,5 +20,8 @@ namespace colift::experiments {
 [[nodiscard]] sim_hal::Scenario pipe_layout(int index, std::uint64_t seed);
 /// A chair with its seat towards the robot. 0: config/scenario/chair.yaml.
 [[nodiscard]] sim_hal::Scenario chair_layout(int index, std::uint64_t seed);
+
+/// The same scene, seen from there.
+[[nodiscard]] sim_hal::Scenario seen_from(View view, sim_hal::Scenario scenario);
 
 }  // namespace colift::experiments
