@@ -51,6 +51,8 @@ class Job {
 
   // before_contact.cpp: from Observe to the closing hand
   [[nodiscard]] std::optional<Happening> observe();
+  /// A look that shows something to carry becomes what the job knows.
+  void take_look();
   [[nodiscard]] std::optional<Happening> await_partner();
   [[nodiscard]] std::optional<Happening> decide();
   [[nodiscard]] std::optional<Happening> plan();
@@ -87,6 +89,9 @@ class Job {
   [[nodiscard]] std::optional<Happening> retreat();
   void back_to_pre_grasp();
   [[nodiscard]] double object_moved_m() const;
+  /// The object was put down elsewhere: scene, candidates and test lifts become those of where it stands now.
+  /// Empty, or why that cannot be.
+  [[nodiscard]] std::string take_scene_as_moved();
   void refuse_grip(const std::string& why);
   void watch_object();
   [[nodiscard]] std::optional<Happening> serve_lift() const;
@@ -168,8 +173,8 @@ class Job {
     bool at_top = false;
   } test_;  ///< The one that goes on.
   struct Bearable {
-    Outcome outcome;
-    double tilt_rad = 0.0;
+    planner::GraspCandidate grasp;
+    double share = 0.0, tilt_rad = 0.0;
   };
   std::optional<Bearable> bearable_;  ///< The most level grip that was put down again.
   bool accepts_bearable_ = false;     ///< There is no better one.

@@ -65,13 +65,19 @@ std::optional<Happening> Job::observe() {
     record_.look = look;
     return Happening{Event::NothingToCarry, *std::move(holes)};
   }
+  take_look();
+  return Happening{Event::SceneKnown, record_.look->because};
+}
+
+void Job::take_look() {
+  Look& look = watch_.look();
   planner_->set_scene(std::make_shared<planner::CollisionScene>(planner::make_collision_scene(
                           watch_.map(), look.scene.ground->plane, {}, config_.motion.scene)),
                       watch_.map(), hal::Vec3::UnitZ());
   judge_reach(look.candidates);
   look.because = planner::explain(look.candidates);
   record_.look = look;
-  return Happening{Event::SceneKnown, look.because};
+  judged_.clear();
 }
 
 std::optional<PartnerEvent> Job::watch_partner() {

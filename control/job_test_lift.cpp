@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "control/job.hpp"
 #include "control/level_grip.hpp"
@@ -12,6 +13,8 @@ namespace {
 
 constexpr double kSettle_s = 0.3;        // after a motion, before its end is believed
 constexpr double kLeaderRise_m = 0.008;  // the partner's end is higher than the palm by this: he lifts
+constexpr double kMostMoved_m = 0.06;    // an object that was put down farther away has to be seen anew
+constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kNoLever_m = 10.0;      // the belief judges levers itself
 constexpr double kSamePlace_m = 0.05;    // the partner's, who is seen to some centimetres
 
@@ -83,7 +86,7 @@ Happening Job::judge_test_lift() {
   const bool last_chance = accepts_bearable_ && known->bearable;
   if (known->next != TestLift::Next::Regrasp || last_chance) return {Event::HangsLevel, known->because};
   if (known->bearable && (!bearable_ || known->seen.tilt_rad < bearable_->tilt_rad))
-    bearable_ = {*record_.decision, known->seen.tilt_rad};
+    bearable_ = {chosen_of(*record_.decision), known->share, known->seen.tilt_rad};
   regrasp_ = true;
   return {Event::HangsAskew, known->because};
 }
@@ -116,17 +119,33 @@ bool Job::choose_level(const perception::PartnerGrasp& partner, const Judge& rea
   }
   failed_because_ = fmt::format("after {} test lifts no other grasp promises to hold the object level: {}",
                                 tests_.felt().size(), known.because);
-  if (!bearable_) {
-    // what it would be there, for whoever asks
-    if (auto outcome = decide(known.cog)) record_.decision = std::move(*outcome);
-    record_.decision->decision.chosen.reset();
-    return false;
-  }
-  record_.decision = bearable_->outcome;
-  record_.decision->decision.because = fmt::format("the most level of {} test lifts, {:.1f} deg",
-                                                   tests_.felt().size(), bearable_->tilt_rad * 57.29578);
+  if (auto outcome = decide(known.cog)) record_.decision = std::move(*outcome);
+  planner::Decision& decision = record_.decision->decision;
+  auto& candidates = record_.decision->candidates;
+  if (decision.chosen) candidates[*decision.chosen].verdict = planner::Verdict::Ok;
+  decision.chosen.reset();
+  if (!bearable_) return false;
+  candidates.push_back(bearable_->grasp);
+  decision.scores.emplace_back();
+  decision.chosen = candidates.size() - 1;
+  decision.share = bearable_->share;
+  decision.because = fmt::format("grasp {}: the most level of {} test lifts, {:.1f} deg", bearable_->grasp.id,
+                                 felt.size(), bearable_->tilt_rad / kDegree);
   accepts_bearable_ = true;
   return true;
+}
+
+std::string Job::take_scene_as_moved() {
+  if (object_moved_m() > kMostMoved_m) return "that is another scene";
+  const hal::Pose X = motion_->X_WTnow_WTref;
+  if (auto seen = watch_.object_moved(X, posture()); !seen) return seen.error().detail;
+  if (!watch_.look().scene.target) return "it is not seen there";
+  take_look();
+  tests_.move(X);
+  if (bearable_) planner::move(bearable_->grasp, X);
+  for (FailedGrip& f : failed_grips_) f.position = X * f.position;
+  motion_.reset();
+  return "";
 }
 
 }  // namespace colift::control

@@ -22,8 +22,9 @@ constexpr double kLetGoLoad = 1.4;  // ... or the load grew by this factor
 constexpr double kLetGoLoad_n = 6.0;
 constexpr double kReadyPatience_s = 20.0;
 constexpr int kGrips = 2;           // a grip that failed is tried elsewhere, once
-constexpr double kMoved_m = 0.004;  // an object that moved by more is another scene
+constexpr double kMoved_m = 0.004;  // an object that moved by more stands in another scene
 constexpr double kGravity_m_s2 = 9.81;
+constexpr double kStands_m = 0.002, kBearsItself_n = 0.5;
 
 double deg(double rad) {
   return rad * 180.0 / std::numbers::pi;
@@ -197,6 +198,16 @@ std::optional<Happening> Job::lower() {
   if (auto stuck = serve_lift()) return stuck;
   done_ = 1.0 - loop_.view().height_m / std::max(config_.task.lift_height_m, 1e-3);
   doing_ = "lowers together with the partner";
+  // an object that slid in the hand is down before the palm is: pressed on, it would slide away. Without load
+  // alone it may still hang between the partner and a foot
+  const hal::Vec3 grasp = X_WH_closed_.translation();
+  const bool down = motion_ && std::abs(motion_->rise(grasp, hal::Vec3::UnitZ())) < kStands_m;
+  if (!down || loop_.view().load_n > kBearsItself_n) unloaded_since_ = now_;
+  if (hal::seconds(now_ - unloaded_since_) > kSettle_s) {
+    loop_.stay();
+    return Happening{Event::OnGround, fmt::format("it bears itself, {:.0f} mm above where it was gripped",
+                                                  1e3 * loop_.view().height_m)};
+  }
   if (!loop_.lift_at_rest()) {
     settled_at_ = now_;
     return std::nullopt;
@@ -230,17 +241,18 @@ void Job::back_to_pre_grasp() {
   if (!back || !follow(*back)) failed_because_ = back ? failed_because_ : back.error().detail;
 }
 
-// whether the object still stands as the scene was seen, so that what was decided on still holds
-bool Job::object_stays() const {
-  if (!motion_) return true;
+// how far the object stands from where the scene was seen, on which everything was decided
+double Job::object_moved_m() const {
+  if (!motion_) return 0.0;
+  double most_m = 0.0;
   // a turn shows at the corners
   const hal::OrientedBox& box = watch_.look().scene.target->obb;
   for (int corner = 0; corner < 8; ++corner) {
     const hal::Vec3 half(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5);
     const hal::Vec3 p = box.center + box.axes * box.size.cwiseProduct(half);
-    if ((motion_->X_WTnow_WTref * p - p).norm() > kMoved_m) return false;
+    most_m = std::max(most_m, (motion_->X_WTnow_WTref * p - p).norm());
   }
-  return true;
+  return most_m;
 }
 
 // where a grip failed, none is tried again
@@ -267,10 +279,14 @@ std::optional<Happening> Job::retreat() {
     return std::nullopt;
   }
   if (!failed_) return Happening{Event::BackHome, ""};
-  if (regrasp_ && object_stays()) return Happening{Event::TryAgain, failed_because_};
-  if (approaches_ < kGrips && !lifted_ && !without_puck_ && object_stays())
-    return Happening{Event::TryAgain, failed_because_};
-  return Happening{Event::BackInVain, failed_because_};
+  const double moved_m = object_moved_m();
+  if (!regrasp_ && (approaches_ >= kGrips || lifted_ || without_puck_))
+    return Happening{Event::BackInVain, failed_because_};
+  if (moved_m > kMoved_m)
+    if (const std::string trouble = take_scene_as_moved(); !trouble.empty())
+      return Happening{Event::BackInVain, fmt::format("{}; the object stands {:.0f} mm from where it was: {}",
+                                                      failed_because_, 1e3 * moved_m, trouble)};
+  return Happening{Event::TryAgain, failed_because_};
 }
 
 void Job::summarise_hold() {

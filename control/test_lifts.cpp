@@ -36,4 +36,24 @@ hal::Result<TestLift> TestLifts::end() {
   return known;
 }
 
+void TestLifts::move(const hal::Pose& X) {
+  const auto turned = [&](const hal::Wrench& w) {
+    return hal::Wrench{X.linear() * w.force, X.linear() * w.torque};
+  };
+  for (FeltLift& t : felt_) {
+    t.felt = turned(t.felt);
+    t.palm = X * t.palm;
+    t.partner = X * t.partner;
+    t.grasp = X * t.grasp;
+    t.X_WTnow_WTref = X * t.X_WTnow_WTref * X.inverse();
+  }
+  object_.cog = X * object_.cog;
+  object_.cog_covariance = X.linear() * object_.cog_covariance * X.linear().transpose();
+  for (hal::Vec3& f : object_.feet) f = X * f;
+  if (!known_) return;
+  known_->cog = X * known_->cog;
+  for (CogBelief::Case& c : known_->belief.cases)
+    c.cog = (X * hal::Vec3(c.cog.x(), c.cog.y(), 0.0)).head<2>();
+}
+
 }  // namespace colift::control

@@ -29,6 +29,10 @@ class TestLifts {
   /// Errors: NotFound (object not seen or not felt at the top; and understand_test_lift()'s).
   [[nodiscard]] hal::Result<TestLift> end();
 
+  /// The object was put down elsewhere, and what was felt goes with it: `X_Wnow_Wthen` moves a point of it from
+  /// where it stood.
+  void move(const hal::Pose& X_Wnow_Wthen);
+
   [[nodiscard]] std::span<const FeltLift> felt() const { return felt_; }
   [[nodiscard]] const CarriedObject& object() const { return object_; }
   /// What the last one that was understood says.

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "perception/moved_object.hpp"
 #include "perception/reference_image.hpp"
 #ifdef COLIFT_THESIS
 #include "perception/thesis/thesis_partner.hpp"
@@ -63,6 +64,33 @@ struct Watch::Impl {
   const std::vector<std::uint32_t>& hide_robot(hal::DepthFrame& frame, const RobotPosture& robot) {
     if (!filter) filter.emplace(rig.model, frame.intrinsics, rig.X_WC, config.noise, config.self_filter);
     return filter->remove(frame, robot.q_rad, robot.hand);
+  }
+
+  hal::Result<> take_look(const perception::ReferenceImage& reference, hal::DepthFrame frame) {
+    LookInput input;
+    input.frame = std::move(frame);
+    input.frame.depth_m = reference.cloud.depth_m;
+    input.X_WC = rig.X_WC;
+    input.base_frame_known = true;
+    auto seen = control::look(std::move(input), method, config, rig.hand, stopwatch, rig.hand_tables);
+    if (!seen) return tl::unexpected(seen.error());
+    look = std::move(*seen);
+    return {};
+  }
+
+  hal::Result<> make_rest(const perception::ReferenceImage& reference, const RobotPosture& robot) {
+    if (!look.scene.target || !look.scene.ground) return {};
+    if (auto made = make_finders(reference); !made) return made;
+    make_map(robot);
+    return {};
+  }
+
+  [[nodiscard]] std::vector<std::uint32_t> target_pixels() const {
+#ifdef COLIFT_THESIS
+    if (method == Method::Thesis)
+      return perception::thesis_pixels(look.cloud, *look.scene.target, config.thesis);
+#endif
+    return look.scene.target->pixels;
   }
 
   hal::Result<> make_finders(const perception::ReferenceImage& reference) {
@@ -124,13 +152,8 @@ struct Watch::Impl {
   }
 
   void make_map(const RobotPosture& robot) {
-    std::vector<std::uint32_t> target_pixels = look.scene.target->pixels;
-#ifdef COLIFT_THESIS
-    if (method == Method::Thesis)
-      target_pixels = perception::thesis_pixels(look.cloud, *look.scene.target, config.thesis);
-#endif
     map = perception::WorldMap(config.map);
-    map.insert(look.cloud, target_pixels);
+    map.insert(look.cloud, target_pixels());
     map.carve_robot(rig.model, robot.q_rad, robot.hand);
     std::vector<hal::Vec3> points;
     points.reserve(look.scene.target->points.size());
@@ -188,14 +211,7 @@ hal::Result<> Watch::understand(const RobotPosture& robot) {
   const auto reference = perception::build_reference(i.frames, i.rig.X_WC, i.config.noise);
   if (!reference) return tl::unexpected(reference.error());
 
-  LookInput input;
-  input.frame = i.frames.back();
-  input.frame.depth_m = reference->cloud.depth_m;
-  input.X_WC = i.rig.X_WC;
-  input.base_frame_known = true;
-  auto seen = control::look(std::move(input), i.method, i.config, i.rig.hand, i.stopwatch, i.rig.hand_tables);
-  if (!seen) return tl::unexpected(seen.error());
-  i.look = std::move(*seen);
+  if (auto seen = i.take_look(*reference, i.frames.back()); !seen) return seen;
   i.frames.clear();
   if (i.with_robot) {
     std::optional<hal::Plane> ground;
@@ -205,10 +221,18 @@ hal::Result<> Watch::understand(const RobotPosture& robot) {
     i.with_robot.reset();
     if (!check.good) return hal::failure(hal::ErrorCode::BadConfig, kCameraOff, check.because);
   }
-  if (!i.look.scene.target || !i.look.scene.ground) return {};
-  if (auto made = i.make_finders(*reference); !made) return made;
-  i.make_map(robot);
-  return {};
+  return i.make_rest(*reference, robot);
+}
+
+hal::Result<> Watch::object_moved(const hal::Pose& X, const RobotPosture& robot) {
+  Impl& i = *impl_;
+  if (!i.look.scene.target) return hal::failure(hal::ErrorCode::NotFound, "watch", "there is no object");
+  const hal::DepthFrame moved = perception::move_object(i.look.cloud, i.target_pixels(), X);
+  const auto reference = perception::build_reference({&moved, 1}, i.rig.X_WC, i.config.noise);
+  if (!reference) return tl::unexpected(reference.error());
+  if (auto seen = i.take_look(*reference, i.look.frame); !seen) return seen;
+  forget_partner();
+  return i.make_rest(*reference, robot);
 }
 
 const Look& Watch::look() const {
