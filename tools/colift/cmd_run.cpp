@@ -162,6 +162,9 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
     }
     progress->show(status_of(status, *rig));
   };
+  hooks.asked = [&](const hal::Vec3& place) {
+    if (rig->truth) rig->truth->ask_partner(place);
+  };
   hooks.changed = [&](control::Task from, control::Task to) {
     if (rig->truth) diary.on_change(from, to, *rig->truth);
   };

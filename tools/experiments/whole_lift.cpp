@@ -37,6 +37,7 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
   int n = 0;
   double tilt = 0.0, height = 0.0, share = 0.0, slip = 0.0;
   control::JobHooks hooks;
+  hooks.asked = [&](const hal::Vec3& place) { (*world)->ask_partner(place); };
   hooks.status = [&](const control::JobStatus& status) {
     if (status.state != control::Task::Hold) return;
     const sim_hal::SimTruth truth = (*world)->truth();

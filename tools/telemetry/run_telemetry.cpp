@@ -297,6 +297,9 @@ control::JobHooks RunTelemetry::hooks(control::JobHooks yours) {
     i.on_status(status);
     if (yours.status) aside([&] { yours.status(status); });
   };
+  out.asked = [aside, yours](const hal::Vec3& place) {
+    if (yours.asked) aside([&] { yours.asked(place); });
+  };
   out.changed = [aside, yours](control::Task from, control::Task to) {
     if (yours.changed) aside([&] { yours.changed(from, to); });
   };

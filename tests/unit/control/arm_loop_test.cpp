@@ -225,7 +225,7 @@ TEST_CASE("A cycle of the arm does not allocate: on a way, with a load, lifting"
   };
   cycle();
   ArmRequest follow{ArmRequest::Kind::Follow, 1, std::make_shared<planner::Trajectory>(way()), 0.0, {}};
-  ArmRequest lift{ArmRequest::Kind::StartLift, 2, nullptr, 0.0, LiftController::Role::Lead};
+  ArmRequest lift{ArmRequest::Kind::StartLift, 2, nullptr, 0.05, LiftController::Role::Lead, 2.0};
   const std::uint64_t before = allocations();
   motion.take(follow);
   for (int i = 0; i < 2500; ++i) cycle();

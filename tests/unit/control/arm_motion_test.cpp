@@ -51,9 +51,10 @@ struct Rig {
   void steps(int n) {
     for (int i = 0; i < n; ++i) step();
   }
-  void ask(ArmRequest::Kind kind, double number = 0.0) {
-    motion.take({kind, ++id, nullptr, number, LiftController::Role::Lead});
+  void ask(ArmRequest::Kind kind, double number = 0.0, double time_s = 0.0) {
+    motion.take({kind, ++id, nullptr, number, LiftController::Role::Lead, time_s});
   }
+  void ask_lift() { ask(ArmRequest::Kind::StartLift, task.lift_height_m, task.lift_s); }
   /// Steps until the lift is at rest; returns how long it took (s).
   double lift(double most_s = 30.0) {
     int n = 0;
@@ -80,7 +81,7 @@ TEST_CASE("a lift that is cut off stands, and goes on to its height from where t
   CAPTURE(after);
   Rig rig;
   const double floor = rig.palm_m();
-  rig.ask(ArmRequest::Kind::StartLift);
+  rig.ask_lift();
   rig.steps(after);
   rig.state.may_command = false;
   rig.steps(20);
@@ -105,7 +106,7 @@ TEST_CASE("a lift that is cut off stands, and goes on to its height from where t
 
 TEST_CASE("time does not run on for a lift whose arm is not commanded") {
   Rig rig;
-  rig.ask(ArmRequest::Kind::StartLift);
+  rig.ask_lift();
   rig.steps(300);
   const double height = rig.motion.view().height_m;
   rig.state.may_command = false;
@@ -117,7 +118,7 @@ TEST_CASE("time does not run on for a lift whose arm is not commanded") {
 TEST_CASE("a lift under a warning takes longer, and ends at the same height") {
   Rig planned;
   const double floor = planned.palm_m();
-  planned.ask(ArmRequest::Kind::StartLift);
+  planned.ask_lift();
   const double planned_s = planned.lift();
 
   const bool asked = GENERATE(false, true);
@@ -126,12 +127,45 @@ TEST_CASE("a lift under a warning takes longer, and ends at the same height") {
     rig.ask(ArmRequest::Kind::Slow, 1.0);
   else
     rig.state.slow = true;
-  rig.ask(ArmRequest::Kind::StartLift);
+  rig.ask_lift();
   const double t = rig.lift();
   CHECK(rig.motion.view().slow);
   CHECK(t > 0.85 * planned_s / rig.task.slow_part);
   CHECK(t < 1.1 * planned_s / rig.task.slow_part);
   CHECK(rig.palm_m() - floor == Approx(rig.task.lift_height_m).margin(2e-4));
+}
+
+TEST_CASE("a slow lift that was ended stays where it is, goes on to its height and comes down") {
+  Rig rig;
+  const double floor = rig.palm_m();
+  rig.ask(ArmRequest::Kind::StartLift, 0.03, 15.0);
+  while (rig.motion.view().height_m < 0.008) rig.step();
+  rig.ask(ArmRequest::Kind::Stay);
+  rig.steps(10);
+  CHECK(rig.motion.view().lift_at_rest);
+  const double stayed = rig.palm_m() - floor;
+  rig.steps(500);
+  CHECK(rig.palm_m() - floor == Approx(stayed).margin(1e-4));
+  CHECK(stayed == Approx(0.008).margin(5e-4));
+  SECTION("also when it is cut off there and sagged: without a step") {
+    rig.state.may_command = false;
+    rig.steps(20);
+    rig.state.q_rad[1] += 0.004;
+    rig.state.may_command = true;
+    rig.hardest = rig.fastest = 0.0;
+    rig.lift();
+    CHECK(rig.fastest < 0.3);
+    CHECK(rig.palm_m() - floor == Approx(stayed).margin(5e-4));
+  }
+  rig.ask(ArmRequest::Kind::RaiseOn, 0.05, 4.0);
+  CHECK_FALSE(rig.motion.view().lift_at_rest);
+  const double took_s = rig.lift();
+  CHECK(took_s == Approx(4.0).margin(0.1));
+  CHECK(rig.palm_m() - floor == Approx(0.05).margin(5e-4));
+  CHECK(rig.hardest < 2.0);
+  rig.ask(ArmRequest::Kind::Lower);
+  rig.lift();
+  CHECK(rig.palm_m() - floor == Approx(0.0).margin(5e-4));
 }
 
 TEST_CASE("at the end of its reach a lift slows to rest before the margin, says so, and comes down again") {
@@ -140,7 +174,7 @@ TEST_CASE("at the end of its reach a lift slows to rest before the margin, says 
   task.lift_s = 8.0;
   Rig rig(task);
   const double floor = rig.palm_m();
-  rig.ask(ArmRequest::Kind::StartLift);
+  rig.ask_lift();
   for (int i = 0; i < 5000 && !rig.motion.view().end_of_reach; ++i) rig.step();
   REQUIRE(rig.motion.view().end_of_reach);
   rig.steps(2000);  // near the straight arm the joints lag behind the palm
@@ -163,7 +197,7 @@ TEST_CASE("at the end of its reach a lift slows to rest before the margin, says 
 TEST_CASE("after warm-up a cycle of the arm faults no page in") {
   Rig rig;
   const auto job = [&] {
-    rig.ask(ArmRequest::Kind::StartLift);
+    rig.ask_lift();
     rig.steps(1500);
     rig.state.may_command = false;
     rig.steps(20);

@@ -45,6 +45,27 @@ TEST_CASE("a partner who moves holds the new place one second later") {
   CHECK(partner.hold_to_show(2.6)->grasp_T.y() == 0.2);
 }
 
+TEST_CASE("an obliging partner goes where he is asked to, another one stays") {
+  const bool obliging = GENERATE(true, false);
+  ScenarioPartner script = at_origin("compliant");
+  script.obliging = obliging;
+  script.events = {{50.0, "let-go", std::nullopt}};
+  SimPartner partner(script, {}, 1);
+  REQUIRE(partner.tick(view_at(2.0)));
+  CHECK(partner.ask({0.4, 0.2, 0.4}, 2.0) == obliging);
+  CHECK(partner.tick(view_at(2.9))->at_W.y() == 0.0);  // he hears it
+  const auto later = partner.tick(view_at(4.5));
+  REQUIRE(later);
+  CHECK(later->at_W.y() == Approx(obliging ? 0.2 : 0.0));
+  if (!obliging) return;
+  CHECK(partner.hold_to_show(4.5)->grasp_T.y() == 0.2);
+  // once more, and his script is forgotten
+  REQUIRE(partner.ask({0.4, -0.2, 0.4}, 5.0));
+  CHECK_FALSE(partner.tick(view_at(6.5)));
+  CHECK(partner.tick(view_at(7.5))->at_W.y() == Approx(-0.2));
+  CHECK(partner.tick(view_at(60.0)));
+}
+
 TEST_CASE("an event before he arrives means that he does not hold at all") {
   ScenarioPartner script = at_origin("compliant");
   script.events = {{0.5, "let-go", std::nullopt}};
