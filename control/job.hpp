@@ -183,7 +183,7 @@ class Job {
   // what the partner was asked
   struct Asked {
     hal::Vec3 from, to;
-    std::string because;
+    std::string because, why;  ///< What he is told; the whole reason.
   };
   std::optional<Asked> asked_;
   int times_asked_ = 0;

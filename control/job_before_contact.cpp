@@ -111,7 +111,8 @@ std::optional<Happening> Job::await_partner() {
   const double waited = hal::seconds(now_ - waits_since_);
   const double patience = moved_ && !asked_ ? std::min(kSecondWait_s, config_.task.patience_s) : config_.task.patience_s;
   if (waited > patience && asked_)
-    return Happening{Event::NobodyCame, fmt::format("asked for {}: {}", seconds_text(waited), asked_->because)};
+    return Happening{Event::NobodyCame,
+                     fmt::format("elsewhere, where he was asked to for {}: {}", seconds_text(waited), asked_->why)};
   if (waited > patience)
     return Happening{Event::NobodyCame,
                      fmt::format("nobody took hold of the object within {}{}{}", seconds_text(waited),
@@ -191,7 +192,7 @@ bool Job::ask_partner() {
   failed_because_ += "; " + better->because;
   if (options_.dry_run || times_asked_ >= config_.task.asks) return false;
   ++times_asked_;
-  asked_ = {record_.decision->partner->position, better->position, better->because};
+  asked_ = {record_.decision->partner->position, better->position, better->because, failed_because_};
   record_.asked.push_back({now_ - began_, better->position, better->because});
   return true;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "tools/picture/file_output.hpp"
 #include "tools/picture/report.hpp"
@@ -64,14 +65,49 @@ hal::Result<> write_text(const fs::path& file, const std::string& text) {
   return picture::write_file(file, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
-picture::ReportTable table_of(const MethodFigures& m) {
+/// The same figure by each method; all methods have the same figures in the same order.
+std::vector<const Figure*> row_of(const std::vector<MethodFigures>& all, std::size_t i) {
+  std::vector<const Figure*> row;
+  for (const MethodFigures& m : all) row.push_back(&m.figures[i]);
+  return row;
+}
+
+std::string verdicts(const std::vector<MethodFigures>& all, std::size_t i) {
+  std::string text;
+  for (const MethodFigures& m : all) {
+    const std::string one = verdict(m.figures[i]);
+    if (one.empty()) continue;
+    text += fmt::format("{}{}{}", text.empty() ? "" : "; ", all.size() > 1 ? m.method + " " : "", one);
+  }
+  return text;
+}
+
+picture::ReportTable side_by_side(const std::vector<MethodFigures>& all) {
   picture::ReportTable table;
-  table.heading = m.method + " method";
-  table.columns = {"figure", "measured", "95 % interval", "of", "thesis", "goal", ""};
-  for (const Figure& f : m.figures)
-    table.rows.push_back({f.name, shown(f.estimate.value, f.unit), interval(f), std::to_string(f.estimate.n),
-                          f.thesis, goal_text(f), verdict(f)});
+  table.columns = {"figure"};
+  for (const MethodFigures& m : all)
+    table.columns.insert(table.columns.end(), {m.method + " method", "95 % interval", "of"});
+  table.columns.insert(table.columns.end(), {"thesis", "goal", ""});
+  for (std::size_t i = 0; i < all.front().figures.size(); ++i) {
+    const Figure& first = all.front().figures[i];
+    std::vector<std::string> cells{first.name};
+    for (const Figure* f : row_of(all, i))
+      cells.insert(cells.end(),
+                   {shown(f->estimate.value, f->unit), interval(*f), std::to_string(f->estimate.n)});
+    cells.insert(cells.end(), {first.thesis, goal_text(first), verdicts(all, i)});
+    table.rows.push_back(std::move(cells));
+  }
   return table;
+}
+
+/// The command that makes such a campaign.
+std::string command_of(const Experiment& e, const Campaign& campaign) {
+  std::string command = fmt::format("colift experiment {} --trials {}", e.name, trials_of(campaign));
+  std::istringstream words(campaign.trials.header());
+  for (std::string word; words >> word;)
+    if (const std::size_t is = word.find('='); is != std::string::npos)
+      command += fmt::format(" --{} {}", word.substr(0, is), word.substr(is + 1));
+  return command;
 }
 
 }  // namespace
@@ -123,15 +159,20 @@ std::string experiment_document(const Experiment& e, const Campaign& campaign) {
 std::string experiment_text(const Experiment& e, const Campaign& campaign) {
   std::string out = fmt::format("{} (thesis {}), {} trials, seed {}\n{}\n", e.title, e.thesis,
                                 trials_of(campaign), seed_of(campaign), e.question);
-  for (const MethodFigures& m : figures_of(e, campaign)) {
-    out += fmt::format("\n{} method\n", m.method);
-    for (const Figure& f : m.figures) {
-      out += fmt::format("  {:<58} {:>10}  [{}]  n {}", f.name, shown(f.estimate.value, f.unit), interval(f),
-                         f.estimate.n);
-      if (!f.thesis.empty()) out += fmt::format("  thesis: {}", f.thesis);
-      if (f.goal) out += fmt::format("  goal {}: {}", goal_text(f), verdict(f));
-      out += '\n';
-    }
+  const std::vector<MethodFigures> all = figures_of(e, campaign);
+  if (all.empty()) return out;
+  out += fmt::format("\n  {:<58}", "");
+  for (const MethodFigures& m : all) out += fmt::format(" {:<40}", m.method + " method");
+  out += '\n';
+  for (std::size_t i = 0; i < all.front().figures.size(); ++i) {
+    const Figure& first = all.front().figures[i];
+    out += fmt::format("  {:<58}", first.name);
+    for (const Figure* f : row_of(all, i))
+      out += fmt::format(" {:<40}", fmt::format("{:>10}  [{}]  n {}", shown(f->estimate.value, f->unit),
+                                                interval(*f), f->estimate.n));
+    if (!first.thesis.empty()) out += fmt::format("  thesis: {}", first.thesis);
+    if (first.goal) out += fmt::format("  goal {}: {}", goal_text(first), verdicts(all, i));
+    out += '\n';
   }
   return out;
 }
@@ -164,14 +205,14 @@ hal::Result<> write_index(const fs::path& folder) {
         {e.question,
          fmt::format("{} trials, seed {}. Rows: {}.csv{}.", trials_of(*campaign), seed_of(*campaign), e.name,
                      e.detail_columns.empty() ? "" : fmt::format(", {}_grasps.csv", e.name))});
-    for (const MethodFigures& m : figures_of(e, *campaign)) {
-      body += picture::report_table(table_of(m));
+    const std::vector<MethodFigures> all = figures_of(e, *campaign);
+    if (!all.empty()) body += picture::report_table(side_by_side(all));
+    for (const MethodFigures& m : all) {
       const Campaign mine = of_method(*campaign, m.method);
       body += picture::report_figure(
           {e.plot({mine.trials, mine.details}).png(), fmt::format("{} method, {}", m.method, e.title)});
     }
-    body += picture::report_command(fmt::format("colift experiment {} --trials {} --seed {}", e.name,
-                                                trials_of(*campaign), seed_of(*campaign)));
+    body += picture::report_command(command_of(e, *campaign));
   }
   return write_text(folder / "index.html",
                     picture::report_page("CoLift: experiments", "", picture::ReportTone::Plain, body));
