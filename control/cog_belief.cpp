@@ -202,15 +202,24 @@ hal::Result<CogBelief> weigh_cog(const CarriedObject& object, std::span<const Fe
   return belief;
 }
 
+double lever_share(const Vec2& cog, const hal::Vec3& partner, const hal::Vec3& grasp) {
+  const Vec2 arm = level(grasp - partner);
+  return (cog - level(partner)).dot(arm) / arm.squaredNorm();
+}
+
+double chance_level(const CogBelief::Case& one, double grip_nm_rad, const hal::Vec3& partner,
+                    const hal::Vec3& grasp, double max_turn_rad, double grip_sigma) {
+  const Vec2 axis = along_hands(partner, grasp);
+  const double torque = one.mass_kg * kGravity * std::abs(cross(axis, one.cog - level(partner)));
+  const double spare = std::log(grip_nm_rad * max_turn_rad / std::max(torque, 1e-9));
+  return 0.5 * std::erfc(-spare / (std::sqrt(2.0) * std::max(grip_sigma, 1e-3)));
+}
+
 double chance_level(const CogBelief& belief, const hal::Vec3& partner, const hal::Vec3& grasp,
                     double max_turn_rad, double grip_sigma) {
-  const Vec2 axis = along_hands(partner, grasp);
   double chance = 0.0;
-  for (const CogBelief::Case& c : belief.cases) {
-    const double torque = c.mass_kg * kGravity * std::abs(cross(axis, c.cog - level(partner)));
-    const double spare = std::log(belief.grip_nm_rad * max_turn_rad / std::max(torque, 1e-9));
-    chance += c.weight * 0.5 * std::erfc(-spare / (std::sqrt(2.0) * std::max(grip_sigma, 1e-3)));
-  }
+  for (const CogBelief::Case& c : belief.cases)
+    chance += c.weight * chance_level(c, belief.grip_nm_rad, partner, grasp, max_turn_rad, grip_sigma);
   return chance;
 }
 

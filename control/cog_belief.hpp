@@ -101,10 +101,17 @@ struct Hanging {
 [[nodiscard]] hal::Result<CogBelief> weigh_cog(const CarriedObject& object, std::span<const FeltLift> tests,
                                                const CogBeliefConfig& config);
 
+/// The robot's part of the weight by the lever rule.
+[[nodiscard]] double lever_share(const Eigen::Vector2d& cog, const hal::Vec3& partner,
+                                 const hal::Vec3& grasp);
+
 /// Chance that the object turns by less than `max_turn_rad` about the line between both hands if the robot
 /// takes it at `grasp`. Over the cases, and over grips that hold more or less stiffly than those that were
 /// tried (log-normal, `grip_sigma`).
 [[nodiscard]] double chance_level(const CogBelief& belief, const hal::Vec3& partner, const hal::Vec3& grasp,
                                   double max_turn_rad, double grip_sigma);
+/// The same for one case, with hands that hold by `grip_nm_rad`.
+[[nodiscard]] double chance_level(const CogBelief::Case& one, double grip_nm_rad, const hal::Vec3& partner,
+                                  const hal::Vec3& grasp, double max_turn_rad, double grip_sigma);
 
 }  // namespace colift::control

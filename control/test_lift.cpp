@@ -31,11 +31,6 @@ bool is_finite(const FeltLift& test) {
          test.X_WTnow_WTref.matrix().allFinite();
 }
 
-// the robot's part by the lever rule
-double share_at(const Vec2& cog, const Vec2& partner, const Vec2& grasp) {
-  return (cog - partner).dot(grasp - partner) / (grasp - partner).squaredNorm();
-}
-
 }  // namespace
 
 Raise raise_on(const Hanging& now, const TestLiftConfig& config) {
@@ -106,6 +101,7 @@ hal::Result<TestLift> understand_test_lift(const CarriedObject& object, std::spa
 std::optional<NextGrip> next_grip(std::span<const planner::GraspCandidate> grasps, const hal::Vec3& partner,
                                   std::span<const FeltLift> tests, const CogBelief& belief,
                                   double wanted_share, const TestLiftConfig& config) {
+  const Vec2 mean = belief.mean();
   std::vector<NextGrip> possible;
   double best = config.least_chance;
   for (std::size_t i = 0; i < grasps.size(); ++i) {
@@ -120,7 +116,7 @@ std::optional<NextGrip> next_grip(std::span<const planner::GraspCandidate> grasp
       continue;
     const double chance =
         chance_level(belief, partner, grasp, config.good_turn_deg * kDegree, config.belief.grip_sigma);
-    possible.push_back({i, chance, share_at(belief.mean(), partner.head<2>(), grasp.head<2>())});
+    possible.push_back({i, chance, lever_share(mean, partner, grasp)});
     best = std::max(best, chance);
   }
   std::optional<NextGrip> next;

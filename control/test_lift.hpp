@@ -29,6 +29,10 @@ struct TestLiftConfig {
   double least_load_n = 2.0;
   int grips = 4;
   double least_chance = 0.03;
+  int asks = 2;
+  double least_chance_elsewhere = 0.2;
+  double least_share = 0.15;
+  double most_share = 0.85;
   CogBeliefConfig belief;
 
   template <class Visitor>
@@ -53,9 +57,17 @@ struct TestLiftConfig {
       "Difference of the robot's share from what was predicted that is still lifted.");
     v("least_load_n", least_load_n, hal::kNotNegative,
       "A load below this says nothing: the object stands still on the ground (N).");
-    v("grips", grips, hal::Range{1, 20}, "Places where the hand takes hold before it gives up.");
+    v("grips", grips, hal::Range{1, 20},
+      "Places where the hand takes hold, for each place of the partner's, before it gives up.");
     v("least_chance", least_chance, hal::kFraction,
       "A grasp is not tried when the chance that it holds the object level is below this.");
+    v("asks", asks, hal::Range{0, 10},
+      "How often the partner is asked to take hold elsewhere where no level grip is found.");
+    v("least_chance_elsewhere", least_chance_elsewhere, hal::kFraction,
+      "For less of a chance of a level grip he is not asked.");
+    v("least_share", least_share, hal::kFraction,
+      "Least part of the load that the robot should bear where he is asked to.");
+    v("most_share", most_share, hal::kFraction, "Greatest part of it: the rest is the partner's.");
     v("belief", belief, "What is believed of an object before it is lifted.");
   }
 };

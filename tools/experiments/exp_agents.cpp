@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
 
 #include "control/suggest.hpp"
 #include "planner/task_choice.hpp"
@@ -12,6 +10,7 @@
 #include "tools/experiments/bar_plot.hpp"
 #include "tools/experiments/experiment.hpp"
 #include "tools/experiments/layouts.hpp"
+#include "tools/experiments/told_partner.hpp"
 #include "tools/experiments/tried_grasps.hpp"
 
 namespace colift::experiments {
@@ -79,11 +78,6 @@ hal::Result<Lifted> decide_and_lift(const sim_hal::Scenario& scenario, const Tri
   l.effort = sharing->cost(l.true_partner - l.true_cog, planner::load_point(chosen) - l.true_cog, lift);
   l.lift = try_grasp(**sighting, scenario, chosen, config, seed);
   return l;
-}
-
-hal::Vec3 in_object(const sim_hal::Scenario& scenario, const hal::Vec3& p_W) {
-  const double yaw = scenario.object.yaw_deg * std::numbers::pi / 180.0;
-  return Eigen::AngleAxisd(-yaw, hal::Vec3::UnitZ()) * (p_W - scenario.object.xyz);
 }
 
 /// What the choice that knows of all agents saves against one that takes them for one person, part of 1.
@@ -155,9 +149,7 @@ TrialRows run(const Trial& trial) {
     const control::Suggestion& told = *before->suggestion;
     moved_m = (told.position - before->outcome.partner->position).norm();
     words = told.because;
-    sim_hal::Scenario moved = scenario;
-    moved.partner.grasp = in_object(scenario, told.position);
-    const auto after = decide_and_lift(moved, trial, seed);
+    const auto after = decide_and_lift(partner_goes_to(scenario, told.position, seed), trial, seed);
     if (after) {
       realised = 1.0 - after->effort / before->effort;
       lifted_after = after->lift.lifted;

@@ -19,7 +19,7 @@ namespace {
 constexpr double kLeast_m = 0.10, kMost_m = 0.20;
 constexpr double kHeight_m = 0.05, kHold_s = 1.0, kBudget_deg = 2.0;
 constexpr double kCarefully_s = 10.0;  // a grip that was only tried slowly is lifted slowly
-constexpr std::size_t kColumns = 14;
+constexpr std::size_t kColumns = 15, kDetailColumns = 22;
 
 const char* word(control::TestLift::Next next) {
   using Next = control::TestLift::Next;
@@ -49,13 +49,14 @@ TrialRows run(const Trial& trial) {
   const planner::GraspCandidate& first = outcome->candidates[*outcome->decision.chosen];
   const DirectLift blind = try_grasp(**sighting, scenario, first, config, seed);
 
-  const GripSearch search = search_level_grip(**sighting, scenario, first, outcome->decision.share, config,
+  const GripSearch search = search_level_grip(**sighting, scenario, *outcome, trial.method, config,
                                               control::TestLiftConfig{}, seed);
   const TriedGrip& last = search.tried.back();
   DirectLift lift;
   if (search.level) {
     config.task.lift_s = kCarefully_s;
-    lift = try_grasp(**sighting, scenario, search.tried[*search.level].grasp, config, seed);
+    Sighting& now = search.elsewhere ? *search.elsewhere : **sighting;
+    lift = try_grasp(now, search.scenario, search.tried[*search.level].grasp, config, seed);
   }
 
   const hal::Vec3 true_cog = (*sighting)->true_cog();
@@ -66,6 +67,9 @@ TrialRows run(const Trial& trial) {
     const TriedGrip& t = search.tried[k];
     worst_test = std::max(worst_test, t.lift.most_tilt_deg);
     Row row{letter(k),
+            cell(t.asked),
+            cell(t.partner.x()),
+            cell(t.partner.y()),
             cell(t.grasp.id),
             cell(t.grasp.position.x()),
             cell(t.grasp.position.y()),
@@ -81,7 +85,7 @@ TrialRows run(const Trial& trial) {
                              cell(1e3 * (known.cog - true_cog).head<2>().norm()), cell(1e3 * known.lever_m),
                              cell(known.belief.grip_nm_rad), cell(degree * t.drift_rad_s), word(known.next)});
     }
-    row.resize(18);
+    row.resize(kDetailColumns - 1);
     row.push_back(t.because);
     rows.details.push_back(std::move(row));
   }
@@ -90,6 +94,7 @@ TrialRows run(const Trial& trial) {
               cell(1e3 * off),
               cell(blind.lifted ? blind.tilt_deg : NAN),
               cell(static_cast<int>(search.tried.size())),
+              cell(static_cast<int>(search.told.size())),
               last.known ? word(last.known->next) : "nothing",
               cell(last.known ? last.known->mass_kg : NAN),
               cell(last.known ? 1e3 * (last.known->cog - true_cog).head<2>().norm() : NAN),
@@ -99,15 +104,15 @@ TrialRows run(const Trial& trial) {
               cell(lift.lifted ? lift.share_robot : NAN),
               cell(lift.lifted ? lift.tilt_deg : NAN),
               search.level && !lift.lifted ? lift.because : search.because};
-  rows.words =
-      fmt::format("{}: {:.0f} mm off: tilt {:.2f} deg; {} grips, {}: {:.2f} deg", scenario.name, 1e3 * off,
-                  blind.tilt_deg, search.tried.size(), search.level ? "lifted" : "refused", lift.tilt_deg);
+  rows.words = fmt::format("{}: {:.0f} mm off: tilt {:.2f} deg; {} grips, asked {} times, {}: {:.2f} deg",
+                           scenario.name, 1e3 * off, blind.tilt_deg, search.tried.size(), search.told.size(),
+                           search.level ? "lifted" : "refused", lift.tilt_deg);
   return rows;
 }
 
 std::vector<Figure> figures(const Results& r) {
   std::vector<double> before, after, mass, cog, tests, grips;
-  int n = 0, broke = 0, recovered = 0, refused = 0, spoilt = 0, wrong = 0, lifted = 0;
+  int n = 0, broke = 0, recovered = 0, alone = 0, asked = 0, refused = 0, spoilt = 0, wrong = 0, lifted = 0;
   for (const Row& row : r.trials.rows()) {
     if (r.trials.text(row, "next").empty()) continue;
     ++n;
@@ -115,7 +120,10 @@ std::vector<Figure> figures(const Results& r) {
     const bool level = r.trials.number(row, "level") > 0.5;
     const bool bad = !(b <= kBudget_deg), good = t <= kBudget_deg;
     broke += bad;
+    const bool told = r.trials.number(row, "asked") > 0.5;
     recovered += bad && good;
+    alone += bad && good && !told;
+    asked += bad && told;
     refused += bad && !level;
     spoilt += !bad && !good;
     lifted += level;
@@ -131,6 +139,10 @@ std::vector<Figure> figures(const Results& r) {
   return {
       {"broke_budget", "lifts that would tilt by more than 2 deg", rate(broke, n), "%"},
       {"recovered", "... of them below 2 deg after test lifts", rate(recovered, broke), "%", 0.90, true},
+      {"recovered_alone", "... of them without asking the partner", rate(alone, broke), "%"},
+      {"asked", "... of them for which the partner was asked to take hold elsewhere", rate(asked, broke),
+       "%"},
+      {"recovered_asked", "... and then below 2 deg", rate(recovered - alone, asked), "%"},
       {"refused", "... of them not lifted: no level grip was found", rate(refused, broke), "%"},
       {"wrong", "lifts over 2 deg among those that the test lifts let pass", rate(wrong, lifted), "%"},
       {"spoilt", "lifts below 2 deg that test lifts made worse or refused", rate(spoilt, n - broke), "%"},
@@ -171,12 +183,16 @@ Experiment wrong_cog_experiment() {
       "A table whose centre of gravity lies 10 to 20 cm off its shape's, in any direction. Lifted at once, "
       "and after test lifts: slow, at most 30 mm, ended as soon as the camera sees the table turn or hang "
       "free. What arm and camera say of mass and centre of gravity decides: lift on, or put down and take "
-      "hold elsewhere, up to four times.";
+      "hold elsewhere, up to four times; "
+      "then the partner is asked to take hold elsewhere, up to twice, and all is seen anew.";
   e.default_trials = 100;
-  e.columns = {"layout", "mass_kg",          "cog_off_mm",     "tilt_before_deg", "grips",
-               "next",   "mass_measured_kg", "cog_error_mm",   "share_measured",  "test_tilt_deg",
-               "level",  "share_robot",      "tilt_after_deg", "because"};
+  e.columns = {"layout",        "mass_kg", "cog_off_mm",       "tilt_before_deg", "grips",
+               "asked",         "next",    "mass_measured_kg", "cog_error_mm",    "share_measured",
+               "test_tilt_deg", "level",   "share_robot",      "tilt_after_deg",  "because"};
   e.detail_columns = {"grip",
+                      "asked",
+                      "partner_x_m",
+                      "partner_y_m",
                       "id",
                       "x_m",
                       "y_m",

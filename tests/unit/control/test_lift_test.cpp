@@ -1,5 +1,4 @@
-// What a lift of a few millimetres tells, tried on a table in static balance: two hands that hold it as
-// turning springs about the line between them, and four feet that may stand.
+// What a lift of a few millimetres tells, tried on a table in static balance.
 
 #include "control/test_lift.hpp"
 
@@ -8,67 +7,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "table_in_balance.hpp"
+
 using namespace colift;
-using control::CarriedObject;
-using control::FeltLift;
-using control::TestLift;
-using hal::Vec3;
+using namespace colift::control;
+using namespace colift::control::test;
 
 namespace {
-
-constexpr double kGravity = 9.80665, kDegree = std::numbers::pi / 180.0;
-const Vec3 kPartner(0.4, 0.05, 0.4);
-
-struct Table {
-  double mass_kg = 4.0;
-  Vec3 cog{0.0, 0.0, 0.3};
-  double grip_nm_rad = 65.0;
-  Vec3 partner = kPartner;
-};
-
-CarriedObject seen(const Table& table) {
-  CarriedObject object;
-  object.cog = {0.0, 0.0, 0.3};
-  object.cog_covariance = 1e-4 * Eigen::Matrix3d::Identity();
-  object.feet = {{-0.4, -0.3, 0.0}, {0.4, -0.3, 0.0}, {0.4, 0.3, 0.0}, {-0.4, 0.3, 0.0}};
-  return object;
-}
-
-// both hands raised by `height`
-FeltLift raised(const Table& table, const Vec3& grasp, double height) {
-  const Vec3 u = Vec3((grasp - table.partner).x(), (grasp - table.partner).y(), 0.0).normalized();
-  const Vec3 n = Vec3::UnitZ().cross(u);
-  const double weight = table.mass_kg * kGravity, lever = n.dot(table.cog - table.partner);
-  double turn = -weight * lever / table.grip_nm_rad, foot_n = 0.0, foot_along = 0.0;
-  for (const Vec3& f : seen(table).feet) {
-    const double side = n.dot(f - table.partner);
-    if (height + turn * side >= 0.0) continue;
-    turn = -height / side;
-    foot_n = (weight * lever + table.grip_nm_rad * turn) / side;
-    foot_along = u.dot(f - table.partner);
-  }
-  FeltLift test;
-  test.palm = test.grasp = grasp;
-  test.partner = table.partner;
-  const double robot_n =
-      (weight * u.dot(table.cog - table.partner) - foot_n * foot_along) / u.dot(grasp - table.partner);
-  test.felt = {-robot_n * Vec3::UnitZ(), table.grip_nm_rad * turn * u};
-  test.X_WTnow_WTref.linear() = Eigen::AngleAxisd(turn, u).toRotationMatrix();
-  test.X_WTnow_WTref.translation() =
-      table.partner - test.X_WTnow_WTref.linear() * table.partner + height * Vec3::UnitZ();
-  return test;
-}
-
-FeltLift test_lift(const Table& table, const Vec3& grasp, const control::TestLiftConfig& config = {}) {
-  FeltLift test;
-  for (double height = 0.0005; height <= config.height_m; height += 0.0005) {
-    test = raised(table, grasp, height);
-    if (raise_on(hanging(seen(table), table.partner, grasp, test.X_WTnow_WTref), config) ==
-        control::Raise::Enough)
-      break;
-  }
-  return test;
-}
 
 // along the near edge and half of both sides
 std::vector<planner::GraspCandidate> grasps_around() {
@@ -81,11 +26,6 @@ std::vector<planner::GraspCandidate> grasps_around() {
   for (double y = -0.3; y <= 0.301; y += 0.02) add(-0.4, y);
   for (double x = -0.38; x <= 0.001; x += 0.02) add(x, -0.3), add(x, 0.3);
   return out;
-}
-
-double tilt_deg(const Table& table, const Vec3& grasp) {
-  return hanging(seen(table), table.partner, grasp, raised(table, grasp, 0.1).X_WTnow_WTref).tilt_rad /
-         kDegree;
 }
 
 }  // namespace
@@ -145,6 +85,27 @@ TEST_CASE("a table that hangs tells the direction of its centre of gravity", "[t
     REQUIRE(lighter);
     CHECK((lighter->cog - kPartner).norm() > (known->cog - kPartner).norm() + 0.05);
   }
+}
+
+TEST_CASE("two places of the partner tell mass and distance apart", "[test_lift]") {
+  Table table;
+  table.cog = {-0.08, 0.13, 0.3};
+  table.grip_nm_rad = 400.0;
+  std::vector<FeltLift> tests{test_lift(table, {-0.4, 0.0, 0.4})};
+  const auto one = understand_test_lift(seen(table), tests, {});
+  REQUIRE(one);
+  table.partner = {0.1, -0.3, 0.4};
+  tests.push_back(test_lift(table, {-0.4, 0.25, 0.4}));
+  const auto two = understand_test_lift(seen(table), tests, {});
+  REQUIRE(two);
+  const auto along_sigma = [&](const CogBelief& belief) {
+    const Eigen::Vector2d ray = (table.cog - kPartner).head<2>().normalized();
+    return std::sqrt(ray.dot(belief.covariance() * ray));
+  };
+  CHECK(along_sigma(one->belief) > 0.06);
+  CHECK(along_sigma(two->belief) < 0.02);
+  CHECK((two->cog - table.cog).head<2>().norm() < 0.02);
+  CHECK(two->mass_kg == Approx(4.0).epsilon(0.1));
 }
 
 TEST_CASE("what hangs at more than is good is kept for want of better", "[test_lift]") {
@@ -242,6 +203,20 @@ TEST_CASE("the next grip is one that is possible and was not tried", "[test_lift
   const auto other = next_grip(grasps, table.partner, tests, t->belief, 0.5, {});
   REQUIRE(other);
   CHECK(other->index != next->index);
+  // what was tried while the partner held elsewhere is no longer tried
+  grasps[next->index].verdict = planner::Verdict::Ok;
+  const Vec3 on_line = table.cog + 1.5 * (table.cog - Vec3(-0.4, 0.0, 0.4));
+  const auto again = next_grip(grasps, on_line, tests, t->belief, 0.5, {});
+  REQUIRE(again);
+  std::vector<FeltLift> there{test};
+  there.back().partner = on_line;
+  there.back().grasp = grasps[again->index].position;
+  const auto different = next_grip(grasps, on_line, there, t->belief, 0.5, {});
+  REQUIRE(different);
+  CHECK(different->index != again->index);
+  there.back().partner = table.partner;
+  CHECK(next_grip(grasps, on_line, there, t->belief, 0.5, {})->index == again->index);
+  grasps[next->index].verdict = planner::Verdict::Collision;
   // a chance of nothing is none
   for (auto& c : grasps)
     if (c.position.y() > -0.25) c.verdict = planner::Verdict::Unreachable;

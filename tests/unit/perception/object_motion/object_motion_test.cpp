@@ -182,6 +182,21 @@ TEST_CASE("frames without a view of the object are refused with the reason, and 
   CHECK(std::abs(error_of(*seen, X, stage.scene.cog).rise_m) < 0.004);
 }
 
+TEST_CASE("an object that was put down while nobody looked is followed from where it stood") {
+  const MovingObject stage(ObjectKind::Table, 6);
+  auto follower = stage.follower(), fresh = stage.follower();
+  for (int i = 1; i <= 16; ++i)
+    REQUIRE(follower.update(stage.see(stage.moved(stage.lift(i / 16.0)), static_cast<std::uint64_t>(i))));
+  follower.start_again();
+  CHECK(follower.last().X_WTnow_WTref.isApprox(Pose::Identity()));
+  CHECK(follower.last().center_W.isApprox(fresh.last().center_W));
+  const auto frame = stage.see(stage.moved(Pose::Identity()), 99);
+  const auto seen = follower.update(frame), as_new = fresh.update(frame);
+  REQUIRE(seen);
+  REQUIRE(as_new);
+  CHECK(seen->X_WTnow_WTref.matrix() == as_new->X_WTnow_WTref.matrix());
+}
+
 TEST_CASE("half the object hidden by the robot's removed pixels does not matter") {
   const MovingObject stage(ObjectKind::Table, 2);
   double u_sum = 0.0;
