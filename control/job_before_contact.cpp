@@ -7,6 +7,7 @@
 
 #include "control/job.hpp"
 #include "control/map_check.hpp"
+#include "control/next_place.hpp"
 #include "control/picture_check.hpp"
 #include "control/suggest.hpp"
 
@@ -184,16 +185,28 @@ bool Job::stays_where_he_was() const {
 // Where no grasp fits, the partner may be able to help; failed_because_ says so either way.
 bool Job::ask_partner() {
   if (!record_.decision || !record_.decision->partner) return false;
-  const Look& look = watch_.look();
-  const hal::Vec3& cog = tests_.known() ? tests_.known()->cog : look.scene.target->cog;
-  const auto better =
-      suggest_to_partner(*record_.decision, look.candidates, cog, hal::Vec3::UnitZ(), config_.decision);
-  if (!better) return false;
-  failed_because_ += "; " + better->because;
-  if (options_.dry_run || times_asked_ >= config_.task.asks) return false;
+  const hal::Vec3 from = record_.decision->partner->position;
+  hal::Vec3 to;
+  std::string request;
+  if (tests_.known()) {
+    std::vector<hal::Vec3> held{from};
+    for (const FeltLift& t : tests_.felt()) held.push_back(t.partner);
+    const auto place = next_place(judged_, judged_, held, tests_.known()->belief, config_.test_lift);
+    if (!place) return false;
+    to = place->position, request = place->because;
+  } else {
+    const Look& look = watch_.look();
+    const auto better = suggest_to_partner(*record_.decision, look.candidates, look.scene.target->cog,
+                                           hal::Vec3::UnitZ(), config_.decision);
+    if (!better) return false;
+    to = better->position, request = better->because;
+  }
+  failed_because_ += "; " + request;
+  const int most = tests_.known() ? config_.test_lift.asks : config_.task.asks;
+  if (options_.dry_run || times_asked_ >= most) return false;
   ++times_asked_;
-  asked_ = {record_.decision->partner->position, better->position, better->because, failed_because_};
-  record_.asked.push_back({now_ - began_, better->position, better->because});
+  asked_ = {from, to, request, failed_because_};
+  record_.asked.push_back({now_ - began_, to, request});
   return true;
 }
 

@@ -79,7 +79,10 @@ Happening Job::judge_test_lift() {
   entry.height_m = loop_.view().height_m;
   if (!known) {
     entry.because = known.error().detail;
-    return {Event::LimitReached, "it cannot be told where the object is heavy: " + entry.because};
+    const std::string why = "it cannot be told where the object is heavy: " + entry.because;
+    refuse_grip(why);
+    regrasp_ = static_cast<int>(record_.test_lifts.size()) < config_.test_lift.grips;
+    return {Event::HangsAskew, why};
   }
   entry.known = *known;
   entry.because = known->because;

@@ -32,7 +32,10 @@ hal::Result<TestLift> TestLifts::end() {
   lift.drift_rad_s = eye_->drift_rad_s();
   felt_.push_back(lift);
   auto known = understand_test_lift(object_, felt_, config_);
-  if (known) known_ = *known;
+  if (known)
+    known_ = *known;
+  else
+    felt_.pop_back();  // it would spoil what the next ones tell
   return known;
 }
 

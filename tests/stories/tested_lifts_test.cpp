@@ -37,7 +37,7 @@ int times(const tests::SimulatedLift& lift, Task task) {
 TEST_CASE("a table that is heavy on one side is gripped elsewhere, and lifted level", "[tested]") {
   const auto scenario = heavy_side();
   const auto untested = tests::simulate(scenario, control::Method::Fast, 1);
-  CHECK(untested.record.outcome == Result::Aborted);
+  CHECK((untested.record.outcome != Result::Lifted || untested.tilt_deg > 3.0));
 
   const auto lift = tests::simulate(scenario, control::Method::Fast, 1, tested());
   INFO(tests::line("table_heavy_side", lift));

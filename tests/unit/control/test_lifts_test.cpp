@@ -81,6 +81,19 @@ TEST_CASE("without a picture or without a feeling at the top nothing is known", 
   CHECK_FALSE(lifts.known());
 }
 
+TEST_CASE("a test lift that says nothing leaves what was known", "[test_lifts]") {
+  TestLifts lifts({});
+  lift(lifts, 0.03);
+  const auto known = lifts.end();
+  REQUIRE(known);
+  lifts.begin(table(), kPartner, kGrasp, 0.5);
+  lifts.at_top(0ms, raised(0.02));
+  lifts.feel({Vec3::Zero(), Vec3::Zero()}, kGrasp);  // bears nothing: it stands
+  REQUIRE_FALSE(lifts.end());
+  CHECK(lifts.felt().size() == 1);
+  CHECK(lifts.known()->cog == known->cog);
+}
+
 TEST_CASE("what was felt goes with an object that was put down elsewhere", "[test_lifts]") {
   const hal::Pose X = Eigen::Translation3d(0.02, -0.01, 0.0) * Eigen::AngleAxisd(0.03, Vec3::UnitZ());
   TestLifts lifts({});
