@@ -57,8 +57,8 @@ class ArmLoop {
   void unload();
   void start_tare();
   void end_tare();
-  /// Raises the palm by a height, in a time when it leads; raise_on() goes further, to a height over where the
-  /// lift began.
+  /// Raises the palm by a height, in a time when it leads; raise_on() goes further, to a height over where
+  /// the lift began.
   void start_lift(LiftController::Role role, double height_m, double time_s);
   void raise_on(LiftController::Role role, double height_m, double time_s);
   /// Ends a slow lift at the height that it has reached; at once, so for slow ones only.

@@ -117,8 +117,8 @@ void Job::apply(const Happening& happening, const JobHooks& hooks) {
   if (!happening.detail.empty()) because += ": " + happening.detail;
   record_.states.push_back({now_ - began_, state_, because});
   last_because_ = because;
-  if (happening.event == Event::LimitReached ||
-      happening.event == Event::HangsAskew || (from == Task::TestLift && state_ == Task::Lower) ||
+  if (happening.event == Event::LimitReached || happening.event == Event::HangsAskew ||
+      (from == Task::TestLift && state_ == Task::Lower) ||
       (state_ == Task::Release && happening.event != Event::OnGround) || state_ == Task::BackOff) {
     failed_ = true;
     failed_because_ = because;

@@ -110,10 +110,11 @@ std::optional<Happening> Job::await_partner() {
     doing_ = partner_note_;
   }
   const double waited = hal::seconds(now_ - waits_since_);
-  const double patience = moved_ && !asked_ ? std::min(kSecondWait_s, config_.task.patience_s) : config_.task.patience_s;
+  const double patience =
+      moved_ && !asked_ ? std::min(kSecondWait_s, config_.task.patience_s) : config_.task.patience_s;
   if (waited > patience && asked_)
-    return Happening{Event::NobodyCame,
-                     fmt::format("elsewhere, where he was asked to for {}: {}", seconds_text(waited), asked_->why)};
+    return Happening{Event::NobodyCame, fmt::format("not where he was asked to, within {}: {}",
+                                                    seconds_text(waited), asked_->why)};
   if (waited > patience)
     return Happening{Event::NobodyCame,
                      fmt::format("nobody took hold of the object within {}{}{}", seconds_text(waited),

@@ -15,8 +15,8 @@ constexpr double kSettle_s = 0.3;        // after a motion, before its end is be
 constexpr double kLeaderRise_m = 0.008;  // the partner's end is higher than the palm by this: he lifts
 constexpr double kMostMoved_m = 0.06;    // an object that was put down farther away has to be seen anew
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kNoLever_m = 10.0;      // the belief judges levers itself
-constexpr double kSamePlace_m = 0.05;    // the partner's, who is seen to some centimetres
+constexpr double kNoLever_m = 10.0;    // the belief judges levers itself
+constexpr double kSamePlace_m = 0.05;  // the partner's, who is seen to some centimetres
 
 const planner::GraspCandidate& chosen_of(const Outcome& outcome) {
   return outcome.candidates[*outcome.decision.chosen];
@@ -94,8 +94,8 @@ Happening Job::judge_test_lift() {
   return {Event::HangsAskew, known->because};
 }
 
-// After test lifts: where the object is most likely to hang level. Where nothing promises that, the best of what
-// was borne so far.
+// After test lifts: where the object is most likely to hang level. Where nothing promises that, the best of
+// what was borne so far.
 bool Job::choose_level(const perception::PartnerGrasp& partner, const Judge& reach) {
   Config config = config_;
   config.decision.max_lever_m = kNoLever_m;

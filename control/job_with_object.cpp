@@ -280,7 +280,8 @@ std::optional<Happening> Job::retreat() {
   }
   if (!failed_) return Happening{Event::BackHome, ""};
   const double moved_m = object_moved_m();
-  if (!regrasp_ && (approaches_ >= kGrips || lifted_ || without_puck_))
+  const int grips = kGrips + static_cast<int>(record_.test_lifts.size());
+  if (!regrasp_ && (approaches_ >= grips || lifted_ || without_puck_))
     return Happening{Event::BackInVain, failed_because_};
   if (moved_m > kMoved_m)
     if (const std::string trouble = take_scene_as_moved(); !trouble.empty())

@@ -37,8 +37,9 @@ void choose(Outcome& outcome, std::size_t candidate, const NextGrip& grip) {
   if (const auto& score = decision.scores[candidate]) decision.cost = score->cost;
   planner::GraspCandidate& c = outcome.candidates[candidate];
   c.verdict = Verdict::Chosen;
-  decision.because = fmt::format("grasp {}: by what test lifts told, it holds the object level with a chance of {:.0f} %",
-                                 c.id, 1e2 * grip.chance);
+  decision.because =
+      fmt::format("grasp {}: by what test lifts told, it holds the object level with a chance of {:.0f} %",
+                  c.id, 1e2 * grip.chance);
   c.because = decision.because;
 }
 

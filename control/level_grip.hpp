@@ -18,10 +18,10 @@ struct LevelGrip {
   double chance = 0.0;  ///< That it turns by less than TestLiftConfig::good_turn_deg.
 };
 
-/// After test lifts: decides for several places of the centre of gravity that the belief leaves open (nearer to
-/// the partner and farther, to either side), and chooses among all grasps that are possible in any of them
-/// (next_grip). `partner`: where he holds it (W). `decide` must not refuse for the lever: the belief judges that. nullopt when no grasp is worth
-/// a try.
+/// After test lifts: decides for several places of the centre of gravity that the belief leaves open (nearer
+/// to the partner and farther, to either side), and chooses among all grasps that are possible in any of them
+/// (next_grip). `partner`: where he holds it (W). `decide` must not refuse for the lever: the belief judges
+/// that. nullopt when no grasp is worth a try.
 [[nodiscard]] std::optional<LevelGrip> choose_level_grip(const DecideAt& decide, const CarriedObject& object,
                                                          const hal::Vec3& partner,
                                                          std::span<const FeltLift> tests,

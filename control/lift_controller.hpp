@@ -11,8 +11,8 @@ namespace colift::control {
 
 /// Raises, holds and lowers the palm without turning it. Leading, the palm follows a minimum-jerk profile and
 /// the partner comes along; following, it goes where the partner's end of the object goes, so that the object
-/// stays level. What the hand bears is fed forward, so that the impedance does not sag; what pushes it up is not.
-/// Allocation-free.
+/// stays level. What the hand bears is fed forward, so that the impedance does not sag; what pushes it up is
+/// not. Allocation-free.
 class LiftController {
  public:
   enum class Role { Lead, Follow };

@@ -368,7 +368,8 @@ bool is_loaded(Task task) {
 }
 
 bool is_moving(Task task) {
-  return task == Approach || task == TestLift || task == Lift || task == Lower || task == Retreat || task == BackOff;
+  return task == Approach || task == TestLift || task == Lift || task == Lower || task == Retreat ||
+         task == BackOff;
 }
 
 }  // namespace colift::control

@@ -51,7 +51,7 @@ enum class Event {
   GripGood,
   GripBad,
   PartnerReady,
-  TestDue,    ///< TestDue: he is ready, and what the object weighs where is not known yet.
+  TestDue,  ///< TestDue: he is ready, and what the object weighs where is not known yet.
   HangsLevel,
   HangsAskew,
   AtHeight,

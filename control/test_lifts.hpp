@@ -11,8 +11,8 @@ namespace colift::control {
 /// The test lifts of one job: each is watched while it goes on, and understood together with those before it.
 ///
 ///   lifts.begin(object, partner, grasp, share);
-///   lifts.rising(motion)                            each frame, until it says Enough or the height is reached
-///   lifts.at_top(at, motion), lifts.feel(wrench, palm)  each frame, each cycle, for hold_s
+///   lifts.rising(motion)                            each frame, until it says Enough or the height is
+///   reached lifts.at_top(at, motion), lifts.feel(wrench, palm)  each frame, each cycle, for hold_s
 ///   lifts.end()
 class TestLifts {
  public:
@@ -29,8 +29,8 @@ class TestLifts {
   /// Errors: NotFound (object not seen or not felt at the top; and understand_test_lift()'s).
   [[nodiscard]] hal::Result<TestLift> end();
 
-  /// The object was put down elsewhere, and what was felt goes with it: `X_Wnow_Wthen` moves a point of it from
-  /// where it stood.
+  /// The object was put down elsewhere, and what was felt goes with it: `X_Wnow_Wthen` moves a point of it
+  /// from where it stood.
   void move(const hal::Pose& X_Wnow_Wthen);
 
   [[nodiscard]] std::span<const FeltLift> felt() const { return felt_; }

@@ -58,8 +58,8 @@ class Watch {
   /// meanwhile), BadInput.
   [[nodiscard]] hal::Result<> understand(const RobotPosture& robot);
 
-  /// The object was put down elsewhere; X takes a point of it from where it stood to where it stands (W, a few
-  /// centimetres). The scene is taken as if it had been seen so: everything is made anew. Errors: as
+  /// The object was put down elsewhere; X takes a point of it from where it stood to where it stands (W, a
+  /// few centimetres). The scene is taken as if it had been seen so: everything is made anew. Errors: as
   /// understand().
   [[nodiscard]] hal::Result<> object_moved(const hal::Pose& X_Wnow_Wthen, const RobotPosture& robot);
 

@@ -9,9 +9,9 @@ namespace colift::perception {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr int kRim_px = 2;           // about an outline depths of two bodies mix
+constexpr int kRim_px = 2;            // about an outline depths of two bodies mix
 constexpr float kSameBody_m = 0.03F;  // neighbours farther apart in depth belong to different bodies
-constexpr int kEnclosed = 5;         // of 8 neighbours: a hole that the sampling left
+constexpr int kEnclosed = 5;          // of 8 neighbours: a hole that the sampling left
 
 template <class Visit>
 void for_neighbours(int width, int height, std::size_t pixel, int reach, const Visit& visit) {
@@ -25,7 +25,8 @@ void for_neighbours(int width, int height, std::size_t pixel, int reach, const V
 }
 
 // The object alone, where it stands now.
-std::vector<float> draw(const OrganisedCloud& cloud, std::span<const std::uint32_t> object, const hal::Pose& X) {
+std::vector<float> draw(const OrganisedCloud& cloud, std::span<const std::uint32_t> object,
+                        const hal::Pose& X) {
   std::vector<float> depth(cloud.size(), kNan);
   std::vector<std::size_t> drawn;
   for (const std::uint32_t p : object) {

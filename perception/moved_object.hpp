@@ -8,11 +8,11 @@
 
 namespace colift::perception {
 
-/// The image that the camera would see if the object stood a little elsewhere: its pixels are taken out and put
-/// where they would be, nearer things hiding farther ones. What it hid before was never seen and stays NaN, as do
-/// the pixels around its old outline, in which depths of two bodies mix. `object`: its pixels in the image; `X`
-/// takes a point of it from where it stood to where it stands (W). Meant for motions of a few centimetres: sides
-/// that come into view are not known.
+/// The image that the camera would see if the object stood a little elsewhere: its pixels are taken out and
+/// put where they would be, nearer things hiding farther ones. What it hid before was never seen and stays
+/// NaN, as do the pixels around its old outline, in which depths of two bodies mix. `object`: its pixels in
+/// the image; `X` takes a point of it from where it stood to where it stands (W). Meant for motions of a few
+/// centimetres: sides that come into view are not known.
 [[nodiscard]] hal::DepthFrame move_object(const OrganisedCloud& cloud, std::span<const std::uint32_t> object,
                                           const hal::Pose& X_Wnow_Wthen);
 

@@ -45,7 +45,8 @@ struct GraspCandidate {
   return c.position + c.depth_m * c.approach;
 }
 
-/// The same grasp of an object that was moved: X takes a point of it from where it stood to where it stands (W).
+/// The same grasp of an object that was moved: X takes a point of it from where it stood to where it stands
+/// (W).
 inline void move(GraspCandidate& c, const hal::Pose& X) {
   c.position = X * c.position;
   c.approach = X.linear() * c.approach;

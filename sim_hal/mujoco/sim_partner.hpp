@@ -46,8 +46,8 @@ class SimPartner {
   };
   [[nodiscard]] std::optional<Action> tick(const PartnerView& view);
 
-  /// He is asked to take hold there (in T): lets go a moment later, and holds there soon after. What his script
-  /// has for later he forgets. Only where ScenarioPartner::obliging; whether he goes.
+  /// He is asked to take hold there (in T): lets go a moment later, and holds there soon after. What his
+  /// script has for later he forgets. Only where ScenarioPartner::obliging; whether he goes.
   bool ask(const Vec3& grasp_T, double t_s);
 
   [[nodiscard]] const std::vector<PartnerHold>& holds() const { return holds_; }

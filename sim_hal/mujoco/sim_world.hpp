@@ -82,8 +82,8 @@ class SimWorld {
   void open_hand(const std::array<bool, hal::kFingers>& which);
   void stop_hand();
 
-  /// The partner is asked to take hold of the object there (W). Whether he goes: not where there is nothing to
-  /// hold, and only if he is obliging (ScenarioPartner).
+  /// The partner is asked to take hold of the object there (W). Whether he goes: not where there is nothing
+  /// to hold, and only if he is obliging (ScenarioPartner).
   bool ask_partner(const Vec3& place_W);
 
   /// Everything that a camera can see, where it is now: object, floor, clutter, robot, partner.

@@ -12,7 +12,7 @@ struct ExperimentOptions {
   std::vector<std::string> words;  ///< NAME, or "merge" and folders.
   int trials = 0;                  ///< 0: each experiment's own number.
   std::uint64_t seed = 1;
-  std::string method = "fast";  ///< fast | thesis | both
+  std::string method = "fast";    ///< fast | thesis | both
   std::string camera = "layout";  ///< layout | side
   std::string shard = "1/1";
   int jobs = 0;

@@ -78,10 +78,11 @@ std::string link_text(const ArmLink& link) {
       link.answered, link.cycles, link.answer_us.p50, link.answer_us.p999, link.answer_us.worst);
   if (!link.controller) return text;
   const ArmLink::Controller& c = *link.controller;
-  return text +
-         fmt::format("; the emulated controller missed {} of {} answers, {} of them while it took commands, and began {} "
-                     "cycles late itself",
-                     c.missed, c.sent, c.missed_in_command, c.late);
+  return text + fmt::format(
+                    "; the emulated controller missed {} of {} answers, {} of them while it took commands, "
+                    "and began {} "
+                    "cycles late itself",
+                    c.missed, c.sent, c.missed_in_command, c.late);
 }
 
 }  // namespace
@@ -101,7 +102,8 @@ std::string run_summary(const RunView& view, int columns) {
     out += line("grasp", decision_text(view));
   for (const control::AskRecord& a : record.asked) out += line("asked", a.because);
   for (const control::TestLiftRecord& t : record.test_lifts)
-    out += line("tested", fmt::format("number {}, {} high: {}", t.candidate, metres_text(t.height_m), t.because));
+    out += line("tested",
+                fmt::format("number {}, {} high: {}", t.candidate, metres_text(t.height_m), t.because));
   if (record.lift) {
     const auto truth = true_lift(view);
     out += line("lift", lift_text(view, truth));

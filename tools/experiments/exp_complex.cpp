@@ -23,9 +23,8 @@ const char* word(control::RunRecord::Result outcome) {
 TrialRows run(const Trial& trial) {
   const bool pipe = trial.index % 2 == 0;
   const char* object = kObjects[pipe ? 0 : 1];
-  const sim_hal::Scenario scenario =
-      seen_from(trial.view, pipe ? pipe_layout(trial.index / 2, trial.seed)
-                                 : chair_layout(trial.index / 2, trial.seed));
+  const sim_hal::Scenario scenario = seen_from(trial.view, pipe ? pipe_layout(trial.index / 2, trial.seed)
+                                                                : chair_layout(trial.index / 2, trial.seed));
   const auto lift = run_whole_lift(scenario, trial.method, trial.own_seed(4));
   if (!lift) {
     Row row{object, scenario.name, cell(scenario.object.mass), "error"};

@@ -149,7 +149,8 @@ std::vector<Figure> figures(const Results& r) {
     out.push_back({"table_tilt_p95_lowered_" + aim,
                    fmt::format("tables, 95 % tilt lowered by the {} choice", aim),
                    lowered(paired(r, "table", "tilt_deg", aim), 0.95), "deg"});
-    out.push_back({"box_tilt_p95_lowered_" + aim, fmt::format("boxes, 95 % tilt lowered by the {} choice", aim),
+    out.push_back({"box_tilt_p95_lowered_" + aim,
+                   fmt::format("boxes, 95 % tilt lowered by the {} choice", aim),
                    lowered(paired(r, "box", "tilt_deg", aim), 0.95), "deg", kLess_deg, true});
     const Paired slips = paired(r, "box", "slipped", aim);
     std::vector<double> saved;
@@ -169,8 +170,8 @@ std::vector<Figure> figures(const Results& r) {
 }
 
 picture::Canvas plot(const Results& r) {
-  BarPanel tilt{"Tables: tilt, 95 % below (deg)", {}, {}, {}}, box{"Boxes: tilt, 95 % below (deg)", {}, {}, {}},
-      slip{"Boxes: slipped (%)", {}, {}, {}};
+  BarPanel tilt{"Tables: tilt, 95 % below (deg)", {}, {}, {}},
+      box{"Boxes: tilt, 95 % below (deg)", {}, {}, {}}, slip{"Boxes: slipped (%)", {}, {}, {}};
   for (const Figure& f : figures(r)) {
     const std::string aim = f.key.substr(f.key.rfind('_') + 1);
     const Estimate& e = f.estimate;

@@ -197,9 +197,8 @@ TEST_CASE("nobody lifts before the grip was verified and the partner was ready",
   const auto is_ready = [](Event e) { return e == Event::PartnerReady || e == Event::TestDue; };
   for (const Event skipped : {Event::HandHeld, Event::GripGood, Event::PartnerReady, Event::Arrived}) {
     CAPTURE(word(skipped));
-    const auto without = reachable(Task::Observe, [&](const Rule& r) {
-      return is_ready(skipped) ? !is_ready(r.on) : r.on != skipped;
-    });
+    const auto without = reachable(
+        Task::Observe, [&](const Rule& r) { return is_ready(skipped) ? !is_ready(r.on) : r.on != skipped; });
     CHECK(without.count(Task::Lift) == 0);
     CHECK(without.count(Task::TestLift) == 0);
   }
@@ -258,10 +257,12 @@ TEST_CASE("the whole job from first look to home is one chain of events", "[task
   CHECK(now == Task::Done);
 }
 
-TEST_CASE("an object that hangs askew is put down, released and gripped elsewhere, without being lifted", "[task]") {
+TEST_CASE("an object that hangs askew is put down, released and gripped elsewhere, without being lifted",
+          "[task]") {
   Task now = Task::AwaitReady;
-  for (const Event event : {Event::TestDue, Event::HangsAskew, Event::OnGround, Event::HandOpen, Event::TryAgain,
-                            Event::PartnerGrasped, Event::PartnerAsked, Event::PartnerGrasped}) {
+  for (const Event event :
+       {Event::TestDue, Event::HangsAskew, Event::OnGround, Event::HandOpen, Event::TryAgain,
+        Event::PartnerGrasped, Event::PartnerAsked, Event::PartnerGrasped}) {
     const auto rule = next(now, event);
     CAPTURE(word(now), word(event));
     REQUIRE(rule);

@@ -26,8 +26,7 @@ control::CarriedObject table() {
 
 perception::ObjectMotion raised(double height_m, double turn_rad = 0.0) {
   perception::ObjectMotion motion;
-  motion.X_WTnow_WTref = Eigen::Translation3d(0.0, 0.0, height_m) *
-                         Eigen::Translation3d(kPartner) *
+  motion.X_WTnow_WTref = Eigen::Translation3d(0.0, 0.0, height_m) * Eigen::Translation3d(kPartner) *
                          Eigen::AngleAxisd(turn_rad, (kGrasp - kPartner).normalized()) *
                          Eigen::Translation3d(-kPartner);
   return motion;

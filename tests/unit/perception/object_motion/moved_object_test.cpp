@@ -17,8 +17,7 @@ struct Agreement {
 
 Agreement compare(const MovingObject& stage, const hal::Pose& X) {
   const hal::DepthFrame drawn = move_object(stage.reference.cloud, stage.target.pixels, X);
-  const auto truth =
-      sim_hal::cast_rays(stage.moved(X, false), stage.scene.intrinsics, stage.scene.X_WC);
+  const auto truth = sim_hal::cast_rays(stage.moved(X, false), stage.scene.intrinsics, stage.scene.X_WC);
   int known = 0, agree = 0, object = 0, object_known = 0;
   for (std::size_t p = 0; p < truth.depth_m.size(); ++p) {
     const bool is_object = truth.label[p] == sim_hal::Label::Target;
@@ -34,7 +33,8 @@ Agreement compare(const MovingObject& stage, const hal::Pose& X) {
 }  // namespace
 
 TEST_CASE("the picture of a moved object is what the camera would see", "[moved_object]") {
-  const auto kind = GENERATE(sim_hal::ObjectKind::Table, sim_hal::ObjectKind::Box, sim_hal::ObjectKind::Chair);
+  const auto kind =
+      GENERATE(sim_hal::ObjectKind::Table, sim_hal::ObjectKind::Box, sim_hal::ObjectKind::Chair);
   const MovingObject stage(kind, 3);
   const hal::Pose X = stage.motion(hal::Vec3::UnitZ(), radians(2.0), {0.015, -0.01, 0.0});
   const Agreement moved = compare(stage, X);
