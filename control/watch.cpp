@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "perception/reference_image.hpp"
+#include "perception/slivers.hpp"
 #ifdef COLIFT_THESIS
 #include "perception/thesis/thesis_partner.hpp"
 #include "perception/thesis/thesis_target.hpp"
@@ -129,12 +130,19 @@ struct Watch::Impl {
     if (method == Method::Thesis)
       target_pixels = perception::thesis_pixels(look.cloud, *look.scene.target, config.thesis);
 #endif
+    // slivers of the target go up with it
+    const std::vector<std::uint32_t> slivers =
+        perception::find_slivers(look.cloud, *look.scene.target, *look.scene.ground, config.noise);
+    const auto own = static_cast<std::ptrdiff_t>(target_pixels.size());
+    target_pixels.insert(target_pixels.end(), slivers.begin(), slivers.end());
+    std::inplace_merge(target_pixels.begin(), target_pixels.begin() + own, target_pixels.end());
     map = perception::WorldMap(config.map);
     map.insert(look.cloud, target_pixels);
     map.carve_robot(rig.model, robot.q_rad, robot.hand);
     std::vector<hal::Vec3> points;
-    points.reserve(look.scene.target->points.size());
+    points.reserve(look.scene.target->points.size() + slivers.size());
     for (const auto& p : look.scene.target->points) points.emplace_back(p.cast<double>());
+    for (const std::uint32_t i : slivers) points.push_back(look.cloud.point(i));
     map.set_target(points);
   }
 

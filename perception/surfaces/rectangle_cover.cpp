@@ -102,7 +102,7 @@ class FaceCover {
   void cover(const std::vector<FacePoint>& rim, const std::vector<InnerPoint>& inner, int pixels, int depth,
              std::vector<FaceRectangle>& out) {
     if (pixels < least_pixels_ || rim.size() < 8) return;
-    const FaceFrame outer = bounding_frame(rim);
+    const FaceFrame outer = bounding_frame(rim, pixel_m_);
     if (!(outer.width() > 0 && outer.height() > 0)) return;
     const FaceFrame frame = trimmed(outer, rim, step_);
     const bool sides = frame.width() > 0 && frame.height() > 0;
