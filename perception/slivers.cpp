@@ -7,9 +7,9 @@
 namespace colift::perception {
 namespace {
 
-constexpr double kBeside_m = 0.01;     // the box leaves out strays
-constexpr double kRaised_m = 0.015;    // over the ground, at least
-constexpr double kRaisedSigmas = 4.0;  // ... and over its noise
+constexpr double kBeside_m = 0.01, kBesideSigmas = 3.0;  // the box leaves out strays
+constexpr double kRaised_m = 0.015;                      // over the ground, at least
+constexpr double kRaisedSigmas = 4.0;                    // ... and over its noise
 constexpr double kLargest_m2 = 0.005;  // visible area: as the smallest object that is carried
 constexpr double kInBox = 0.9;         // of its pixels; some fly off towards the background
 constexpr double kJumpSigmas = 3.0;    // depth difference within one region
@@ -57,7 +57,8 @@ std::vector<std::uint32_t> find_slivers(const OrganisedCloud& cloud, const Targe
   const Eigen::Matrix3d axes = target.obb.axes.transpose();
   const Eigen::Array3d half = 0.5 * target.obb.size.array() + kBeside_m;
   const auto in_box = [&](std::size_t i) {
-    return ((axes * (cloud.point(i) - target.obb.center)).array().abs() <= half).all();
+    const double stray = kBesideSigmas * noise.sigma(static_cast<double>(cloud.depth_m[i]));
+    return ((axes * (cloud.point(i) - target.obb.center)).array().abs() <= half + stray).all();
   };
   struct Region {
     double area_m2 = 0.0, inside = 0.0;
