@@ -15,7 +15,8 @@ constexpr double kInBox = 0.9;         // of its pixels; some fly off towards th
 constexpr double kJumpSigmas = 3.0;    // depth difference within one region
 constexpr float kJump_m = 0.012f;
 
-/// Part of the image in which the target lies, one pixel wider.
+/// Part of the image in which the target lies, and a little around it. What goes on beyond it is no sliver.
+constexpr int kAround_px = 12;
 struct Window {
   int u0, v0, u1, v1;
 };
@@ -27,8 +28,8 @@ Window window_of(const Target& target, int width, int height) {
     const int u = static_cast<int>(i % w), v = static_cast<int>(i / w);
     at = {std::min(at.u0, u), std::min(at.v0, v), std::max(at.u1, u + 1), std::max(at.v1, v + 1)};
   }
-  return {std::max(0, at.u0 - 1), std::max(0, at.v0 - 1), std::min(width, at.u1 + 1),
-          std::min(height, at.v1 + 1)};
+  return {std::max(0, at.u0 - kAround_px), std::max(0, at.v0 - kAround_px),
+          std::min(width, at.u1 + kAround_px), std::min(height, at.v1 + kAround_px)};
 }
 
 }  // namespace
@@ -62,6 +63,7 @@ std::vector<std::uint32_t> find_slivers(const OrganisedCloud& cloud, const Targe
   };
   struct Region {
     double area_m2 = 0.0, inside = 0.0;
+    bool goes_on = false;
   };
   std::vector<Region> found(regions.pixels.size());
   const double pixel_area = 1.0 / (cloud.intrinsics.fx * cloud.intrinsics.fy);
@@ -74,10 +76,13 @@ std::vector<std::uint32_t> find_slivers(const OrganisedCloud& cloud, const Targe
     const auto depth = static_cast<double>(cloud.depth_m[i]);
     found[label].area_m2 += depth * depth * pixel_area;
     found[label].inside += in_box(i);
+    const int u = static_cast<int>(i) % width, v = static_cast<int>(i) / width;
+    if (u == window.u0 || u + 1 == window.u1 || v == window.v0 || v + 1 == window.v1)
+      found[label].goes_on = true;
   });
   each_pixel([&](std::size_t label, std::size_t i) {
     const Region& r = found[label];
-    if (r.area_m2 < kLargest_m2 && r.inside >= kInBox * regions.pixels[label] && in_box(i))
+    if (!r.goes_on && r.area_m2 < kLargest_m2 && r.inside >= kInBox * regions.pixels[label] && in_box(i))
       slivers.push_back(static_cast<std::uint32_t>(i));
   });
   return slivers;
