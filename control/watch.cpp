@@ -8,6 +8,7 @@
 
 #include "perception/moved_object.hpp"
 #include "perception/reference_image.hpp"
+#include "perception/slivers.hpp"
 #ifdef COLIFT_THESIS
 #include "perception/thesis/thesis_partner.hpp"
 #include "perception/thesis/thesis_target.hpp"
@@ -85,12 +86,19 @@ struct Watch::Impl {
     return {};
   }
 
+  /// Of the target and of the slivers that go where it goes, ascending.
   [[nodiscard]] std::vector<std::uint32_t> target_pixels() const {
+    std::vector<std::uint32_t> pixels = look.scene.target->pixels;
 #ifdef COLIFT_THESIS
     if (method == Method::Thesis)
-      return perception::thesis_pixels(look.cloud, *look.scene.target, config.thesis);
+      pixels = perception::thesis_pixels(look.cloud, *look.scene.target, config.thesis);
 #endif
-    return look.scene.target->pixels;
+    const std::vector<std::uint32_t> slivers =
+        perception::find_slivers(look.cloud, *look.scene.target, *look.scene.ground, config.noise);
+    const auto own = static_cast<std::ptrdiff_t>(pixels.size());
+    pixels.insert(pixels.end(), slivers.begin(), slivers.end());
+    std::inplace_merge(pixels.begin(), pixels.begin() + own, pixels.end());
+    return pixels;
   }
 
   hal::Result<> make_finders(const perception::ReferenceImage& reference) {
@@ -156,8 +164,9 @@ struct Watch::Impl {
     map.insert(look.cloud, target_pixels());
     map.carve_robot(rig.model, robot.q_rad, robot.hand);
     std::vector<hal::Vec3> points;
-    points.reserve(look.scene.target->points.size());
+    points.reserve(look.scene.target->points.size() + slivers.size());
     for (const auto& p : look.scene.target->points) points.emplace_back(p.cast<double>());
+    for (const std::uint32_t i : slivers) points.push_back(look.cloud.point(i));
     map.set_target(points);
   }
 

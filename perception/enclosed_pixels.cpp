@@ -103,11 +103,24 @@ class OpenRuns {
   std::vector<std::int32_t> parent_;  // union-find; entry 0 is the outside, entry i + 1 is run i
 };
 
+// neighbours of a pixel that lie on one surface with it; missing ones compare false
+int neighbours_of(const OrganisedCloud& cloud, int u, int v, const DepthJump& jump) {
+  const int w = cloud.width(), h = cloud.height();
+  const float own = cloud.depth_m[static_cast<std::size_t>(v * w + u)];
+  int count = 0;
+  for (int y = std::max(0, v - 1); y <= std::min(h - 1, v + 1); ++y)
+    for (int x = std::max(0, u - 1); x <= std::min(w - 1, u + 1); ++x)
+      count +=
+          (x != u || y != v) && jump.same_surface(own, cloud.depth_m[static_cast<std::size_t>(y * w + x)]);
+  return count;
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> enclosed_pixels(const OrganisedCloud& cloud, const Ground& ground,
                                            const std::vector<std::uint32_t>& pixels,
-                                           const std::vector<std::uint8_t>& barred) {
+                                           const std::vector<std::uint8_t>& barred, const DepthJump& jump,
+                                           int min_neighbours) {
   if (pixels.empty()) return {};
   const Window win = window_of(cloud, pixels);
   OpenRuns open(cloud, win, pixels);
@@ -135,7 +148,8 @@ std::vector<std::uint32_t> enclosed_pixels(const OrganisedCloud& cloud, const Gr
       const std::size_t i = static_cast<std::size_t>((run.row + win.v0) * cloud.width() + u + win.u0);
       if (barred[i]) continue;
       const Vec3 p = cloud.point(i);
-      if (ground.plane.height(p) > -kBelow_m && over_footprint(p))
+      if (ground.plane.height(p) > -kBelow_m && over_footprint(p) &&
+          neighbours_of(cloud, u + win.u0, run.row + win.v0, jump) >= min_neighbours)
         enclosed.push_back(static_cast<std::uint32_t>(i));
     }
   }

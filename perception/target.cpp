@@ -169,7 +169,8 @@ double rank(const Fragment& f) {
 }
 
 Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Components& components,
-                   const Ground& ground, const std::vector<std::uint8_t>& on_wall) {
+                   const Ground& ground, const std::vector<std::uint8_t>& on_wall, const DepthJump& jump,
+                   int min_neighbours) {
   Target t;
   t.pixels.reserve(f.pixels);
   std::vector<std::uint8_t> own_label(components.pixels.size(), 0);
@@ -182,7 +183,8 @@ Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Compone
     std::iota(t.pixels.begin() + static_cast<std::ptrdiff_t>(begin), t.pixels.end(),
               row + static_cast<std::uint32_t>(run.first));
   }
-  const std::vector<std::uint32_t> inside = enclosed_pixels(cloud, ground, t.pixels, on_wall);
+  const std::vector<std::uint32_t> inside =
+      enclosed_pixels(cloud, ground, t.pixels, on_wall, jump, min_neighbours);
   const auto own = static_cast<std::ptrdiff_t>(t.pixels.size());
   t.pixels.insert(t.pixels.end(), inside.begin(), inside.end());
   std::inplace_merge(t.pixels.begin(), t.pixels.begin() + own, t.pixels.end());
@@ -294,7 +296,7 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
   std::stable_sort(result.rejected.begin(), result.rejected.end(),
                    [](const auto& a, const auto& b) { return a.pixels > b.pixels; });
   if (chosen) {
-    result.target = make_target(*chosen, cloud, components, ground, on_wall);
+    result.target = make_target(*chosen, cloud, components, ground, on_wall, jump, c.min_neighbours);
     result.target->because = result.because;
   }
   return result;

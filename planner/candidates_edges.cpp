@@ -6,6 +6,7 @@
 
 #include "planner/grasp_candidates.hpp"
 #include "planner/grasp_lines.hpp"
+#include "planner/leg_face.hpp"
 
 namespace colift::planner {
 namespace {
@@ -24,12 +25,13 @@ bool free_rim(const SeenSpace& seen, const Vec3& rim, const Vec3& outward, const
   return seen.at(rim - config.edge_probe_m * outward) == Sight::Surface;
 }
 
-/// Thickness below a rim from the object's points just outside and just under it; none where too few were
-/// seen.
+/// Thickness below a rim from the object's points just outside and just under it: what most places along it
+/// say, so that legs do not count. None where too few places show any.
 std::optional<double> seen_thickness(const Obstacles& obstacles, const Rectangle& plate,
                                      const RectangleEdge& edge, const SeenSpace& seen,
                                      const HandModel& hand) {
-  constexpr std::size_t kEnough = 15;
+  constexpr double kPlace_m = 0.02, kDeepest = 0.95, kLeastPlaces = 1.0 / 3.0;
+  constexpr std::size_t kEnough = 4;
   const Vec3 along = (edge.to - edge.from).normalized();
   const double length = (edge.to - edge.from).norm();
   const double noise = 3.0 * seen.sigma(edge.from);
@@ -41,20 +43,28 @@ std::optional<double> seen_thickness(const Obstacles& obstacles, const Rectangle
       around.extend(end + side * edge.outward - reach * plate.normal);
     }
   }
-  std::vector<double> depth;
+  std::vector<std::vector<double>> depths(static_cast<std::size_t>(length / kPlace_m) + 1);
   obstacles.for_each_bucket(around, [&](const Obstacles::Bucket& bucket) {
     for (std::uint32_t i = bucket.begin; i < bucket.end; ++i) {
       if (obstacles.kind(i) != ObstacleKind::Object) continue;
       const Vec3 d = obstacles.points()[i].cast<double>() - edge.from;
       const double out = d.dot(edge.outward), below = -d.dot(plate.normal), l = d.dot(along);
       if (std::abs(out) > beside || l < 0.0 || l > length) continue;
-      if (below > noise + 0.004 && below < reach) depth.push_back(below);
+      if (below > noise + 0.004 && below < reach)
+        depths[static_cast<std::size_t>(l / kPlace_m)].push_back(below);
     }
   });
-  if (depth.size() < kEnough) return std::nullopt;
-  const auto nth = depth.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(depth.size()));
-  std::nth_element(depth.begin(), nth, depth.end());
-  return *nth;
+  const auto quantile = [](std::vector<double>& values, double part) {
+    const auto nth = values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size()));
+    std::nth_element(values.begin(), nth, values.end());
+    return *nth;
+  };
+  std::vector<double> places;
+  for (std::vector<double>& depth : depths)
+    if (depth.size() >= kEnough) places.push_back(quantile(depth, kDeepest));
+  if (static_cast<double>(places.size()) < kLeastPlaces * static_cast<double>(depths.size()))
+    return std::nullopt;
+  return quantile(places, 0.5);
 }
 
 struct Thickness {
@@ -65,13 +75,13 @@ struct Thickness {
 Thickness thickness_at(const Scene& scene, const Obstacles& obstacles, int surface, const Rectangle& plate,
                        const RectangleEdge& edge, const SeenSpace& seen, const CompletedSolids& solids,
                        const HandModel& hand, const CandidateConfig& config) {
-  // The face that closes most of the plate's edges says how thick the plate is: a leg's face that goes on
-  // from it is as deep as the leg is long, but short.
+  // the face that closes most of the plate's edges says how thick the plate is
   double longest = 0.0, deep = 0.0;
   for (const CompletedSolid& solid : solids) {
     if (solid.a != surface && solid.b != surface) continue;
     const auto& other =
         std::get<Rectangle>(scene.surfaces[static_cast<std::size_t>(solid.a == surface ? solid.b : solid.a)]);
+    if (is_leg_face(other, plate, seen)) continue;
     const double length = solid.extent_along(plate.normal.cross(other.normal));
     if (length > longest) longest = length, deep = solid.extent_along(plate.normal);
   }

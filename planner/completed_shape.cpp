@@ -3,21 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/leg_face.hpp"
+
 namespace colift::planner {
 namespace {
 
 using perception::Rectangle;
-
-struct Interval {
-  double low, high;
-};
-
-Interval extent(const Rectangle& r, const Vec3& direction) {
-  const double middle = direction.dot(r.center);
-  const double half =
-      0.5 * (std::abs(direction.dot(r.u)) * r.size.x() + std::abs(direction.dot(r.v)) * r.size.y());
-  return {middle - half, middle + half};
-}
 
 /// Whether the camera looked through more than a part of a box.
 bool is_free(const hal::OrientedBox& box, const SeenSpace& seen, double max_free) {
@@ -91,9 +82,14 @@ CompletedSolids complete_solids(const perception::Scene& scene, const SeenSpace*
         if (!meets) continue;
 
         const Vec3 n = a->normal, along = n.cross(b->normal).normalized(), m = along.cross(n);
-        const Interval ea = extent(*a, along), eb = extent(*b, along);
+        const Extent ea = extent_of(*a, along), eb = extent_of(*b, along);
         const double low = std::max(ea.low, eb.low), high = std::min(ea.high, eb.high);
-        const Interval in_n{extent(*b, n).low, n.dot(a->center)}, in_m{extent(*a, m).low, m.dot(b->center)};
+        Extent in_n{extent_of(*b, n).low, n.dot(a->center)}, in_m{extent_of(*a, m).low, m.dot(b->center)};
+        // a leg is about as thick as it is wide
+        if (seen != nullptr && is_leg_face(*b, *a, *seen))
+          in_m.low = std::max(in_m.low, in_m.high - eb.length());
+        if (seen != nullptr && is_leg_face(*a, *b, *seen))
+          in_n.low = std::max(in_n.low, in_n.high - ea.length());
         const Vec3 size(high - low, in_m.high - in_m.low, in_n.high - in_n.low);
         if (size.minCoeff() <= 0.0) continue;
         CompletedSolid solid{static_cast<int>(i), static_cast<int>(j), {}};

@@ -82,7 +82,7 @@ std::string reason(const std::vector<GraspCandidate>& candidates, const Decision
   return text + fmt::format("; the partner holds {:.2f} m beside the centre of gravity", lever);
 }
 
-// how many candidates fell to what, most first
+// how many candidates fell to what, and of each kind the one that came nearest
 std::string why_none(const std::vector<GraspCandidate>& candidates, const Vec3& optimum,
                      const DecisionInput& in, const DecisionConfig& config) {
   if (candidates.empty()) return "no grasp: the object offers no candidate";
@@ -90,7 +90,7 @@ std::string why_none(const std::vector<GraspCandidate>& candidates, const Vec3& 
     Verdict verdict;
     const char* words;
     int n = 0;
-    const GraspCandidate* first = nullptr;
+    const GraspCandidate* nearest = nullptr;
   };
   Count counts[] = {{Verdict::Collision, "would collide"},
                     {Verdict::TooWide, "are too wide for the hand"},
@@ -98,14 +98,18 @@ std::string why_none(const std::vector<GraspCandidate>& candidates, const Vec3& 
                     {Verdict::Unstable, "would slip or tip"},
                     {Verdict::OverLimit, "ask too much of an agent"},
                     {Verdict::NearPartner, "are too near the partner"}};
+  const auto miss = [](const GraspCandidate& c) {
+    return c.miss_m.value_or(std::numeric_limits<double>::infinity());
+  };
   for (const GraspCandidate& c : candidates)
     for (Count& k : counts)
-      if (k.verdict == c.verdict && k.n++ == 0) k.first = &c;
+      if (k.verdict == c.verdict && (k.n++ == 0 || miss(c) < miss(*k.nearest))) k.nearest = &c;
   std::string text = fmt::format("no grasp: of {} candidates", candidates.size());
   const char* separator = " ";
   for (const Count& k : counts) {
     if (k.n == 0) continue;
-    text += fmt::format("{}{} {} (candidate {}: {})", separator, k.n, k.words, k.first->id, k.first->because);
+    text +=
+        fmt::format("{}{} {} (candidate {}: {})", separator, k.n, k.words, k.nearest->id, k.nearest->because);
     separator = ", ";
   }
   if (!in.base_frame_known || !config.check_reach) return text;

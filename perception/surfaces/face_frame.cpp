@@ -89,9 +89,62 @@ double slope(const Side& side) {
   return quantile(slopes, 0.5);
 }
 
+FaceFrame frame_along(const Vector2d& u, const std::vector<Vector2d>& hull) {
+  FaceFrame f{u, 0, 0, 0, 0};
+  const Vector2d v = f.v();
+  f.low_u = f.low_v = std::numeric_limits<double>::infinity();
+  f.high_u = f.high_v = -f.low_u;
+  for (const Vector2d& p : hull) {
+    f.low_u = std::min(f.low_u, u.dot(p)), f.high_u = std::max(f.high_u, u.dot(p));
+    f.low_v = std::min(f.low_v, v.dot(p)), f.high_v = std::max(f.high_v, v.dot(p));
+  }
+  return f;
+}
+
+/// How many of the points lie at the sides of a frame around them.
+std::size_t at_sides(const FaceFrame& f, const std::vector<FacePoint>& points, double within_m) {
+  const auto near = static_cast<float>(within_m);
+  const auto ux = static_cast<float>(f.u.x()), uy = static_cast<float>(f.u.y());
+  const auto low_u = static_cast<float>(f.low_u) + near, high_u = static_cast<float>(f.high_u) - near,
+             low_v = static_cast<float>(f.low_v) + near, high_v = static_cast<float>(f.high_v) - near;
+  std::size_t count = 0;
+  for (const FacePoint& p : points) {
+    const float a = ux * p.s + uy * p.t, b = ux * p.t - uy * p.s;
+    count += (a < low_u) | (a > high_u) | (b < low_v) | (b > high_v);
+  }
+  return count;
+}
+
+/// The frame of least area, or one of hardly more that runs along the face's sides where that one does not:
+/// around an L, such as the edge of a seat with a leg, a frame along the hypotenuse is as small as the one
+/// along its arms.
+FaceFrame along_sides(const std::vector<Vector2d>& hull, const std::vector<FacePoint>& points,
+                      double pixel_m) {
+  constexpr double kHardlyMore = 1.15, kClearly = 1.5;
+  constexpr double kOtherWay = 0.17;  // sine; a smaller turn is what trimmed() finds
+  const FlatRectangle least = minimum_area_rectangle(hull);
+  const FaceFrame first = frame_along(least.u, hull);
+  FaceFrame best = first;
+  std::size_t most = 0;
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Vector2d edge = hull[(i + 1) % hull.size()] - hull[i];
+    if (edge.norm() < 4.0 * pixel_m) continue;  // a corner cut off
+    const Vector2d u = edge.normalized();
+    const double cosine = std::abs(u.dot(least.u)), sine = std::abs(u.dot(least.v()));
+    if (std::min(cosine, sine) < kOtherWay) continue;
+    const FaceFrame other = frame_along(u, hull);
+    if (other.width() * other.height() > kHardlyMore * least.area()) continue;
+    if (most == 0)
+      most = static_cast<std::size_t>(kClearly * static_cast<double>(at_sides(first, points, 1.5 * pixel_m)));
+    const std::size_t count = at_sides(other, points, 1.5 * pixel_m);
+    if (count > most) most = count, best = other;
+  }
+  return best;
+}
+
 }  // namespace
 
-FaceFrame bounding_frame(const std::vector<FacePoint>& points) {
+FaceFrame bounding_frame(const std::vector<FacePoint>& points, double pixel_m) {
   // of every row across, only the outermost points can be corners of the hull
   float low = std::numeric_limits<float>::max(), high = -low;
   for (const FacePoint& p : points) low = std::min(low, p.t), high = std::max(high, p.t);
@@ -108,9 +161,7 @@ FaceFrame bounding_frame(const std::vector<FacePoint>& points) {
   for (const auto* list : {&left, &right})
     for (const FacePoint* p : *list)
       if (p) ends.emplace_back(static_cast<double>(p->s), static_cast<double>(p->t));
-  const FlatRectangle r = minimum_area_rectangle(convex_hull(ends));
-  return {r.u, r.u.dot(r.center) - 0.5 * r.size.x(), r.u.dot(r.center) + 0.5 * r.size.x(),
-          r.v().dot(r.center) - 0.5 * r.size.y(), r.v().dot(r.center) + 0.5 * r.size.y()};
+  return along_sides(convex_hull(ends), points, pixel_m);
 }
 
 FaceFrame trimmed(const FaceFrame& outer, const std::vector<FacePoint>& points, const PixelStep& step) {

@@ -29,8 +29,9 @@ struct PixelStep {
   [[nodiscard]] double longest() const { return std::max(along_row.norm(), along_column.norm()); }
 };
 
-/// The rectangle of least area around points.
-[[nodiscard]] FaceFrame bounding_frame(const std::vector<FacePoint>& points);
+/// The rectangle of least area around points; of several that are about as small, the one along whose sides
+/// most of them lie. `pixel_m`: distance of neighbouring points.
+[[nodiscard]] FaceFrame bounding_frame(const std::vector<FacePoint>& points, double pixel_m);
 
 /// The same rectangle turned and drawn in to where its sides are: a side is the median of what lies outermost
 /// along it, since edges in depth images are ragged.

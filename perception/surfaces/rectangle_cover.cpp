@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "perception/surfaces/cover_grid.hpp"
@@ -60,7 +61,9 @@ class FaceCover {
       const int n = companions(k);
       if (n == 2 || n == 3) rim.push_back(flat(k));
     }
-    cover(rim, {}, static_cast<int>(pixels.size()), 0, out);
+    cover(rim, {}, static_cast<int>(pixels.size()), 0);
+    while (join_two()) continue;
+    for (const Part& part : parts_) add(part, out);
   }
 
  private:
@@ -99,10 +102,9 @@ class FaceCover {
   }
 
   /// `inner` is not needed for the whole face.
-  void cover(const std::vector<FacePoint>& rim, const std::vector<InnerPoint>& inner, int pixels, int depth,
-             std::vector<FaceRectangle>& out) {
+  void cover(const std::vector<FacePoint>& rim, const std::vector<InnerPoint>& inner, int pixels, int depth) {
     if (pixels < least_pixels_ || rim.size() < 8) return;
-    const FaceFrame outer = bounding_frame(rim);
+    const FaceFrame outer = bounding_frame(rim, pixel_m_);
     if (!(outer.width() > 0 && outer.height() > 0)) return;
     const FaceFrame frame = trimmed(outer, rim, step_);
     const bool sides = frame.width() > 0 && frame.height() > 0;
@@ -111,10 +113,10 @@ class FaceCover {
     if (whole || depth >= config_.max_splits) {
       if (fill.ratio() >= (whole ? config_.fill_threshold : config_.least_fill) &&
           fill.known() >= kLeastKnown)
-        add(frame, fill.ratio(), pixels, out);
+        parts_.push_back({frame, fill.ratio(), pixels});
       return;
     }
-    split(outer, rim, depth > 0 ? inner : all_inner(), depth, out);
+    split(outer, rim, depth > 0 ? inner : all_inner(), depth);
   }
 
   [[nodiscard]] std::vector<InnerPoint> all_inner() const {
@@ -147,7 +149,7 @@ class FaceCover {
   }
 
   void split(const FaceFrame& f, const std::vector<FacePoint>& rim, const std::vector<InnerPoint>& inner,
-             int depth, std::vector<FaceRectangle>& out) {
+             int depth) {
     const Cut cut = best_cut(look_.grid_of(f, pixel_m_), f);
     const Vector2d axis = cut.along_u ? f.u : f.v();
     const auto x = static_cast<float>(axis.x()), y = static_cast<float>(axis.y()),
@@ -168,10 +170,64 @@ class FaceCover {
     }
     for (const Piece* piece : {&low, &high})
       cover(piece->rim, piece->inner, static_cast<int>(piece->rim.size() + 2 * piece->inner.size()),
-            depth + 1, out);
+            depth + 1);
   }
 
-  void add(const FaceFrame& f, double fill, int pixels, std::vector<FaceRectangle>& out) const {
+  /// Joins two parts between which no cut was needed after all: a ragged rim leads to a cut, and what lies on
+  /// both sides of it is one rectangle. False where there are none.
+  bool join_two() {
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      for (std::size_t k = i + 1; k < parts_.size(); ++k) {
+        const std::optional<FaceFrame> both = around(parts_[i].frame, parts_[k].frame);
+        if (!both) continue;
+        const Fill fill = fill_of(look_.grid_of(*both, pixel_m_));
+        if (fill.ratio() < config_.fill_threshold || fill.known() < kLeastKnown) continue;
+        parts_[i] = {*both, fill.ratio(), parts_[i].pixels + parts_[k].pixels};
+        parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(k));
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// The frame around two that lie side by side and are equally long there; none where they do not.
+  [[nodiscard]] std::optional<FaceFrame> around(const FaceFrame& a, const FaceFrame& b) const {
+    constexpr double kSameWay = 0.9986;  // 3 degrees
+    const Vector2d v = a.v();
+    FaceFrame turned = b;  // with its u along a's
+    if (std::abs(a.u.dot(b.u)) < kSameWay) {
+      if (std::abs(v.dot(b.u)) < kSameWay) return std::nullopt;
+      turned = {b.v(), b.low_v, b.high_v, -b.high_u, -b.low_u};
+    }
+    if (a.u.dot(turned.u) < 0)
+      turned = {-turned.u, -turned.high_u, -turned.low_u, -turned.high_v, -turned.low_v};
+    const double slack = 3.0 * pixel_m_;
+    const auto same = [&](double la, double ha, double lb, double hb) {
+      return std::abs(la - lb) < slack && std::abs(ha - hb) < slack;
+    };
+    const auto meet = [&](double la, double ha, double lb, double hb) {
+      return lb < ha + slack && la < hb + slack;
+    };
+    const bool beside_v = same(a.low_u, a.high_u, turned.low_u, turned.high_u) &&
+                          meet(a.low_v, a.high_v, turned.low_v, turned.high_v);
+    const bool beside_u = same(a.low_v, a.high_v, turned.low_v, turned.high_v) &&
+                          meet(a.low_u, a.high_u, turned.low_u, turned.high_u);
+    if (!beside_u && !beside_v) return std::nullopt;
+    return FaceFrame{a.u, std::min(a.low_u, turned.low_u), std::max(a.high_u, turned.high_u),
+                     std::min(a.low_v, turned.low_v), std::max(a.high_v, turned.high_v)};
+  }
+
+  /// A rectangle in the face's own coordinates, with the covered part of it and its pixels.
+  struct Part {
+    FaceFrame frame;
+    double fill;
+    int pixels;
+  };
+
+  void add(const Part& part, std::vector<FaceRectangle>& out) const {
+    const FaceFrame& f = part.frame;
+    const double fill = part.fill;
+    const int pixels = part.pixels;
     const double narrow = std::min(f.width(), f.height());
     if (narrow < config_.min_width_m || narrow < kLeastPixels * across_m(f)) return;
     if (f.width() * f.height() < config_.min_area_m2 || normal_sigma(narrow, pixels) > most_lean_) return;
@@ -217,6 +273,7 @@ class FaceCover {
   double s0_, t0_;
   InversePlane s_, t_;
   const std::vector<std::uint32_t>* pixels_ = nullptr;
+  std::vector<Part> parts_;
   PixelStep step_;
   double pixel_m_;
   double most_lean_;  // rad

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "planner/grasp_candidates.hpp"
+#include "planner/leg_face.hpp"
 #include "seen_scene.hpp"
 
 using namespace colift;
@@ -210,6 +211,30 @@ TEST_CASE("a leg's face that goes on from a seat's edge does not make the seat t
     CHECK(line.width == Approx(0.03).margin(0.01));
   }
   CHECK(rims > 0);
+}
+
+TEST_CASE("a leg's face under an edge fills a leg, not a wall under the whole seat", "[candidates]") {
+  const auto seen = tests::see(seat_on_legs(), false);
+  const CandidateFinder finder(seen.scene, &seen.cloud, HandModel{}, CandidateConfig{});
+  const perception::Rectangle* seat = nullptr;
+  for (const auto& s : seen.scene.surfaces) {
+    const auto& r = std::get<perception::Rectangle>(s);
+    if (r.normal.z() > 0.9) seat = &r;
+  }
+  REQUIRE(seat != nullptr);
+  int legs = 0, rims = 0;
+  for (const auto& s : seen.scene.surfaces) {
+    const auto& r = std::get<perception::Rectangle>(s);
+    if (r.normal.z() > 0.9) continue;
+    const bool leg = planner::extent_of(r, Vec3::UnitZ()).length() > 0.1;
+    (leg ? legs : rims) += 1;
+    CHECK(planner::is_leg_face(r, *seat, *finder.seen()) == leg);
+  }
+  CHECK(legs > 0);
+  CHECK(rims > 0);
+  for (const auto& solid : finder.solids()) {
+    if (solid.extent_along(Vec3::UnitZ()) > 0.1) CHECK(solid.extent_along(Vec3::UnitX()) < 0.06);
+  }
 }
 
 TEST_CASE("an edge grasp does not repeat the grasp of a face at the same rim", "[candidates]") {
