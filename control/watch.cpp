@@ -86,15 +86,17 @@ struct Watch::Impl {
     return {};
   }
 
+  [[nodiscard]] std::vector<std::uint32_t> slivers() const {
+    return perception::find_slivers(look.cloud, *look.scene.target, *look.scene.ground, config.noise);
+  }
+
   /// Of the target and of the slivers that go where it goes, ascending.
-  [[nodiscard]] std::vector<std::uint32_t> target_pixels() const {
+  [[nodiscard]] std::vector<std::uint32_t> target_pixels(const std::vector<std::uint32_t>& slivers) const {
     std::vector<std::uint32_t> pixels = look.scene.target->pixels;
 #ifdef COLIFT_THESIS
     if (method == Method::Thesis)
       pixels = perception::thesis_pixels(look.cloud, *look.scene.target, config.thesis);
 #endif
-    const std::vector<std::uint32_t> slivers =
-        perception::find_slivers(look.cloud, *look.scene.target, *look.scene.ground, config.noise);
     const auto own = static_cast<std::ptrdiff_t>(pixels.size());
     pixels.insert(pixels.end(), slivers.begin(), slivers.end());
     std::inplace_merge(pixels.begin(), pixels.begin() + own, pixels.end());
@@ -160,13 +162,14 @@ struct Watch::Impl {
   }
 
   void make_map(const RobotPosture& robot) {
+    const std::vector<std::uint32_t> own_slivers = slivers();
     map = perception::WorldMap(config.map);
-    map.insert(look.cloud, target_pixels());
+    map.insert(look.cloud, target_pixels(own_slivers));
     map.carve_robot(rig.model, robot.q_rad, robot.hand);
     std::vector<hal::Vec3> points;
-    points.reserve(look.scene.target->points.size() + slivers.size());
+    points.reserve(look.scene.target->points.size() + own_slivers.size());
     for (const auto& p : look.scene.target->points) points.emplace_back(p.cast<double>());
-    for (const std::uint32_t i : slivers) points.push_back(look.cloud.point(i));
+    for (const std::uint32_t i : own_slivers) points.push_back(look.cloud.point(i));
     map.set_target(points);
   }
 
@@ -235,8 +238,9 @@ hal::Result<> Watch::understand(const RobotPosture& robot) {
 
 hal::Result<> Watch::object_moved(const hal::Pose& X, const RobotPosture& robot) {
   Impl& i = *impl_;
-  if (!i.look.scene.target) return hal::failure(hal::ErrorCode::NotFound, "watch", "there is no object");
-  const hal::DepthFrame moved = perception::move_object(i.look.cloud, i.target_pixels(), X);
+  if (!i.look.scene.target || !i.look.scene.ground)
+    return hal::failure(hal::ErrorCode::NotFound, "watch", "there is no object");
+  const hal::DepthFrame moved = perception::move_object(i.look.cloud, i.target_pixels(i.slivers()), X);
   const auto reference = perception::build_reference({&moved, 1}, i.rig.X_WC, i.config.noise);
   if (!reference) return tl::unexpected(reference.error());
   if (auto seen = i.take_look(*reference, i.look.frame); !seen) return seen;
