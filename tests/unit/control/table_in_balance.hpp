@@ -22,7 +22,7 @@ struct Table {
   Vec3 partner = kPartner;
 };
 
-inline CarriedObject seen(const Table& table) {
+inline CarriedObject seen(const Table&) {
   CarriedObject object;
   object.cog = {0.0, 0.0, 0.3};
   object.cog_covariance = 1e-4 * Eigen::Matrix3d::Identity();
