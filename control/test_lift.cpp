@@ -15,6 +15,7 @@ constexpr double kSameGrip_m = 0.02;   // a place so near to a tried one is the 
 constexpr double kSamePlace_m = 0.05;  // the partner's, who is seen to some centimetres
 constexpr double kAsGood = 0.05;       // of a chance
 constexpr double kWellClear = 2.0;     // while it is raised: what is left for the measurement at the top
+constexpr double kStill_deg = 0.3;     // one that stands and has turned by less has not moved
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 using Vec2 = Eigen::Vector2d;
@@ -80,7 +81,10 @@ hal::Result<TestLift> understand_test_lift(const CarriedObject& object, std::spa
   const double drift_deg_s = std::abs(last.drift_rad_s) / kDegree;
   out.bearable = !out.stands && out.seen.tilt_rad <= config.max_turn_deg * kDegree &&
                  drift_deg_s <= config.max_drift_deg_s;
-  if (out.stands || out.seen.tilt_rad > config.good_turn_deg * kDegree) {
+  if (out.stands && out.seen.tilt_rad < kStill_deg * kDegree) {
+    out.next = TestLift::Next::Regrasp;
+    out.because = fmt::format("the object stands as it stood, so the hand slides on it at {:.0f} N", load_n);
+  } else if (out.stands || out.seen.tilt_rad > config.good_turn_deg * kDegree) {
     out.next = TestLift::Next::Regrasp;
     out.because = fmt::format("turned by {:.1f} deg (limit {:.1f}){}: {}", out.seen.tilt_rad / kDegree,
                               config.good_turn_deg, out.stands ? " and stands on a foot" : "", facts);

@@ -241,6 +241,16 @@ TEST_CASE("a test lift that says nothing is refused", "[test_lift]") {
   FeltLift still = test;
   still.X_WTnow_WTref = hal::Pose::Identity();
   CHECK(code(object, still) == hal::ErrorCode::NotFound);
+  // after one that told something it is a grip that slides, and tells nothing more
+  none = still;
+  const std::vector<FeltLift> both{test, none};
+  const auto before = understand_test_lift(object, std::span(&test, 1), {});
+  const auto slides = understand_test_lift(object, both, {});
+  REQUIRE(before);
+  REQUIRE(slides);
+  CHECK(slides->next == TestLift::Next::Regrasp);
+  CHECK_THAT(slides->because, Catch::Contains("slides"));
+  CHECK((slides->cog - before->cog).norm() < 1e-9);
   FeltLift near = test;
   near.grasp = kPartner + Vec3(0.02, 0.0, 0.0);
   CHECK(code(object, near) == hal::ErrorCode::BadInput);
