@@ -301,7 +301,7 @@ std::optional<Happening> Job::back_off() {
   // the partner may take hold again meanwhile; that is seen once the way is clear
   (void)watch_partner();
   if (in_state_s() > 60.0) return Happening{Event::TimeOut, "the way back takes too long"};
-  const bool in_vain = approaches_ >= kApproaches;
+  const bool in_vain = approaches_ >= kApproaches + static_cast<int>(record_.test_lifts.size());
   const auto back = [&](const char* where) {
     return Happening{in_vain ? Event::BackInVain : Event::BackHome, where};
   };

@@ -12,7 +12,7 @@ namespace {
 
 using Vec2 = Eigen::Vector2d;
 
-constexpr double kAsHigh_m = 0.15;        // as he holds it now: a table is not carried by its feet
+constexpr double kAsHigh_m = 0.08;        // as he holds it now: a table is not carried by its legs
 constexpr double kApart_m = 0.30;         // a person and an arm side by side need room
 constexpr double kSamePlace_m = 0.10;     // where he held in vain
 constexpr double kNearlyAPlace_m = 0.03;  // he is told no finer, nor does the hand need finer steps
