@@ -39,7 +39,7 @@ void HandWatch::start() {
   judged_at_ = mode_suspected_ = reset_suspected_ = {};
   torques_over_ = {};
   strained_at_ = {};
-  was_silent_ = failed_ = without_ = {};
+  was_quiet_ = failed_ = without_ = {};
   warm_ = hot_ = over_torque_ = false;
   warning_ = {};
 }
@@ -103,9 +103,11 @@ void HandWatch::judge_position(Puck puck) {
 
 void HandWatch::judge_status(Puck puck) {
   const Told& stat = link_.told(puck, Property::Stat);
-  const bool silent = link_.silent(puck);
-  if (silent && !was_silent_[index(puck)]) link_.ask(puck, Property::Stat);  // silent, or only reset?
-  was_silent_[index(puck)] = silent;
+  // silent, or only reset? Then it answers this alone; asked before it counts as silent, so that it is told
+  // right
+  const bool quiet = link_.silent(puck) || link_.repeats(puck);
+  if (quiet && !was_quiet_[index(puck)]) link_.ask(puck, Property::Stat);
+  was_quiet_[index(puck)] = quiet;
   if (!stat.known) return;
   Timestamp& suspected = reset_suspected_[index(puck)];
   if (stat.value != kStatReset) {

@@ -44,6 +44,13 @@ bool PuckLink::silent(Puck puck) const noexcept {
   return lost_[index(puck)].any();
 }
 
+bool PuckLink::repeats(Puck puck) const noexcept {
+  const auto& open = open_[index(puck)];
+  for (std::size_t n = 0; open.any() && n < open.size(); ++n)
+    if (open.test(n) && questions_[index(puck)][n].tries > 0) return true;
+  return false;
+}
+
 bool PuckLink::busy() const noexcept {
   return std::any_of(queues_.begin(), queues_.end(), [](const Queue& q) { return q.size > 0; });
 }

@@ -60,6 +60,8 @@ class PuckLink {
   /// Asked three times without an answer, and not answered since.
   [[nodiscard]] bool unanswered(Puck puck, Property property) const noexcept;
   [[nodiscard]] bool silent(Puck puck) const noexcept;
+  /// A question is out to it for the second time or more.
+  [[nodiscard]] bool repeats(Puck puck) const noexcept;
   void forget(Puck puck) noexcept;  ///< What it told, and that it did not answer.
 
   void use_group(bool yes) noexcept { grouped_ = yes; }

@@ -4,11 +4,12 @@ import { after, before, test } from "node:test";
 import protocol from "@foxglove/ws-protocol";
 import schemas from "@foxglove/schemas/jsonschema.js";
 import WebSocket from "ws";
-import { startLift, startView, until } from "./running_lift.mjs";
+import { scenario, startLift, startView, until } from "./running_lift.mjs";
 
 const { FoxgloveClient } = protocol;
 let lift;
-before(async () => { lift = await startLift("--speed", "6"); });
+// with things about the table: a table alone leaves nothing to go around
+before(async () => { lift = await startLift("--speed", "6", "--scenario", scenario("cluttered_table")); });
 after(async () => { await lift.end(); });
 
 function listen(protocol, query = "") {

@@ -3,6 +3,9 @@ import { spawn } from "node:child_process";
 
 export const PROGRAM = process.env.COLIFT_PROGRAM ?? "build/colift";
 
+/** The file of a shipped scenario. */
+export const scenario = (name) => `${process.env.COLIFT_SCENARIOS ?? "config/scenario"}/${name}.yaml`;
+
 /** Starts `colift run --view 0 ...`; `url` is what it printed. */
 export const startLift = (...more) => startView("run", "--view", "0", "--seed", "1", "--quiet", ...more);
 

@@ -123,6 +123,15 @@ TEST_CASE("a table of another campaign is never written over", "[campaign]") {
   CHECK(refused.error().detail.find("seed=5") != std::string::npos);
   CHECK(bytes(folder / "toy.csv") == before);
 
+  SECTION("nor one that was seen from elsewhere") {
+    CampaignOptions side = options(folder);
+    side.view = View::Side;
+    CHECK_FALSE(run_campaign(e, side, {}));
+    side.out = fresh("side");
+    const auto seen = run_campaign(e, side, {});
+    REQUIRE(seen);
+    CHECK(seen->trials.header().find("camera=side") != std::string::npos);
+  }
   SECTION("nor is one that is no table") {
     std::ofstream(folder / "toy.csv") << "my,own,notes\n";
     CHECK_FALSE(run_campaign(e, options(folder), {}));
