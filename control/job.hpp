@@ -169,9 +169,7 @@ class Job {
 
   // test lifts
   TestLifts tests_;
-  struct {
-    bool at_top = false;
-  } test_;  ///< The one that goes on.
+  bool test_at_top_ = false;  ///< The one that goes on is raised no more: it is measured.
   struct Bearable {
     planner::GraspCandidate grasp;
     double share = 0.0, tilt_rad = 0.0;

@@ -15,7 +15,6 @@ constexpr double kSettle_s = 0.3;        // after a motion, before its end is be
 constexpr double kLeaderRise_m = 0.008;  // the partner's end is higher than the palm by this: he lifts
 constexpr double kMostMoved_m = 0.06;    // an object that was put down farther away has to be seen anew
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kNoLever_m = 10.0;    // the belief judges levers itself
 constexpr double kSamePlace_m = 0.05;  // the partner's, who is seen to some centimetres
 
 const planner::GraspCandidate& chosen_of(const Outcome& outcome) {
@@ -29,7 +28,7 @@ double Job::test_height_m() const {
 }
 
 void Job::begin_test_lift() {
-  test_ = {};
+  test_at_top_ = false;
   tests_.begin(carried_object(*watch_.look().scene.target), record_.decision->partner->position,
                planner::load_point(chosen_of(*record_.decision)), record_.decision->decision.share);
   settled_at_ = now_;
@@ -50,13 +49,13 @@ std::optional<Happening> Job::test_lift() {
   if (in_state_s() > config_.test_lift.raise_s / config_.task.slow_part + config_.task.patience_s)
     return Happening{Event::TimeOut, fmt::format("{:.0f} mm after {:.0f} s", 1e3 * height_m, in_state_s())};
 
-  if (!test_.at_top) {
+  if (!test_at_top_) {
     doing_ = fmt::format("raises slowly to learn where it is heavy: {:.0f} mm", 1e3 * height_m);
     done_ = height_m / test_height_m();
     const bool enough = frame_ && motion_ && tests_.rising(*motion_) == Raise::Enough;
     if (enough) loop_.stay();
     if (enough || loop_.lift_at_rest()) {
-      test_.at_top = true;
+      test_at_top_ = true;
       settled_at_ = now_;
     }
     return std::nullopt;

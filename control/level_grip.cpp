@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <utility>
-#include <vector>
 
 namespace colift::control {
 namespace {
@@ -13,20 +12,6 @@ namespace {
 struct Origin {
   std::size_t decision = 0, candidate = 0;
 };
-
-std::vector<hal::Vec3> places(const CarriedObject& object, const hal::Vec3& held, const CogBelief& belief) {
-  const Eigen::Vector2d partner = held.head<2>(), arm = belief.mean() - partner;
-  const Eigen::Vector2d across = Eigen::Vector2d(-arm.y(), arm.x()).normalized();
-  const double spread = std::sqrt(across.dot(belief.covariance() * across));
-  std::vector<hal::Vec3> all;
-  for (const double aside : {0.0, -spread, spread}) {
-    for (const double far : {1.0, 0.6, 0.8, 1.2}) {
-      all.push_back(object.cog);
-      all.back().head<2>() = partner + far * arm + aside * across;
-    }
-  }
-  return all;
-}
 
 void choose(Outcome& outcome, std::size_t candidate, const NextGrip& grip) {
   using planner::Verdict;
@@ -45,6 +30,21 @@ void choose(Outcome& outcome, std::size_t candidate, const NextGrip& grip) {
 
 }  // namespace
 
+std::vector<hal::Vec3> likely_places(const CarriedObject& object, const hal::Vec3& held,
+                                     const CogBelief& belief) {
+  const Eigen::Vector2d partner = held.head<2>(), arm = belief.mean() - partner;
+  const Eigen::Vector2d across = Eigen::Vector2d(-arm.y(), arm.x()).normalized();
+  const double spread = std::sqrt(across.dot(belief.covariance() * across));
+  std::vector<hal::Vec3> all;
+  for (const double aside : {0.0, -spread, spread}) {
+    for (const double far : {1.0, 0.6, 0.8, 1.2}) {
+      all.push_back(object.cog);
+      all.back().head<2>() = partner + far * arm + aside * across;
+    }
+  }
+  return all;
+}
+
 std::optional<LevelGrip> choose_level_grip(const DecideAt& decide, const CarriedObject& object,
                                            const hal::Vec3& partner, std::span<const FeltLift> tests,
                                            const CogBelief& belief, double wanted_share,
@@ -52,7 +52,7 @@ std::optional<LevelGrip> choose_level_grip(const DecideAt& decide, const Carried
   std::vector<Outcome> outcomes;
   std::vector<planner::GraspCandidate> grasps;
   std::vector<Origin> origins;
-  for (const hal::Vec3& cog : places(object, partner, belief)) {
+  for (const hal::Vec3& cog : likely_places(object, partner, belief)) {
     auto outcome = decide(cog);
     if (!outcome) continue;
     for (std::size_t i = 0; i < outcome->candidates.size(); ++i) {

@@ -24,8 +24,7 @@ TestLiftEye::TestLiftEye(CarriedObject object, const hal::Vec3& partner, const h
     : object_(std::move(object)), partner_(partner), grasp_(grasp), config_(config) {}
 
 Raise TestLiftEye::rising(const perception::ObjectMotion& motion) {
-  now_ = hanging(object_, partner_, grasp_, motion.X_WTnow_WTref);
-  const Raise how = raise_on(now_, config_);
+  const Raise how = raise_on(hanging(object_, partner_, grasp_, motion.X_WTnow_WTref), config_);
   in_a_row_ = how == seen_ ? in_a_row_ + 1 : 1;
   seen_ = how;
   if (in_a_row_ >= kInARow) said_ = how;

@@ -29,8 +29,6 @@ class TestLiftEye {
 
   /// The answer to the last frames (rising()).
   [[nodiscard]] Raise said() const { return said_; }
-  /// The last frame while it rose.
-  [[nodiscard]] const Hanging& now() const { return now_; }
   /// Slope of the turn over the time at the top (rad/s), by least squares.
   [[nodiscard]] double drift_rad_s() const;
   /// Mean motion at the top; none when the object was not seen there.
@@ -40,7 +38,6 @@ class TestLiftEye {
   CarriedObject object_;
   hal::Vec3 partner_, grasp_;
   TestLiftConfig config_;
-  Hanging now_;
   Raise seen_ = Raise::On, said_ = Raise::On;
   int in_a_row_ = 0;
   std::vector<double> turns_rad_, times_s_;

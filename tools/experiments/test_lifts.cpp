@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "control/level_grip.hpp"
 #include "control/test_lift_eye.hpp"
 #include "sim_hal/mock/hash_random.hpp"
 #include "tools/experiments/told_partner.hpp"
@@ -14,7 +15,6 @@ namespace {
 
 constexpr double kSameGrasp_m = 0.004;  // two candidates so near to each other are one
 constexpr double kFailed_m = 0.02;      // so near to a grip that failed no other is tried
-constexpr double kNoLever_m = 10.0;     // the belief judges levers itself
 constexpr double kWantedShare = 0.5;
 constexpr std::uint64_t kTold = 7970;  // stream of the seeds of where he really goes
 
@@ -60,24 +60,17 @@ class Search {
   // on either side.
   std::vector<planner::GraspCandidate> grasps() {
     control::Config config = config_;
-    config.decision.max_lever_m = kNoLever_m;
-    const Eigen::Vector2d from = partner().head<2>(), arm = belief_->mean() - from;
-    const Eigen::Vector2d across = Eigen::Vector2d(-arm.y(), arm.x()).normalized();
-    const double spread = std::sqrt(across.dot(belief_->covariance() * across));
+    config.decision.max_lever_m = control::kNoLever_m;
     std::vector<planner::GraspCandidate> all;
-    for (const double aside : {0.0, -spread, spread}) {
-      for (const double far : {1.0, 0.6, 0.8, 1.2}) {
-        hal::Vec3 cog = object_.cog;
-        cog.head<2>() = from + far * arm + aside * across;
-        const auto outcome = sighting_->decide(config, cog);
-        if (!outcome) continue;
-        for (const planner::GraspCandidate& c : outcome->candidates) {
-          const bool known = !possible(c) || std::any_of(all.begin(), all.end(), [&](const auto& k) {
-            return (k.position - c.position).norm() < kSameGrasp_m && k.approach.dot(c.approach) > 0.999 &&
-                   std::abs(k.closing.dot(c.closing)) > 0.999;
-          });
-          if (!known) all.push_back(c);
-        }
+    for (const hal::Vec3& cog : control::likely_places(object_, partner(), *belief_)) {
+      const auto outcome = sighting_->decide(config, cog);
+      if (!outcome) continue;
+      for (const planner::GraspCandidate& c : outcome->candidates) {
+        const bool known = !possible(c) || std::any_of(all.begin(), all.end(), [&](const auto& k) {
+          return (k.position - c.position).norm() < kSameGrasp_m && k.approach.dot(c.approach) > 0.999 &&
+                 std::abs(k.closing.dot(c.closing)) > 0.999;
+        });
+        if (!known) all.push_back(c);
       }
     }
     return all;
