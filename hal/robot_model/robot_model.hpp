@@ -45,7 +45,7 @@ struct HandPosture {
 [[nodiscard]] HandPosture coupled_posture(double inner_rad, double spread_rad = 0.0);
 
 /// Arm and hand as read from the one URDF: what simulation, planning and the self filter all use. Frames: W =
-/// base of the robot, z up, floor at z = 0; F = flange; H = hand as planner/hand_model.hpp says.
+/// base of the robot, z up, floor at z = 0; F = flange; H = hand as planner/hand/hand_model.hpp says.
 struct RobotModel {
   std::string name;
   std::vector<RobotLink> links;       ///< Parents before children.

@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "hal/config/config_file.hpp"
-#include "hal/recorded/depth_png.hpp"
-#include "hal/recorded/file_bytes.hpp"
+#include "hal/drivers/recorded/depth_png.hpp"
+#include "hal/drivers/recorded/file_bytes.hpp"
 #include "perception/calibration/grey_png.hpp"
 #include "perception/calibration/yaml_places.hpp"
 

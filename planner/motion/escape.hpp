@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "planner/motion/collision_scene.hpp"
+#include "planner/motion/collision/collision_scene.hpp"
 #include "planner/motion/joint_path.hpp"
 
 namespace colift::planner {

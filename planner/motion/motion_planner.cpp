@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "planner/motion/reach.hpp"
-#include "planner/motion/timing.hpp"
+#include "planner/motion/trajectory/timing.hpp"
 #include "planner/motion/transit.hpp"
 
 namespace colift::planner {

@@ -9,11 +9,11 @@
 #include "hal/config/range.hpp"
 #include "hal/types/result.hpp"
 #include "hal/types/time.hpp"
-#include "planner/grasp_candidate.hpp"
-#include "planner/hand_model.hpp"
-#include "planner/motion/arm_ik.hpp"
-#include "planner/motion/collision_scene.hpp"
-#include "planner/motion/trajectory.hpp"
+#include "planner/grasp/grasp_candidate.hpp"
+#include "planner/hand/hand_model.hpp"
+#include "planner/motion/collision/collision_scene.hpp"
+#include "planner/motion/inverse_kinematics/arm_ik.hpp"
+#include "planner/motion/trajectory/trajectory.hpp"
 
 namespace colift::planner {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "planner/motion/collision_scene.hpp"
+#include "planner/motion/collision/collision_scene.hpp"
 #include "planner/motion/joint_path.hpp"
 #include "planner/motion/motion_planner.hpp"
 

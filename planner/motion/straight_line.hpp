@@ -1,6 +1,6 @@
 #pragma once
 
-#include "planner/motion/arm_ik.hpp"
+#include "planner/motion/inverse_kinematics/arm_ik.hpp"
 #include "planner/motion/joint_path.hpp"
 
 namespace colift::planner {

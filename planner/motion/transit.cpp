@@ -10,7 +10,7 @@
 #include "planner/motion/escape.hpp"
 #include "planner/motion/rrt_connect.hpp"
 #include "planner/motion/shortcut.hpp"
-#include "planner/motion/timing.hpp"
+#include "planner/motion/trajectory/timing.hpp"
 
 namespace colift::planner {
 namespace {

@@ -12,9 +12,9 @@
 namespace colift::sim_hal {
 
 /// Two ends of a wire in memory, for tests and lock-step runs: what one end sends, the other one receives.
-/// There is no time of its own: `clock` is the test's, and a receive() that finds nothing calls `while_waiting`
-/// with the moment until which it would wait. That call lets the far end run and moves the clock; it returns
-/// false when nothing more will come. One thread.
+/// There is no time of its own: `clock` is the test's, and a receive() that finds nothing calls
+/// `while_waiting` with the moment until which it would wait. That call lets the far end run and moves the
+/// clock; it returns false when nothing more will come. One thread.
 class MemoryWire {
  public:
   using WhileWaiting = std::function<bool(hal::Timestamp until)>;

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "sim_hal/mock/hash_random.hpp"
+#include "sim_hal/synthetic/hash_random.hpp"
 
 namespace colift::sim_hal {
 

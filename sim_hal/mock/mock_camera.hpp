@@ -7,9 +7,9 @@
 
 #include "hal/depth_camera.hpp"
 #include "sim_hal/mock/fault_plan.hpp"
-#include "sim_hal/mock/kinect_noise.hpp"
-#include "sim_hal/mock/ray_caster.hpp"
-#include "sim_hal/mock/shapes.hpp"
+#include "sim_hal/synthetic/kinect/kinect_noise.hpp"
+#include "sim_hal/synthetic/ray_caster.hpp"
+#include "sim_hal/synthetic/shapes.hpp"
 
 namespace colift::sim_hal {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sim_hal/mock/person.hpp"
+#include "sim_hal/synthetic/person.hpp"
 
 namespace colift::sim_hal {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "sim_hal/mock/shapes.hpp"
+#include "sim_hal/synthetic/shapes.hpp"
 
 namespace colift::sim_hal {
 

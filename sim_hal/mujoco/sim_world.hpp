@@ -11,9 +11,9 @@
 #include "hal/robot_model/robot_model.hpp"
 #include "hal/types/result.hpp"
 #include "hal/types/time.hpp"
-#include "sim_hal/mock/shapes.hpp"
 #include "sim_hal/scenario/object_parts.hpp"
 #include "sim_hal/scenario/scenario.hpp"
+#include "sim_hal/synthetic/shapes.hpp"
 
 namespace colift::sim_hal {
 

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "hal/types/result.hpp"
-#include "sim_hal/mock/shapes.hpp"
 #include "sim_hal/scenario/scenario.hpp"
+#include "sim_hal/synthetic/shapes.hpp"
 
 namespace colift::sim_hal {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim_hal/mock/ray_caster.hpp"
+#include "sim_hal/synthetic/ray_caster.hpp"
 
 namespace colift::sim_hal {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "sim_hal/mock/hash_random.hpp"
 #include "sim_hal/scenario/scenario.hpp"
+#include "sim_hal/synthetic/hash_random.hpp"
 
 namespace colift::sim_hal {
 

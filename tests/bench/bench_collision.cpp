@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench_timing.hpp"
-#include "tests/unit/planner/collision/collision_world.hpp"
+#include "tests/unit/planner/motion/collision/collision_world.hpp"
 
 namespace {
 

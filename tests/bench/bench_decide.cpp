@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "bench_timing.hpp"
-#include "control/decide.hpp"
-#include "sim_hal/mock/scenes.hpp"
+#include "control/session/decide.hpp"
+#include "sim_hal/synthetic/scenes.hpp"
 
 namespace {
 

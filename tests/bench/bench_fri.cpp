@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <memory>
 
-#include "hal/fri/fri_arm.hpp"
-#include "hal/fri/fri_codec.hpp"
+#include "hal/drivers/kuka_fri/fri_arm.hpp"
+#include "hal/drivers/kuka_fri/wire/fri_codec.hpp"
 
 namespace {
 

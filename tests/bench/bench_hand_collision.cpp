@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <numbers>
 
-#include "planner/grasp_candidates.hpp"
-#include "sim_hal/mock/scenes.hpp"
+#include "planner/grasp/grasp_candidates.hpp"
+#include "sim_hal/synthetic/scenes.hpp"
 
 // The hand against a table's points, as the thesis would do it with PCL (a stock pcl::CropBox for every
 // cuboid of the hand) and with buckets and tables. Agreement of the verdicts is checked first; a disagreement

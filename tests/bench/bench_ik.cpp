@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "../unit/planner/kdl/kdl_chain.hpp"
-#include "planner/motion/arm_ik.hpp"
+#include "planner/motion/inverse_kinematics/arm_ik.hpp"
 #include "planner/motion/joint_random.hpp"
 
 namespace {

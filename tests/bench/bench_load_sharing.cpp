@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
-#include "planner/load_limits.hpp"
-#include "planner/load_sharing.hpp"
+#include "planner/load_sharing/load_limits.hpp"
+#include "planner/load_sharing/load_sharing.hpp"
 
 using namespace colift::planner;
 

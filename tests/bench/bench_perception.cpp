@@ -13,15 +13,15 @@
 #include <vector>
 
 #include "bench_timing.hpp"
-#include "hal/recorded/frame_file.hpp"
-#include "perception/ground.hpp"
-#include "perception/shape_completion.hpp"
+#include "hal/drivers/recorded/frame_file.hpp"
+#include "perception/ground_and_target/ground.hpp"
+#include "perception/ground_and_target/target.hpp"
+#include "perception/shape/shape_completion.hpp"
 #include "perception/surfaces/find_surfaces.hpp"
-#include "perception/target.hpp"
 #include "perception/thesis/thesis_stages.hpp"
 #include "perception/thesis/thesis_surfaces.hpp"
 #include "perception/thesis/thesis_target.hpp"
-#include "sim_hal/mock/scenes.hpp"
+#include "sim_hal/synthetic/scenes.hpp"
 
 namespace {
 

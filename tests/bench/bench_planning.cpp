@@ -14,9 +14,9 @@
 #include "bench_timing.hpp"
 #include "planner/motion/joint_random.hpp"
 #include "planner/motion/reach.hpp"
-#include "planner/motion/timing.hpp"
+#include "planner/motion/trajectory/timing.hpp"
 #include "planner/motion/transit.hpp"
-#include "sim_hal/mock/hash_random.hpp"
+#include "sim_hal/synthetic/hash_random.hpp"
 #include "stock_planning.hpp"
 
 namespace colift::bench {

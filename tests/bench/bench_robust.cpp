@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "planner/robust_choice.hpp"
+#include "planner/grasp/robust_choice.hpp"
 
 using namespace colift::planner;
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "bench_timing.hpp"
-#include "sim_hal/mock/kinect_noise.hpp"
-#include "sim_hal/mujoco/sim_camera.hpp"
-#include "sim_hal/mujoco/sim_devices.hpp"
+#include "sim_hal/mujoco/devices/sim_camera.hpp"
+#include "sim_hal/mujoco/devices/sim_devices.hpp"
+#include "sim_hal/synthetic/kinect/kinect_noise.hpp"
 #include "tests/support/simulated_lift.hpp"
 
 namespace colift::bench {

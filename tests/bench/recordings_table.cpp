@@ -12,9 +12,9 @@
 #include <string>
 
 #include "bench_timing.hpp"
-#include "hal/recorded/frame_file.hpp"
-#include "perception/ground.hpp"
-#include "perception/target.hpp"
+#include "hal/drivers/recorded/frame_file.hpp"
+#include "perception/ground_and_target/ground.hpp"
+#include "perception/ground_and_target/target.hpp"
 #include "perception/thesis/thesis_target.hpp"
 
 namespace {

@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "hal/robot_model/robot_model.hpp"
-#include "perception/world_map.hpp"
-#include "planner/motion/collision_spheres.hpp"
+#include "perception/map/world_map.hpp"
+#include "planner/motion/collision/collision_spheres.hpp"
 #include "planner/motion/joint_path.hpp"
 
 namespace colift::bench {

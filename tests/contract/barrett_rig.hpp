@@ -3,9 +3,9 @@
 #include <functional>
 #include <memory>
 
-#include "hal/barrett/barrett_hand.hpp"
-#include "sim_hal/emulator/hand_light_plant.hpp"
-#include "sim_hal/emulator/hand_lock_step.hpp"
+#include "hal/drivers/barrett_can/barrett_hand.hpp"
+#include "sim_hal/emulator/hand/hand_light_plant.hpp"
+#include "sim_hal/emulator/hand/hand_lock_step.hpp"
 
 namespace colift {
 

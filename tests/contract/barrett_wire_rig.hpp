@@ -5,12 +5,12 @@
 #include <functional>
 #include <memory>
 
-#include "hal/barrett/barrett_hand.hpp"
-#include "hal/barrett/puck_codec.hpp"
+#include "hal/drivers/barrett_can/barrett_hand.hpp"
+#include "hal/drivers/barrett_can/pucks/puck_codec.hpp"
 #include "hal/os/make_can_bus.hpp"
-#include "sim_hal/emulator/hand_gateway.hpp"
-#include "sim_hal/emulator/hand_light_plant.hpp"
-#include "sim_hal/emulator/hand_lock_step.hpp"
+#include "sim_hal/emulator/hand/hand_gateway.hpp"
+#include "sim_hal/emulator/hand/hand_light_plant.hpp"
+#include "sim_hal/emulator/hand/hand_lock_step.hpp"
 #include "tests/support/stepped_can.hpp"
 
 namespace colift {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <memory>
 
-#include "hal/recorded/recorded_camera.hpp"
+#include "hal/drivers/recorded/recorded_camera.hpp"
 #include "sim_hal/mock/mock_camera.hpp"
-#include "sim_hal/mujoco/sim_devices.hpp"
+#include "sim_hal/mujoco/devices/sim_devices.hpp"
 #ifdef COLIFT_KINECT
 #include "tests/support/camera_rig.hpp"
 #endif

@@ -2,9 +2,9 @@
 
 #include <memory>
 
-#include "hal/fri/fri_arm.hpp"
-#include "sim_hal/emulator/krc_light_plant.hpp"
-#include "sim_hal/emulator/krc_lock_step.hpp"
+#include "hal/drivers/kuka_fri/fri_arm.hpp"
+#include "sim_hal/emulator/krc/krc_lock_step.hpp"
+#include "sim_hal/emulator/krc/plant/krc_light_plant.hpp"
 #include "sim_rig.hpp"
 
 namespace colift {

@@ -5,10 +5,10 @@
 #include <memory>
 #include <vector>
 
-#include "hal/guarded_hand.hpp"
-#include "sim_hal/mock/mock_hand.hpp"
 #include "barrett_rig.hpp"
 #include "barrett_wire_rig.hpp"
+#include "hal/guarded_hand.hpp"
+#include "sim_hal/mock/mock_hand.hpp"
 #include "sim_rig.hpp"
 
 namespace colift {

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "sim_hal/mujoco/sim_devices.hpp"
+#include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
 
 namespace colift {

@@ -1,6 +1,6 @@
 #include <cstdint>
 
-#include "hal/recorded/camera_file.hpp"
+#include "hal/drivers/recorded/camera_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   (void)colift::hal::parse_camera_json(std::as_bytes(std::span(data, size)), "camera.json");

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "hal/fri/packet_gate.hpp"
-#include "hal/fri/session.hpp"
+#include "hal/drivers/kuka_fri/session.hpp"
+#include "hal/drivers/kuka_fri/wire/packet_gate.hpp"
 
 using namespace colift::hal;
 

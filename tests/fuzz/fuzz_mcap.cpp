@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "tools/telemetry/depth_codes.hpp"
-#include "tools/telemetry/mcap_reader.hpp"
+#include "tools/telemetry/channels/depth_codes.hpp"
+#include "tools/telemetry/mcap/mcap_reader.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace colift::telemetry;

@@ -1,7 +1,7 @@
 #include <cstdint>
 
-#include "hal/recorded/frame_file.hpp"
-#include "hal/recorded/pcd.hpp"
+#include "hal/drivers/recorded/cloud_files/pcd.hpp"
+#include "hal/drivers/recorded/frame_file.hpp"
 
 // What parses also goes through the search for its camera: the fit must stand any numbers, too.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

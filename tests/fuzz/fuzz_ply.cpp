@@ -1,7 +1,7 @@
 #include <cstdint>
 
-#include "hal/recorded/frame_file.hpp"
-#include "hal/recorded/ply.hpp"
+#include "hal/drivers/recorded/cloud_files/ply.hpp"
+#include "hal/drivers/recorded/frame_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace colift::hal;

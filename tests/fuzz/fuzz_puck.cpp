@@ -1,5 +1,5 @@
-// Any identifier, length and bytes as an answer of the hand, and as an error frame of the bus: read or refused,
-// and what was read lies in its range and is read the same from the frame that it stands for.
+// Any identifier, length and bytes as an answer of the hand, and as an error frame of the bus: read or
+// refused, and what was read lies in its range and is read the same from the frame that it stands for.
 
 #include <algorithm>
 #include <cstdint>
@@ -7,8 +7,8 @@
 #include <span>
 #include <variant>
 
-#include "hal/barrett/hand_units.hpp"
-#include "hal/barrett/puck_codec.hpp"
+#include "hal/drivers/barrett_can/hand_units.hpp"
+#include "hal/drivers/barrett_can/pucks/puck_codec.hpp"
 #include "hal/os/can_error.hpp"
 
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "planner/rank.hpp"
-#include "tools/colift/rank_json.hpp"
+#include "planner/load_sharing/rank.hpp"
+#include "tools/analyse/rank_json.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);

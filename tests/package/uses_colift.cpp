@@ -1,8 +1,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "control/look.hpp"
-#include "planner/load_sharing.hpp"
+#include "control/session/look.hpp"
+#include "planner/load_sharing/load_sharing.hpp"
 
 int main() {
   using namespace colift;

@@ -12,12 +12,12 @@
 #include <optional>
 #include <string>
 
-#include "control/task_runner.hpp"
+#include "control/task/task_runner.hpp"
 #include "hal/guarded_arm.hpp"
 #include "hal/guarded_camera.hpp"
 #include "hal/guarded_hand.hpp"
-#include "sim_hal/mock/hash_random.hpp"
-#include "sim_hal/mujoco/sim_devices.hpp"
+#include "sim_hal/mujoco/devices/sim_devices.hpp"
+#include "sim_hal/synthetic/hash_random.hpp"
 #include "tests/support/thorough.hpp"
 
 namespace {

@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "control/decide.hpp"
-#include "control/look.hpp"
-#include "hal/recorded/frame_file.hpp"
+#include "control/session/decide.hpp"
+#include "control/session/look.hpp"
+#include "hal/drivers/recorded/frame_file.hpp"
 
 namespace colift::stories {
 

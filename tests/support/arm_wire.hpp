@@ -3,8 +3,8 @@
 #include <memory>
 #include <vector>
 
-#include "hal/fri/fri_arm.hpp"
-#include "sim_hal/emulator/krc_lock_step.hpp"
+#include "hal/drivers/kuka_fri/fri_arm.hpp"
+#include "sim_hal/emulator/krc/krc_lock_step.hpp"
 #include "sim_hal/emulator/mujoco/krc_world_plant.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim_hal/mock/hash_random.hpp"
-#include "sim_hal/mock/ray_caster.hpp"
+#include "sim_hal/synthetic/hash_random.hpp"
+#include "sim_hal/synthetic/ray_caster.hpp"
 
 namespace colift::tests {
 namespace {

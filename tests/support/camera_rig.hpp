@@ -7,8 +7,8 @@
 #include <thread>
 #include <vector>
 
-#include "hal/kinect/kinect_camera.hpp"
-#include "sim_hal/emulator/camera_server.hpp"
+#include "hal/drivers/kinect/kinect_camera.hpp"
+#include "sim_hal/emulator/camera/camera_server.hpp"
 
 namespace colift::tests {
 

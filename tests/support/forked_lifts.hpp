@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "control/run_record.hpp"
-#include "sim_hal/emulator/krc_faults.hpp"
+#include "control/task/run_record.hpp"
+#include "sim_hal/emulator/krc/krc_faults.hpp"
 #include "tests/support/simulated_lift.hpp"
 
 namespace colift::tests {

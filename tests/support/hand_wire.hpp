@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "hal/arm.hpp"
-#include "hal/barrett/barrett_hand.hpp"
-#include "hal/barrett/puck_codec.hpp"
+#include "hal/drivers/barrett_can/barrett_hand.hpp"
+#include "hal/drivers/barrett_can/pucks/puck_codec.hpp"
 #include "hal/os/make_can_bus.hpp"
-#include "sim_hal/emulator/hand_lock_step.hpp"
+#include "sim_hal/emulator/hand/hand_lock_step.hpp"
 #include "sim_hal/emulator/mujoco/hand_world_plant.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
 #include "tests/support/stepped_can.hpp"

@@ -5,11 +5,11 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "control/method.hpp"
-#include "control/task_runner.hpp"
+#include "control/session/method.hpp"
+#include "control/task/task_runner.hpp"
 #include "hal/guarded_arm.hpp"
 #include "hal/guarded_hand.hpp"
-#include "sim_hal/mujoco/sim_devices.hpp"
+#include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "tests/support/arm_wire.hpp"
 #include "tests/support/hand_wire.hpp"
 

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "control/config.hpp"
-#include "control/run_record.hpp"
-#include "sim_hal/emulator/hand_faults.hpp"
-#include "sim_hal/emulator/hand_report.hpp"
-#include "sim_hal/emulator/krc_faults.hpp"
-#include "sim_hal/emulator/krc_report.hpp"
+#include "control/config/config.hpp"
+#include "control/task/run_record.hpp"
+#include "sim_hal/emulator/hand/hand_faults.hpp"
+#include "sim_hal/emulator/hand/hand_report.hpp"
+#include "sim_hal/emulator/krc/krc_faults.hpp"
+#include "sim_hal/emulator/krc/krc_report.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
 #include "sim_hal/scenario/scenario.hpp"
 

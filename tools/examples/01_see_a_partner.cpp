@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "control/decide.hpp"
-#include "control/look.hpp"
-#include "sim_hal/mock/scenes.hpp"
-#include "tools/picture/scene_picture.hpp"
+#include "control/session/decide.hpp"
+#include "control/session/look.hpp"
+#include "sim_hal/synthetic/scenes.hpp"
+#include "tools/visualization/scene/scene_picture.hpp"
 
 int main(int argc, char** argv) {
   using namespace colift;

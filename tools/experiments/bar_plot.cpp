@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/picture/palette.hpp"
+#include "tools/visualization/palette.hpp"
 
 namespace colift::experiments {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/picture/canvas.hpp"
-#include "tools/picture/line_plot.hpp"
+#include "tools/visualization/canvas.hpp"
+#include "tools/visualization/line_plot.hpp"
 
 namespace colift::experiments {
 

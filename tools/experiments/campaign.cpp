@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "hal/types/time.hpp"
-#include "tools/picture/file_output.hpp"
+#include "tools/visualization/file_output.hpp"
 
 namespace colift::experiments {
 namespace {

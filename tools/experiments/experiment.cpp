@@ -1,6 +1,6 @@
 #include "tools/experiments/experiment.hpp"
 
-#include "sim_hal/mock/hash_random.hpp"
+#include "sim_hal/synthetic/hash_random.hpp"
 
 namespace colift::experiments {
 

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "control/look.hpp"
+#include "control/session/look.hpp"
 #include "tools/experiments/statistics.hpp"
 #include "tools/experiments/trial_table.hpp"
-#include "tools/picture/canvas.hpp"
+#include "tools/visualization/canvas.hpp"
 
 namespace colift::experiments {
 

@@ -7,9 +7,9 @@
 #include <set>
 #include <sstream>
 
-#include "tools/picture/file_output.hpp"
-#include "tools/picture/report.hpp"
-#include "tools/picture/report_parts.hpp"
+#include "tools/visualization/file_output.hpp"
+#include "tools/visualization/report/report.hpp"
+#include "tools/visualization/report/report_parts.hpp"
 
 namespace colift::experiments {
 namespace {

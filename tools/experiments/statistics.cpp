@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim_hal/mock/hash_random.hpp"
+#include "sim_hal/synthetic/hash_random.hpp"
 
 namespace colift::experiments {
 namespace {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "tools/telemetry/channels.hpp"
+#include "tools/telemetry/channels/channels.hpp"
 
 namespace colift::live {
 

@@ -10,7 +10,7 @@
 
 #include "hal/types/result.hpp"
 #include "hal/types/time.hpp"
-#include "tools/telemetry/channels.hpp"
+#include "tools/telemetry/channels/channels.hpp"
 
 namespace colift::live {
 

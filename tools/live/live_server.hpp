@@ -8,7 +8,7 @@
 #include "hal/types/result.hpp"
 #include "tools/live/page_files.hpp"
 #include "tools/live/visitor.hpp"
-#include "tools/telemetry/channels.hpp"
+#include "tools/telemetry/channels/channels.hpp"
 
 namespace colift::live {
 

@@ -1,7 +1,7 @@
 #include "sim_hal/emulator/mujoco/camera_world_eye.hpp"
 
-#include "sim_hal/mock/hash_random.hpp"
-#include "sim_hal/mujoco/sim_devices.hpp"
+#include "sim_hal/mujoco/devices/sim_devices.hpp"
+#include "sim_hal/synthetic/hash_random.hpp"
 
 namespace colift::sim_hal {
 namespace {

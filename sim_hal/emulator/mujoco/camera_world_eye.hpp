@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "sim_hal/emulator/camera_eye.hpp"
-#include "sim_hal/mujoco/sim_infrared.hpp"
+#include "sim_hal/emulator/camera/camera_eye.hpp"
+#include "sim_hal/mujoco/devices/sim_infrared.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
 
 namespace colift::sim_hal {

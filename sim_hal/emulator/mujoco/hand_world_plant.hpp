@@ -1,6 +1,6 @@
 #pragma once
 
-#include "sim_hal/emulator/hand_plant.hpp"
+#include "sim_hal/emulator/hand/hand_plant.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
 
 namespace colift::sim_hal {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "sim_hal/emulator/krc_control_law.hpp"
+#include "sim_hal/emulator/krc/plant/krc_control_law.hpp"
 
 namespace colift::sim_hal {
 namespace {

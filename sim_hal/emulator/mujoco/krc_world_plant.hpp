@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "sim_hal/emulator/krc_plant.hpp"
+#include "sim_hal/emulator/krc/plant/krc_plant.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
 
 namespace colift::sim_hal {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "control/arm_cycle.hpp"
+#include "control/arm/arm_cycle.hpp"
 
 namespace colift::control::test {
 

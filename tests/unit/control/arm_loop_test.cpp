@@ -1,6 +1,6 @@
 // The arm's cycle on its own: the same in step and in a thread, and never waiting for the task.
 
-#include "control/arm_loop.hpp"
+#include "control/arm/arm_loop.hpp"
 
 #include <atomic>
 #include <catch2/catch.hpp>

@@ -1,5 +1,5 @@
 // A lift in the arm's cycle: cut off and taken up again, slow, at the end of the reach; and no page faults.
-#include "control/arm_motion.hpp"
+#include "control/arm/arm_motion.hpp"
 
 #include <sys/mman.h>
 #include <sys/resource.h>

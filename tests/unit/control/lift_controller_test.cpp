@@ -1,4 +1,4 @@
-#include "control/lift_controller.hpp"
+#include "control/lift/lift_controller.hpp"
 
 #include <catch2/catch.hpp>
 

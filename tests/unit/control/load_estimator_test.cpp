@@ -1,4 +1,4 @@
-#include "control/load_estimator.hpp"
+#include "control/lift/load_estimator.hpp"
 
 #include <catch2/catch.hpp>
 #include <limits>

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "control/look.hpp"
-#include "control/picture_check.hpp"
-#include "sim_hal/mock/hash_random.hpp"
-#include "sim_hal/mock/scenes.hpp"
+#include "control/session/look.hpp"
+#include "control/session/picture_check.hpp"
+#include "sim_hal/synthetic/hash_random.hpp"
+#include "sim_hal/synthetic/scenes.hpp"
 
 using namespace colift;
 using sim_hal::ObjectKind;

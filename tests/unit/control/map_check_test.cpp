@@ -1,6 +1,6 @@
 // Collision worlds that no room looks like (safety-and-faults, row 10).
 
-#include "control/map_check.hpp"
+#include "control/session/map_check.hpp"
 
 #include <octomap/octomap.h>
 #include <unistd.h>
@@ -13,8 +13,8 @@
 #include <string>
 
 #include "planner/motion/motion_planner.hpp"
-#include "sim_hal/mock/hash_random.hpp"
-#include "sim_hal/mock/ray_caster.hpp"
+#include "sim_hal/synthetic/hash_random.hpp"
+#include "sim_hal/synthetic/ray_caster.hpp"
 
 using namespace colift;
 using control::map_trouble;

@@ -1,7 +1,7 @@
 // Where the partner is asked to take hold, tried on a table in static balance of which the robot reaches the
 // near end only.
 
-#include "control/next_place.hpp"
+#include "control/test_lift/next_place.hpp"
 
 #include <fmt/format.h>
 

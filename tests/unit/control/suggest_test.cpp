@@ -1,4 +1,4 @@
-#include "control/suggest.hpp"
+#include "control/session/suggest.hpp"
 
 #include <catch2/catch.hpp>
 

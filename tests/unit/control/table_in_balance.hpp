@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "control/test_lift.hpp"
+#include "control/test_lift/test_lift.hpp"
 
 namespace colift::control::test {
 

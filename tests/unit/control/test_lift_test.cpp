@@ -1,6 +1,6 @@
 // What a lift of a few millimetres tells, tried on a table in static balance.
 
-#include "control/test_lift.hpp"
+#include "control/test_lift/test_lift.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -1,10 +1,10 @@
-#include "control/test_lifts.hpp"
+#include "control/test_lift/test_lifts.hpp"
 
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <numbers>
 
-#include "control/level_grip.hpp"
+#include "control/test_lift/level_grip.hpp"
 
 using namespace colift;
 using namespace std::chrono_literals;

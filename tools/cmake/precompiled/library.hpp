@@ -17,7 +17,7 @@
 #include <variant>
 #include <vector>
 
+#include <fmt/format.h>
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <fmt/format.h>
 #include <tl/expected.hpp>

@@ -1,4 +1,4 @@
-// The shapes of CoLift's channels as the page uses them (tools/telemetry/channels.cpp is their description).
+// The shapes of CoLift's channels as the page uses them (tools/telemetry/channels/channels.cpp is their description).
 
 export interface Xyz { x: number; y: number; z: number }
 export interface Quaternion { x: number; y: number; z: number; w: number }

@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "hal/robot_model/robot_model.hpp"
-#include "planner/hand_model.hpp"
+#include "planner/hand/hand_model.hpp"
 
 using namespace colift;
 using hal::Pose;

@@ -4,7 +4,7 @@
 #include "perception/calibration/calibration_file.hpp"
 #include "perception/calibration/pose_check.hpp"
 #include "perception/calibration/sample_folder.hpp"
-#include "sim_hal/mock/kinect_noise.hpp"
+#include "sim_hal/synthetic/kinect/kinect_noise.hpp"
 #include "tests/support/calibration_trial.hpp"
 #include "tests/unit/perception/self_filter/robot_view.hpp"
 

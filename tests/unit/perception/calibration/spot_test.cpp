@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "perception/calibration/spot_finder.hpp"
-#include "sim_hal/mock/infrared_scene.hpp"
+#include "sim_hal/synthetic/infrared_scene.hpp"
 #include "tests/support/calibration_trial.hpp"
 
 using namespace colift;

@@ -1,4 +1,4 @@
-#include "perception/change_image.hpp"
+#include "perception/partner/change_image.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "perception/partner_contact.hpp"
+#include "perception/partner/partner_contact.hpp"
 
 #include <catch2/catch.hpp>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "perception/partner_grasp.hpp"
+#include "perception/partner/partner_grasp.hpp"
 
 #include <fmt/format.h>
 
@@ -9,9 +9,9 @@
 #include <iostream>
 #include <numeric>
 
-#include "hal/recorded/frame_file.hpp"
+#include "hal/drivers/recorded/frame_file.hpp"
 #include "partner_stage.hpp"
-#include "sim_hal/mock/scene_objects.hpp"
+#include "sim_hal/synthetic/scene_objects.hpp"
 
 namespace colift::perception {
 namespace {

@@ -1,12 +1,12 @@
-#include "perception/partner_leg.hpp"
+#include "perception/partner/partner_leg.hpp"
 
 #include <catch2/catch.hpp>
 
 #include <numbers>
 
 #include "partner_stage.hpp"
-#include "sim_hal/mock/hash_random.hpp"
-#include "sim_hal/mock/person.hpp"
+#include "sim_hal/synthetic/hash_random.hpp"
+#include "sim_hal/synthetic/person.hpp"
 
 namespace colift::perception {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "perception/partner_grasp.hpp"
-#include "sim_hal/mock/scenes.hpp"
+#include "perception/partner/partner_grasp.hpp"
+#include "sim_hal/synthetic/scenes.hpp"
 
 namespace colift::perception::test {
 

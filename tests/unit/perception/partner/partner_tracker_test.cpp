@@ -1,4 +1,4 @@
-#include "perception/partner_tracker.hpp"
+#include "perception/partner/partner_tracker.hpp"
 
 #include <catch2/catch.hpp>
 #include <chrono>

@@ -8,8 +8,8 @@
 
 #include "hal/robot_model/robot_model.hpp"
 #include "perception/self_filter.hpp"
-#include "sim_hal/mock/hash_random.hpp"
-#include "sim_hal/mock/scenes.hpp"
+#include "sim_hal/synthetic/hash_random.hpp"
+#include "sim_hal/synthetic/scenes.hpp"
 
 namespace colift::perception::test {
 

@@ -1,10 +1,10 @@
 // Real frames: what the surfaces of the can and of the cereal box are.
 #include <catch2/catch.hpp>
 
-#include "hal/recorded/frame_file.hpp"
-#include "perception/block_planes.hpp"
-#include "perception/ground.hpp"
-#include "perception/target.hpp"
+#include "hal/drivers/recorded/frame_file.hpp"
+#include "perception/ground_and_target/block_planes.hpp"
+#include "perception/ground_and_target/ground.hpp"
+#include "perception/ground_and_target/target.hpp"
 #include "views.hpp"
 
 using namespace colift;

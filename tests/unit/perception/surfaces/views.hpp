@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "perception/organised_cloud.hpp"
-#include "perception/shape_completion.hpp"
+#include "perception/shape/shape_completion.hpp"
 #include "perception/surfaces/find_surfaces.hpp"
-#include "sim_hal/mock/scenes.hpp"
+#include "sim_hal/synthetic/scenes.hpp"
 
 namespace colift::perception {
 

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "hal/recorded/frame_file.hpp"
+#include "hal/drivers/recorded/frame_file.hpp"
 #include "perception/thesis/thesis_target.hpp"
 
 using namespace colift::perception;

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "perception/thesis/thesis_target.hpp"
-#include "sim_hal/mock/kinect_noise.hpp"
+#include "sim_hal/synthetic/kinect/kinect_noise.hpp"
 
 using namespace colift::perception;
 using namespace colift::sim_hal;

@@ -4,7 +4,7 @@
 #include <kdl/jacobian.hpp>
 
 #include "kdl_chain.hpp"
-#include "planner/motion/arm_ik.hpp"
+#include "planner/motion/inverse_kinematics/arm_ik.hpp"
 #include "planner/motion/joint_random.hpp"
 
 using namespace colift;

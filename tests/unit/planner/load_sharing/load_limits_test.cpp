@@ -1,4 +1,4 @@
-#include "planner/load_limits.hpp"
+#include "planner/load_sharing/load_limits.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "planner/load_sharing.hpp"
+#include "planner/load_sharing/load_sharing.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "planner/rank.hpp"
+#include "planner/load_sharing/rank.hpp"
 
 #include <catch2/catch.hpp>
 

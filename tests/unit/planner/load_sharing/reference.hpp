@@ -4,8 +4,8 @@
 #include <optional>
 #include <random>
 
-#include "planner/load_limits.hpp"
-#include "planner/load_sharing.hpp"
+#include "planner/load_sharing/load_limits.hpp"
+#include "planner/load_sharing/load_sharing.hpp"
 
 // Independent answers to the program of thesis 4.4, straight from its matrices: nothing here knows the closed
 // form.

@@ -4,7 +4,7 @@
 
 #include "hal/robot_model/robot_model.hpp"
 #include "planner/motion/motion_planner.hpp"
-#include "planner/motion/timing.hpp"
+#include "planner/motion/trajectory/timing.hpp"
 #include "planning_world.hpp"
 
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "perception/organised_cloud.hpp"
-#include "sim_hal/mock/kinect_noise.hpp"
-#include "sim_hal/mock/ray_caster.hpp"
+#include "sim_hal/synthetic/kinect/kinect_noise.hpp"
+#include "sim_hal/synthetic/ray_caster.hpp"
 
 namespace colift::tests {
 namespace {

@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "hal/robot_model/robot_model.hpp"
-#include "perception/world_map.hpp"
-#include "planner/grasp_candidate.hpp"
-#include "planner/motion/collision_scene.hpp"
-#include "planner/motion/trajectory.hpp"
-#include "sim_hal/mock/shapes.hpp"
+#include "perception/map/world_map.hpp"
+#include "planner/grasp/grasp_candidate.hpp"
+#include "planner/motion/collision/collision_scene.hpp"
+#include "planner/motion/trajectory/trajectory.hpp"
+#include "sim_hal/synthetic/shapes.hpp"
 
 namespace colift::tests {
 

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "lift_rig.hpp"
-#include "sim_hal/mujoco/sim_devices.hpp"
+#include "sim_hal/mujoco/devices/sim_devices.hpp"
 
 namespace colift::sim_hal {
 namespace {

@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "lift_rig.hpp"
+#include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "sim_hal/mujoco/hand_drive.hpp"
-#include "sim_hal/mujoco/sim_devices.hpp"
 
 namespace colift::sim_hal {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
-#include "sim_hal/mock/hash_random.hpp"
+#include "sim_hal/synthetic/hash_random.hpp"
 
 namespace colift::sim_hal {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim_hal/mujoco/sim_camera.hpp"
+#include "sim_hal/mujoco/devices/sim_camera.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "lift_rig.hpp"
-#include "sim_hal/mock/hash_random.hpp"
+#include "sim_hal/synthetic/hash_random.hpp"
 
 namespace colift::sim_hal {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim_hal/mock/hash_random.hpp"
+#include "sim_hal/synthetic/hash_random.hpp"
 
 using namespace colift::sim_hal;
 using colift::hal::ErrorCode;

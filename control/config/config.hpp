@@ -1,0 +1,112 @@
+#pragma once
+
+#include <string>
+
+#include "control/config/task_config.hpp"
+#include "control/lift/load_estimator.hpp"
+#include "control/test_lift/test_lift.hpp"
+#include "hal/config/range.hpp"
+#include "hal/guarded_arm.hpp"
+#include "hal/guarded_camera.hpp"
+#include "hal/guarded_hand.hpp"
+#include "perception/calibration/calibrate.hpp"
+#include "perception/calibration/next_pose.hpp"
+#include "perception/calibration/pose_check.hpp"
+#include "perception/calibration/spot_finder.hpp"
+#include "perception/ground_and_target/ground.hpp"
+#include "perception/ground_and_target/target.hpp"
+#include "perception/map/world_map.hpp"
+#include "perception/motion/object_motion.hpp"
+#include "perception/noise_model.hpp"
+#include "perception/partner/partner_grasp.hpp"
+#include "perception/partner/partner_tracker.hpp"
+#include "perception/self_filter.hpp"
+#include "perception/shape/shape_completion.hpp"
+#include "perception/surfaces/surface_config.hpp"
+#include "perception/thesis/thesis_config.hpp"
+#include "planner/grasp/grasp_candidates.hpp"
+#include "planner/grasp/grasp_decision.hpp"
+#include "planner/motion/motion_planner.hpp"
+
+namespace colift::control {
+
+/// Everything that can be set, by the names that YAML files, `--set` and `colift check` use.
+struct Config {
+  std::string method = "fast";
+  std::string hand_file;
+  std::string calibration_file;
+  std::string arm_mode = "full";
+  perception::NoiseModel noise;
+  perception::GroundConfig ground;
+  perception::TargetConfig target;
+  perception::SurfaceConfig surfaces;
+  perception::CompletionConfig completion;
+  planner::CandidateConfig candidates;
+  perception::PartnerConfig partner;
+  perception::TrackerConfig tracker{.dwell_s = 0.1};
+  planner::DecisionConfig decision;
+  perception::ThesisConfig thesis;
+  perception::WorldMapConfig map;
+  perception::SelfFilterConfig self_filter;
+  perception::MotionConfig object_motion;
+  planner::PlannerConfig motion;
+  TaskConfig task;
+  TestLiftConfig test_lift;
+  LoadConfig load;
+  hal::GuardConfig guard_arm;
+  hal::HandGuardConfig guard_hand;
+  hal::CameraGuardConfig guard_camera;
+  perception::CalibrationConfig calibration;
+  perception::PoseConfig calibration_poses;
+  perception::SpotConfig spot;
+  perception::PoseCheckConfig pose_check;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("method", method, hal::Choices{"fast", "thesis"},
+      "How CoLift sees and decides: its own way, or the thesis's.");
+    v("hand_file", hand_file, "Description of the hand; empty: the built-in BarrettHand BH8-282.");
+    v("calibration_file", calibration_file,
+      "Result of colift calibrate: where the camera is; empty: as the scenario or --camera-pose says.");
+    v("arm_mode", arm_mode, hal::Choices{"full", "t1"},
+      "How fast the arm may be: as limits allow, or as the KRC's mode T1 does (0.24 rad/s in each joint).");
+    v("noise", noise, "Depth noise of the camera.");
+    v("ground", ground, "How the ground is found.");
+    v("target", target, "Which object is the target.");
+    v("surfaces", surfaces, "How the object's faces are found.");
+    v("completion", completion, "How the unseen part of the object is guessed.");
+    v("candidates", candidates, "Where the hand may grasp.");
+    v("partner", partner, "How the partner's grasp is seen.");
+    v("tracker", tracker, "When a touch is a grasp.");
+    v("decision", decision, "How the load is shared.");
+    v("thesis", thesis, "Parameters of the thesis's method.");
+    v("map", map, "The collision world.");
+    v("self_filter", self_filter, "How the robot's own pixels are removed.");
+    v("object_motion", object_motion, "How the object is followed while it is lifted.");
+    v("motion", motion, "How the arm's way is planned.");
+    v("task", task, "The order of the job: patience, lift, limits that end it.");
+    v("test_lift", test_lift, "Whether and how the load is tested before the lift.");
+    v("load", load, "How the load is felt.");
+    v("guard_arm", guard_arm, "The last gate before the arm.");
+    v("guard_hand", guard_hand, "The last gate before the hand.");
+    v("guard_camera", guard_camera, "The last gate behind the camera.");
+    v("calibration", calibration, "How the camera's pose is calibrated, and when that is refused.");
+    v("calibration_poses", calibration_poses, "Poses of the arm for a calibration.");
+    v("spot", spot, "How the emitter is found in infrared images.");
+    v("pose_check", pose_check, "Whether the camera still is where its calibration says.");
+  }
+};
+
+/// Where `colift run` starts from, before files and --set: as Config, but the hand may move through space
+/// that the camera did not see, because a moving arm feels what is there (docs/decisions/0009).
+[[nodiscard]] inline Config run_defaults() {
+  Config config;
+  config.candidates.collision.unseen_fraction = 1.0;
+  config.candidates.collision.max_unseen_m = 0.25;
+  config.candidates.side_clearance_m = 0.03;
+  config.candidates.max_turn_deg = 40.0;
+  config.decision.max_lever_m = 0.065;
+  return config;
+}
+
+}  // namespace colift::control

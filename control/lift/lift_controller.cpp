@@ -1,0 +1,125 @@
+#include "control/lift/lift_controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace colift::control {
+namespace {
+
+constexpr double kFeedForward_s = 0.25;    // time constant: slower than the object swings, faster than a lift
+constexpr double kFollowSpeed_m_s = 0.08;  // a person who lifts 5 cm in 2 s peaks at 0.047 m/s
+constexpr double kFollowGain_1_s = 4.0;
+constexpr double kFollowAcceleration_m_s2 = 0.4;
+constexpr double kLargestStep_rad = 0.05;  // in one cycle; more is a jump to another posture
+constexpr double kAtRest_m = 0.002;
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kLeastSpan = 0.25;  // of the time of a whole lift: for what is left of one
+constexpr double kLeastWay_m = 0.001;
+
+// height along a minimum-jerk profile from 0 to 1
+double minimum_jerk(double s) {
+  const double x = std::clamp(s, 0.0, 1.0);
+  return x * x * x * (10.0 + x * (-15.0 + 6.0 * x));
+}
+
+}  // namespace
+
+LiftController::LiftController(const hal::RobotModel& model, const planner::ArmGeometry& arm,
+                               const TaskConfig& config)
+    : model_(&model), arm_(arm), config_(config) {}
+
+void LiftController::start(const hal::JointVector& q_commanded_rad) {
+  q_rad_ = q_commanded_rad;
+  X_WF0_ = planner::flange_pose(arm_, q_commanded_rad);
+  height_m_ = speed_m_s_ = from_m_ = to_m_ = time_s_ = span_s_ = s_per_m_ = partner_rise_m_ = 0.0;
+  fed_ = {};
+}
+
+void LiftController::aim(double to_m, double time_s) {
+  at_end_ = false;
+  from_m_ = height_m_;
+  to_m_ = to_m;
+  time_s_ = 0.0;
+  span_s_ = time_s;
+  s_per_m_ = time_s / std::max(std::abs(to_m_ - from_m_), kLeastWay_m);
+}
+
+void LiftController::lift(Role role, double height_m, double time_s) {
+  role_ = role;
+  aim(height_m, time_s);
+}
+
+void LiftController::stay() {
+  aim(height_m_, 0.0);
+  role_ = Role::Lead;
+}
+
+void LiftController::lower() {
+  // who followed up follows down; but the ground is reached in any case
+  aim(0.0, config_.lift_s);
+  role_ = Role::Lead;
+}
+
+void LiftController::restart(const hal::JointVector& q_commanded_rad) {
+  const double floor_m = X_WF0_.translation().z();
+  q_rad_ = q_commanded_rad;
+  X_WF0_ = planner::flange_pose(arm_, q_commanded_rad);
+  height_m_ = X_WF0_.translation().z() - floor_m;
+  X_WF0_.translation().z() = floor_m;
+  speed_m_s_ = 0.0;
+  aim(to_m_, std::max(std::abs(to_m_ - height_m_) * s_per_m_, kLeastSpan * config_.lift_s));
+}
+
+double LiftController::next_height(double dt_s) {
+  if (role_ == Role::Lead) {
+    time_s_ = std::min(time_s_ + dt_s, span_s_);
+    return from_m_ + (to_m_ - from_m_) * minimum_jerk(span_s_ > 0.0 ? time_s_ / span_s_ : 1.0);
+  }
+  const double goal = std::clamp(partner_rise_m_, 0.0, to_m_);
+  const double wanted = std::clamp(kFollowGain_1_s * (goal - height_m_), -kFollowSpeed_m_s, kFollowSpeed_m_s);
+  const double change = kFollowAcceleration_m_s2 * dt_s;
+  speed_m_s_ += std::clamp(wanted - speed_m_s_, -change, change);
+  return height_m_ + speed_m_s_ * dt_s;
+}
+
+bool LiftController::at_rest() const {
+  if (role_ == Role::Lead) return time_s_ >= span_s_;
+  return std::abs(to_m_ - height_m_) < kAtRest_m && std::abs(speed_m_s_) < kAtRest_m;
+}
+
+std::optional<LiftController::Command> LiftController::step(double dt_s,
+                                                            const std::optional<hal::Wrench>& felt,
+                                                            double pace) {
+  if (at_end_) return std::nullopt;
+  const double before_m = height_m_;
+  height_m_ = next_height(pace * dt_s);
+  hal::Pose X_WF = X_WF0_;
+  X_WF.translation().z() += height_m_;
+  const auto q = planner::follow_ik(arm_, X_WF, q_rad_, kDegree * config_.limit_margin_deg, kLargestStep_rad);
+  if (!q) {
+    height_m_ = before_m;  // the way down begins here
+    at_end_ = true;        // what lies behind may be in reach again, but not by the way that the palm goes
+    return std::nullopt;
+  }
+  q_rad_ = *q;
+
+  if (felt) {
+    // sideways the arm stays as soft as its impedance: that is the partner's freedom. What pushes up is the
+    // ground under the object: fed forward, it would be pressed down ever harder
+    hal::Wrench borne;
+    borne.force.z() = std::clamp(felt->force.z(), -config_.max_load_n, 0.0);
+    if (borne.force.z() < 0.0) borne.torque = felt->torque;
+    const double a = dt_s / (kFeedForward_s + dt_s);
+    fed_.force += a * (borne.force - fed_.force);
+    fed_.torque += a * (borne.torque - fed_.torque);
+  }
+  Command command;
+  command.q_rad = q_rad_;
+  Eigen::Matrix<double, 6, 1> wrench;
+  wrench << fed_.force, fed_.torque;
+  command.tau_superposed_nm = -(hal::jacobian(*model_, q_rad_, hal::Vec3::Zero()).transpose() * wrench);
+  return command;
+}
+
+}  // namespace colift::control

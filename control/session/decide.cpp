@@ -1,0 +1,191 @@
+#include "control/session/decide.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "perception/partner/partner_grasp.hpp"
+#include "perception/reference_image.hpp"
+#include "planner/grasp/grasp_stability.hpp"
+#ifdef COLIFT_THESIS
+#include "perception/thesis/thesis_partner.hpp"
+#endif
+
+namespace colift::control {
+namespace {
+
+using perception::PartnerGrasp;
+
+hal::Result<> see_fast(const Look& look, const hal::DepthFrame& frame, const Config& c, Outcome& out) {
+  const auto reference = perception::build_reference(std::array{look.frame}, look.cloud.X_WC, c.noise);
+  if (!reference) return tl::unexpected(reference.error());
+  auto finder =
+      perception::PartnerFinder::make(*reference, *look.scene.target, *look.scene.ground, c.noise, c.partner);
+  if (!finder) return tl::unexpected(finder.error());
+  auto seen = finder->find(perception::deproject(frame, look.cloud.X_WC));
+  if (!seen) return tl::unexpected(seen.error());
+  out.partner = seen->grasp;
+  out.partner_pixels = std::move(seen->pixels);
+  out.partner_because = std::move(seen->because);
+  return {};
+}
+
+hal::Result<> see_thesis([[maybe_unused]] const Look& look, [[maybe_unused]] const hal::DepthFrame& frame,
+                         [[maybe_unused]] const Config& c, [[maybe_unused]] Outcome& out) {
+#ifdef COLIFT_THESIS
+  const auto before = perception::thesis_cloud(look.cloud, c.thesis);
+  const auto now = perception::thesis_cloud(perception::deproject(frame, look.cloud.X_WC), c.thesis);
+  out.partner =
+      perception::thesis_partner(before, now, look.scene.target->points, c.thesis, &out.partner_because);
+  return {};
+#else
+  return hal::failure(hal::ErrorCode::BadConfig, "method",
+                      "this build has no thesis method (COLIFT_THESIS=OFF)");
+#endif
+}
+
+hal::Result<> find_partner(const Look& look, const PartnerInput& input, const Config& c, Outcome& out) {
+  if (input.position_W) {
+    out.partner = PartnerGrasp{*input.position_W, Eigen::Matrix3d::Zero(), 0, {}};
+    out.partner_because = "the partner's grasp was given";
+    return {};
+  }
+  if (!input.frame)
+    return hal::failure(hal::ErrorCode::BadInput, "partner", "neither a position nor a frame was given");
+  if (input.frame->depth_m.size() != look.frame.depth_m.size()) {
+    return hal::failure(
+        hal::ErrorCode::BadInput, "partner",
+        fmt::format("the second frame has {} pixels, the first {}; both have to come from the same camera",
+                    input.frame->depth_m.size(), look.frame.depth_m.size()));
+  }
+  return look.method == Method::Fast ? see_fast(look, *input.frame, c, out)
+                                     : see_thesis(look, *input.frame, c, out);
+}
+
+constexpr double kGravity = 9.80665;  // m/s^2, standard
+constexpr std::size_t kAtOnce = 512;  // candidates; more are taken in turns
+
+double sigma_mm(const Eigen::Matrix3d& covariance) {
+  return 1e3 * std::sqrt(std::max(0.0, covariance.diagonal().maxCoeff()));
+}
+
+// The weight that each candidate lifts before it slips, straight up (N).
+std::vector<double> holds(const std::vector<planner::GraspCandidate>& candidates,
+                          const planner::HandModel& hand, const planner::UncertainScene& scene) {
+  std::vector<double> out;
+  out.reserve(candidates.size());
+  const hal::Wrench load{-scene.weight_n * scene.up, hal::Vec3::Zero()};
+  for (const planner::GraspCandidate& c : candidates)
+    out.push_back(scene.weight_n * planner::stability_margins(c, hand, load).slip);
+  return out;
+}
+
+// The nominal choice in, that over the what-ifs out.
+hal::Result<> choose_robustly(const Look& look, const planner::DecisionConfig& config, Outcome& out) {
+  planner::Decision& d = out.decision;
+  if (config.robust == "nominal" || !d.chosen) return {};
+  const planner::UncertainScene scene = uncertain_scene(look, *out.partner, config);
+  auto robust = planner::RobustChoice::create(config.weights, kAtOnce);
+  if (!robust) return tl::unexpected(robust.error());
+  const bool worst = config.robust == "worst";
+  const auto best = robust->choose(
+      scene, out.candidates, worst ? planner::RobustChoice::Aim::Worst : planner::RobustChoice::Aim::Expected,
+      holds(out.candidates, look.finder->hand(), scene));
+  const std::string over =
+      fmt::format("over {} what-ifs (centre of gravity +- {:.0f} mm, partner +- {:.0f} mm, {:.1f} kg)",
+                  planner::RobustChoice::kWhatIfs, sigma_mm(scene.cog_covariance),
+                  sigma_mm(scene.partner_covariance), config.mass_kg);
+  planner::GraspCandidate& before = out.candidates[*d.chosen];
+  if (!best || *best == *d.chosen) {
+    d.because += "; the same " + over;
+    before.because = d.because;
+    return {};
+  }
+  planner::GraspCandidate& after = out.candidates[*best];
+  const planner::ScoredCandidate& score = *d.scores[*best];
+  d.because = fmt::format(
+      "candidate {} costs least {} {} and carries {:.0f} % of the load; with what is "
+      "believed it would be {}: {}",
+      after.id, worst ? "at worst" : "on average", over, 100 * score.share, before.id, d.because);
+  before.verdict = planner::Verdict::Ok;
+  before.because.clear();
+  after.verdict = planner::Verdict::Chosen;
+  after.because = d.because;
+  d.chosen = *best;
+  d.cost = score.cost;
+  d.share = score.share;
+  return {};
+}
+
+// out.candidates and out.partner in, the rest out
+hal::Result<> choose(const Look& look, const Config& config, const hal::Clock& clock, const Judge& judge_more,
+                     Outcome& out) {
+  const hal::Timestamp start = clock.now();
+  const planner::DecisionInput input{*out.partner, look.scene.target->cog, look.scene.ground->plane.normal,
+                                     look.base_frame_known};
+  if (look.method == Method::Fast) {
+    // the list is coarse; what matters lies around the closed-form optimum
+    const auto best = planner::best_robot_position(input, config.decision);
+    if (!best) return tl::unexpected(best.error());
+    auto more = look.finder->near(*best, out.candidates);
+    if (judge_more) judge_more(more);
+    out.candidates.insert(out.candidates.end(), more.begin(), more.end());
+  }
+  auto decision = planner::decide_grasp(out.candidates, input, config.decision);
+  if (!decision) return tl::unexpected(decision.error());
+  out.decision = std::move(*decision);
+  if (auto done = choose_robustly(look, config.decision, out); !done) return tl::unexpected(done.error());
+  out.decision_ms = 1e3 * hal::seconds(clock.now() - start);
+  return {};
+}
+
+}  // namespace
+
+planner::UncertainScene uncertain_scene(const Look& look, const PartnerGrasp& partner,
+                                        const planner::DecisionConfig& config) {
+  const perception::Target& target = *look.scene.target;
+  const hal::Vec3 uneven = config.unevenness * target.shape.size;
+  planner::UncertainScene scene;
+  scene.cog = target.cog;
+  scene.cog_covariance = target.cog_covariance +
+                         target.shape.axes * uneven.cwiseAbs2().asDiagonal() * target.shape.axes.transpose();
+  scene.partner = partner.position;
+  scene.partner_covariance = partner.covariance;
+  scene.up = look.scene.ground->plane.normal;
+  scene.weight_n = kGravity * config.mass_kg;
+  return scene;
+}
+
+hal::Result<Outcome> decide(const Look& look, const PartnerInput& partner, const Config& config,
+                            const hal::Clock& clock) {
+  Outcome out;
+  out.candidates = look.candidates;
+  if (!look.scene.target) {
+    out.decision.because = look.because;
+    out.partner_because = "without a target nobody holds it";
+    return out;
+  }
+  const hal::Timestamp start = clock.now();
+  if (auto seen = find_partner(look, partner, config, out); !seen) return tl::unexpected(seen.error());
+  out.partner_ms = 1e3 * hal::seconds(clock.now() - start);
+  if (!out.partner) {
+    out.decision.because = "no decision without the partner's grasp: " + out.partner_because;
+    return out;
+  }
+  if (auto done = choose(look, config, clock, {}, out); !done) return tl::unexpected(done.error());
+  return out;
+}
+
+hal::Result<Outcome> decide_for(const Look& look, const PartnerGrasp& partner, const Config& config,
+                                const hal::Clock& clock, const Judge& judge_more) {
+  Outcome out;
+  out.candidates = look.candidates;
+  out.partner = partner;
+  out.partner_because = "the partner's hand rests on the object";
+  if (auto done = choose(look, config, clock, judge_more, out); !done) return tl::unexpected(done.error());
+  return out;
+}
+
+}  // namespace colift::control

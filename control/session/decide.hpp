@@ -1,0 +1,51 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "control/session/look.hpp"
+#include "planner/grasp/grasp_decision.hpp"
+#include "planner/grasp/robust_choice.hpp"
+
+namespace colift::control {
+
+/// How the partner's grasp is known: given as a point, or seen in a second frame of the same fixed camera.
+struct PartnerInput {
+  std::optional<hal::Vec3> position_W;
+  std::optional<hal::DepthFrame> frame;
+};
+
+/// What was decided, with every candidate's verdict. Without a partner or a target nothing is chosen.
+struct Outcome {
+  std::optional<perception::PartnerGrasp> partner;
+  std::vector<std::uint32_t> partner_pixels;  ///< Changed pixels near the object, ascending.
+  std::string partner_because;
+  std::vector<planner::GraspCandidate>
+      candidates;  ///< Those of the look, and some around the closed-form optimum.
+  planner::Decision decision;
+  double partner_ms = 0.0, decision_ms = 0.0;
+};
+
+/// Sees where the partner holds the object and decides where the robot takes hold of it.
+/// Errors: BadInput (second frame of another size), BadConfig (weights or limits), and look()'s.
+[[nodiscard]] hal::Result<Outcome> decide(const Look& look, const PartnerInput& partner, const Config& config,
+                                          const hal::Clock& clock);
+
+/// What a robust choice rests on: the belief and covariances of a look and a partner, that of the centre of
+/// gravity widened by uneven density, config.unevenness of the completed box along its axes. Needs a target.
+[[nodiscard]] planner::UncertainScene uncertain_scene(const Look& look,
+                                                      const perception::PartnerGrasp& partner,
+                                                      const planner::DecisionConfig& config);
+
+/// Judges candidates that are made on demand, around the optimum: sets to Unreachable what the arm cannot do.
+using Judge = std::function<void(std::vector<planner::GraspCandidate>&)>;
+
+/// The decision for a partner who is known: candidates of the look, and for the fast method some around the
+/// closed-form optimum, judged by `judge_more`. Errors: BadConfig (weights or limits).
+[[nodiscard]] hal::Result<Outcome> decide_for(const Look& look, const perception::PartnerGrasp& partner,
+                                              const Config& config, const hal::Clock& clock,
+                                              const Judge& judge_more = {});
+
+}  // namespace colift::control

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "perception/map/world_map.hpp"
+#include "perception/organised_cloud.hpp"
+
+namespace colift::control {
+
+/// Why a collision world cannot be the room that the camera saw: most of what is known of it is occupied, or
+/// most of what the camera saw is missing in it. Unset: it can. One sentence with numbers; a plan through
+/// such a map would mean nothing. `cloud`: what the map was made from. Some milliseconds.
+[[nodiscard]] std::optional<std::string> map_trouble(const perception::WorldMap& map,
+                                                     const perception::OrganisedCloud& cloud);
+
+}  // namespace colift::control

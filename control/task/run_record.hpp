@@ -1,0 +1,91 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "control/session/decide.hpp"
+#include "control/session/look.hpp"
+#include "control/task/task_machine.hpp"
+#include "control/test_lift/test_lift.hpp"
+#include "hal/device.hpp"
+#include "planner/motion/motion_planner.hpp"
+
+namespace colift::control {
+
+struct StateChange {
+  hal::Timestamp at{0};
+  Task state = Task::Observe;
+  std::string because;
+};
+
+/// One point of the curves of a lift, 30 a second from Close to Release.
+struct LiftSample {
+  double t_s = 0.0;
+  Task state = Task::Lift;
+  double palm_height_m = 0.0;  ///< Of the palm over where it closed.
+  double object_rise_m = 0.0;  ///< Of the object's centre, from depth; NaN while not seen.
+  double tilt_rad = 0.0;       ///< Of the object, from depth; NaN while not seen.
+  double slip_m = 0.0;         ///< Of the object in the hand, from depth and joints; NaN while not seen.
+  double load_n = 0.0;         ///< That the robot carries, from external torques.
+};
+
+struct LiftSummary {
+  double height_m = 0.0;
+  double tilt_rad = 0.0;
+  double share_robot = 0.0;
+  double share_predicted = 0.0;
+  double slip_m = 0.0;
+  double mass_kg = 0.0;
+};
+
+struct RunTiming {
+  std::optional<double> grasp_to_decision_s;  ///< Simulated or real time, from the start of the dwell's end.
+  double decision_compute_ms = 0.0;
+  double plan_ms = 0.0;
+  double sim_s = 0.0;
+  double wall_s = 0.0;
+};
+
+/// A lift of some millimetres, and what it told.
+struct TestLiftRecord {
+  hal::Timestamp at{0};
+  int candidate = 0;  ///< Its id.
+  double height_m = 0.0;
+  std::optional<TestLift> known;  ///< Unset where it said nothing.
+  std::string because;
+};
+
+/// The partner was asked to take hold elsewhere.
+struct AskRecord {
+  hal::Timestamp at{0};
+  hal::Vec3 place = hal::Vec3::Zero();  ///< W, m.
+  std::string because;
+};
+
+struct DeviceNote {
+  hal::Timestamp at{0};
+  std::string device, what;
+};
+
+/// Everything that a run leaves behind for screen, JSON and report.
+struct RunRecord {
+  enum class Result { Lifted, Aborted, Refused } outcome = Result::Refused;
+  std::string because;
+  std::vector<StateChange> states;
+  std::optional<Look> look;         ///< Of the reference frame.
+  std::optional<Outcome> decision;  ///< The one that was carried out, or the last that was tried.
+  std::optional<hal::DepthFrame> frame_partner, frame_lifted;  ///< When decided; at the top.
+  std::optional<planner::MotionPlan> plan;
+  std::vector<LiftSample> curve;
+  std::vector<TestLiftRecord> test_lifts;
+  std::vector<AskRecord> asked;
+  std::optional<LiftSummary> lift;
+  RunTiming timing;
+  std::vector<DeviceNote> faults;
+  std::vector<std::string> realtime;  ///< What the machine granted to the arm's thread, where it has one.
+  bool device_failed = false;         ///< Arm or hand were lost.
+  bool hand_keeps_grip = false;       ///< The run ended with a closed, loaded hand.
+};
+
+}  // namespace colift::control

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "hal/drivers/barrett_can/hand_units.hpp"
+#include "hal/drivers/barrett_can/pucks/puck_link.hpp"
+#include "hal/hand.hpp"
+#include "hal/types/short_text.hpp"
+
+namespace colift::hal::barrett {
+
+/// What start-up found out about the hand, and what was lost of it since.
+struct HandFacts {
+  bool has_strain = false, has_tactile = false;
+  int tactile_format = kTactOff;
+  std::array<bool, kPucks> pad_works{};
+  std::array<bool, kPucks>
+      zero_lost{};  ///< Its encoder's zero is not that of the joint: it has to be found anew.
+  std::array<bool, kPucks> mode_lost{};  ///< It fell out of the mode that it was told.
+  std::array<double, kFingers> strain_idle{2048.0, 2048.0, 2048.0};  ///< Of an open hand.
+};
+
+/// Words without allocation.
+template <class... Args>
+void say(ShortText& text, fmt::format_string<Args...> format, Args&&... args) {
+  std::array<char, 184> letters{};
+  const auto end = fmt::format_to_n(letters.data(), letters.size(), format, std::forward<Args>(args)...);
+  text.set({letters.data(), std::min(end.size, letters.size())});
+}
+
+/// Torque about a finger's outer joint above that of the open hand (N m); NaN without gauges or usable
+/// answer.
+[[nodiscard]] inline double strain_above_idle(const PuckLink& link, const HandFacts& facts, Puck finger) {
+  const Told& sg = link.told(finger, Property::Sg);
+  const bool twelve_bits = sg.value >= 0 && sg.value <= 4095;  // others do not come from a gauge
+  if (!facts.has_strain || !sg.known || !twelve_bits) return std::numeric_limits<double>::quiet_NaN();
+  return strain_nm(sg.value) - strain_nm(facts.strain_idle[index(finger)]);
+}
+
+/// Force on a pad (N); NaN without pads, or when the last whole scan is older than 0.3 s.
+[[nodiscard]] inline double pad_force(const PuckLink& link, const HandFacts& facts, Puck puck,
+                                      Timestamp now) {
+  const PadScan& pad = link.pad(puck);
+  if (!facts.pad_works[index(puck)] || !pad.known || now - pad.at > std::chrono::milliseconds(300))
+    return std::numeric_limits<double>::quiet_NaN();
+  return pad_force_n(puck, pad.cells);
+}
+
+}  // namespace colift::hal::barrett

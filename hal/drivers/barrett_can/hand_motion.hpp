@@ -1,0 +1,104 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "hal/drivers/barrett_can/hand_config.hpp"
+#include "hal/drivers/barrett_can/hand_facts.hpp"
+#include "hal/drivers/barrett_can/slip_detector.hpp"
+
+namespace colift::hal::barrett {
+
+/// Moves of the hand, a step at a time: open, turn the spread, close until held, feel the grip, keep it, let
+/// go. Gives the pucks their settings through the link and reads there how far they are; never waits.
+class HandMotion {
+ public:
+  enum class Phase { Still, Opening, Turning, Closing, Verifying, Held };
+
+  HandMotion(const BarrettHandConfig& config, PuckLink& link, HandFacts& facts);
+
+  void preshape(double spread_rad);
+  void close(double torque_nm);
+  void release();
+  void stop();     ///< Fingers stay where they are; a grip is kept.
+  void idle();     ///< The motors rest; the worms keep what is held.
+  void resume();   ///< After idle(): what is held is pressed again.
+  void abandon();  ///< The bus was lost: nothing more is said, the pucks do what they were told last.
+  void assume_loaded() { loaded_ = true; }
+  void forget_pressing() { pressing_ = false; }  ///< The motors may have been off meanwhile; see resume().
+  void step(Timestamp now);
+
+  /// The puck ended the mode by itself to protect its strain gauge: enough pressure, and the worm keeps it.
+  /// It presses again when the strain has fallen.
+  void rest(Puck finger);
+
+  /// Most torque to keep up while holding, in units of the pucks; 0: the worms alone.
+  void limit_hold(double units);
+
+  [[nodiscard]] Phase phase() const { return phase_; }
+  [[nodiscard]] bool moving() const { return phase_ != Phase::Still && phase_ != Phase::Held; }
+  [[nodiscard]] bool held() const { return phase_ == Phase::Held; }
+  /// From the first contact of a close() to the end of a release(): the hand must not open by itself.
+  [[nodiscard]] bool loaded() const { return loaded_; }
+  [[nodiscard]] bool slipped() const { return slip_.slipped(); }
+  /// The motors press now; a puck that says another mode than trapezoid has lost it.
+  [[nodiscard]] bool pressing(Puck finger, Timestamp now) const;
+  [[nodiscard]] const ShortText& why() const { return why_; }
+
+ private:
+  static constexpr std::int32_t kNear = 600;  ///< Of its target a stopped puck has reached it (as in OWD).
+  static constexpr int kTries = 3;
+  static constexpr Duration kModeSettles =
+      std::chrono::milliseconds(30);  ///< Longer than the slowest answer.
+
+  enum class End { None, Reached, Stalled, NoMotion, Refused, Silent, TooLong };
+  struct Move {
+    bool active = false, started = false;
+    std::int32_t start = 0, target = 0, last = 0;
+    Timestamp started_at{0}, moved_at{0};
+    int tries = 0;
+    End end = End::None;
+  };
+
+  [[nodiscard]] std::int32_t position(Puck puck) const { return link_.told(puck, Property::P).value; }
+  [[nodiscard]] bool felt(Puck finger, Timestamp now) const;
+  [[nodiscard]] bool any_active() const;
+  void begin(Puck puck, std::int32_t target, double torque_units, int strain_limit);
+  void step_move(Puck puck, Timestamp now);
+  [[nodiscard]] std::optional<End> how_it_ended(Puck puck, const Move& move, Timestamp now) const;
+  [[nodiscard]] bool said_too_early(Puck puck) const;
+  void begin_closing();
+  void after_opening();
+  void after_closing(Timestamp now);
+  void verify(Timestamp now);
+  bool press_again();
+  void watch_grip(Timestamp now);
+  void press();
+  void press(Puck finger);
+  void grip_up();
+  [[nodiscard]] double share(Puck finger) const;
+  void let_rest(Puck puck);
+  void open_fingers();
+  [[nodiscard]] bool opposed() const;
+  void give_up_grip();
+
+  const BarrettHandConfig& config_;
+  PuckLink& link_;
+  HandFacts& facts_;
+  Phase phase_ = Phase::Still;
+  std::array<Move, kPucks> moves_{};
+  std::array<bool, kFingers> contact_{};
+  std::int32_t spread_target_ = 0;
+  bool turn_after_ = false, releasing_ = false, loaded_ = false, waiting_ = false, pressing_ = false;
+  std::array<bool, kFingers> rests_{};  ///< Strained so far that its puck let off; the worm holds.
+  std::array<double, kFingers> hold_units_{};
+  double torque_nm_ = 0.0, hold_limit_units_ = 0.0;
+  bool gripped_up_ = false;
+  Timestamp verify_until_{0};
+  bool verify_timed_ = false;
+  int press_tries_ = 0;
+  SlipDetector slip_;
+  ShortText why_;
+};
+
+}  // namespace colift::hal::barrett

@@ -1,0 +1,298 @@
+#include "hal/drivers/barrett_can/pucks/puck_link.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+namespace colift::hal::barrett {
+namespace {
+
+constexpr int kTries = 3;
+constexpr Duration kBetweenSettings = std::chrono::microseconds(200);
+constexpr int kMostFrames = 512;  // in one go: a babbling bus must not hold the caller up
+
+std::size_t number(Property property) {
+  return static_cast<std::size_t>(property);
+}
+
+}  // namespace
+
+PuckLink::PuckLink(CanBus& bus, const Clock& clock, Duration reply, Duration tactile_reply)
+    : bus_(bus), clock_(clock), reply_(reply), tactile_reply_(tactile_reply) {}
+
+PuckLink::Question& PuckLink::question(Puck puck, Property property) noexcept {
+  return questions_[index(puck)][number(property)];
+}
+
+const PuckLink::Question& PuckLink::question(Puck puck, Property property) const noexcept {
+  return questions_[index(puck)][number(property)];
+}
+
+const Told& PuckLink::told(Puck puck, Property property) const noexcept {
+  return question(puck, property).told;
+}
+
+bool PuckLink::pending(Puck puck, Property property) const noexcept {
+  return open_[index(puck)].test(number(property));
+}
+
+bool PuckLink::unanswered(Puck puck, Property property) const noexcept {
+  return lost_[index(puck)].test(number(property));
+}
+
+bool PuckLink::silent(Puck puck) const noexcept {
+  return lost_[index(puck)].any();
+}
+
+bool PuckLink::repeats(Puck puck) const noexcept {
+  const auto& open = open_[index(puck)];
+  for (std::size_t n = 0; open.any() && n < open.size(); ++n)
+    if (open.test(n) && questions_[index(puck)][n].tries > 0) return true;
+  return false;
+}
+
+bool PuckLink::busy() const noexcept {
+  return std::any_of(queues_.begin(), queues_.end(), [](const Queue& q) { return q.size > 0; });
+}
+
+void PuckLink::forget(Puck puck) noexcept {
+  questions_[index(puck)] = {};
+  open_[index(puck)].reset();
+  lost_[index(puck)].reset();
+}
+
+void PuckLink::drop_settings(Puck puck) noexcept {
+  Queue& q = queues_[index(puck)];
+  q.first = q.size = 0;
+  q.tries = 0;
+  q.reading_back = false;
+}
+
+void PuckLink::drop_all() noexcept {
+  for (const Puck puck : kAllPucks) {
+    drop_settings(puck);
+    open_[index(puck)].reset();
+    pads_[index(puck)].pending = pads_[index(puck)].to_send = false;
+  }
+}
+
+std::optional<Property> PuckLink::take_refusal(Puck puck) noexcept {
+  return std::exchange(queues_[index(puck)].refused, std::nullopt);
+}
+
+void PuckLink::begin(Question& q, Timestamp now) noexcept {
+  q.asked_at = now;
+  q.sent = false;
+}
+
+void PuckLink::ask(Puck puck, Property property) noexcept {
+  if (pending(puck, property)) return;
+  Question& q = question(puck, property);
+  q.tries = 0;
+  begin(q, clock_.now());
+  open_[index(puck)].set(number(property));
+}
+
+void PuckLink::ask_all(Property property) noexcept {
+  const Timestamp now = clock_.now();
+  const bool together = grouped_ && std::none_of(kAllPucks.begin(), kAllPucks.end(),
+                                                 [&](Puck p) { return pending(p, property); });
+  const bool sent = together && send(encode_get(kToHand, property));
+  for (const Puck puck : kAllPucks) {
+    if (silent(puck) || pending(puck, property)) continue;
+    ask(puck, property);
+    Question& q = question(puck, property);
+    q.asked_at = now;
+    q.sent = sent;
+  }
+}
+
+void PuckLink::ask_lost(Puck puck) noexcept {
+  const auto& lost = lost_[index(puck)];
+  for (std::size_t n = 0; lost.any() && n < lost.size(); ++n)
+    if (lost.test(n)) ask(puck, static_cast<Property>(n));
+}
+
+void PuckLink::ask_tactile(Puck puck, int format, bool send) noexcept {
+  Pad& pad = pads_[index(puck)];
+  if (pad.pending) return;
+  pad.asked_at = clock_.now();
+  pad.full = format == kTactFull;
+  pad.rows = 0;
+  pad.pending = true;
+  pad.to_send = send;
+}
+
+void PuckLink::set(Puck puck, Property property, std::int32_t value, bool verify) noexcept {
+  Queue& q = queues_[index(puck)];
+  if (q.size ==
+      q.settings.size()) {  // never by the driver's own doing; a refusal is better than a lost setting
+    q.refused = property;
+    return;
+  }
+  q.settings[(q.first + q.size++) % q.settings.size()] = {property, value, verify};
+}
+
+void PuckLink::pump(Duration patience) noexcept {
+  CanFrame frame;
+  for (int i = 0; i < kMostFrames; ++i) {
+    if (bus_.receive(frame, i == 0 ? patience : Duration::zero()) != CanBus::Received::Frame) break;
+    take(frame);
+  }
+  const Timestamp now = clock_.now();
+  check_deadlines(now);
+  stalled_ = false;
+  for (const Puck puck : kAllPucks) run_queue(puck, now);
+  send_due(now);
+}
+
+void PuckLink::take(const CanFrame& frame) noexcept {
+  const auto reply = decode_reply(frame);
+  if (!reply) {
+    ++rejected_;
+    return;
+  }
+  const Timestamp at = frame.arrived_at;
+  if (const auto* value = std::get_if<ValueReply>(&*reply)) {
+    answer(value->puck, value->property, value->value, at);
+  } else if (const auto* position = std::get_if<PositionReply>(&*reply)) {
+    // the joint's encoder comes along, nobody asks for it
+    if (pending(position->puck, Property::P)) {
+      Told& joint = question(position->puck, Property::Jp).told;
+      joint = {position->joint.value_or(0), at, at, position->joint.has_value()};
+    }
+    answer(position->puck, Property::P, position->motor, at);
+  } else if (const auto* row = std::get_if<TactileRow>(&*reply)) {
+    ++(take_row(*row, at) ? accepted_ : rejected_);
+  } else if (const auto* top = std::get_if<TactileTop>(&*reply)) {
+    ++(take_top(*top, at) ? accepted_ : rejected_);
+  }
+}
+
+void PuckLink::answer(Puck puck, Property property, std::int32_t value, Timestamp at) noexcept {
+  Question& q = question(puck, property);
+  // an answer that nobody waits for is late, doubled, or somebody else's
+  if (!pending(puck, property) || !q.sent || at > q.asked_at + reply_) {
+    ++rejected_;
+    return;
+  }
+  ++accepted_;
+  q.told = {value, at, q.asked_at, true};
+  open_[index(puck)].reset(number(property));
+  lost_[index(puck)].reset(number(property));
+}
+
+bool PuckLink::take_row(const TactileRow& row, Timestamp at) noexcept {
+  Pad& pad = pads_[index(row.puck)];
+  const auto bit = static_cast<std::uint8_t>(1u << row.row);
+  if (!pad.pending || !pad.full || (pad.rows & bit)) return false;
+  for (std::size_t i = 0; i < row.cells.size(); ++i)
+    if (const std::size_t cell = 5u * row.row + i; cell < pad.cells.size()) pad.cells[cell] = row.cells[i];
+  pad.rows |= bit;
+  if (pad.rows == (1u << kTactileRows) - 1) {
+    pad.whole = {pad.cells, at, true};
+    pad.pending = false;
+  }
+  return true;
+}
+
+bool PuckLink::take_top(const TactileTop& top, Timestamp at) noexcept {
+  Pad& pad = pads_[index(top.puck)];
+  if (!pad.pending || pad.full) return false;
+  pad.whole = {top.cells, at, true};
+  pad.pending = false;
+  return true;
+}
+
+void PuckLink::check_deadlines(Timestamp now) noexcept {
+  for (const Puck puck : kAllPucks) {
+    auto& open = open_[index(puck)];
+    for (std::size_t n = 0; open.any() && n < open.size(); ++n) {
+      if (!open.test(n)) continue;
+      Question& q = questions_[index(puck)][n];
+      if (!q.sent || now < q.asked_at + reply_) continue;
+      if (++q.tries < kTries) {
+        begin(q, now);
+      } else {
+        open.reset(n);
+        lost_[index(puck)].set(n);
+      }
+    }
+    Pad& pad = pads_[index(puck)];
+    // an unfinished scan is nobody's fault: in position mode a puck may send none
+    if (pad.pending && now >= pad.asked_at + tactile_reply_) pad.pending = false;
+  }
+}
+
+void PuckLink::send_due(Timestamp now) noexcept {
+  for (const Puck puck : kAllPucks) {
+    const auto& open = open_[index(puck)];
+    for (std::size_t n = 0; open.any() && n < open.size() && !stalled_; ++n) {
+      if (!open.test(n)) continue;
+      Question& q = questions_[index(puck)][n];
+      if (q.sent) continue;
+      q.asked_at = now;
+      q.sent = send(encode_get(id_to(puck), static_cast<Property>(n)));
+    }
+    Pad& pad = pads_[index(puck)];
+    if (pad.pending && pad.to_send && !stalled_) {
+      pad.asked_at = now;
+      pad.to_send = !send(encode_get(id_to(puck), Property::Tact));
+    }
+  }
+}
+
+void PuckLink::run_queue(Puck puck, Timestamp now) noexcept {
+  Queue& q = queues_[index(puck)];
+  if (q.size == 0) return;
+  const Setting& s = q.settings[q.first];
+  const auto done = [&] {
+    q.first = (q.first + 1) % q.settings.size();
+    --q.size;
+    q.tries = 0;
+    q.reading_back = false;
+  };
+  if (q.reading_back) {
+    if (pending(puck, s.property)) return;
+    q.reading_back = false;
+    const Told& now_told = told(puck, s.property);
+    if (!unanswered(puck, s.property) && now_told.asked_at >= q.last_sent && now_told.value == s.value) {
+      done();
+    } else if (unanswered(puck, s.property) || ++q.tries >= kTries) {
+      q.refused = s.property;
+      drop_settings(puck);
+    }
+    if (q.size == 0) return;
+  }
+  const Setting& next = q.settings[q.first];
+  if (stalled_ || now < q.last_sent + kBetweenSettings) return;
+  // an answer to a question from before the setting would be taken for its reading back
+  if (next.verify && pending(puck, next.property)) return;
+  if (!send(encode_set(id_to(puck), next.property, next.value))) return;
+  q.last_sent = now;
+  if (next.property == Property::Mode) mode_set_at_[index(puck)] = now;
+  if (!next.verify) {
+    done();
+    return;
+  }
+  ask(puck, next.property);
+  q.reading_back = true;
+}
+
+bool PuckLink::send(const CanFrame& frame) noexcept {
+  if (stalled_) return false;
+  switch (bus_.send(frame)) {
+    case CanBus::Sent::Yes:
+      full_in_a_row_ = 0;
+      return true;
+    case CanBus::Sent::Full:
+      ++full_in_a_row_;
+      break;
+    case CanBus::Sent::Down:
+      break;
+  }
+  stalled_ = true;  // nothing more in this turn: what is left keeps its order
+  return false;
+}
+
+}  // namespace colift::hal::barrett

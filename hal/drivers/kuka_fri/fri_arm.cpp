@@ -1,0 +1,318 @@
+#include "hal/drivers/kuka_fri/fri_arm.hpp"
+
+#include <atomic>
+
+#include "hal/drivers/kuka_fri/fri_driver.hpp"
+#include "hal/os/realtime.hpp"
+#include "hal/os/udp_link.hpp"
+
+namespace colift::hal {
+namespace {
+
+constexpr int kCyclesAfterMonitor = 100;  // FRI's statistics are over so many; TUM's client does the same
+constexpr int kNoTime = 2000;             // waits without time passing: the far end of a test is gone
+constexpr double kTakeBack_s = 0.5;       // for the KRL program to hear that nobody waits any more
+constexpr int kQuietCycles = 5;
+constexpr double kScriptAfterStop_s = 1.0;
+
+/// Bounds a loop of exchanges by time, and by waits in which no time passes.
+class Patience {
+ public:
+  Patience(const Clock& clock, double most_s)
+      : clock_(clock), until_(clock.now() + Duration(static_cast<Duration::rep>(1e9 * most_s))) {}
+  bool left() {
+    const Timestamp now = clock_.now();
+    still_ = now == last_ ? still_ + 1 : 0;
+    last_ = now;
+    return now < until_ && still_ < kNoTime;
+  }
+
+ private:
+  const Clock& clock_;
+  Timestamp until_, last_{0};
+  int still_ = 0;
+};
+
+Result<Endpoint> parse_krc(const std::string& text) {
+  if (text.empty()) return Endpoint{};
+  return parse_endpoint(text.find(':') == std::string::npos ? text + ":0" : text);
+}
+
+DeviceHealth::State device_state(const FriStatus& s) {
+  using enum DeviceHealth::State;
+  if (s.reason == FriReason::LinkBroken) return Failed;
+  switch (s.session) {
+    case FriSession::Silent:
+      return s.reason == FriReason::NotOpen ? Absent : s.reason == FriReason::NoDatagram ? Opening : Lost;
+    case FriSession::Monitor:
+    case FriSession::GettingReady:
+      return Opening;
+    case FriSession::Command:
+      return s.may_command                     ? Streaming
+             : s.reason == FriReason::Stopped  ? Opening
+             : s.reason == FriReason::NotAsked ? Opening
+                                               : Stalled;
+    case FriSession::Fault:
+      return Failed;
+  }
+  return Absent;
+}
+
+}  // namespace
+
+struct FriArm::Impl {
+  Impl(const FriConfig& c, std::unique_ptr<DatagramLink> link, const Clock& clock)
+      : config(c), driver(c, parse_krc(c.krc).value_or(Endpoint{}), std::move(link), clock) {}
+
+  FriConfig config;
+  FriDriver driver;
+  std::atomic<bool> stopped{false};
+  std::atomic<bool> configured{false};
+  std::atomic<std::uint64_t> states{0};
+
+  [[nodiscard]] bool krc_commands() const { return driver.m.state == FriState::Command; }
+  [[nodiscard]] bool silent() const { return driver.session.session() == FriSession::Silent; }
+  [[nodiscard]] std::string why() { return why_not(driver.latest_status.read(), config); }
+
+  /// Asks for monitor mode, answering all the while.
+  void leave() {
+    driver.session.leave();
+    const bool nobody_listens = config.script == "none";
+    Patience patience(driver.clock, config.stop_s);
+    while (patience.left() && !silent()) {
+      (void)driver.exchange();
+      if (!krc_commands() || nobody_listens) break;
+    }
+    Patience script(driver.clock, kScriptAfterStop_s);
+    while (script.left() && !silent() && driver.hand_shake->sign() == ScriptSign::Working)
+      (void)driver.exchange();
+    driver.session.forget_wishes();
+    Patience after(driver.clock, config.stop_s);
+    for (int i = 0; i < kCyclesAfterMonitor && after.left() && !silent(); ++i) (void)driver.exchange();
+  }
+
+  tl::unexpected<Error> refuse_to_start() {
+    const FriReason reason = driver.session.reason();
+    driver.publish();
+    const std::string text = why();
+    const bool asked = driver.hand_shake->sign() != ScriptSign::Unknown || krc_commands();
+    (void)driver.session.give_up();
+    if (asked && !silent()) {
+      driver.session.leave();
+      Patience patience(driver.clock, kTakeBack_s);
+      while (patience.left() && !silent()) {
+        (void)driver.exchange();
+        if (!krc_commands() && driver.hand_shake->sign() != ScriptSign::Working) break;
+      }
+      driver.session.forget_wishes();
+      (void)driver.exchange();
+    }
+    driver.session.refused(reason);
+    driver.publish();
+    const ErrorCode code =
+        reason == FriReason::LinkLost || reason == FriReason::NoDatagram || reason == FriReason::LinkBroken
+            ? ErrorCode::LinkLost
+        : reason == FriReason::DriveError || reason == FriReason::DriveHot ? ErrorCode::DeviceFault
+                                                                           : ErrorCode::NotReady;
+    return failure(code, "fri.activate", text);
+  }
+
+  /// Why no command can be taken now; nullptr when one can.
+  [[nodiscard]] const char* closed(FriControl control) const {
+    if (!configured) return "not configured";
+    if (stopped) return short_words(FriReason::Stopped);
+    if (!driver.session.may_command()) return short_words(driver.session.reason());
+    if (!driver.open) return "no open cycle";
+    if (driver.mode.control != control) return short_words(FriReason::WrongControl);
+    return nullptr;
+  }
+
+  Result<> taken(const FriLimit& limit) {
+    if (limit.what != FriLimit::What::None) {
+      driver.count_refused(limit);
+      return failure(ErrorCode::LimitExceeded, "fri.command", short_words(limit));
+    }
+    driver.answer();
+    return {};
+  }
+};
+
+FriArm::FriArm(const FriConfig& config, std::unique_ptr<DatagramLink> link, const Clock& clock)
+    : impl_(std::make_unique<Impl>(config, std::move(link), clock)) {
+  impl_->driver.status.reason = FriReason::NotOpen;
+  impl_->driver.latest_status.write(impl_->driver.status);
+}
+
+FriArm::~FriArm() {
+  shut_down();
+}
+
+Result<> FriArm::configure() {
+  Impl& a = *impl_;
+  constexpr const char* kWhere = "fri.configure";
+  if (auto krc = parse_krc(a.config.krc); !krc) return tl::unexpected<Error>(krc.error());
+  if (a.configured) shut_down();
+  FriDriver& d = a.driver;
+  d.reset();
+  a.states = 0;
+  if (auto opened = d.wire.open(); !opened) return opened;
+  Patience patience(d.clock, a.config.first_s);
+  while (patience.left() && !d.seen)
+    if (d.exchange() == FriDriver::Took::Broken) break;
+  d.publish();
+  if (!d.seen) {
+    const std::string text = a.why();
+    d.wire.close();
+    d.status.reason = FriReason::NoDatagram;
+    d.latest_status.write(d.status);
+    return failure(ErrorCode::LinkLost, kWhere, text);
+  }
+  a.configured = true;
+  return {};
+}
+
+Result<> FriArm::activate() {
+  Impl& a = *impl_;
+  if (!a.configured)
+    return failure(ErrorCode::NotReady, "fri.activate", "the arm is not open; configure() comes first");
+  FriDriver& d = a.driver;
+  (void)stay_on_cpu(a.config.cpu);  // this is the thread that answers; without such a CPU it runs anywhere
+  a.stopped = false;
+  d.answer();
+  d.session.activate();
+  Patience patience(d.clock, a.config.ready_s);
+  while (patience.left()) {
+    (void)d.exchange();
+    if (d.session.may_command()) return {};
+    if (a.stopped) d.session.stop();
+    if (a.silent() || d.session.stage() == ReadyStage::Refused) break;
+  }
+  return a.refuse_to_start();
+}
+
+void FriArm::deactivate() noexcept {
+  Impl& a = *impl_;
+  if (!a.configured) return;
+  a.stopped = true;
+  if (a.silent() || (!a.krc_commands() && a.driver.session.ask() == Ask::Nothing)) {
+    a.driver.session.leave();
+    a.driver.session.forget_wishes();
+  } else {
+    a.leave();
+  }
+  a.driver.publish();
+}
+
+void FriArm::shut_down() noexcept {
+  Impl& a = *impl_;
+  if (!a.configured) return;
+  deactivate();
+  FriDriver& d = a.driver;
+  if (a.config.end_script && !a.silent()) {
+    d.session.close();
+    Patience patience(d.clock, kScriptAfterStop_s + kTakeBack_s);
+    while (patience.left() && !a.silent()) (void)d.exchange();
+  }
+  // nothing stands there for the next program or the next client; only colift's own numbers a request, so
+  // that an old one does no harm, and would take zeros for one
+  if (a.config.script != "colift") {
+    d.quiet = true;
+    Patience patience(d.clock, kTakeBack_s);
+    for (int i = 0; i < kQuietCycles && patience.left() && !a.silent(); ++i) (void)d.exchange();
+  }
+  a.configured = false;
+  d.wire.close();
+}
+
+Result<ArmState> FriArm::wait_cycle() {
+  Impl& a = *impl_;
+  constexpr const char* kWhere = "fri.wait_cycle";
+  if (!a.configured) return failure(ErrorCode::NotReady, kWhere, "not configured");
+  FriDriver& d = a.driver;
+  if (a.stopped) d.session.stop();
+  d.answer();
+  const FriDriver::Took took = d.take();
+  if (took != FriDriver::Took::Packet) {
+    if (took == FriDriver::Took::Broken || a.silent())
+      return failure(ErrorCode::LinkLost, kWhere, short_words(d.session.reason()));
+    return failure(ErrorCode::Timeout, kWhere, "no datagram");
+  }
+  if (d.session.garbage()) {
+    d.answer();
+    return failure(ErrorCode::BadReply, kWhere, short_words(FriReason::JointJump));
+  }
+  ++a.states;
+  const ArmState state = d.state();
+  if (!state.may_command) d.answer();
+  return state;
+}
+
+Result<> FriArm::command(const ImpedanceCommand& command) {
+  if (const char* why = impl_->closed(FriControl::JointImpedance))
+    return failure(ErrorCode::NotReady, "fri.command", why);
+  return impl_->taken(impl_->driver.set(command));
+}
+
+Result<> FriArm::command_position(const JointVector& q_rad) {
+  if (const char* why = impl_->closed(FriControl::Position))
+    return failure(ErrorCode::NotReady, "fri.command", why);
+  return impl_->taken(impl_->driver.set_position(q_rad));
+}
+
+Result<> FriArm::command_cartesian(const CartesianCommand& c) {
+  if (const char* why = impl_->closed(FriControl::CartesianImpedance))
+    return failure(ErrorCode::NotReady, "fri.command", why);
+  return impl_->taken(impl_->driver.set(c.posture_rad ? &*c.posture_rad : nullptr, c.X, c.stiffness,
+                                        c.damping_ratio, c.wrench));
+}
+
+void FriArm::stop() noexcept {
+  impl_->stopped = true;
+}
+
+DeviceHealth FriArm::health() const {
+  const FriStatus s = status();
+  DeviceHealth h;
+  h.state = device_state(s);
+  h.accepted = s.states;
+  h.rejected = s.refused + s.timeouts;
+  for (const std::uint64_t d : s.drops) h.rejected += d;
+  if (s.reason != FriReason::None && s.reason != FriReason::NotAsked && s.reason != FriReason::NotOpen)
+    h.last_error = why_not(s, impl_->config);
+  if (const std::string slow = why_slow(s, impl_->config); !slow.empty())
+    h.last_error += (h.last_error.empty() ? "slow: " : "; slow: ") + slow;
+  return h;
+}
+
+FriStatus FriArm::status() const {
+  FriStatus s = impl_->driver.latest_status.read();
+  s.states = impl_->states;
+  return s;
+}
+FriMeasurement FriArm::measurement() const {
+  return impl_->driver.latest_measurement.read();
+}
+
+SixVector FriArm::external_wrench() const {
+  const SixVector w = from_wire_order(measurement().wrench_external);
+  return impl_->config.external_torque == "on_environment" ? SixVector(-w) : w;
+}
+
+std::optional<FriEvent> FriArm::next_event() {
+  return impl_->driver.events.pop();
+}
+const AnswerTimes& FriArm::answer_times() const {
+  return impl_->driver.wire.answer_times();
+}
+const FriConfig& FriArm::config() const {
+  return impl_->config;
+}
+
+Result<std::unique_ptr<FriArm>> make_fri_arm(const FriConfig& config, const Clock& clock) {
+  auto local = parse_endpoint(config.address + ":" + std::to_string(config.port));
+  if (!local) return tl::unexpected<Error>(local.error());
+  if (auto krc = parse_krc(config.krc); !krc) return tl::unexpected<Error>(krc.error());
+  return std::make_unique<FriArm>(config, make_udp_link(*local), clock);
+}
+
+}  // namespace colift::hal

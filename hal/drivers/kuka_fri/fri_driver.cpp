@@ -1,0 +1,325 @@
+#include "hal/drivers/kuka_fri/fri_driver.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hal/drivers/kuka_fri/wire/lwr_limits.hpp"
+
+namespace colift::hal {
+namespace {
+
+constexpr double kRounding = 1e-6;
+constexpr double kLeastSlack_s = 0.001;  // an ordinary kernel's jitter is not a lost datagram
+constexpr double kShortest_s = 0.0005;   // a sample time below that is none
+constexpr double kWrenchSlope_n_s = 500.0, kWrenchSlope_nm_s = 100.0;
+constexpr int kGapCycles = 5;
+
+FriQuality quality(const std::string& name) {
+  return name == "perfect" ? FriQuality::Perfect : name == "bad" ? FriQuality::Bad : FriQuality::Ok;
+}
+
+SessionMachine::Settings settings(const FriConfig& c) {
+  SessionMachine::Settings s;
+  s.control = FriMode::of(c).control;
+  s.least_quality = quality(c.least_quality);
+  s.start_external_nm = c.start_external_nm;
+  s.warm_c = c.warm_c;
+  s.hot_c = c.hot_c;
+  s.velocity_rad_s = lwr_velocity_rad_s();
+  return s;
+}
+
+double towards(double from, double to, double most) {
+  return from + std::clamp(to - from, -most, most);
+}
+
+template <class To, class From>
+void put(To& to, const From& from) {
+  for (std::size_t i = 0; i < to.size(); ++i) to[i] = static_cast<float>(from[static_cast<Eigen::Index>(i)]);
+}
+
+}  // namespace
+
+FriMode FriMode::of(const FriConfig& c) {
+  if (c.control == "position") return {FriControl::Position, 10, fri_flag::kPositionMode};
+  if (c.control == "cartesian_impedance")
+    return {FriControl::CartesianImpedance, 20,
+            fri_flag::kCartesianImpedance | (c.null_space_posture ? fri_flag::kJointPosition : 0)};
+  return {FriControl::JointImpedance, 30, fri_flag::kJointImpedance};
+}
+
+FriDriver::FriDriver(const FriConfig& c, const Endpoint& krc, std::unique_ptr<DatagramLink> link,
+                     const Clock& k)
+    : config(c),
+      mode(FriMode::of(c)),
+      clock(k),
+      wire(std::move(link), k, krc, {c.check_header, true}, c.check_sequence),
+      session(settings(c)),
+      hand_shake(make_hand_shake(c.script, mode.strategy)),
+      joint_({lwr_limit_rad(), c.velocity_part * lwr_velocity_rad_s(), c.acceleration_rad_s2}),
+      cart_({c.cart_velocity_m_s, c.cart_velocity_rad_s, 1.0, 3.0}),
+      period_s_(1e-3 * c.cycle_ms) {
+  start_gains();
+}
+
+void FriDriver::reset() {
+  wire.reset();
+  session = SessionMachine(settings(config));
+  hand_shake = make_hand_shake(config.script, mode.strategy);
+  m = FriMeasurement{};
+  open = seen = quiet = commanded_ = first_ = false;
+  arrived_at_ = due_ = Timestamp{0};
+  period_s_ = 1e-3 * config.cycle_ms;
+  steps_ = 1;
+  krl_ = KrlChannels{};
+  status = FriStatus{};
+  start_gains();
+}
+
+void FriDriver::start_gains() {
+  tau_.setZero();
+  wrench_.setZero();
+  stiffness_.setConstant(config.start_stiffness_nm_rad);
+  damping_.setConstant(config.start_damping);
+  cart_stiffness_.head<3>().setConstant(config.start_cart_stiffness_n_m);
+  cart_stiffness_.tail<3>().setConstant(config.start_cart_stiffness_nm_rad);
+  cart_damping_.setConstant(config.start_damping);
+}
+
+bool FriDriver::mirrors_joints() const {
+  return (mode.flags & fri_flag::kJointPosition) == 0;
+}
+
+FriDriver::Took FriDriver::take() {
+  const Duration period(static_cast<Duration::rep>(1e9 * period_s_));
+  const Duration slack(static_cast<Duration::rep>(1e9 * std::max(0.5 * period_s_, kLeastSlack_s)));
+  const Timestamp now = clock.now();
+  if (!seen && arrived_at_ == Timestamp{0}) arrived_at_ = now;  // silence counts from here
+  FriExchange::Packet packet;
+  const auto got = wire.receive(std::max(due_, now + period / 2), period_s_, m, packet);
+  if (got != FriExchange::Got::Packet) {
+    ++status.timeouts;
+    const Timestamp then = clock.now();
+    due_ = std::max(due_ + period, then + period);
+    const double silent_s = seconds(then - arrived_at_);
+    const bool lost = silent_s > config.silent_s, broken = got == FriExchange::Got::Broken;
+    // a quarter of a period for the clock's and the machine's own jitter
+    session.silence(std::floor(silent_s / period_s_ - 0.25), seen && lost, broken);
+    if (lost) wire.gate().unlock();
+    publish();
+    return broken ? Took::Broken : Took::Nothing;
+  }
+  seen = open = true;
+  commanded_ = false;
+  arrived_at_ = packet.arrived_at;
+  if (static_cast<double>(m.measurement_period_s) >= kShortest_s)
+    period_s_ = static_cast<double>(m.measurement_period_s);
+  due_ = arrived_at_ + Duration(static_cast<Duration::rep>(1e9 * period_s_)) + slack;
+  measured_at_ = packet.first || packet.restarted
+                     ? packet_clock_.start(arrived_at_)
+                     : packet_clock_.advance(packet.cycles, period_s_, arrived_at_);
+  const bool may_before = session.may_command();
+  session.measured(m, packet.cycles, period_s_, packet.restarted);
+  hand_shake->step(session.ask(), m, std::min(packet.cycles, kGapCycles) * period_s_, config.script_s, krl_);
+  session.script(hand_shake->sign(), hand_shake->code());
+  move_set_points(packet, may_before);
+  publish();
+  return Took::Packet;
+}
+
+void FriDriver::move_set_points(const FriExchange::Packet& packet, bool may_before) {
+  const FriJoints followed = JointSetPoint::followed(m);
+  const int unanswered = packet.cycles - 1 + wire.unheard(m);
+  const bool gap = packet.cycles - 1 > kGapCycles;
+  steps_ = std::min(packet.cycles, 4);
+  led_ = false;
+  if (SessionMachine::mirrors(m)) {
+    led_ = true;
+    joint_.mirror(followed);
+    cart_.mirror(m.cart_measured);
+    start_gains();
+    return;
+  }
+  if (gap || packet.first || packet.restarted) {
+    joint_.restart(followed);
+    cart_.mirror(m.cart_measured);
+  } else if (unanswered > 0) {
+    (void)joint_.bridge(followed, unanswered, period_s_);
+  }
+  if (mirrors_joints()) joint_.mirror(followed);
+  if (session.may_command()) {
+    first_ = first_ || !may_before || gap;
+    if (first_) {
+      joint_.expect_first(JointSetPoint::joints(m.q_measured_rad));
+      cart_.expect_first(m.cart_measured);
+    }
+    return;
+  }
+  brake();
+  led_ = true;
+}
+
+void FriDriver::brake() {
+  first_ = false;
+  if (!mirrors_joints()) joint_.brake(period_s_);
+  cart_.brake(period_s_);
+}
+
+void FriDriver::answer() {
+  if (!open) return;
+  open = false;
+  if (!commanded_) {
+    if (session.may_command()) {
+      joint_.repeat();
+      cart_.repeat();
+    } else if (!led_) {
+      brake();  // stopped since the datagram came
+    }
+    ++status.repeated;
+  }
+  FriCommand c;
+  if (!quiet) c.krl = krl_;
+  c.flags = mode.flags;
+  c.q_rad = joint_.wire();
+  c.cart = cart_.wire();
+  put(c.tau_nm, tau_);
+  c.wrench = to_wire_order(wrench_);
+  put(c.stiffness_nm_rad, stiffness_);
+  put(c.damping, damping_);
+  c.cart_stiffness = to_wire_order(cart_stiffness_);
+  c.cart_damping = to_wire_order(cart_damping_);
+  (void)wire.answer(c);
+  JointVector stiffness = stiffness_;
+  if (mode.control == FriControl::Position) stiffness.setConstant(1e6);
+  if (mode.control == FriControl::CartesianImpedance) stiffness.setZero();  // joints follow the frame
+  session.sent(joint_.q_rad(), stiffness, joint_.at_rest() && cart_.at_rest());
+}
+
+FriDriver::Took FriDriver::exchange() {
+  answer();
+  const Took took = take();
+  if (took == Took::Packet) answer();
+  return took;
+}
+
+FriLimit FriDriver::set(const ImpedanceCommand& c) {
+  using What = FriLimit::What;
+  for (int i = 0; i < kArmJoints; ++i) {
+    const auto axis = static_cast<std::uint8_t>(i);
+    const double most = std::min(lwr_torque_nm()[i], config.max_superposed_nm);
+    if (!(c.stiffness_nm_rad[i] >= 0.0 && c.stiffness_nm_rad[i] <= kLwrMaxStiffness_nm_rad))
+      return {What::Stiffness, axis, c.stiffness_nm_rad[i], kLwrMaxStiffness_nm_rad};
+    if (!(c.damping_ratio[i] >= 0.0 && c.damping_ratio[i] <= 1.0))
+      return {What::Damping, axis, c.damping_ratio[i], 1.0};
+    if (!(std::abs(c.tau_superposed_nm[i]) <= most * (1.0 + kRounding)))
+      return {What::Torque, axis, c.tau_superposed_nm[i], most};
+  }
+  if (const FriLimit bad = set_position(c.q_rad); bad.what != What::None) return bad;
+  const double change = config.superposed_slope_nm_s * period_s_;
+  for (int i = 0; i < kArmJoints; ++i) tau_[i] = towards(tau_[i], c.tau_superposed_nm[i], change);
+  stiffness_ = c.stiffness_nm_rad;
+  damping_ = c.damping_ratio;
+  return {};
+}
+
+FriLimit FriDriver::set_position(const JointVector& q_rad) {
+  const FriLimit bad = joint_.command(q_rad, steps_, period_s_, static_cast<double>(m.safety_limits));
+  if (bad.what != FriLimit::What::None) return bad;
+  commanded_ = true;
+  first_ = false;
+  return {};
+}
+
+FriLimit FriDriver::set(const JointVector* posture_rad, const Pose& X, const SixVector& stiffness,
+                        const SixVector& damping_ratio, const SixVector& wrench) {
+  using What = FriLimit::What;
+  for (int i = 0; i < 6; ++i) {
+    const auto axis = static_cast<std::uint8_t>(i);
+    const double stiffest = i < 3 ? kLwrMaxCartStiffness_n_m : kLwrMaxCartStiffness_nm_rad;
+    const double most = i < 3 ? kLwrPayloadForce_n : kLwrPayloadTorque_nm;
+    if (!(stiffness[i] >= 0.0 && stiffness[i] <= stiffest))
+      return {What::Stiffness, axis, stiffness[i], stiffest};
+    if (!(damping_ratio[i] >= 0.0 && damping_ratio[i] <= 1.0))
+      return {What::Damping, axis, damping_ratio[i], 1.0};
+    if (!(std::abs(wrench[i]) <= most)) return {What::Wrench, axis, wrench[i], most};
+  }
+  const double part = static_cast<double>(m.safety_limits);
+  if (const FriLimit bad = cart_.command(X, steps_, period_s_, part); bad.what != What::None) return bad;
+  if (posture_rad != nullptr && !mirrors_joints())
+    if (const FriLimit bad = joint_.command(*posture_rad, steps_, period_s_, part); bad.what != What::None)
+      return bad;
+  for (int i = 0; i < 6; ++i)
+    wrench_[i] = towards(wrench_[i], wrench[i], (i < 3 ? kWrenchSlope_n_s : kWrenchSlope_nm_s) * period_s_);
+  cart_stiffness_ = stiffness;
+  cart_damping_ = damping_ratio;
+  commanded_ = true;
+  first_ = false;
+  return {};
+}
+
+void FriDriver::count_refused(const FriLimit& limit) {
+  ++status.refused;
+  status.last_refused = limit;
+  publish();
+}
+
+ArmState FriDriver::state() const {
+  ArmState s;
+  s.measured_at = measured_at_;
+  s.q_rad = JointSetPoint::joints(m.q_measured_rad);
+  s.q_commanded_rad = JointSetPoint::joints(JointSetPoint::followed(m));
+  s.tau_nm = JointSetPoint::joints(m.tau_measured_nm);
+  s.tau_external_nm = JointSetPoint::joints(m.tau_external_nm);
+  if (config.external_torque == "on_environment") s.tau_external_nm = -s.tau_external_nm;
+  s.may_command = session.may_command();
+  s.slow = session.slow();
+  return s;
+}
+
+void FriDriver::publish() {
+  FriStatus& s = status;
+  if (s.session != session.session() || s.reason != session.reason())
+    (void)events.push({clock.now(), session.session(), session.reason()});
+  s.session = session.session();
+  s.reason = session.reason();
+  s.stage = session.stage();
+  s.script = session.script_sign();
+  s.script_code = session.script_code();
+  s.may_command = session.may_command();
+  s.slow = session.slow();
+  s.joint = session.joint();
+  s.number = session.number();
+  s.state = m.state;
+  s.quality = m.quality;
+  s.control = m.control;
+  s.power = m.power;
+  s.error = m.error;
+  s.warning = m.warning;
+  s.answer_rate = m.answer_rate;
+  s.latency_s = m.latency_s;
+  s.jitter_s = m.jitter_s;
+  s.hottest_c = *std::max_element(m.temperature_c.begin(), m.temperature_c.end());
+  s.safety_limits = m.safety_limits;
+  s.krc_misses = m.misses;
+  s.period_s = period_s_;
+  s.pose_mismatch_rad = 0.0;
+  const FriJoints followed = JointSetPoint::followed(m);
+  for (std::size_t i = 0; i < followed.size(); ++i) {
+    const double off = std::abs(static_cast<double>(m.q_measured_rad[i] - followed[i]));
+    if (off <= s.pose_mismatch_rad) continue;
+    s.pose_mismatch_rad = off;
+    s.mismatch_joint = static_cast<int>(i);
+  }
+  s.krc = wire.gate().sender().value_or(Endpoint{});
+  s.received = wire.received;
+  s.answered = wire.answered;
+  s.late = wire.late;
+  s.unsent = wire.unsent;
+  s.lost = wire.lost;
+  s.last_refusal = wire.last_refusal();
+  s.drops = wire.gate().drops();
+  latest_status.write(s);
+  latest_measurement.write(m);
+}
+
+}  // namespace colift::hal

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+
+#include "hal/arm.hpp"
+#include "hal/drivers/kuka_fri/cart_set_point.hpp"
+#include "hal/drivers/kuka_fri/fri_config.hpp"
+#include "hal/drivers/kuka_fri/fri_exchange.hpp"
+#include "hal/drivers/kuka_fri/fri_status.hpp"
+#include "hal/drivers/kuka_fri/wire/packet_clock.hpp"
+#include "hal/types/latest_value.hpp"
+#include "hal/types/spsc_ring.hpp"
+
+namespace colift::hal {
+
+/// FriConfig's words as what the driver works with.
+struct FriMode {
+  FriControl control = FriControl::JointImpedance;
+  std::int32_t strategy = 30;
+  std::uint32_t flags = fri_flag::kJointImpedance;
+  [[nodiscard]] static FriMode of(const FriConfig& config);
+};
+
+/// One cycle of the connection: a datagram goes through the session, the hand-shake and the set points, and
+/// an answer is made of them. FriArm decides when. Real-time safe after open().
+class FriDriver {
+ public:
+  FriDriver(const FriConfig& config, const Endpoint& krc, std::unique_ptr<DatagramLink> link,
+            const Clock& clock);
+
+  /// As new, but time goes on. Before the link is opened anew.
+  void reset();
+
+  enum class Took { Packet, Nothing, Broken };
+  /// Waits for the next datagram, about one and a half periods; what it says goes through everything.
+  Took take();
+  /// Answers the datagram that was taken, once.
+  void answer();
+  /// take(), and at once the answer that needs no user.
+  Took exchange();
+
+  /// A command of the user; on None it is part of the next answer.
+  FriLimit set(const ImpedanceCommand& c);
+  FriLimit set_position(const JointVector& q_rad);
+  FriLimit set(const JointVector* posture_rad, const Pose& X, const SixVector& stiffness,
+               const SixVector& damping_ratio, const SixVector& wrench);
+  void count_refused(const FriLimit& limit);
+
+  [[nodiscard]] ArmState state() const;
+  void publish();
+
+  FriConfig config;
+  FriMode mode;
+  const Clock& clock;
+  FriExchange wire;
+  SessionMachine session;
+  std::unique_ptr<HandShake> hand_shake;
+  FriMeasurement m;    ///< The last good datagram.
+  bool open = false;   ///< It has no answer yet.
+  bool seen = false;   ///< There was one.
+  bool quiet = false;  ///< All of KRL's variables are sent as 0.
+  FriStatus status;
+
+  LatestValue<FriStatus> latest_status;
+  LatestValue<FriMeasurement> latest_measurement;
+  SpscRing<FriEvent, 256> events;
+
+ private:
+  void move_set_points(const FriExchange::Packet& packet, bool may_before);
+  void brake();
+  void start_gains();
+  [[nodiscard]] bool mirrors_joints() const;
+
+  JointSetPoint joint_;
+  CartSetPoint cart_;
+  PacketClock packet_clock_;
+  Timestamp measured_at_{0}, arrived_at_{0}, due_{0};
+  double period_s_;
+  int steps_ = 1;           ///< Periods that the open cycle's command may span.
+  bool commanded_ = false;  ///< The open cycle has the user's command.
+  bool led_ = false;        ///< The open cycle's set point was mirrored or braked already.
+  bool first_ = false;      ///< The next command is a first one.
+  KrlChannels krl_;
+  JointVector tau_ = JointVector::Zero(), stiffness_, damping_;
+  SixVector wrench_ = SixVector::Zero(), cart_stiffness_, cart_damping_;
+};
+
+}  // namespace colift::hal

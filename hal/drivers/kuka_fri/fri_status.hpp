@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "hal/drivers/kuka_fri/fri_config.hpp"
+#include "hal/drivers/kuka_fri/joint_set_point.hpp"
+#include "hal/drivers/kuka_fri/session.hpp"
+#include "hal/drivers/kuka_fri/wire/packet_gate.hpp"
+
+namespace colift::hal {
+
+/// How the connection stands, as it leaves the cycle: plain numbers, made into words elsewhere.
+struct FriStatus {
+  FriSession session = FriSession::Silent;
+  FriReason reason = FriReason::NotOpen;
+  ReadyStage stage = ReadyStage::Quality;
+  ScriptSign script = ScriptSign::Unknown;
+  std::int32_t script_code = 0;
+  bool may_command = false, slow = false;
+  int joint = 0;        ///< That `reason` is about, from 0.
+  double number = 0.0;  ///< Its figure: rad, deg C or N m.
+
+  // the controller's last datagram
+  FriState state = FriState::Off;
+  FriQuality quality = FriQuality::Unacceptable;
+  FriControl control = FriControl::Other;
+  std::uint16_t power = 0, error = 0, warning = 0;
+  float answer_rate = 0, latency_s = 0, jitter_s = 0, hottest_c = 0, safety_limits = 0;
+  std::uint32_t krc_misses = 0;  ///< Answers that the KRC says never came.
+  double period_s = 0.0;
+  double pose_mismatch_rad = 0.0;  ///< Greatest distance of the measured from the commanded pose,
+  int mismatch_joint = 0;          ///< and its joint, from 0.
+  Endpoint krc;
+
+  // counters since configure()
+  std::uint64_t states = 0;  ///< Handed to the user.
+  std::uint64_t received = 0, answered = 0, repeated = 0, late = 0, unsent = 0;
+  std::uint64_t lost = 0;      ///< Datagrams that never came, by their counter.
+  std::uint64_t timeouts = 0;  ///< Cycles in which nothing came.
+  std::uint64_t refused = 0;   ///< Commands that broke a limit.
+  FriLimit last_refused;
+  FriRefusal last_refusal = FriRefusal::None;  ///< Of a datagram's content.
+  std::array<std::uint64_t, kFriDrops> drops{};
+};
+
+/// Something that changed, with its time: out of the cycle through a ring.
+struct FriEvent {
+  Timestamp at{0};
+  FriSession session = FriSession::Silent;
+  FriReason reason = FriReason::None;
+};
+
+/// Why commands are not taken and what to do about it, in sentences; empty when they are.
+[[nodiscard]] std::string why_not(const FriStatus& status, const FriConfig& config);
+/// A command that was refused, in a sentence with its numbers.
+[[nodiscard]] std::string words(const FriLimit& limit);
+/// The same in at most 15 characters.
+[[nodiscard]] const char* short_words(const FriLimit& limit) noexcept;
+/// Everything that slows the arm down; empty when nothing does.
+[[nodiscard]] std::string why_slow(const FriStatus& status, const FriConfig& config);
+/// Counters of datagrams and answers, one line.
+[[nodiscard]] std::string traffic(const FriStatus& status);
+
+}  // namespace colift::hal

@@ -1,0 +1,152 @@
+#include "hal/drivers/kuka_fri/joint_set_point.hpp"
+
+#include <algorithm>
+
+#include "hal/braking_law.hpp"
+
+namespace colift::hal {
+namespace {
+
+constexpr double kRounding = 1e-6;    // relative: a float at its limit is not beyond it
+constexpr double kWalk_rad_s = 0.2;   // of the offset
+constexpr double kWalk_rad_s2 = 2.0;  // added to what the user's own commands accelerate with
+constexpr double kOnTheWay_rad = 2e-5;
+constexpr double kStart_rad = 1e-3;  // a first command this near to the measured pose is there
+
+}  // namespace
+
+FriJoints JointSetPoint::followed(const FriMeasurement& m) {
+  FriJoints sum{};
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = m.q_commanded_rad[i] + m.q_commanded_fri_rad[i];
+  return sum;
+}
+
+JointVector JointSetPoint::joints(const FriJoints& q) {
+  JointVector v;
+  for (int i = 0; i < kArmJoints; ++i) v[i] = static_cast<double>(q[static_cast<std::size_t>(i)]);
+  return v;
+}
+
+void JointSetPoint::send(const JointVector& q_rad) {
+  for (int i = 0; i < kArmJoints; ++i) wire_[static_cast<std::size_t>(i)] = static_cast<float>(q_rad[i]);
+  q_ = q_rad;
+}
+
+void JointSetPoint::mirror(const FriJoints& followed) {
+  wire_ = followed;
+  q_ = goal_ = joints(followed);
+  dq_.setZero();
+  offset_.setZero();
+  doffset_.setZero();
+  first_at_.reset();
+  bridged_ = false;
+}
+
+void JointSetPoint::restart(const FriJoints& followed) {
+  mirror(followed);
+}
+
+void JointSetPoint::expect_first(const JointVector& measured_rad) {
+  if (first_at_) {
+    first_at_ = measured_rad;
+    return;
+  }
+  first_at_ = measured_rad;
+  goal_ = q_;
+  dq_.setZero();
+  offset_.setZero();
+  doffset_.setZero();
+  bridged_ = false;
+}
+
+bool JointSetPoint::bridge(const FriJoints& followed, int cycles, double period_s) {
+  const JointVector at = joints(followed);
+  if ((at - q_).cwiseAbs().maxCoeff() < kOnTheWay_rad) return false;
+  for (int i = 0; i < kArmJoints; ++i) {
+    const double way = dq_[i] * period_s * cycles, gone = at[i] - q_[i];
+    if (gone < std::min(way, 0.0) - kOnTheWay_rad || gone > std::max(way, 0.0) + kOnTheWay_rad) return false;
+  }
+  wire_ = followed;
+  q_ = at;
+  bridged_ = true;
+  return true;
+}
+
+FriLimit JointSetPoint::command(const JointVector& q_rad, int steps, double period_s, double safety_limits) {
+  using What = FriLimit::What;
+  const double part = safety_limits > 0.0 ? safety_limits : 1.0;
+  for (int i = 0; i < kArmJoints; ++i) {
+    const auto axis = static_cast<std::uint8_t>(i);
+    if (!std::isfinite(q_rad[i])) return {What::NotFinite, axis, q_rad[i], 0.0};
+    if (std::abs(q_rad[i]) > limits_.limit_rad[i] * (1.0 + kRounding))
+      return {What::Position, axis, q_rad[i], limits_.limit_rad[i]};
+    const double step = limits_.velocity_rad_s[i] * part * period_s;
+    if (first_at_) {
+      const double off = std::min(std::abs(q_rad[i] - (*first_at_)[i]), std::abs(q_rad[i] - q_[i]));
+      if (off > std::max(kStart_rad, step)) return {What::Start, axis, off, std::max(kStart_rad, step)};
+    } else if (const double by = std::abs(q_rad[i] - goal_[i]); by > steps * step * (1.0 + 1e-4)) {
+      return {What::Step, axis, by, steps * step};
+    }
+  }
+  if (first_at_) {
+    offset_ = q_ - q_rad;
+    doffset_.setZero();
+    first_at_.reset();
+    // nearer than one step from rest: there at once
+    const double at_once = limits_.acceleration_rad_s2 * period_s * period_s;
+    if (offset_.cwiseAbs().maxCoeff() <= at_once) offset_.setZero();
+  } else if (bridged_) {
+    offset_ = q_ + dq_ * period_s - q_rad;
+    doffset_.setZero();
+  } else {
+    walk(period_s);
+  }
+  bridged_ = false;
+  goal_ = q_rad;
+  JointVector next = goal_;
+  if (!offset_.isZero()) next = (goal_ + offset_).cwiseMax(-limits_.limit_rad).cwiseMin(limits_.limit_rad);
+  dq_ = (next - q_) / period_s;
+  send(next);
+  return {};
+}
+
+void JointSetPoint::walk(double period_s) {
+  if (offset_.isZero()) return;
+  for (int i = 0; i < kArmJoints; ++i) {
+    if (offset_[i] == 0.0) continue;
+    const double far = std::abs(offset_[i]), side = offset_[i] > 0.0 ? 1.0 : -1.0;
+    const double speed = std::min(kWalk_rad_s, stoppable_speed(far, period_s, kWalk_rad_s2));
+    const double change = kWalk_rad_s2 * period_s;
+    doffset_[i] = std::clamp(-side * speed, doffset_[i] - change, doffset_[i] + change);
+    const double step = doffset_[i] * period_s;
+    if (far < 1e-7 || (step * side < 0.0 && std::abs(step) >= far)) {
+      offset_[i] = doffset_[i] = 0.0;
+    } else {
+      offset_[i] += step;
+    }
+  }
+}
+
+void JointSetPoint::repeat() {
+  dq_.setZero();
+  doffset_.setZero();
+  bridged_ = false;
+}
+
+void JointSetPoint::brake(double period_s) {
+  first_at_.reset();
+  JointVector next = q_;
+  for (int i = 0; i < kArmJoints; ++i) {
+    const JointBounds bounds{-limits_.limit_rad[i], limits_.limit_rad[i], limits_.velocity_rad_s[i],
+                             limits_.acceleration_rad_s2};
+    dq_[i] = braking_velocity(q_[i], dq_[i], period_s, bounds);
+    next[i] += period_s * dq_[i];
+  }
+  if (!dq_.isZero()) send(next);
+  goal_ = q_;
+  offset_.setZero();
+  doffset_.setZero();
+  bridged_ = false;
+}
+
+}  // namespace colift::hal

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "hal/config/range.hpp"
+#include "perception/ground_and_target/block_planes.hpp"
+#include "perception/noise_model.hpp"
+#include "perception/organised_cloud.hpp"
+#include "perception/scene.hpp"
+
+namespace colift::perception {
+
+struct GroundConfig {
+  double max_tilt_deg = 12.0;          ///< Used when up is known.
+  double max_tilt_unknown_deg = 78.0;  ///< Used when only the camera's own up is known.
+  double min_image_fraction = 0.02;
+  double min_area_ratio = 0.15;
+  double tolerance_sigma = 3.5;
+  double tolerance_m = 0.006;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("max_tilt_deg", max_tilt_deg, hal::Range{0, 90},
+      "Largest angle between the ground's normal and a known up.");
+    v("max_tilt_unknown_deg", max_tilt_unknown_deg, hal::Range{0, 90},
+      "Largest angle between the ground's normal and the image's up, when gravity is unknown.");
+    v("min_image_fraction", min_image_fraction, hal::kFraction,
+      "Smallest part of the seen pixels that a ground covers.");
+    v("min_area_ratio", min_area_ratio, hal::kFraction,
+      "The lowest level plane is the ground if it has at least this part of the largest level plane's area.");
+    v("tolerance_sigma", tolerance_sigma, hal::kPositive,
+      "Distance of an inlier in standard deviations of the depth noise.");
+    v("tolerance_m", tolerance_m, hal::kNotNegative,
+      "Unevenness of the ground and lens distortion, added to the tolerance.");
+  }
+};
+
+struct GroundResult {
+  std::optional<Ground> ground;
+  std::string because;  ///< What was found, or why nothing was.
+};
+
+/// The plane that things stand on. Level planes are voted by the planes of image blocks; of those with a fair
+/// share of the level area the lowest one is the ground, refined on all its pixels with weights of the noise
+/// model. `up_W`: unit vector against gravity when it is known; else the image's own up is a weak hint, under
+/// which walls in view of a camera that looks level or down never pass. Deterministic.
+[[nodiscard]] GroundResult find_ground(const OrganisedCloud& cloud, const std::vector<BlockPlane>& blocks,
+                                       const std::optional<Vec3>& up_W, const NoiseModel& noise,
+                                       const GroundConfig& config);
+
+}  // namespace colift::perception

@@ -1,0 +1,108 @@
+#include "perception/ground_and_target/plane_vote.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace colift::perception {
+namespace {
+
+constexpr double kRad = std::numbers::pi / 180.0;
+constexpr std::size_t kProposals = 160;
+constexpr int kRefits = 4;
+constexpr std::size_t kLeastBlocks = 3;
+
+class Voter {
+ public:
+  Voter(const std::vector<BlockPlane>& blocks, const NoiseModel& noise, const PlaneTolerance& tolerance)
+      : blocks_(blocks), min_cosine_(std::cos(20.0 * kRad)) {
+    reach_.reserve(blocks.size());
+    weight_.reserve(blocks.size());
+    for (const BlockPlane& b : blocks) {
+      reach_.push_back(static_cast<float>(tolerance.at(noise, b.depth_m)));
+      const double s = noise.sigma(b.depth_m);
+      weight_.push_back(1e-6 / (s * s));
+    }
+  }
+
+  [[nodiscard]] bool votes(std::size_t i, const Plane& plane) const {
+    const Eigen::Vector3f n = plane.normal.cast<float>();
+    const float offset = static_cast<float>(plane.offset);
+    return std::abs(n.dot(blocks_[i].center) + offset) <= reach_[i] &&
+           n.dot(blocks_[i].normal) >= static_cast<float>(min_cosine_);
+  }
+
+  // least squares over the centres of the voting blocks, weighted by their precision
+  [[nodiscard]] Plane refit(const Plane& plane) const {
+    double total = 0.0;
+    Vec3 mean = Vec3::Zero();
+    Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+    const Vec3 origin = plane.foot(Vec3::Zero());
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      if (!votes(i, plane)) continue;
+      const Vec3 p = blocks_[i].center.cast<double>() - origin;
+      total += weight_[i];
+      mean += weight_[i] * p;
+      second += weight_[i] * p * p.transpose();
+    }
+    if (total <= 0.0) return plane;
+    mean /= total;
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    solver.computeDirect(second / total - mean * mean.transpose());
+    if (solver.eigenvalues()(1) < 1e-4) return plane;  // blocks on a line do not define a plane
+    Vec3 n = solver.eigenvectors().col(0);
+    if (n.dot(plane.normal) < 0) n = -n;
+    return {n, -n.dot(origin + mean)};
+  }
+
+ private:
+  const std::vector<BlockPlane>& blocks_;
+  double min_cosine_;
+  std::vector<float> reach_;
+  std::vector<double> weight_;
+};
+
+}  // namespace
+
+std::vector<VotedPlane> vote_planes(const std::vector<BlockPlane>& blocks,
+                                    const std::function<bool(const Vec3&)>& wanted, const NoiseModel& noise,
+                                    const PlaneTolerance& tolerance) {
+  std::vector<std::size_t> proposers;
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    if (wanted(blocks[i].normal.cast<double>())) proposers.push_back(i);
+
+  const Voter voter(blocks, noise, tolerance);
+  std::vector<VotedPlane> found;
+  const std::size_t stride = std::max<std::size_t>(1, proposers.size() / kProposals);
+  for (std::size_t k = stride / 2; k < proposers.size(); k += stride) {
+    const std::size_t i = proposers[k];
+    const bool known =
+        std::any_of(found.begin(), found.end(), [&](const VotedPlane& f) { return voter.votes(i, f.plane); });
+    if (known) continue;
+
+    // one block's normal is a weak proposal: let the blocks near it mend it before the count
+    const Vec3 n = blocks[i].normal.cast<double>();
+    Plane plane{n, -n.dot(blocks[i].center.cast<double>())};
+    for (int round = 0; round < kRefits; ++round) plane = voter.refit(plane);
+    if (!wanted(plane.normal)) continue;  // a wall that grew out of one crooked block
+    const bool again = std::any_of(found.begin(), found.end(), [&](const VotedPlane& f) {
+      return f.plane.normal.dot(plane.normal) > std::cos(2.0 * kRad) &&
+             std::abs(f.plane.height(plane.foot(blocks[i].center.cast<double>()))) < 0.01;
+    });
+    if (again) continue;
+
+    VotedPlane voted{plane, 0.0, {}};
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      if (!voter.votes(b, plane)) continue;
+      voted.area_m2 += blocks[b].area_m2;
+      voted.blocks.push_back(&blocks[b]);
+    }
+    if (voted.blocks.size() >= kLeastBlocks) found.push_back(std::move(voted));
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.area_m2 > b.area_m2; });
+  return found;
+}
+
+}  // namespace colift::perception

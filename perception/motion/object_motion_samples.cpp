@@ -1,0 +1,219 @@
+#include "perception/motion/object_motion_samples.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace colift::perception {
+namespace {
+
+constexpr std::size_t kCandidates = 16000;  // pixels whose normal is looked for
+constexpr double kCoverage = 0.7;           // of a window that has to show the object
+constexpr double kMostRoughness = 1.3;      // residual of a flat window, in expected noise
+constexpr double kCorrelatedPixels = 6.0;   // neighbours share their noise: so many count as one
+constexpr double kLeastCosine = 0.17;       // steeper surfaces have ragged depth
+constexpr double kFloor_m = 0.0005;         // what calibration and rounding leave
+constexpr double kCurvedTilt = 2.5;         // slopes at the end of a curved window are less certain
+constexpr int kBinsPerSide = 3;             // of the faces of a cube around the unit sphere
+constexpr int kCentre = 2;                  // half the window whose mean is the sample's point
+
+// half sizes in pixels; the oblong ones are for legs and bars
+struct Window {
+  int u, v;
+};
+constexpr std::array<Window, 7> kWindows{{{15, 15}, {9, 9}, {3, 15}, {15, 3}, {5, 5}, {2, 9}, {9, 2}}};
+
+// where nothing is flat, something may be round: a thin pipe
+constexpr std::array<Window, 3> kRoundWindows{{{7, 7}, {5, 5}, {3, 9}}};
+
+struct Sample {
+  Vec3 point, normal;
+  double sigma, tilt;
+  int bin;
+};
+
+int bin_of(const Vec3& n) {
+  int axis = 0;
+  n.cwiseAbs().maxCoeff(&axis);
+  const int face = 2 * axis + (n[axis] > 0 ? 1 : 0);
+  const auto cell = [&](int other) {
+    const double t = n[(axis + other) % 3] / std::abs(n[axis]);
+    return std::min(kBinsPerSide - 1, static_cast<int>(0.5 * (t + 1.0) * kBinsPerSide));
+  };
+  return (face * kBinsPerSide + cell(1)) * kBinsPerSide + cell(2);
+}
+
+class ObjectPixels {
+ public:
+  ObjectPixels(const ReferenceImage& reference, const Target& target, const NoiseModel& noise)
+      : reference_(reference), noise_(noise), inverse_(reference.cloud.size(), 0.0f) {
+    for (const std::uint32_t i : target.pixels) {
+      const float z = reference.cloud.depth_m[i];
+      if (z > 0) inverse_[i] = 1.0f / z;
+    }
+  }
+
+  [[nodiscard]] std::optional<Sample> sample(std::uint32_t pixel) const {
+    if (!(inverse_[pixel] > 0)) return std::nullopt;
+    for (const Window& window : kWindows)
+      if (auto found = fit<3>(pixel, window)) return found;
+    for (const Window& window : kRoundWindows)
+      if (auto found = fit<6>(pixel, window)) return found;
+    return std::nullopt;
+  }
+
+ private:
+  struct Fit {
+    double a = 0, b = 0, c = 0, rms = 0;  // w = a du + b dv + c at the middle
+    int n = 0, wanted = 0;
+  };
+
+  // Least squares over the object's pixels of a window: inverse depth as a polynomial of `kTerms` terms (3: a
+  // plane, 6: with curvature).
+  template <int kTerms>
+  [[nodiscard]] Fit polynomial(int u0, int v0, const Window& window) const {
+    using Vector = Eigen::Matrix<double, kTerms, 1>;
+    const auto& k = reference_.cloud.intrinsics;
+    const int step_u = std::max(1, window.u / 4), step_v = std::max(1, window.v / 4);
+    Eigen::Matrix<double, kTerms, kTerms> normal = Eigen::Matrix<double, kTerms, kTerms>::Zero();
+    Vector right = Vector::Zero();
+    double squares = 0.0;
+    const auto w0 = static_cast<double>(inverse_[at(u0, v0)]);
+    Fit fit;
+    for (int dv = -window.v; dv <= window.v; dv += step_v)
+      for (int du = -window.u; du <= window.u; du += step_u) {
+        ++fit.wanted;
+        const int u = u0 + du, v = v0 + dv;
+        if (u < 0 || v < 0 || u >= k.width || v >= k.height) continue;
+        const auto here = static_cast<double>(inverse_[at(u, v)]);
+        if (!(here > 0)) continue;
+        const double w = here - w0;
+        Vector terms;
+        terms[0] = 1, terms[1] = du, terms[2] = dv;
+        if constexpr (kTerms == 6) terms[3] = du * du, terms[4] = du * dv, terms[5] = dv * dv;
+        normal.noalias() += terms * terms.transpose();
+        right += w * terms;
+        squares += w * w;
+        ++fit.n;
+      }
+    if (fit.n < 3 * kTerms) return fit;
+    const Vector x = normal.ldlt().solve(right);
+    fit.a = x[1], fit.b = x[2], fit.c = w0 + x[0];
+    fit.rms = std::sqrt(std::max(0.0, (squares - x.dot(right)) / (fit.n - kTerms)));
+    return fit;
+  }
+
+  template <int kTerms>
+  [[nodiscard]] std::optional<Sample> fit(std::uint32_t pixel, const Window& window) const {
+    const auto& k = reference_.cloud.intrinsics;
+    const int u0 = static_cast<int>(pixel) % k.width, v0 = static_cast<int>(pixel) / k.width;
+    const Fit f = polynomial<kTerms>(u0, v0, window);
+    if (f.n < 3 * kTerms || f.n < kCoverage * f.wanted || !(f.c > 0)) return std::nullopt;
+    const double z = 1.0 / f.c;
+    // averaging over the reference's frames, as far as they are independent
+    const double averaged = noise_.sigma(z) / std::sqrt(std::min(reference_.frames, 20));
+    const double expected = std::hypot(averaged, kFloor_m) * f.c * f.c;
+
+    const double ray_x = (u0 - k.cx) / k.fx, ray_y = (v0 - k.cy) / k.fy;
+    const Vec3 ray(ray_x, ray_y, 1.0);
+    const double A = f.a * k.fx, B = f.b * k.fy;
+    const Vec3 scaled(A, B, f.c - A * ray_x - B * ray_y);  // n . p = 1
+    const double norm = scaled.norm();
+    const Vec3 normal = scaled / norm;
+    const double cosine = normal.dot(ray) / ray.norm();
+    if (cosine < kLeastCosine || f.rms > kMostRoughness * expected / std::sqrt(cosine)) return std::nullopt;
+
+    // the point is the mean nearby, so that a round surface does not lie too deep
+    const Window centre{std::min(kCentre, window.u), std::min(kCentre, window.v)};
+    double sum = 0.0;
+    int n = 0;
+    for (int dv = -centre.v; dv <= centre.v; ++dv)
+      for (int du = -centre.u; du <= centre.u; ++du) {
+        const int u = u0 + du, v = v0 + dv;
+        if (u < 0 || v < 0 || u >= k.width || v >= k.height || !(inverse_[at(u, v)] > 0)) continue;
+        const double e = static_cast<double>(inverse_[at(u, v)]) - (f.a * du + f.b * dv);
+        if (std::abs(e - f.c) > 5 * expected) continue;
+        sum += e;
+        ++n;
+      }
+    if (n < 4) return std::nullopt;
+
+    Sample sample;
+    sample.point = ray * (n / sum);
+    sample.normal = normal;
+    sample.sigma = std::hypot(noise_.sigma(z) * normal.dot(ray), kFloor_m);
+    const double seen = static_cast<double>(f.n) / f.wanted * (2 * window.u + 1) * (2 * window.v + 1);
+    const double independent = std::max(1.0, seen / kCorrelatedPixels);
+    const double per_slope = std::max(f.rms, 0.5 * expected) * std::sqrt(3.0 / independent) / norm;
+    sample.tilt =
+        std::hypot(per_slope * k.fx / std::max(window.u, 1), per_slope * k.fy / std::max(window.v, 1)) /
+        std::sqrt(2.0);
+    if constexpr (kTerms == 6) sample.tilt *= kCurvedTilt;
+    sample.bin = bin_of(normal);
+    return sample;
+  }
+
+  [[nodiscard]] std::size_t at(int u, int v) const {
+    return static_cast<std::size_t>(v) * static_cast<std::size_t>(reference_.cloud.width()) +
+           static_cast<std::size_t>(u);
+  }
+
+  const ReferenceImage& reference_;
+  const NoiseModel& noise_;
+  std::vector<float> inverse_;  // 1 / depth on the object, 0 elsewhere
+};
+
+// How many samples each bin gives: all of a small one, an equal part of the others.
+std::size_t equal_part(std::vector<std::size_t> sizes, std::size_t count) {
+  std::sort(sizes.begin(), sizes.end());
+  std::size_t left = count;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    const std::size_t part = left / (sizes.size() - i);
+    if (sizes[i] > part) return part;
+    left -= sizes[i];
+  }
+  return sizes.empty() ? 0 : sizes.back();
+}
+
+}  // namespace
+
+SurfaceSamples sample_surface(const ReferenceImage& reference, const Target& target, const NoiseModel& noise,
+                              int count) {
+  const ObjectPixels surface(reference, target, noise);
+  const std::size_t stride = std::max<std::size_t>(1, target.pixels.size() / kCandidates);
+  std::vector<std::vector<Sample>> bins(6 * kBinsPerSide * kBinsPerSide);
+  for (std::size_t i = 0; i < target.pixels.size(); i += stride)
+    if (const auto sample = surface.sample(target.pixels[i]))
+      bins[static_cast<std::size_t>(sample->bin)].push_back(*sample);
+
+  SurfaceSamples samples;
+  const hal::Pose X_CW = reference.cloud.X_WC.inverse();
+  std::size_t seen = 0;
+  for (const std::uint32_t i : target.pixels) {
+    if (!reference.cloud.seen(i)) continue;
+    samples.middle += X_CW * reference.cloud.point(i);
+    ++seen;
+  }
+  samples.middle /= static_cast<double>(std::max<std::size_t>(1, seen));
+
+  std::vector<std::size_t> sizes;
+  for (const auto& bin : bins) sizes.push_back(bin.size());
+  const std::size_t part = equal_part(sizes, static_cast<std::size_t>(count));
+  double squares = 0.0;
+  for (const auto& bin : bins) {
+    const std::size_t wanted = std::min(part, bin.size());
+    for (std::size_t j = 0; j < wanted; ++j) {
+      const Sample& s = bin[j * bin.size() / wanted];
+      const auto put = [](std::vector<float>& to, double value) { to.push_back(static_cast<float>(value)); };
+      put(samples.x, s.point.x()), put(samples.y, s.point.y()), put(samples.z, s.point.z());
+      put(samples.nx, s.normal.x()), put(samples.ny, s.normal.y()), put(samples.nz, s.normal.z());
+      put(samples.sigma_m, s.sigma), put(samples.tilt_rad, s.tilt);
+      squares += (s.point - samples.middle).squaredNorm();
+    }
+  }
+  if (samples.size() > 0) samples.radius_m = std::sqrt(squares / static_cast<double>(samples.size()));
+  return samples;
+}
+
+}  // namespace colift::perception

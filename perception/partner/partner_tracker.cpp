@@ -1,0 +1,137 @@
+#include "perception/partner/partner_tracker.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace colift::perception {
+namespace {
+
+std::string place(const Vec3& p) {
+  return fmt::format("({:.2f}, {:.2f}, {:.2f}) m", p.x(), p.y(), p.z());
+}
+
+// Standard deviation of the distance between two estimates, along the line between them (m).
+double sigma_along(const Eigen::Matrix3d& covariance, const Vec3& difference) {
+  const double length = difference.norm();
+  if (length == 0.0) return 0.0;
+  const Vec3 along = difference / length;
+  return std::sqrt(std::max(0.0, along.dot(covariance * along)));
+}
+
+}  // namespace
+
+std::optional<PartnerGrasp> PartnerTracker::grasp() const {
+  if (state_ == State::Away) return std::nullopt;
+  PartnerGrasp grasp;
+  grasp.position = mean_;
+  grasp.covariance = mean_covariance_ * (config_.common_error + (1.0 - config_.common_error) / samples_);
+  grasp.points = points_;
+  grasp.skin = skin_;
+  return grasp;
+}
+
+void PartnerTracker::start(hal::Timestamp at, const PartnerGrasp& seen) {
+  state_ = State::Touching;
+  since_ = last_contact_ = at;
+  samples_ = 1;
+  elsewhere_in_a_row_ = 0;
+  mean_ = seen.position;
+  mean_covariance_ = seen.covariance;
+  points_ = seen.points;
+  skin_ = seen.skin;
+}
+
+void PartnerTracker::add(hal::Timestamp at, const PartnerGrasp& seen) {
+  last_contact_ = at;
+  elsewhere_in_a_row_ = 0;
+  ++samples_;
+  mean_ += (seen.position - mean_) / samples_;
+  mean_covariance_ += (seen.covariance - mean_covariance_) / samples_;
+  points_ = seen.points;
+  if (skin_ && seen.skin) *skin_ += (*seen.skin - *skin_) / samples_;
+}
+
+bool PartnerTracker::elsewhere(const PartnerGrasp& seen) const {
+  // a hand that hides its contact leaves two places to choose from; while its skin stays, only the choice has
+  // changed
+  if (skin_ && seen.skin && (*seen.skin - *skin_).norm() < config_.moved_m) return false;
+  const Vec3 difference = seen.position - mean_;
+  // what all frames share cannot move the hand; only the rest can look like a movement
+  const Eigen::Matrix3d random =
+      (1.0 - config_.common_error) * (seen.covariance + mean_covariance_ / std::max(1, samples_));
+  return difference.norm() >
+         std::max(config_.moved_m, config_.moved_sigmas * sigma_along(random, difference));
+}
+
+bool PartnerTracker::strays(const PartnerGrasp& seen) const {
+  return skin_ && seen.skin && (*seen.skin - *skin_).norm() > config_.rest_m &&
+         (seen.position - mean_).norm() > config_.rest_m;
+}
+
+std::optional<PartnerEvent> PartnerTracker::lose(hal::Timestamp at, const std::string& seen_instead) {
+  const bool held = state_ == State::Holding;
+  state_ = State::Away;
+  if (!held) return std::nullopt;
+  return PartnerEvent{PartnerEvent::Kind::LetGo, at,
+                      fmt::format("no contact for {:.2f} s (limit {:.2f} s): {}",
+                                  hal::seconds(at - last_contact_), config_.let_go_s, seen_instead)};
+}
+
+std::optional<PartnerEvent> PartnerTracker::confirm(hal::Timestamp at) {
+  const double rested_s = hal::seconds(at - since_);
+  if (state_ != State::Touching || rested_s < config_.dwell_s) return std::nullopt;
+  state_ = State::Holding;
+  return PartnerEvent{PartnerEvent::Kind::Grasped, at,
+                      fmt::format("the hand rests at {} for {:.2f} s (dwell {:.2f} s, {} frames)",
+                                  place(mean_), rested_s, config_.dwell_s, samples_)};
+}
+
+std::optional<PartnerEvent> PartnerTracker::tick(hal::Timestamp now) {
+  if (state_ == State::Away || hal::seconds(now - last_contact_) <= config_.let_go_s) return std::nullopt;
+  return lose(now, "no new frame shows it");
+}
+
+std::optional<PartnerEvent> PartnerTracker::update(hal::Timestamp at, const PartnerSighting& sighting) {
+  if (last_frame_ && at <= *last_frame_) return std::nullopt;
+  last_frame_ = at;
+
+  const bool contact = sighting.kind == PartnerKind::Grasp && sighting.grasp.has_value();
+  if (state_ != State::Away && hal::seconds(at - last_contact_) > config_.let_go_s) {
+    // what happened in the gap is unknown, so a contact after it begins a new dwell
+    auto event = lose(at, contact ? "the frames between are missing" : sighting.because);
+    if (contact) start(at, *sighting.grasp);
+    return event;
+  }
+  if (!contact) return std::nullopt;
+  if (state_ == State::Away) {
+    start(at, *sighting.grasp);
+    return confirm(at);
+  }
+  // a hand that is still on its way does not dwell; one frame that shows less of it is no way
+  if (state_ == State::Touching && strays(*sighting.grasp)) {
+    last_contact_ = at;
+    if (++elsewhere_in_a_row_ < config_.moved_frames) return std::nullopt;
+    start(at, *sighting.grasp);
+    return confirm(at);
+  }
+  if (!elsewhere(*sighting.grasp)) {
+    add(at, *sighting.grasp);
+    return confirm(at);
+  }
+
+  // one frame beside the others is an outlier, but it is a contact all the same
+  last_contact_ = at;
+  if (++elsewhere_in_a_row_ < config_.moved_frames) return std::nullopt;
+  const bool held = state_ == State::Holding;
+  const Vec3 before = mean_;
+  start(at, *sighting.grasp);
+  if (!held) return confirm(at);
+  return PartnerEvent{
+      PartnerEvent::Kind::Moved, at,
+      fmt::format("the hand moved {:.0f} mm (limit {:.0f} mm), from {} to {}",
+                  1000.0 * (mean_ - before).norm(), 1000.0 * config_.moved_m, place(before), place(mean_))};
+}
+
+}  // namespace colift::perception

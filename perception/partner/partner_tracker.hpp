@@ -1,0 +1,95 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "hal/config/range.hpp"
+#include "hal/types/time.hpp"
+#include "perception/partner/partner_grasp.hpp"
+
+namespace colift::perception {
+
+struct TrackerConfig {
+  double dwell_s = 0.3;       ///< A touch becomes a grasp when it stays this long at one place.
+  double rest_m = 0.012;      ///< A hand whose skin strays no farther than this from its mean rests.
+  double let_go_s = 0.15;     ///< No contact for longer than this: let go. Shorter gaps are drop-outs.
+  double moved_m = 0.03;      ///< The hand is elsewhere when it is farther from its place than this ...
+  double moved_sigmas = 3.0;  ///< ... and than this many standard deviations of the difference.
+  int moved_frames = 2;       ///< Frames in a row that have to say so.
+  double common_error =
+      0.6;  ///< Part of the covariance that all frames share, so that averaging does not shrink it.
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("dwell_s", dwell_s, hal::Range{0.0, 10.0}, "How long a touch stays at one place to be a grasp.");
+    v("rest_m", rest_m, hal::Range{0.0, 1.0},
+      "A hand that moves no farther than this is at rest; its dwell counts.");
+    v("let_go_s", let_go_s, hal::Range{0.0, 10.0}, "Longest gap without contact that is not letting go.");
+    v("moved_m", moved_m, hal::Range{0.0, 1.0}, "Smallest distance that counts as a moved hand.");
+    v("moved_sigmas", moved_sigmas, hal::Range{0.0, 20.0}, "The same in standard deviations.");
+    v("moved_frames", moved_frames, hal::Range{1, 100}, "Frames in a row that show the hand elsewhere.");
+    v("common_error", common_error, hal::kFraction,
+      "Share of the covariance that is the same in every frame.");
+  }
+};
+
+struct PartnerEvent {
+  enum class Kind {
+    Grasped,  ///< The partner holds the object; grasp() is where.
+    Moved,    ///< He held it and now touches it elsewhere; a new dwell has begun.
+    LetGo,    ///< He held it and does not any more.
+  };
+  Kind kind;
+  hal::Timestamp at{0};
+  std::string because;  ///< In a person's words, with numbers.
+};
+
+/// Follows one partner over frames. Pure: its answers depend only on what it was handed, times included.
+///
+///   Away -- contact --> Touching -- dwell at one place --> Holding
+///   Touching -- no contact, or elsewhere --> Away or a new dwell, without an event: it never was a grasp
+///   Holding -- elsewhere --> Touching (Moved);  Holding -- no contact --> Away (LetGo)
+class PartnerTracker {
+ public:
+  enum class State { Away, Touching, Holding };
+
+  explicit PartnerTracker(const TrackerConfig& config) : config_(config) {}
+
+  /// A frame measured at `at`. A frame that is not newer than the last one is ignored.
+  std::optional<PartnerEvent> update(hal::Timestamp at, const PartnerSighting& sighting);
+
+  /// No frame came, and it is `now`: a camera that fell silent must not keep a grasp alive.
+  std::optional<PartnerEvent> tick(hal::Timestamp now);
+
+  /// Nobody looked for so long: that time does not count as a hand that was not seen.
+  void looked_away(hal::Duration how_long) { last_contact_ += how_long; }
+
+  [[nodiscard]] State state() const { return state_; }
+
+  /// Filtered contact: recursive mean since the hand rests there. Set while Touching or Holding.
+  [[nodiscard]] std::optional<PartnerGrasp> grasp() const;
+
+  /// When the hand came to rest where it is. Meaningless while Away.
+  [[nodiscard]] hal::Timestamp since() const { return since_; }
+
+ private:
+  void start(hal::Timestamp at, const PartnerGrasp& seen);
+  void add(hal::Timestamp at, const PartnerGrasp& seen);
+  [[nodiscard]] bool strays(const PartnerGrasp& seen) const;
+  [[nodiscard]] bool elsewhere(const PartnerGrasp& seen) const;
+  std::optional<PartnerEvent> lose(hal::Timestamp at, const std::string& seen_instead);
+  std::optional<PartnerEvent> confirm(hal::Timestamp at);
+
+  TrackerConfig config_;
+  State state_ = State::Away;
+  std::optional<hal::Timestamp> last_frame_;
+  hal::Timestamp since_{0}, last_contact_{0};
+  int samples_ = 0;
+  int elsewhere_in_a_row_ = 0;
+  Vec3 mean_ = Vec3::Zero();
+  Eigen::Matrix3d mean_covariance_ = Eigen::Matrix3d::Zero();
+  std::size_t points_ = 0;
+  std::optional<Vec3> skin_;  ///< Mean, as mean_.
+};
+
+}  // namespace colift::perception

@@ -1,0 +1,160 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "planner/grasp/grasp_candidates.hpp"
+#include "planner/grasp/grasp_lines.hpp"
+#include "planner/hand/leg_face.hpp"
+
+namespace colift::planner {
+namespace {
+
+using perception::Rectangle;
+using perception::Scene;
+
+/// Distance between the places along a rim at which the view is tested.
+constexpr double kProbeStep = 0.01;
+
+/// True where the camera looked past the rim into the distance and saw the plate itself on the inner side.
+bool free_rim(const SeenSpace& seen, const Vec3& rim, const Vec3& outward, const CandidateConfig& config) {
+  const double beyond = seen.clearance(rim + config.edge_probe_m * outward);
+  if (!(beyond > config.edge_jump_m + config.collision.sight_sigmas * seen.sigma(rim))) return false;
+  // not where the plate's own edge pixels are, but a little inside
+  return seen.at(rim - config.edge_probe_m * outward) == Sight::Surface;
+}
+
+/// Thickness below a rim from the object's points just outside and just under it: what most places along it
+/// say, so that legs do not count. None where too few places show any.
+std::optional<double> seen_thickness(const Obstacles& obstacles, const Rectangle& plate,
+                                     const RectangleEdge& edge, const SeenSpace& seen,
+                                     const HandModel& hand) {
+  constexpr double kPlace_m = 0.02, kDeepest = 0.95, kLeastPlaces = 1.0 / 3.0;
+  constexpr std::size_t kEnough = 4;
+  const Vec3 along = (edge.to - edge.from).normalized();
+  const double length = (edge.to - edge.from).norm();
+  const double noise = 3.0 * seen.sigma(edge.from);
+  const double reach = hand.opening_m + 0.05, beside = 0.01 + noise;
+  hal::Aabb around;
+  for (const Vec3& end : {edge.from, edge.to}) {
+    for (const double side : {-beside, beside}) {
+      around.extend(end + side * edge.outward);
+      around.extend(end + side * edge.outward - reach * plate.normal);
+    }
+  }
+  std::vector<std::vector<double>> depths(static_cast<std::size_t>(length / kPlace_m) + 1);
+  obstacles.for_each_bucket(around, [&](const Obstacles::Bucket& bucket) {
+    for (std::uint32_t i = bucket.begin; i < bucket.end; ++i) {
+      if (obstacles.kind(i) != ObstacleKind::Object) continue;
+      const Vec3 d = obstacles.points()[i].cast<double>() - edge.from;
+      const double out = d.dot(edge.outward), below = -d.dot(plate.normal), l = d.dot(along);
+      if (std::abs(out) > beside || l < 0.0 || l > length) continue;
+      if (below > noise + 0.004 && below < reach)
+        depths[static_cast<std::size_t>(l / kPlace_m)].push_back(below);
+    }
+  });
+  const auto quantile = [](std::vector<double>& values, double part) {
+    const auto nth = values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size()));
+    std::nth_element(values.begin(), nth, values.end());
+    return *nth;
+  };
+  std::vector<double> places;
+  for (std::vector<double>& depth : depths)
+    if (depth.size() >= kEnough) places.push_back(quantile(depth, kDeepest));
+  if (static_cast<double>(places.size()) < kLeastPlaces * static_cast<double>(depths.size()))
+    return std::nullopt;
+  return quantile(places, 0.5);
+}
+
+struct Thickness {
+  double value;
+  std::string note;
+};
+
+Thickness thickness_at(const Scene& scene, const Obstacles& obstacles, int surface, const Rectangle& plate,
+                       const RectangleEdge& edge, const SeenSpace& seen, const CompletedSolids& solids,
+                       const HandModel& hand, const CandidateConfig& config) {
+  // the face that closes most of the plate's edges says how thick the plate is
+  double longest = 0.0, deep = 0.0;
+  for (const CompletedSolid& solid : solids) {
+    if (solid.a != surface && solid.b != surface) continue;
+    const auto& other =
+        std::get<Rectangle>(scene.surfaces[static_cast<std::size_t>(solid.a == surface ? solid.b : solid.a)]);
+    if (is_leg_face(other, plate, seen)) continue;
+    const double length = solid.extent_along(plate.normal.cross(other.normal));
+    if (length > longest) longest = length, deep = solid.extent_along(plate.normal);
+  }
+  if (deep > 0.0) return {deep, ""};
+  if (const auto measured = seen_thickness(obstacles, plate, edge, seen, hand)) {
+    return {*measured, fmt::format("thickness {:.0f} mm from points below the rim", 1000 * *measured)};
+  }
+  return {config.assumed_thickness_m,
+          fmt::format("thickness assumed {:.0f} mm: the rim's own face was not seen",
+                      1000 * config.assumed_thickness_m)};
+}
+
+}  // namespace
+
+std::vector<GraspLine> edge_lines(const Scene& scene, const SeenSpace& seen, const CompletedSolids& solids,
+                                  const Obstacles& obstacles, const HandModel& hand,
+                                  const CandidateConfig& config) {
+  std::vector<GraspLine> lines;
+  for (std::size_t i = 0; i < scene.surfaces.size(); ++i) {
+    const auto* plate = std::get_if<Rectangle>(&scene.surfaces[i]);
+    // a strip that the hand spans is itself the edge face of something
+    if (plate == nullptr || plate->size.minCoeff() < 2.0 * config.end_margin_m) continue;
+    for (const RectangleEdge& edge : edges_of(*plate)) {
+      const double length = (edge.to - edge.from).norm();
+      const Vec3 along = (edge.to - edge.from) / length;
+      // faces that could close the body at this edge
+      std::vector<const Rectangle*> closing;
+      for (const perception::Surface& s : scene.surfaces) {
+        const auto* other = std::get_if<Rectangle>(&s);
+        if (other != nullptr && other != plate && faces_out(edge, *other)) closing.push_back(other);
+      }
+      const int probes = static_cast<int>(std::floor(length / kProbeStep)) + 1;
+
+      std::optional<Thickness> thickness;
+      int run = 0;  // free places up to the present one
+      for (int k = 0; k <= probes; ++k) {
+        const Vec3 rim = edge.from + std::min(k * kProbeStep, length) * along;
+        const bool on_ground =
+            scene.ground &&
+            scene.ground->plane.height(rim + config.edge_probe_m * edge.outward) < config.edge_probe_m;
+        const auto closes = [&](const Rectangle* other) {
+          return distance_to(*other, rim) < config.adjoin_m;
+        };
+        const bool free = k < probes && !on_ground && free_rim(seen, rim, edge.outward, config) &&
+                          std::none_of(closing.begin(), closing.end(), closes);
+        if (free) {
+          ++run;
+          continue;
+        }
+        const double run_length = (run - 1) * kProbeStep;
+        const int first = k - run;
+        run = 0;
+        if (run_length < 2.0 * config.end_margin_m) continue;
+        if (!thickness) {
+          thickness =
+              thickness_at(scene, obstacles, static_cast<int>(i), *plate, edge, seen, solids, hand, config);
+        }
+        if (thickness->value < config.min_width_m || thickness->value > hand.opening_m) continue;
+        GraspLine line;
+        line.kind = GraspKind::Edge;
+        line.surface = static_cast<int>(i);
+        line.approach = -edge.outward;
+        line.closing = thumb_up(plate->normal, scene);
+        line.width = thickness->value;
+        line.note = thickness->note;
+        const Vec3 middle = -0.5 * thickness->value * plate->normal;
+        line.from = edge.from + (first * kProbeStep + config.end_margin_m) * along + middle;
+        line.to = edge.from + (first * kProbeStep + run_length - config.end_margin_m) * along + middle;
+        lines.push_back(line);
+      }
+    }
+  }
+  return lines;
+}
+
+}  // namespace colift::planner

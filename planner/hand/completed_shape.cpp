@@ -1,0 +1,109 @@
+#include "planner/hand/completed_shape.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "planner/hand/leg_face.hpp"
+
+namespace colift::planner {
+namespace {
+
+using perception::Rectangle;
+
+/// Whether the camera looked through more than a part of a box.
+bool is_free(const hal::OrientedBox& box, const SeenSpace& seen, double max_free) {
+  constexpr int kN = 6;
+  const double most = max_free * (kN * kN * kN);
+  int free = 0;
+  for (int k = 0; k < kN; ++k) {
+    for (int j = 0; j < kN; ++j) {
+      for (int i = 0; i < kN; ++i) {
+        const Vec3 f((i + 0.5) / kN - 0.5, (j + 0.5) / kN - 0.5, (k + 0.5) / kN - 0.5);
+        if (seen.at(box.center + box.axes * f.cwiseProduct(box.size)) == Sight::Free && ++free > most)
+          return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<RectangleEdge> edges_of(const Rectangle& r) {
+  const Vec3 u = 0.5 * r.size.x() * r.u, v = 0.5 * r.size.y() * r.v;
+  return {{r.u, r.center + u - v, r.center + u + v},
+          {-r.u, r.center - u - v, r.center - u + v},
+          {r.v, r.center + v - u, r.center + v + u},
+          {-r.v, r.center - v - u, r.center - v + u}};
+}
+
+double distance_to(const Rectangle& r, const Vec3& p) {
+  const Vec3 d = p - r.center;
+  const double u = std::clamp(d.dot(r.u), -0.5 * r.size.x(), 0.5 * r.size.x());
+  const double v = std::clamp(d.dot(r.v), -0.5 * r.size.y(), 0.5 * r.size.y());
+  return (d - u * r.u - v * r.v).norm();
+}
+
+bool faces_out(const RectangleEdge& edge_of_a, const Rectangle& b) {
+  constexpr double kCosTilt = 0.94;  // 20 degrees
+  return b.normal.dot(edge_of_a.outward) > kCosTilt;
+}
+
+double CompletedSolid::extent_along(const Vec3& direction) const {
+  int axis = 0;
+  (box.axes.transpose() * direction).cwiseAbs().maxCoeff(&axis);
+  return box.size[axis];
+}
+
+CompletedSolids complete_solids(const perception::Scene& scene, const SeenSpace* seen, double tolerance_m,
+                                double max_free) {
+  CompletedSolids solids;
+  for (std::size_t i = 0; i < scene.surfaces.size(); ++i) {
+    const auto* a = std::get_if<Rectangle>(&scene.surfaces[i]);
+    if (a == nullptr) continue;
+    const std::vector<RectangleEdge> edges = edges_of(*a);
+    for (std::size_t j = 0; j < scene.surfaces.size(); ++j) {
+      const auto* b = std::get_if<Rectangle>(&scene.surfaces[j]);
+      if (b == nullptr || j == i) continue;
+      if (std::none_of(edges.begin(), edges.end(), [&](const auto& edge) { return faces_out(edge, *b); })) {
+        continue;
+      }
+      const auto same_pair = [&](const CompletedSolid& s) {
+        return s.a == static_cast<int>(j) && s.b == static_cast<int>(i);
+      };
+      if (std::any_of(solids.begin(), solids.end(), same_pair)) continue;
+      for (const RectangleEdge& edge : edges) {
+        if (!faces_out(edge, *b) || a->normal.dot(b->center - a->center) > 0.0) continue;
+        // the other face has to meet this edge somewhere, and lie on the inner side of this one
+        bool meets = false;
+        for (int k = 0; k <= 20 && !meets; ++k) {
+          meets = distance_to(*b, edge.from + (edge.to - edge.from) * (k / 20.0)) < tolerance_m;
+        }
+        if (!meets) continue;
+
+        const Vec3 n = a->normal, along = n.cross(b->normal).normalized(), m = along.cross(n);
+        const Extent ea = extent_of(*a, along), eb = extent_of(*b, along);
+        const double low = std::max(ea.low, eb.low), high = std::min(ea.high, eb.high);
+        Extent in_n{extent_of(*b, n).low, n.dot(a->center)}, in_m{extent_of(*a, m).low, m.dot(b->center)};
+        // a leg is about as thick as it is wide
+        if (seen != nullptr && is_leg_face(*b, *a, *seen))
+          in_m.low = std::max(in_m.low, in_m.high - eb.length());
+        if (seen != nullptr && is_leg_face(*a, *b, *seen))
+          in_n.low = std::max(in_n.low, in_n.high - ea.length());
+        const Vec3 size(high - low, in_m.high - in_m.low, in_n.high - in_n.low);
+        if (size.minCoeff() <= 0.0) continue;
+        CompletedSolid solid{static_cast<int>(i), static_cast<int>(j), {}};
+        solid.box.axes << along, m, n;
+        if (solid.box.axes.determinant() < 0.0) solid.box.axes.col(0) *= -1.0;
+        solid.box.size = size;
+        solid.box.center =
+            0.5 * ((low + high) * along + (in_m.low + in_m.high) * m + (in_n.low + in_n.high) * n);
+        if (seen != nullptr && is_free(solid.box, *seen, max_free)) continue;
+        solids.push_back(solid);
+      }
+    }
+  }
+  return solids;
+}
+
+}  // namespace colift::planner

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <vector>
+
+#include "perception/scene.hpp"
+#include "planner/hand/seen_space.hpp"
+
+namespace colift::planner {
+
+/// An edge of a rectangle: outward direction in the rectangle's plane, and its two ends.
+struct RectangleEdge {
+  Vec3 outward = Vec3::Zero();
+  Vec3 from = Vec3::Zero();
+  Vec3 to = Vec3::Zero();
+};
+[[nodiscard]] std::vector<RectangleEdge> edges_of(const perception::Rectangle& rectangle);
+
+/// Distance of a point from a rectangle's area (m).
+[[nodiscard]] double distance_to(const perception::Rectangle& rectangle, const Vec3& p);
+
+/// True when rectangle b is perpendicular to rectangle a and faces outwards at this edge of a. Where it also
+/// passes near the edge, it closes the body there.
+[[nodiscard]] bool faces_out(const RectangleEdge& edge_of_a, const perception::Rectangle& b);
+
+/// The box that two faces imply when they meet at a convex edge: as long as both are along the edge, as deep
+/// as each is seen to be from the other.
+struct CompletedSolid {
+  int a = -1, b = -1;  ///< Surfaces that imply it.
+  hal::OrientedBox box;
+
+  /// Extent along a unit vector that is (nearly) one of the box's axes (m).
+  [[nodiscard]] double extent_along(const Vec3& direction) const;
+};
+
+using CompletedSolids = std::vector<CompletedSolid>;
+
+/// Boxes implied by pairs of adjoining rectangles. A box into which the camera looked (an open box, whose
+/// walls imply a full one) is dropped when more than `max_free` of it was seen to be free.
+[[nodiscard]] CompletedSolids complete_solids(const perception::Scene& scene, const SeenSpace* seen,
+                                              double tolerance_m, double max_free);
+
+}  // namespace colift::planner

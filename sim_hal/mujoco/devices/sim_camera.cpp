@@ -1,0 +1,180 @@
+#include "sim_hal/mujoco/devices/sim_camera.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "sim_hal/synthetic/hash_random.hpp"
+#include "sim_hal/synthetic/kinect/kinect_noise.hpp"
+
+namespace colift::sim_hal {
+namespace {
+
+using hal::ErrorCode;
+using State = hal::DeviceHealth::State;
+using std::chrono::milliseconds;
+
+constexpr std::uint64_t kFramesPerSecond = 30;
+constexpr auto kStall = milliseconds(100);  // three frames that did not come
+constexpr auto kLate = milliseconds(200);   // how much later than it should a late frame comes
+
+/// The newest frame whose exposure is not after a time.
+std::uint64_t newest_due(hal::Timestamp now) {
+  const auto ms = static_cast<std::uint64_t>(std::chrono::floor<milliseconds>(now).count());
+  return ms * kFramesPerSecond / 1000;
+}
+
+class SimCamera final : public hal::DepthCamera {
+ public:
+  explicit SimCamera(SimWorld& world)
+      : world_(world), caster_(hal::CameraIntrinsics{}, camera_pose(world.scenario().camera)) {
+    for (const DeviceFaultEvent& fault : world.scenario().faults) {
+      if (fault.device != "camera") continue;
+      faults_.push_back(fault);
+      may_freeze_ |= fault.action == "freeze";
+    }
+  }
+
+  hal::Result<> configure() override {
+    if (fault_now() == "unplug") return lose_link("sim_camera.configure");
+    // what went by while the link was down was never seen
+    if (health_.state == State::Lost) next_ = std::max(next_, newest_due(now()));
+    health_.state = State::Opening;
+    return {};
+  }
+
+  hal::Result<> activate() override {
+    if (health_.state != State::Opening && !streams())
+      return hal::failure(ErrorCode::NotReady, "sim_camera.activate",
+                          "the camera is not open, call configure() first");
+    health_.state = State::Streaming;
+    return {};
+  }
+
+  void deactivate() noexcept override {
+    if (streams()) health_.state = State::Opening;
+    late_.reset();
+  }
+
+  [[nodiscard]] hal::DeviceHealth health() const override { return health_; }
+
+  hal::Result<hal::DepthFrame> next_frame(milliseconds patience) override {
+    constexpr auto kWhere = "sim_camera.next_frame";
+    if (health_.state == State::Lost) return hal::failure(ErrorCode::LinkLost, kWhere, health_.last_error);
+    if (!streams())
+      return hal::failure(ErrorCode::NotReady, kWhere, "the camera does not stream, call activate() first");
+
+    const hal::Timestamp deadline = now() + std::max(patience, milliseconds(0));
+    for (;;) {
+      const hal::Timestamp due = late_ ? late_->exposed_at + kLate : exposure_due(next_);
+      if (std::max(due, now()) > deadline) break;
+      if (due > now()) world_.advance(due - now());
+      if (fault_now() == "unplug") return lose_link(kWhere);
+      if (late_) return hand_out(std::move(*std::exchange(late_, std::nullopt)));
+      // of several that are due only the newest is there
+      const std::uint64_t frame = std::max(next_, newest_due(now()));
+      next_ = frame + 1;
+      const std::string_view fault = fault_now();
+      if (fault == "drop" || fault == "silent") {
+        ++health_.rejected;
+        continue;
+      }
+      hal::DepthFrame image = expose(frame, fault);
+      if (fault != "late") return hand_out(std::move(image));
+      late_ = std::move(image);
+    }
+    if (deadline > now()) world_.advance(deadline - now());
+    const std::string none = fmt::format("no frame within {} ms", patience.count());
+    // who only asks whether there is one already has not waited in vain
+    if (patience > milliseconds(0) || now() - handed_out_at_ > kStall) {
+      health_.state = State::Stalled;
+      health_.last_error = none;
+    }
+    return hal::failure(ErrorCode::Timeout, kWhere, none);
+  }
+
+ private:
+  [[nodiscard]] hal::Timestamp now() const { return world_.clock().now(); }
+  [[nodiscard]] bool streams() const {
+    return health_.state == State::Streaming || health_.state == State::Stalled;
+  }
+
+  /// What is wrong at this moment; empty when nothing is. The later entry wins.
+  [[nodiscard]] std::string_view fault_now() const {
+    const double t = hal::seconds(now());
+    for (auto it = faults_.rbegin(); it != faults_.rend(); ++it)
+      if (t >= it->at_s && t < it->at_s + it->for_s) return it->action;
+    return {};
+  }
+
+  tl::unexpected<hal::Error> lose_link(std::string where) {
+    health_.state = State::Lost;
+    health_.last_error = fmt::format("the camera is unplugged since {:.3f} s", hal::seconds(now()));
+    late_.reset();
+    return hal::failure(ErrorCode::LinkLost, std::move(where), health_.last_error);
+  }
+
+  hal::DepthFrame expose(std::uint64_t frame, std::string_view fault) {
+    const Rendering& truth = caster_.cast(world_.shapes());
+    hal::DepthFrame image = world_.scenario().camera.noise == "none"
+                                ? measure_ideal(truth)
+                                : measure(truth, KinectNoise{}, hash(world_.seed(), kNoiseStream, frame));
+    image.exposed_at = now();
+    if (fault == "freeze") {
+      // a camera that freezes with its first frame shows that one
+      if (last_good_.empty()) last_good_ = image.depth_m;
+      image.depth_m = last_good_;
+    } else if (fault == "blind") {
+      std::fill(image.depth_m.begin(), image.depth_m.end(), std::numeric_limits<float>::quiet_NaN());
+    } else if (fault == "corrupt") {
+      image.depth_m.resize(image.depth_m.size() / 2);
+    } else if (may_freeze_) {
+      last_good_ = image.depth_m;
+    }
+    return image;
+  }
+
+  hal::DepthFrame hand_out(hal::DepthFrame image) {
+    health_.state = State::Streaming;
+    ++health_.accepted;
+    handed_out_at_ = now();
+    return image;
+  }
+
+  static constexpr std::uint64_t kNoiseStream = 71;
+
+  SimWorld& world_;
+  RayCaster caster_;
+  std::vector<DeviceFaultEvent> faults_;
+  bool may_freeze_ = false;
+  std::uint64_t next_ = 0;  // first frame that has not been exposed
+  hal::Timestamp handed_out_at_{0};
+  std::vector<float> last_good_;
+  std::optional<hal::DepthFrame> late_;
+  hal::DeviceHealth health_;
+};
+
+}  // namespace
+
+hal::Timestamp exposure_due(std::uint64_t frame) {
+  return milliseconds((frame * 1000 + kFramesPerSecond - 1) / kFramesPerSecond);
+}
+
+Rendering render_truth(const SimWorld& world) {
+  return cast_rays(world.shapes(), hal::CameraIntrinsics{}, camera_pose(world.scenario().camera));
+}
+
+std::unique_ptr<hal::DepthCamera> make_sim_camera(SimWorld& world) {
+  return std::make_unique<SimCamera>(world);
+}
+
+Pose camera_pose(const ScenarioCamera& camera) {
+  return look_at(camera.xyz, camera.look_at);
+}
+
+}  // namespace colift::sim_hal

@@ -1,0 +1,127 @@
+#include <fmt/format.h>
+#include <Eigen/LU>
+#include <catch2/catch.hpp>
+
+#include <iostream>
+
+#include "tests/unit/perception/surfaces/views.hpp"
+
+using namespace colift;
+using namespace colift::perception;
+using sim_hal::ObjectKind;
+using Kind = CompletedShape::Kind;
+
+namespace {
+
+struct Figures {
+  std::vector<double> horizontal_mm, vertical_mm, box_rule_mm, normalised;
+  int expected = 0, frames = 0;
+};
+
+Figures measure(ObjectKind kind, Kind expected, int seeds) {
+  Figures f;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    const View view(kind, static_cast<std::uint64_t>(seed));
+    const CompletedShape shape = view.shape();
+    const Vec3 e = shape.cog - view.scene.cog;
+    f.horizontal_mm.push_back(1000 * e.head<2>().norm());
+    f.vertical_mm.push_back(1000 * std::abs(e.z()));
+    f.box_rule_mm.push_back(1000 * (view.target.aabb.center() - view.scene.cog).norm());
+    f.normalised.push_back(e.dot(shape.covariance.inverse() * e));
+    f.expected += shape.kind == expected;
+    ++f.frames;
+  }
+  return f;
+}
+
+struct Row {
+  ObjectKind kind;
+  const char* name;
+  Kind expected;
+  double horizontal_mm;  // limit of the median
+};
+constexpr Row kRows[] = {{ObjectKind::Table, "table", Kind::Plate, 15},
+                         {ObjectKind::Box, "closed box", Kind::Block, 15},
+                         {ObjectKind::OpenBox, "open box", Kind::OpenBox, 15},
+                         {ObjectKind::Pipe, "pipe", Kind::Cylinder, 15},
+                         {ObjectKind::Chair, "chair", Kind::Chair, 40}};
+
+double within(const std::vector<double>& values, double limit) {
+  return static_cast<double>(
+             std::count_if(values.begin(), values.end(), [&](double x) { return x < limit; })) /
+         static_cast<double>(values.size());
+}
+
+}  // namespace
+
+TEST_CASE("the completed shape's centroid is near the true centre of gravity and knows how near",
+          "[completion]") {
+  for (const Row& row : kRows) {
+    const Figures f = measure(row.kind, row.expected, 24);
+    INFO(row.name << ": horizontal median " << quantile(f.horizontal_mm, 0.5) << " mm");
+    CHECK(quantile(f.horizontal_mm, 0.5) <= row.horizontal_mm);
+    CHECK(f.expected >= 21);
+    // chi-square with three degrees of freedom: median 2.4, 95 % below 7.8
+    CHECK(quantile(f.normalised, 0.5) < 2.8);
+    CHECK(quantile(f.normalised, 0.5) > 0.3);
+    CHECK(within(f.normalised, 16.3) >= 0.85);
+  }
+}
+
+// unit_perception_surfaces "[figures]" prints the table of docs/decisions/0001-shape-completion.md
+TEST_CASE("figures of the shape completion", "[.][figures]") {
+  std::cout << fmt::format("{:<12}{:>7}{:>10}{:>26}{:>18}{:>22}{:>20}\n", "object", "frames", "as meant",
+                           "horizontal mm 50/90 %", "vertical 50/90 %", "box middle mm 50/90 %",
+                           "normalised 50/90 %");
+  for (const Row& row : kRows) {
+    const Figures f = measure(row.kind, row.expected, 50);
+    std::cout << fmt::format(
+        "{:<12}{:>7}{:>10}{:>16.1f} /{:>8.1f}{:>9.1f} /{:>7.1f}{:>13.1f} /{:>7.1f}{:>12.1f} /{:>6.1f}\n",
+        row.name, f.frames, f.expected, quantile(f.horizontal_mm, 0.5), quantile(f.horizontal_mm, 0.9),
+        quantile(f.vertical_mm, 0.5), quantile(f.vertical_mm, 0.9), quantile(f.box_rule_mm, 0.5),
+        quantile(f.box_rule_mm, 0.9), quantile(f.normalised, 0.5), quantile(f.normalised, 0.9));
+  }
+}
+
+TEST_CASE("the completed box holds the object down to the ground", "[completion]") {
+  for (std::uint64_t seed = 60; seed < 66; ++seed) {
+    const View view(ObjectKind::Table, seed);
+    const CompletedShape shape = view.shape();
+    CHECK(shape.box.axes.determinant() == Approx(1.0));
+    CHECK(shape.box.axes.col(2).dot(Vec3::UnitZ()) > 0.99);
+    const double bottom = shape.box.center.z() - 0.5 * shape.box.size.z();
+    CHECK(std::abs(bottom) < 0.01);
+    const sim_hal::TrueFace& top = view.scene.faces[0];
+    CHECK(shape.box.size.z() == Approx(top.center.z()).margin(0.01));
+    CHECK(shape.box.size.x() == Approx(std::max(top.width, top.height)).margin(0.03));
+  }
+}
+
+TEST_CASE("a plate at the height of a desk with a thing on it is no chair", "[completion]") {
+  const auto plate = sim_hal::box({0, 0, 0.70}, {1.2, 0.6, 0.03}, 0.0, sim_hal::Label::Target);
+  const auto thing = sim_hal::box({-0.3, 0, 0.815}, {0.3, 0.3, 0.2}, 0.0, sim_hal::Label::Target);
+  const View bare(scene_of({plate}, {1.4, 0.6, 1.6}, {0, 0, 0.6}), 1);
+  const View laden(scene_of({plate, thing}, {1.4, 0.6, 1.6}, {0, 0, 0.6}), 1);
+  const CompletedShape without = bare.shape(), with = laden.shape();
+  CHECK(without.kind == Kind::Plate);
+  CHECK(with.kind == Kind::Plate);
+  CHECK(with.because.find("stand on it") != std::string::npos);
+  // nobody knows what the thing weighs, but on which side it stands
+  CHECK(with.covariance(0, 0) > without.covariance(0, 0) + 0.0005);
+}
+
+TEST_CASE("every completion says what was assumed", "[completion]") {
+  const View table(ObjectKind::Table, 1), box(ObjectKind::Box, 1);
+  CHECK(table.shape().because.find("legs") != std::string::npos);
+  CHECK(box.shape().because.find("closed body") != std::string::npos);
+  CHECK(std::string(name_of(Kind::Plate)) == "plate on legs");
+}
+
+TEST_CASE("an object of no known shape gets a centroid with a wide covariance", "[completion]") {
+  const View view(scene_of({sim_hal::sphere({0, 0, 0.2}, 0.2, sim_hal::Label::Target)}), 1);
+  const CompletedShape shape = complete_shape(view.cloud, view.target, {}, view.ground, NoiseModel{});
+  CHECK(shape.kind == Kind::Mirrored);
+  const Vec3 e = shape.cog - Vec3(0, 0, 0.2);
+  CHECK(e.norm() < 0.1);
+  CHECK(e.dot(shape.covariance.inverse() * e) < 11.3);
+}

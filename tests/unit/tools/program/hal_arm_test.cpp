@@ -1,0 +1,392 @@
+// Bring-up of the arm: what it does in each cycle, against the emulated controller and its judgement; and
+// what it says when command mode would be refused.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "hal/guarded_arm.hpp"
+#include "sim_hal/emulator/krc/krc_lock_step.hpp"
+#include "sim_hal/emulator/krc/plant/krc_light_plant.hpp"
+#include "tools/bring_up/hal_arm_json.hpp"
+#include "tools/bring_up/hal_arm_obstacles.hpp"
+#include "tools/bring_up/hal_arm_task.hpp"
+
+namespace colift {
+using namespace tools;
+namespace {
+
+using tools::ArmTask;
+using How = tools::ArmTaskEnd::How;
+
+constexpr double kDeg = 180.0 / std::numbers::pi;
+constexpr hal::Endpoint kKrc{0x7F000001, 49152}, kPc{0x7F000001, 49938};
+
+/// An arm behind the emulated controller, in lock step with the test's clock.
+struct Stand {
+  hal::ManualClock clock;
+  sim_hal::MemoryWire wire{clock};
+  hal::ArmDynamics dynamics{hal::built_in_robot(), hal::ArmDynamics::Load::Hand};
+  std::unique_ptr<sim_hal::LightPlant> plant;
+  std::unique_ptr<hal::DatagramLink> end;
+  std::unique_ptr<sim_hal::KrcEmulator> krc;
+  hal::FriArm* fri = nullptr;
+  std::unique_ptr<hal::Arm> arm;
+  hal::GuardConfig guard;
+  std::atomic<bool> interrupted{false};
+  hal::LatestValue<tools::ArmProgress> progress;
+
+  explicit Stand(sim_hal::KrcConfig krc_config = {}, hal::FriConfig config = {}) {
+    sim_hal::LightPlantConfig p;
+    p.start_rad << 0.1, 0.7, -0.2, 1.4, 0.1, -0.9, 0.3;
+    plant = std::make_unique<sim_hal::LightPlant>(dynamics, p);
+    end = wire.end(kKrc);
+    REQUIRE(end->open());
+    krc = std::make_unique<sim_hal::KrcEmulator>(krc_config, dynamics, *plant, *end);
+    REQUIRE(krc->start(clock.now()));
+    auto driver =
+        std::make_unique<hal::FriArm>(config, wire.end(kPc, sim_hal::lock_step(*krc, clock)), clock);
+    fri = driver.get();
+    arm = std::make_unique<hal::GuardedArm>(std::move(driver), hal::built_in_robot(), guard);
+  }
+
+  tools::ArmTaskEnd run(const ArmTask& task) {
+    const tools::ArmTaskHooks hooks{interrupted, progress,
+                                    [this] { return why_not(fri->status(), fri->config()); }};
+    hal::Arm& used = task.kind == ArmTask::Kind::Watch ? static_cast<hal::Arm&>(*fri) : *arm;
+    return run_arm_task(used, hal::built_in_robot(), guard, task, clock, hooks);
+  }
+
+  [[nodiscard]] tools::ArmView view() const {
+    tools::ProgramWatch program;
+    hal::FriMeasurement m = fri->measurement();
+    program.note(m, 0.0);
+    ++m.krl.integer[4];
+    program.note(m, 1.0);
+    return view_of(*fri, program, {}, guard.limit_margin_deg, 1.0);
+  }
+
+  [[nodiscard]] std::string broken() const {
+    std::string text;
+    for (const auto& b : krc->report().broken_rules)
+      text += std::string(name(b.rule)) + ": " + b.because + "\n";
+    return text;
+  }
+  [[nodiscard]] bool left_command_mode() const { return krc->report().state != sim_hal::FriState::Command; }
+};
+
+ArmTask hold_for(double s) {
+  ArmTask task;
+  task.kind = ArmTask::Kind::Hold;
+  task.for_s = s;
+  return task;
+}
+
+ArmTask move(int joint, double deg, double speed_deg_s = 5.0) {
+  ArmTask task;
+  task.kind = ArmTask::Kind::Move;
+  task.joint = joint;
+  task.by_rad = deg / kDeg;
+  task.speed_rad_s = speed_deg_s / kDeg;
+  return task;
+}
+
+/// An arm that notes its commands, and interrupts after so many of them, as a person at the keyboard does.
+class WatchedArm final : public hal::Arm {
+ public:
+  WatchedArm(hal::Arm& inner, std::atomic<bool>& flag, int after)
+      : inner_(inner), flag_(flag), left_(after) {}
+  hal::Result<> configure() override { return inner_.configure(); }
+  hal::Result<> activate() override { return inner_.activate(); }
+  void deactivate() noexcept override { inner_.deactivate(); }
+  hal::DeviceHealth health() const override { return inner_.health(); }
+  hal::Result<hal::ArmState> wait_cycle() override { return inner_.wait_cycle(); }
+  hal::Result<> command(const hal::ImpedanceCommand& c) override {
+    if (--left_ == 0) flag_ = true;
+    if (before_) longest_step_ = std::max(longest_step_, (c.q_rad - *before_).cwiseAbs().maxCoeff());
+    before_ = c.q_rad;
+    if (first_stiffness_ == 0.0) first_stiffness_ = c.stiffness_nm_rad[3];
+    last_stiffness_ = c.stiffness_nm_rad[3];
+    return inner_.command(c);
+  }
+  void stop() noexcept override { inner_.stop(); }
+  double longest_step_ = 0.0, first_stiffness_ = 0.0, last_stiffness_ = 0.0;
+
+ private:
+  hal::Arm& inner_;
+  std::atomic<bool>& flag_;
+  int left_;
+  std::optional<hal::JointVector> before_;
+};
+
+const tools::Obstacle* find(const std::vector<tools::Obstacle>& all, const std::string& kind) {
+  for (const auto& o : all)
+    if (o.kind == kind) return &o;
+  return nullptr;
+}
+
+/// What a healthy controller in monitor mode tells.
+tools::ArmView healthy() {
+  tools::ArmView v;
+  v.status.session = hal::FriSession::Monitor;
+  v.status.reason = hal::FriReason::NotAsked;
+  v.status.state = v.m.state = hal::FriState::Monitor;
+  v.status.quality = v.m.quality = hal::FriQuality::Perfect;
+  v.status.control = v.m.control = hal::FriControl::JointImpedance;
+  v.status.power = v.m.power = hal::kFriAllDrives;
+  v.status.answer_rate = v.m.answer_rate = 1.0f;
+  v.status.latency_s = v.m.latency_s = 0.0003f;
+  v.status.period_s = 0.002;
+  v.status.received = v.status.answered = 500;
+  v.m.safety_limits = 1.0f;
+  v.m.q_measured_rad = {0.1f, 0.7f, -0.2f, 1.4f, 0.1f, -0.9f, 0.3f};
+  v.m.q_commanded_rad = v.m.q_measured_rad;
+  v.m.temperature_c.fill(35.0f);
+  v.m.krl.integer[0] = 10001;
+  v.m.krl.integer[1] = 1;
+  hal::FriMeasurement later = v.m;
+  later.krl.integer[4] = 7;
+  v.program.note(v.m, 0.0);
+  v.program.note(later, 1.0);
+  return v;
+}
+
+}  // namespace
+
+TEST_CASE("watching asks for nothing and moves nothing", "[hal][arm]") {
+  Stand s;
+  ArmTask watch;
+  watch.for_s = 1.0;
+  const auto end = s.run(watch);
+  INFO(end.because);
+  CHECK(end.how == How::Done);
+  CHECK(end.cycles > 400);
+  CHECK_FALSE(end.commanded);
+  CHECK(s.krc->report().command_cycles == 0);
+  CHECK(s.broken().empty());
+  const auto found = obstacles(s.view(), hal::built_in_robot());
+  INFO(obstacles_text(found));
+  CHECK(std::none_of(found.begin(), found.end(), [](const auto& o) { return o.refuses; }));
+}
+
+TEST_CASE("holding gets command mode, stays at the measured pose, and leaves", "[hal][arm]") {
+  Stand s;
+  const auto end = s.run(hold_for(2.0));
+  INFO(end.because);
+  REQUIRE(end.how == How::Done);
+  CHECK(end.commanded_s == Approx(2.0).margin(0.01));
+  CHECK(s.krc->report().command_cycles > 900);
+  CHECK((end.end_rad - end.start_rad).cwiseAbs().maxCoeff() < 0.002);
+  CHECK(s.left_command_mode());
+  INFO(s.broken());
+  CHECK(s.broken().empty());
+}
+
+TEST_CASE("a joint moves by the angle, no faster than asked, the others stay", "[hal][arm]") {
+  Stand s;
+  const auto end = s.run(move(3, -10.0, 5.0));
+  INFO(end.because);
+  REQUIRE(end.how == How::Done);
+  const hal::JointVector by = end.end_rad - end.start_rad;
+  CHECK(kDeg * by[3] == Approx(-10.0).margin(0.2));
+  for (const int other : {0, 1, 2, 4, 5, 6}) CHECK(std::abs(kDeg * by[other]) < 0.2);
+  CHECK(end.commanded_s > 2.0);  // 10 deg with 5 deg/s, and time to speed up and arrive
+  CHECK(end.commanded_s < 5.0);
+  CHECK(s.left_command_mode());
+  INFO(s.broken());
+  CHECK(s.broken().empty());
+}
+
+TEST_CASE("a motion beyond a limit is refused before command mode is asked for", "[hal][arm]") {
+  Stand s;
+  const auto end = s.run(move(5, -80.0));  // A6 stands at -52 deg, its limit is -120
+  CHECK(end.how == How::BadRequest);
+  CHECK(end.because.find("A6") != std::string::npos);
+  CHECK(end.because.find("-67.4") != std::string::npos);  // what is left this way
+  CHECK(s.krc->report().command_cycles == 0);
+}
+
+TEST_CASE("limits count the guard's margin, and leave the way back from beyond it", "[hal][arm]") {
+  const hal::GuardConfig guard;
+  const auto& model = hal::built_in_robot();
+  CHECK(beyond_limits(model, guard, 1, 118.0 / kDeg, 0.9 / kDeg).empty());
+  CHECK_FALSE(beyond_limits(model, guard, 1, 118.0 / kDeg, 1.5 / kDeg).empty());
+  CHECK(beyond_limits(model, guard, 1, 119.8 / kDeg, -5.0 / kDeg).empty());
+  CHECK_FALSE(beyond_limits(model, guard, 1, 119.8 / kDeg, 0.1 / kDeg).empty());
+}
+
+TEST_CASE("interrupted in the middle of a motion it comes to rest on the way and leaves", "[hal][arm]") {
+  Stand s;
+  WatchedArm arm(*s.arm, s.interrupted, 600);
+  const tools::ArmTaskHooks hooks{s.interrupted, s.progress, {}};
+  const auto task = move(0, 20.0, 10.0);
+  const auto end = run_arm_task(arm, hal::built_in_robot(), s.guard, task, s.clock, hooks);
+  CHECK(end.how == How::Interrupted);
+  const double moved = kDeg * (end.goal_rad[0] - end.start_rad[0]);
+  CHECK(moved > 1.0);
+  CHECK(moved < 19.0);
+  CHECK(arm.longest_step_ < 1.1 * task.speed_rad_s * 0.002);
+  CHECK(s.left_command_mode());
+  INFO(s.broken());
+  CHECK(s.broken().empty());
+}
+
+TEST_CASE("the stiffness that was asked for arrives at the arm", "[hal][arm]") {
+  Stand s;
+  ArmTask task = hold_for(1.5);
+  task.stiffness_nm_rad = 200.0;
+  WatchedArm arm(*s.arm, s.interrupted, 1'000'000);
+  const auto end =
+      run_arm_task(arm, hal::built_in_robot(), s.guard, task, s.clock, {s.interrupted, s.progress, {}});
+  INFO(end.because);
+  CHECK(end.how == How::Done);
+  CHECK(arm.first_stiffness_ == Approx(1000.0).margin(10.0));  // as the driver starts; then on a ramp
+  CHECK(arm.last_stiffness_ == Approx(200.0));
+  CHECK(end.drift_rad.maxCoeff() < 0.05);
+  INFO(s.broken());
+  CHECK(s.broken().empty());
+}
+
+TEST_CASE("a controller without its program refuses in words, and nothing moves", "[hal][arm]") {
+  sim_hal::KrcConfig krc;
+  krc.script = "tum";  // the client expects colift
+  hal::FriConfig config;
+  config.ready_s = 5.0;
+  Stand s(krc, config);
+  const auto end = s.run(hold_for(1.0));
+  CHECK(end.how == How::Refused);
+  INFO(end.because);
+  CHECK_FALSE(end.because.empty());
+  CHECK_FALSE(end.commanded);
+  CHECK(s.krc->report().command_cycles == 0);
+  const auto found = obstacles(s.view(), hal::built_in_robot());
+  REQUIRE(find(found, "program"));
+  CHECK(find(found, "program")->refuses);
+  CHECK(find(found, "program")->next.find("colift.src") != std::string::npos);
+}
+
+TEST_CASE("an emergency stop while holding ends it with the reason", "[hal][arm]") {
+  sim_hal::KrcConfig krc;
+  auto fault = sim_hal::parse_krc_fault("6:emergency-stop:2");
+  if (!fault) FAIL(fault.error().text());
+  krc.faults.push_back(*fault);
+  Stand s(krc);
+  const auto end = s.run(hold_for(20.0));
+  CHECK(end.how == How::Lost);
+  INFO(end.because);
+  CHECK(end.because.find("the drives are off") != std::string::npos);
+  CHECK(end.commanded);
+  CHECK(end.commanded_s < 19.0);
+}
+
+TEST_CASE("nobody on the wire is refused within the deadline", "[hal][arm]") {
+  hal::ManualClock clock;
+  sim_hal::MemoryWire wire(clock);
+  hal::FriConfig config;
+  config.first_s = 0.5;
+  hal::FriArm fri(config,
+                  wire.end(kPc,
+                           [&](hal::Timestamp until) {
+                             clock.advance(until - clock.now());
+                             return true;
+                           }),
+                  clock);
+  std::atomic<bool> interrupted{false};
+  hal::LatestValue<tools::ArmProgress> progress;
+  const auto end =
+      run_arm_task(fri, hal::built_in_robot(), {}, hold_for(1.0), clock, {interrupted, progress, {}});
+  CHECK(end.how == How::Refused);
+  CHECK(end.because.find("nothing usable comes") != std::string::npos);
+  CHECK(hal::seconds(clock.now()) < 1.0);
+  tools::ArmView view = view_of(fri, {}, {}, 1.0, 0.5);
+  const auto found = obstacles(view, hal::built_in_robot());
+  REQUIRE(find(found, "silence"));
+  CHECK(arm_screen(view, hal::built_in_robot()).find("would be refused now") != std::string::npos);
+}
+
+TEST_CASE("a healthy controller has nothing against command mode", "[hal][arm]") {
+  const auto found = obstacles(healthy(), hal::built_in_robot());
+  INFO(obstacles_text(found));
+  CHECK(found.empty());
+}
+
+TEST_CASE("each thing that stands against command mode is told with what to do", "[hal][arm]") {
+  struct Case {
+    const char* kind;
+    std::function<void(tools::ArmView&)> spoil;
+  };
+  const std::vector<Case> cases{
+      {"quality",
+       [](auto& v) {
+         v.status.quality = hal::FriQuality::Bad;
+         v.status.answer_rate = 0.85f;
+       }},
+      {"quality",
+       [](auto& v) {
+         v.status.quality = hal::FriQuality::Unacceptable;
+         v.status.latency_s = 0.0019f;
+       }},
+      {"drive-error", [](auto& v) { v.m.error = 0x04; }},
+      {"drives", [](auto& v) { v.m.power = 0; }},
+      {"drives", [](auto& v) { v.m.power = 0x7B; }},
+      {"hot", [](auto& v) { v.m.temperature_c[2] = 90.0f; }},
+      {"program", [](auto& v) { v.m.krl.integer[0] = 0; }},
+      {"program", [](auto& v) { v.m.krl.integer[0] = 10002; }},
+      {"program",
+       [](auto& v) {
+         v.program = {};
+         v.program.note(v.m, 0.0);
+         v.program.note(v.m, 1.0);
+       }},
+      {"control",
+       [](auto& v) {
+         v.config.script = "none";
+         v.m.control = hal::FriControl::Position;
+       }},
+      {"pose", [](auto& v) { v.status.pose_mismatch_rad = 0.2; }},
+      {"external-torque", [](auto& v) { v.m.tau_external_nm[1] = -31.0f; }},
+      {"silence", [](auto& v) { v.status.session = hal::FriSession::Silent; }},
+  };
+  for (const Case& c : cases) {
+    tools::ArmView v = healthy();
+    c.spoil(v);
+    const auto found = obstacles(v, hal::built_in_robot());
+    INFO(c.kind << "\n" << obstacles_text(found));
+    const auto* o = find(found, c.kind);
+    REQUIRE(o);
+    CHECK(o->refuses);
+    CHECK(o->what.size() > 10);
+    CHECK(o->next.size() > 20);
+  }
+}
+
+TEST_CASE("an arm that stands straight, or near a limit, is worth a word and no refusal", "[hal][arm]") {
+  tools::ArmView v = healthy();
+  v.m.q_measured_rad = {2.96f, 0.02f, 0, 0.05f, 0, 0.5f, 0};
+  const auto found = obstacles(v, hal::built_in_robot());
+  REQUIRE(find(found, "straight"));
+  CHECK_FALSE(find(found, "straight")->refuses);
+  REQUIRE(find(found, "joint-limit"));
+  CHECK_FALSE(find(found, "joint-limit")->refuses);
+}
+
+TEST_CASE("answer times fall into octaves, and none is lost", "[hal][arm]") {
+  hal::AnswerTimes times;
+  for (int us = 1; us <= 3000; us += 7) times.add(std::chrono::microseconds(us));
+  const auto a = tools::summary_of(times);
+  std::uint64_t sum = 0;
+  for (const auto& bar : a.bars) sum += bar.count;
+  CHECK(sum == a.count);
+  CHECK(a.worst_us == 2997);
+  CHECK(a.bars.back().up_to_us >= 2997);
+  CHECK(a.bars.back().count > 0);
+}
+
+TEST_CASE("the document of a screen names its schema and every joint", "[hal][arm]") {
+  const std::string text = arm_document("state", healthy(), hal::built_in_robot(), {}, {});
+  CHECK(text.rfind("{\"schema\":\"colift.hal.arm/1\"", 0) == 0);
+  for (const char* key :
+       {"\"A1\"", "\"A7\"", "\"E1\"", "\"ready\":true", "\"tcp_wrench\"", "\"answer_rate\""})
+    CHECK(text.find(key) != std::string::npos);
+}
+
+}  // namespace colift

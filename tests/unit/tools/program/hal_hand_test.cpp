@@ -1,0 +1,143 @@
+// Bring-up of the hand: opens on its own verb only, says what it met, and stops where it is when asked to.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+#include "sim_hal/mock/mock_hand.hpp"
+#include "tools/bring_up/hal_hand_task.hpp"
+
+namespace colift {
+namespace {
+
+using tools::HandTask;
+using How = tools::HandTaskEnd::How;
+using Kind = HandTask::Kind;
+
+struct Stand {
+  hal::ManualClock clock;
+  sim_hal::HandScript script;
+  std::unique_ptr<sim_hal::MockHand> hand;
+  hal::HandReport report;
+  bool interrupted = false;
+  double interrupt_at_s = std::numeric_limits<double>::infinity();
+
+  explicit Stand(double contact_rad = std::numeric_limits<double>::infinity()) {
+    if (std::isfinite(contact_rad))
+      script.contact_rad = [contact_rad](hal::Timestamp) {
+        return sim_hal::FingerAngles{contact_rad, contact_rad, contact_rad};
+      };
+    hand = std::make_unique<sim_hal::MockHand>(script, clock);
+  }
+
+  tools::HandTaskEnd run(Kind kind, const std::function<void(HandTask&)>& more = {}) {
+    HandTask task;
+    task.kind = kind;
+    task.for_s = 1.0;
+    if (more) more(task);
+    tools::HandTaskHooks hooks;
+    hooks.interrupted = [this] { return interrupted || hal::seconds(clock.now()) > interrupt_at_s; };
+    hooks.pause = [this] { clock.advance(std::chrono::milliseconds(2)); };
+    hooks.report = [this] { return report; };
+    return run_hand_task(*hand, task, clock, hooks);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("watching a hand moves nothing", "[hal][hand]") {
+  Stand s;
+  const auto end = s.run(Kind::Watch);
+  CHECK(end.how == How::Done);
+  CHECK(end.states > 100);
+  CHECK_FALSE(end.moved);
+  CHECK(end.after.finger_rad == end.before.finger_rad);
+}
+
+TEST_CASE("closing on something says that it is held, on nothing that it is not", "[hal][hand]") {
+  Stand with(1.2);
+  const auto grip = with.run(Kind::Grip);
+  INFO(grip.because);
+  CHECK(grip.how == How::Done);
+  CHECK(grip.after.held);
+  CHECK(grip.after.finger_rad[0] == Approx(1.2).margin(0.01));
+
+  Stand without;
+  const auto nothing = without.run(Kind::Close);
+  CHECK(nothing.how == How::NoGrip);
+  CHECK_FALSE(nothing.after.held);
+  CHECK(nothing.because == "the fingers met nothing");
+}
+
+TEST_CASE("a hand that holds something opens with a word of consent only", "[hal][hand]") {
+  Stand s(1.2);
+  REQUIRE(s.run(Kind::Close).how == How::Done);
+  s.report.loaded = true;
+  const auto refused = s.run(Kind::Open);
+  CHECK(refused.how == How::BadRequest);
+  CHECK(refused.because.find("--yes") != std::string::npos);
+  CHECK(refused.after.finger_rad[0] == Approx(1.2).margin(0.01));
+  const auto opened = s.run(Kind::Open, [](HandTask& t) { t.although_loaded = true; });
+  INFO(opened.because);
+  CHECK(opened.how == How::Done);
+  CHECK(opened.after.finger_rad[0] < 0.05);
+}
+
+TEST_CASE("preshape turns the spread", "[hal][hand]") {
+  Stand s;
+  const auto end = s.run(Kind::Preshape, [](HandTask& t) { t.spread_rad = 1.0; });
+  INFO(end.because);
+  CHECK(end.how == How::Done);
+  CHECK(end.after.spread_rad == Approx(1.0).margin(0.02));
+}
+
+TEST_CASE("interrupted while it closes, the fingers stay where they are", "[hal][hand]") {
+  Stand s;
+  s.interrupt_at_s = 0.5;
+  const auto end = s.run(Kind::Close);
+  CHECK(end.how == How::Interrupted);
+  CHECK(end.after.finger_rad[0] > 0.2);
+  CHECK(end.after.finger_rad[0] < 2.0);
+  CHECK_FALSE(end.after.moving);
+}
+
+TEST_CASE("a slip ends the grip", "[hal][hand]") {
+  Stand s(1.2);
+  s.report.slipped = true;
+  const auto end = s.run(Kind::Grip);
+  CHECK(end.how == How::NoGrip);
+  CHECK(end.because.find("slipped") != std::string::npos);
+}
+
+TEST_CASE("a hand that is lost while it moves is a failure with its words", "[hal][hand]") {
+  Stand s;
+  s.hand->inject(sim_hal::MockHand::Fault::Unplug, 40, 100000);
+  const auto end = s.run(Kind::Close);
+  CHECK(end.how == How::Failed);
+  CHECK_FALSE(end.because.empty());
+  CHECK(end.code == hal::ErrorCode::LinkLost);
+}
+
+TEST_CASE("each kind of refusal has its advice", "[hal][hand]") {
+  using hal::ErrorCode;
+  CHECK(tools::hand_advice(ErrorCode::NotReady, "socketcan:can0").find("hal hand init") != std::string::npos);
+  CHECK(tools::hand_advice(ErrorCode::LinkLost, "socketcan:can0").find("termination") != std::string::npos);
+  CHECK(tools::hand_advice(ErrorCode::BadConfig, "socketcan:can9").find("can9") != std::string::npos);
+}
+
+TEST_CASE("screens and documents of a hand cope with what it does not know", "[hal][hand]") {
+  tools::HandView v;
+  v.bus = "socketcan:can0";
+  CHECK(hand_screen(v).find("socketcan:can0") != std::string::npos);
+  v.state = hal::HandState{};
+  v.state->torque_nm.fill(std::nan(""));
+  v.state->tip_force_n.fill(std::nan(""));
+  v.report.palm_force_n = std::nan("");
+  v.report.silent[2] = true;
+  CHECK(hand_screen(v).find("F3 is silent") != std::string::npos);
+  CHECK(tactile_text(v).find("no pad tells anything") != std::string::npos);
+  const std::string json = hand_document("state", v, {}, {});
+  CHECK(json.rfind("{\"schema\":\"colift.hal.hand/1\"", 0) == 0);
+  CHECK(json.find("\"silent\":true") != std::string::npos);
+}
+
+}  // namespace colift

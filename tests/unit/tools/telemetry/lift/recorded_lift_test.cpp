@@ -1,0 +1,282 @@
+// A whole simulated lift: recording it and being watched by somebody who never reads changes nothing, and
+// replaying it decides the same to the bit.
+
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <bit>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "control/task/task_runner.hpp"
+#include "hal/config/config_file.hpp"
+#include "hal/guarded_arm.hpp"
+#include "hal/guarded_hand.hpp"
+#include "sim_hal/mujoco/devices/sim_devices.hpp"
+#include "sim_hal/mujoco/sim_world.hpp"
+#include "sim_hal/scenario/scenario.hpp"
+#include "tools/live/live_server.hpp"
+#include "tools/telemetry/channels/built_in_texts.hpp"
+#include "tools/telemetry/channels/depth_codes.hpp"
+#include "tools/telemetry/record/recorder.hpp"
+#include "tools/telemetry/record/run_telemetry.hpp"
+#include "tools/telemetry/replay/replay.hpp"
+
+namespace {
+
+using namespace colift;
+using namespace colift::telemetry;
+
+constexpr std::uint64_t kSeed = 3;
+
+control::Config config_of(const sim_hal::Scenario& scenario) {
+  control::Config config = control::run_defaults();
+  config.task.lift_height_m = scenario.task.height;
+  config.task.hold_s = scenario.task.hold_s;
+  return config;
+}
+
+sim_hal::Scenario short_lift() {
+  sim_hal::Scenario scenario = sim_hal::built_in_scenario();
+  scenario.task.hold_s = 0.5;
+  return scenario;
+}
+
+/// Every number that a run leaves behind, to the bit.
+std::string fingerprint(const control::RunRecord& r) {
+  std::string out = r.because;
+  const auto put = [&](double v) { out += ' ' + std::to_string(std::bit_cast<std::uint64_t>(v)); };
+  for (const auto& s : r.states) out += '\n' + std::to_string(s.at.count()) + s.because;
+  for (const auto& s : r.curve)
+    for (const double v : {s.t_s, s.palm_height_m, s.load_n}) put(v);
+  if (r.decision)
+    for (const auto& c : r.decision->candidates) {
+      out += '\n' + c.because;
+      for (const double v : {c.position.x(), c.position.y(), c.position.z(), c.width}) put(v);
+    }
+  if (r.lift)
+    for (const double v : {r.lift->height_m, r.lift->tilt_rad, r.lift->share_robot, r.lift->mass_kg}) put(v);
+  put(r.timing.sim_s);
+  return out;
+}
+
+struct Recorded {
+  control::RunRecord record;
+  RecorderReport report;
+};
+
+/// A viewer that asks for everything and then never reads.
+class DeafViewer {
+ public:
+  explicit DeafViewer(const live::LiveServer& server) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    const int small = 4096;
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &small, sizeof(small));
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(server.port());
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    REQUIRE(::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof(to)) == 0);
+    send(
+        "GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n"
+        "Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n\r\n");
+    char c = 0;
+    for (std::string head; !head.ends_with("\r\n\r\n"); head.push_back(c))
+      REQUIRE(::recv(socket_, &c, 1, 0) == 1);
+    std::string all = R"({"op":"subscribe","subscriptions":[)";
+    for (int i = 0; i < static_cast<int>(Topic::Depth); ++i)
+      all += (i == 0 ? "" : ",") + ("{\"id\":" + std::to_string(i)) + ",\"channelId\":" + std::to_string(i) +
+             "}";
+    all += "]}";
+    // one masked frame of text (RFC 6455); the mask is zero
+    std::string frame = {'\x81', '\xFE', static_cast<char>(all.size() >> 8),
+                         static_cast<char>(all.size() & 0xFF)};
+    send(frame + std::string(4, '\0') + all);
+  }
+  ~DeafViewer() { ::close(socket_); }
+  DeafViewer(const DeafViewer&) = delete;
+  DeafViewer& operator=(const DeafViewer&) = delete;
+
+ private:
+  void send(const std::string& bytes) const {
+    REQUIRE(::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size()));
+  }
+  int socket_;
+};
+
+Recorded run(const sim_hal::Scenario& scenario, const std::filesystem::path* file) {
+  const hal::RobotModel& model = hal::built_in_robot();
+  control::Config config = config_of(scenario);
+  auto world = sim_hal::SimWorld::make(scenario, model, kSeed, {});
+  REQUIRE(world);
+  hal::Robot robot;
+  robot.arm = std::make_unique<hal::GuardedArm>(sim_hal::make_sim_arm(**world), model, config.guard_arm);
+  robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(**world), config.guard_hand);
+  robot.camera = sim_hal::make_sim_camera(**world);
+  robot.clock = sim_hal::make_sim_clock(**world);
+  const planner::HandModel hand;
+  const auto tables = std::make_shared<planner::HandCollision>(hand, config.candidates.collision);
+  const hal::SteadyClock wall;
+  const hal::Pose X_WC = sim_hal::camera_pose(scenario.camera);
+  control::JobOptions options;
+  options.seed = kSeed;
+  options.known_mass_kg = (*world)->truth().mass_kg;
+
+  std::unique_ptr<live::LiveServer> server;
+  std::optional<DeafViewer> deaf;
+  std::unique_ptr<Recorder> recorder;
+  std::unique_ptr<RunTelemetry> telemetry;
+  if (file) {
+    RunDescription about;
+    about.version = program_version();
+    about.config_yaml = hal::effective_yaml(hal::table_of(config), false);
+    about.robot_urdf = built_in_robot_urdf();
+    about.X_WC = X_WC;
+    about.seed = kSeed;
+    about.known_mass_kg = options.known_mass_kg;
+    RecorderConfig recording;
+    recording.file = *file;
+    recording.wait_when_full = true;
+    auto started = Recorder::start(recording, documents_of(about));
+    REQUIRE(started);
+    recorder = std::move(*started);
+    live::ServerConfig view;
+    view.port = 0;
+    auto opened = live::LiveServer::open(view, live::PageFiles("/nowhere"));
+    REQUIRE(opened);
+    server = std::move(*opened);
+    deaf.emplace(*server);
+    telemetry = std::make_unique<RunTelemetry>(
+        RunTelemetry::Setting{&model, X_WC, options.known_mass_kg, control::Drive::InStep, true, &hand},
+        std::vector<TelemetrySink*>{recorder.get(), server.get()}, wall);
+    telemetry->tap(robot);
+  }
+  const control::RigView rig{model, hand, tables, X_WC};
+  control::TaskRunner runner(robot, rig, config, options, wall);
+  auto record = runner.run(telemetry ? telemetry->hooks({}) : control::JobHooks{});
+  REQUIRE(record);
+  Recorded out{std::move(*record), {}};
+  if (recorder) out.report = recorder->finish();
+  if (server) CHECK(server->counts().published > 1000);
+  return out;
+}
+
+/// Counts what a viewer of a replay gets.
+class Watcher final : public TelemetrySink {
+ public:
+  void publish(const Publication& p) override {
+    ++count[p.topic];
+    if (p.topic == Topic::Devices || p.topic == Topic::Map) text[p.topic] = p.encode();
+  }
+  std::map<Topic, std::size_t> count;
+  std::map<Topic, std::string> text;
+};
+
+hal::Result<ReplayReport> replayed(const McapReader& reader, const std::vector<std::string>& settings = {},
+                                   Watcher* watcher = nullptr) {
+  const auto about = description_of(reader, "lift");
+  REQUIRE(about);
+  ReplaySetting setting;
+  setting.config = control::run_defaults();
+  hal::FieldTable table = hal::table_of(setting.config);
+  REQUIRE(hal::apply_yaml_text(table, about->config_yaml, "recorded"));
+  for (const std::string& s : settings) REQUIRE(hal::apply_setting(table, s));
+  setting.hand_tables =
+      std::make_shared<planner::HandCollision>(setting.hand, setting.config.candidates.collision);
+  auto model = hal::parse_robot(about->robot_urdf, "recorded");
+  REQUIRE(model);
+  setting.model = std::make_shared<hal::RobotModel>(std::move(*model));
+  if (watcher) setting.watchers = {watcher};
+  return replay(reader, "lift", *about, setting);
+}
+
+McapReader opened(const std::filesystem::path& file) {
+  auto source = open_file(file);
+  REQUIRE(source);
+  auto reader = McapReader::open(std::move(*source), file.string());
+  REQUIRE(reader);
+  return std::move(*reader);
+}
+
+}  // namespace
+
+TEST_CASE("a lift that is recorded and watched is the same lift, and its replay decides the same to the bit",
+          "[lift]") {
+  const auto file =
+      std::filesystem::temp_directory_path() / ("colift-lift-" + std::to_string(::getpid()) + ".mcap");
+  const sim_hal::Scenario scenario = short_lift();
+  const Recorded plain = run(scenario, nullptr), recorded = run(scenario, &file);
+  CHECK(plain.record.outcome == control::RunRecord::Result::Lifted);
+  CHECK(fingerprint(plain.record) == fingerprint(recorded.record));
+  CHECK(recorded.report.complete);
+  CHECK(recorded.report.lost_queue + recorded.report.lost_disk == 0);
+  const double seconds = recorded.record.timing.sim_s;
+  const double mb = 1e-6 * static_cast<double>(recorded.report.file_bytes);
+  WARN("a lift of " << seconds << " s makes a file of " << mb << " MB, " << mb / seconds << " MB/s");
+  CHECK(mb / seconds < 6.0);  // 30 lossless frames a second
+
+  const McapReader reader = opened(file);
+  CHECK(reader.info().complete);
+  CHECK(reader.scan().damage.empty());
+
+  Watcher watcher;
+  const auto again = replayed(reader, {}, &watcher);
+  REQUIRE(again);
+  for (const auto& d : again->differences)
+    UNSCOPED_INFO(channel_of(d.topic).topic << " " << d.index << "\n" << d.recorded << "\n" << d.replayed);
+  CHECK(again->same());
+  CHECK(again->notes.empty());
+  CHECK(again->compared.at(Topic::Decision) >= 1);
+  CHECK(again->compared.at(Topic::Plan) >= 1);
+  CHECK(again->compared.at(Topic::Change) == recorded.record.states.size());
+  CHECK(again->compared.at(Topic::Status) > 200);
+  CHECK(again->record.states.size() == recorded.record.states.size());
+
+  {
+    INFO("who watches the replay sees what was to be seen then: scene and map anew, devices as they were");
+    const auto of = [&](Topic topic) {
+      const Channel* channel = reader.info().channel(channel_of(topic).topic);
+      return channel == nullptr ? 0 : reader.info().statistics.per_channel.at(channel->id);
+    };
+    for (const Topic topic :
+         {Topic::Scene, Topic::Map, Topic::Decision, Topic::Devices, Topic::Timing, Topic::Cloud}) {
+      INFO(channel_of(topic).topic);
+      CHECK(watcher.count[topic] > 0);
+      CHECK(watcher.count[topic] == of(topic));
+    }
+    auto cursor = reader.messages({"/map", "/devices"});
+    std::map<std::string, std::string> last;
+    while (const auto message = cursor.next())
+      last[reader.info().channels.at(message->channel_id).topic] = std::string(message->data);
+    CHECK(watcher.text[Topic::Map] == last["/map"]);
+    CHECK(watcher.text[Topic::Devices] == last["/devices"]);
+    CHECK(last["/map"].size() < 1u << 20);
+    WARN("the map is a message of " << last["/map"].size() / 1000 << " kB");
+  }
+  {
+    INFO("with another configuration the replay shows what differs");
+    const auto other = replayed(reader, {"decision.weights.epsilon=3"});
+    REQUIRE(other);
+    CHECK_FALSE(other->same());
+    bool decision = false;
+    for (const auto& d : other->differences) decision = decision || d.topic == Topic::Decision;
+    CHECK(decision);
+  }
+  {
+    INFO("cut in the middle, it is replayed up to there");
+    const auto size = std::filesystem::file_size(file);
+    std::filesystem::resize_file(file, size * 6 / 10);
+    const McapReader cut = opened(file);
+    CHECK_FALSE(cut.info().complete);
+    const auto part = replayed(cut);
+    REQUIRE(part);
+    CHECK(part->same());
+    CHECK_FALSE(part->notes.empty());
+    CHECK(part->cycles < again->cycles);
+    CHECK(part->compared.at(Topic::Status) > 50);
+  }
+  std::filesystem::remove(file);
+}

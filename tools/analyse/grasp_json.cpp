@@ -1,0 +1,69 @@
+#include "tools/analyse/grasp_json.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tools/analyse/words.hpp"
+
+namespace colift::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json wrench(const hal::Wrench& w) {
+  return {{"force", json_array(w.force)}, {"torque", json_array(w.torque)}};
+}
+
+}  // namespace
+
+Json json_array(const hal::Vec3& v) {
+  return Json::array({v.x(), v.y(), v.z()});
+}
+
+Json json_sigma(const Eigen::Matrix3d& covariance) {
+  return json_array(covariance.diagonal().cwiseMax(0.0).cwiseSqrt());
+}
+
+Json candidate_json(const planner::GraspCandidate& c) {
+  Json j = {{"id", c.id},
+            {"kind", planner::name_of(c.kind)},
+            {"position", json_array(c.position)},
+            {"approach", json_array(c.approach)},
+            {"closing", json_array(c.closing)},
+            {"width", c.width},
+            {"surface", c.surface},
+            {"verdict", word(c.verdict)}};
+  if (c.stability && std::isfinite(*c.stability)) j["stability"] = *c.stability;
+  if (!c.because.empty()) j["because"] = c.because;
+  return j;
+}
+
+Json candidates_json(const control::Outcome& o) {
+  Json all = Json::array();
+  for (std::size_t i = 0; i < o.candidates.size(); ++i) {
+    Json j = candidate_json(o.candidates[i]);
+    if (i < o.decision.scores.size() && o.decision.scores[i]) {
+      j["share"] = o.decision.scores[i]->share;
+      j["cost"] = o.decision.scores[i]->cost;
+    }
+    all.push_back(std::move(j));
+  }
+  return all;
+}
+
+Json decision_json(const control::Outcome& o) {
+  const auto& d = o.decision;
+  if (!d.chosen) return nullptr;
+  const planner::GraspCandidate& c = o.candidates[*d.chosen];
+  Json j = {{"candidate", c.id},    {"position", json_array(c.position)},
+            {"share", d.share},     {"cost", d.cost},
+            {"because", d.because}, {"optimum", json_array(d.optimum)}};
+  if (*d.chosen < d.scores.size() && d.scores[*d.chosen]) {
+    const auto& w = d.scores[*d.chosen]->wrenches;
+    j["partner"] = wrench(w.partner);
+    j["robot"] = wrench(w.robot);
+  }
+  return j;
+}
+
+}  // namespace colift::tools

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "control/session/decide.hpp"
+#include "hal/types/geometry.hpp"
+
+namespace colift::tools {
+
+// Parts that several documents share. For .cpp files of this folder only: JSON stays out of other headers.
+
+[[nodiscard]] nlohmann::ordered_json json_array(const hal::Vec3& v);
+
+/// Standard deviations along the axes.
+[[nodiscard]] nlohmann::ordered_json json_sigma(const Eigen::Matrix3d& covariance);
+
+[[nodiscard]] nlohmann::ordered_json candidate_json(const planner::GraspCandidate& candidate);
+
+/// Every candidate, with share and cost where they were computed.
+[[nodiscard]] nlohmann::ordered_json candidates_json(const control::Outcome& outcome);
+
+/// The chosen candidate with its share and reason; null when there is none.
+[[nodiscard]] nlohmann::ordered_json decision_json(const control::Outcome& outcome);
+
+}  // namespace colift::tools

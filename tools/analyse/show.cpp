@@ -1,0 +1,95 @@
+#include "tools/analyse/show.hpp"
+
+#include <fmt/format.h>
+
+#include "hal/config/config_file.hpp"
+#include "tools/analyse/grasp_rows.hpp"
+#include "tools/analyse/words.hpp"
+#include "tools/visualization/report/report.hpp"
+#include "tools/visualization/scene/scene_picture.hpp"
+
+namespace colift::tools {
+namespace {
+
+picture::ScenePicture picture_of(const Seen& seen, const control::Outcome* outcome,
+                                 const planner::HandModel& hand) {
+  picture::ScenePicture p;
+  const control::Look& l = seen.look;
+  p.cloud = &l.cloud;
+  p.rgb = &l.frame.rgb;
+  p.scene = &l.scene;
+  p.candidates = outcome ? &outcome->candidates : &l.candidates;
+  p.hand_opening_m = hand.opening_m;
+  p.palm_gap_m = hand.palm_gap_m;
+  p.because = outcome ? outcome->decision.because : l.because;
+  p.figures.emplace_back("method", l.method == control::Method::Fast ? "fast" : "thesis");
+  p.figures.emplace_back("look", fmt::format("{:.1f} ms", l.ms.total));
+  if (outcome) {
+    p.figures.emplace_back("decision", fmt::format("{:.2f} ms", outcome->decision_ms));
+    p.partner = outcome->partner;
+    p.partner_pixels = outcome->partner_pixels;
+    if (outcome->decision.chosen) {
+      p.share = outcome->decision.share;
+      p.optimum = outcome->decision.optimum;
+    }
+    p.notes.push_back(outcome->partner_because);
+  }
+  if (l.scene.target) p.notes.push_back(l.scene.target->because);
+  p.notes.push_back(seen.file.note);
+  return p;
+}
+
+picture::Report report_of(const Seen& seen, const control::Outcome* outcome, const CommonOptions& common,
+                          const picture::ScenePicture& picture) {
+  const control::Look& l = seen.look;
+  picture::Report r;
+  r.title = picture.title;
+  r.summary.push_back(picture.because);
+  r.notes = picture.notes;
+  r.pictures.push_back(
+      {picture::scene_picture_png(picture), "What was seen in the frame and what was decided."});
+  r.candidates = outcome ? candidate_rows(outcome->candidates, outcome->decision.scores)
+                         : candidate_rows(l.candidates, {});
+  for (const auto& s : l.scene.surfaces) r.surfaces.push_back(surface_line(s));
+  r.timing = {{"ground", l.ms.ground},
+              {"target", l.ms.target},
+              {"surfaces", l.ms.surfaces},
+              {"candidates", l.ms.candidates}};
+  if (outcome) {
+    r.timing.push_back({"partner", outcome->partner_ms});
+    r.timing.push_back({"decision", outcome->decision_ms});
+  }
+  r.facts = picture.figures;
+  r.facts.emplace_back("points seen", fmt::format("{} of {}", seen.file.valid_points, seen.file.points));
+  r.command = common.command;
+
+  control::Config config;
+  hal::FieldTable table = hal::table_of(config);
+  if (hal::apply_command_line(table, common.config_files, common.settings)) {
+    for (const auto& field : table.fields())
+      if (field.origin != hal::kDefaultOrigin) r.config.emplace_back(field.path, field.origin);
+  }
+  return r;
+}
+
+}  // namespace
+
+hal::Result<> show(const Seen& seen, const control::Outcome* outcome, const LookOptions& options,
+                   const CommonOptions& common, const planner::HandModel& hand) {
+  if (!options.png && !options.report) return {};
+  picture::ScenePicture picture = picture_of(seen, outcome, hand);
+  picture.title = options.cloud.parent_path().filename().string() + "/" + options.cloud.filename().string();
+  if (options.png) {
+    if (auto written = picture::write_scene_picture(*options.png, picture); !written) return written;
+    if (!common.quiet) fmt::print(stderr, "picture: {}\n", options.png->string());
+  }
+  if (options.report) {
+    if (auto written = picture::write_report(*options.report, report_of(seen, outcome, common, picture));
+        !written)
+      return written;
+    if (!common.quiet) fmt::print(stderr, "report: {}\n", options.report->string());
+  }
+  return {};
+}
+
+}  // namespace colift::tools

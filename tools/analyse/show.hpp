@@ -1,0 +1,13 @@
+#pragma once
+
+#include "tools/cli/session.hpp"
+
+namespace colift::tools {
+
+/// Writes the picture and the report that the options ask for. `outcome` is null for `look`. Errors: BadInput
+/// when a file cannot be written.
+[[nodiscard]] hal::Result<> show(const Seen& seen, const control::Outcome* outcome,
+                                 const LookOptions& options, const CommonOptions& common,
+                                 const planner::HandModel& hand);
+
+}  // namespace colift::tools

@@ -1,0 +1,317 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <future>
+#include <numbers>
+
+#include "control/arm/arm_mode.hpp"
+#include "hal/config/config_file.hpp"
+#include "hal/guarded_arm.hpp"
+#include "tools/bring_up/cmd_hal.hpp"
+#include "tools/bring_up/hal_arm_json.hpp"
+#include "tools/bring_up/hal_arm_obstacles.hpp"
+#include "tools/bring_up/hal_arm_task.hpp"
+#include "tools/bring_up/hal_screen.hpp"
+#include "tools/cli/session.hpp"
+#include "tools/emulate/emulate.hpp"
+#include "tools/rig/robot_file.hpp"
+
+namespace colift::tools {
+namespace {
+
+using How = ArmTaskEnd::How;
+
+constexpr double kDeg = 180.0 / std::numbers::pi;
+constexpr double kCareful_deg = 30.0, kCarefulStiffness = 50.0;
+constexpr double kImpatient_s = 2.0;  // of a person who waits for command mode
+constexpr auto kLook = std::chrono::milliseconds(50);
+
+/// What a call of the command works with.
+struct Bench {
+  hal::FriConfig fri;
+  hal::GuardConfig guard;
+  std::shared_ptr<const hal::RobotModel> model;
+};
+
+hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& options) {
+  Bench bench;
+  control::Config config;
+  hal::FieldTable table = hal::table_of(config);
+  if (auto done = hal::apply_command_line(table, common.config_files, common.settings); !done)
+    return tl::unexpected(done.error());
+  bench.guard = control::for_arm_mode(config).guard_arm;
+  auto file = read_robot_file(options.robot);
+  if (!file) return tl::unexpected(file.error());
+  if (options.robot && file->arm != "fri")
+    return hal::failure(
+        hal::ErrorCode::BadConfig, options.robot->string(),
+        fmt::format("its arm is {}; bring-up is for a device on a wire, expected arm: fri", file->arm));
+  if (file->emulator == "always" && !common.quiet)
+    std::fputs(
+        "the file's own emulator belongs to \"colift run\"; here \"colift emulate krc\" in another terminal "
+        "is "
+        "the far end\n",
+        stderr);
+  bench.fri = file->fri;
+  if (file->model.empty()) {
+    bench.model = std::make_shared<hal::RobotModel>(hal::built_in_robot());
+  } else {
+    auto model = hal::load_robot(file->model);
+    if (!model) return tl::unexpected(model.error());
+    bench.model = std::make_shared<hal::RobotModel>(std::move(*model));
+  }
+  return bench;
+}
+
+hal::Result<ArmTask> move_task(const HalOptions& o, const Bench& bench) {
+  const auto bad = [](const char* where, std::string what) {
+    return hal::failure(hal::ErrorCode::BadInput, where, std::move(what));
+  };
+  ArmTask task;
+  task.kind = ArmTask::Kind::Move;
+  std::string_view name = o.joint;
+  if (!name.empty() && (name[0] == 'A' || name[0] == 'a')) name.remove_prefix(1);
+  if (name.size() != 1 || name[0] < '1' || name[0] > '7')
+    return bad(
+        "N",
+        fmt::format("\"{}\" is no joint; expected 1 to 7 (KRL calls the third E1, the fourth A3, and so on)",
+                    o.joint));
+  task.joint = name[0] - '1';
+  if (!std::isfinite(o.degrees) || o.degrees == 0.0)
+    return bad("DEG", "expected an angle other than 0, in degrees from where the joint stands");
+  if (std::abs(o.degrees) > kCareful_deg && !o.yes)
+    return bad("DEG", fmt::format("{:+.1f} deg is more than {:.0f}; if the way is free, say --yes", o.degrees,
+                                  kCareful_deg));
+  if (!std::isfinite(o.speed_deg_s) || o.speed_deg_s <= 0.0)
+    return bad("--speed", "expected more than 0 deg/s");
+  const double careful = kDeg * kT1Velocity_rad_s;
+  const double most = 0.5 * kDeg * bench.guard.velocity_part * bench.model->velocity_rad_s()[task.joint];
+  if (o.speed_deg_s > careful && !o.yes)
+    return bad("--speed",
+               fmt::format("{:.1f} deg/s is more than T1 grants ({:.1f}); in another mode say --yes",
+                           o.speed_deg_s, careful));
+  if (o.speed_deg_s > most)
+    return bad("--speed", fmt::format("{:.1f} deg/s is more than half of what A{} may do ({:.1f})",
+                                      o.speed_deg_s, task.joint + 1, most));
+  task.by_rad = o.degrees / kDeg;
+  task.speed_rad_s = o.speed_deg_s / kDeg;
+  return task;
+}
+
+hal::Result<ArmTask> task_of(const HalOptions& o, const Bench& bench) {
+  if (o.for_s && !(*o.for_s > 0.0))
+    return hal::failure(hal::ErrorCode::BadInput, "--for", "expected more than 0 s");
+  ArmTask task;
+  if (o.verb == "move-joint") {
+    auto move = move_task(o, bench);
+    if (!move) return move;
+    task = *move;
+  } else if (o.verb == "state") {
+    // the KRC's figures are over 100 answers; the KRL program's heartbeat needs a second
+    task.for_s = o.for_s.value_or(std::clamp(0.13 * bench.fri.cycle_ms, 1.2, 4.0));
+  } else if (o.verb == "watch") {
+    if (o.for_s) task.for_s = *o.for_s;
+  } else {
+    task.kind = ArmTask::Kind::Hold;
+    task.for_s = o.for_s.value_or(o.verb == "stiffness" ? 30.0 : 10.0);
+  }
+  if (o.verb == "stiffness") {
+    const double most = std::min(2000.0, bench.guard.max_stiffness_nm_rad);
+    if (!std::isfinite(o.stiffness_nm_rad) || o.stiffness_nm_rad < 0.0 || o.stiffness_nm_rad > most)
+      return hal::failure(hal::ErrorCode::BadInput, "VALUE",
+                          fmt::format("{} N m/rad, expected 0 to {:.0f}", o.stiffness_nm_rad, most));
+    if (o.stiffness_nm_rad < kCarefulStiffness && !o.yes)
+      return hal::failure(
+          hal::ErrorCode::BadInput, "VALUE",
+          fmt::format("below {:.0f} N m/rad the arm may sink by what its load data are wrong: hold it, "
+                      "and say --yes",
+                      kCarefulStiffness));
+    task.stiffness_nm_rad = o.stiffness_nm_rad;
+  }
+  if (task.kind != ArmTask::Kind::Watch && bench.fri.control != "joint_impedance")
+    return hal::failure(hal::ErrorCode::BadConfig, "fri.control",
+                        fmt::format("{}: this verb commands joint_impedance only", bench.fri.control));
+  return task;
+}
+
+std::string progress_line(const ArmProgress& p, const ArmTask& task, double at_s) {
+  std::string t = fmt::format("{:8.1f} s  {}", at_s, to_string(p.phase));
+  if (p.phase != ArmProgress::Phase::Commanding && p.phase != ArmProgress::Phase::Stopping) return t;
+  t += task.kind == ArmTask::Kind::Move
+           ? fmt::format(" {:3.0f} %, measured minus commanded (deg)", 100 * p.done)
+           : std::string(", measured minus commanded (deg)");
+  for (std::size_t i = 0; i < p.measured_rad.size(); ++i)
+    t += fmt::format(" {:+.3f}", kDeg * (p.measured_rad[i] - p.commanded_rad[i]));
+  return t;
+}
+
+/// Tells of the work while it goes on.
+class Teller {
+ public:
+  Teller(const CommonOptions& common, const HalOptions& options, const ArmTask& task,
+         const hal::RobotModel& model)
+      : screen_(common.json ? stderr : stdout, common.json, common.quiet || options.verb == "state"),
+        task_(task),
+        model_(model) {}
+
+  /// The last screen still stands there.
+  [[nodiscard]] bool shown() const { return screen_.live(); }
+
+  void show(const ArmView& view, const ArmProgress& p) {
+    if (screen_.live() &&
+        (p.phase == ArmProgress::Phase::Watching || p.phase == ArmProgress::Phase::Commanding)) {
+      std::string text = fmt::format("{}\n{}", arm_screen(view, model_), histogram_text(view.answers));
+      if (task_.kind != ArmTask::Kind::Watch)
+        text += fmt::format("\n{}\n", progress_line(p, task_, view.at_s));
+      screen_.draw(text, view.at_s);
+      return;
+    }
+    if (p.phase != said_) {
+      said_ = p.phase;
+      if (p.phase != ArmProgress::Phase::Over) screen_.line(progress_line(p, task_, view.at_s));
+      return;
+    }
+    if (p.phase == ArmProgress::Phase::Watching)
+      screen_.line_now_and_then(arm_line(view), view.at_s);
+    else if (p.phase == ArmProgress::Phase::Commanding)
+      screen_.line_now_and_then(progress_line(p, task_, view.at_s), view.at_s);
+  }
+
+ private:
+  LiveScreen screen_;
+  const ArmTask& task_;
+  const hal::RobotModel& model_;
+  std::optional<ArmProgress::Phase> said_;
+};
+
+int exit_code(How how) {
+  switch (how) {
+    case How::Done:
+      return kDone;
+    case How::Interrupted:
+      return kInterrupted;
+    case How::BadRequest:
+      return kBadInput;
+    case How::Stopped:
+      return kNoGoal;
+    case How::Refused:
+    case How::Lost:
+      return kDeviceFailed;
+  }
+  return kInternal;
+}
+
+/// The obstacles that refuse, with what to do; empty when there are none.
+std::string refusing(const ArmView& view, const hal::RobotModel& model) {
+  std::string text;
+  for (const Obstacle& o : obstacles(view, model))
+    if (o.refuses) text += fmt::format("  - {}\n    next: {}\n", o.what, o.next);
+  return text;
+}
+
+void report_trouble(const std::string& verb, const ArmView& view, const hal::RobotModel& model,
+                    const ArmTaskEnd& end) {
+  std::string text = fmt::format("colift hal arm {}: {}\n", verb, end.because);
+  if (end.how == How::Refused || end.how == How::Lost) {
+    if (end.because.find("port is in use") != std::string::npos) {
+      text += fmt::format("next: \"ss -lunp sport = :{}\" says who has it; end that one\n", view.config.port);
+    } else if (view.status.received == 0) {
+      text += fmt::format("next: {}\n", silence_advice(view.config));
+    } else {
+      text += refusing(view, model);
+    }
+    text += "docs/bring-up.md says more\n";
+  }
+  std::fputs(text.c_str(), stderr);
+}
+
+/// One call: the cycle in a thread of its own, words and interrupts in this one.
+int run(const CommonOptions& common, const HalOptions& options, const Bench& bench, const ArmTask& task) {
+  const hal::SteadyClock clock;
+  auto made = hal::make_fri_arm(bench.fri, clock);
+  if (!made) return report_error("hal arm", made.error());
+  hal::FriArm& fri = **made;
+  std::unique_ptr<hal::Arm> arm = std::move(*made);
+  if (task.kind != ArmTask::Kind::Watch)
+    arm = std::make_unique<hal::GuardedArm>(std::move(arm), *bench.model, bench.guard);
+
+  const InterruptGuard signals;
+  std::atomic<bool> interrupted{false};
+  hal::LatestValue<ArmProgress> progress;
+  std::promise<hal::RealtimeReport> granted;
+  std::future<hal::RealtimeReport> grant = granted.get_future();
+  const hal::Timestamp began = clock.now();
+  const auto at_s = [&] { return hal::seconds(clock.now() - began); };
+  std::future<ArmTaskEnd> work = std::async(std::launch::async, [&] {
+    granted.set_value(hal::ask_for_realtime({}));
+    const ArmTaskHooks hooks{interrupted, progress, [&] { return why_not(fri.status(), fri.config()); }};
+    return run_arm_task(*arm, *bench.model, bench.guard, task, clock, hooks);
+  });
+  const hal::RealtimeReport realtime = grant.get();
+  if (!common.quiet)
+    for (const std::string& words : realtime.words) std::fprintf(stderr, "%s\n", words.c_str());
+
+  ProgramWatch program;
+  Teller teller(common, options, task, *bench.model);
+  std::optional<double> asking_since_s;
+  bool told_why = false;
+  while (work.wait_for(kLook) != std::future_status::ready) {
+    const ArmProgress p = progress.read();
+    if (InterruptGuard::asked()) {
+      interrupted = true;
+      if (p.phase == ArmProgress::Phase::Asking) arm->stop();  // activate() waits for the KRC
+    }
+    if (fri.status().received > 0) program.note(fri.measurement(), at_s());
+    const ArmView view = view_of(fri, program, realtime, bench.guard.limit_margin_deg, at_s());
+    teller.show(view, p);
+    if (p.phase != ArmProgress::Phase::Asking) continue;
+    if (!asking_since_s) asking_since_s = at_s();
+    if (told_why || common.quiet || at_s() - *asking_since_s < kImpatient_s) continue;
+    told_why = true;
+    if (const std::string text = refusing(view, *bench.model); !text.empty())
+      std::fputs(fmt::format("command mode does not come:\n{}", text).c_str(), stderr);
+  }
+  const ArmTaskEnd end = work.get();
+  const ArmView view = view_of(fri, program, realtime, bench.guard.limit_margin_deg, at_s());
+
+  if (common.json) {
+    std::puts(arm_document(options.verb, view, *bench.model, task, end).c_str());
+  } else if (view.status.received > 0) {
+    std::string text;
+    if (task.kind != ArmTask::Kind::Watch)
+      text = task_summary(task, end);
+    else if (options.verb == "state" || (!common.quiet && !teller.shown()))
+      text = arm_screen(view, *bench.model);
+    if (options.verb == "watch" && !teller.shown()) text += fmt::format("\n{}", histogram_text(view.answers));
+    std::fputs(text.c_str(), stdout);
+  }
+  std::fflush(stdout);
+  if (end.how != How::Done && end.how != How::Interrupted)
+    report_trouble(options.verb, view, *bench.model, end);
+  if (end.how == How::Done && view.status.session == hal::FriSession::Silent) {
+    std::fprintf(stderr, "colift hal arm %s: %s\n", options.verb.c_str(),
+                 why_not(view.status, view.config).c_str());
+    return kDeviceFailed;
+  }
+  return exit_code(end.how);
+}
+
+}  // namespace
+
+int cmd_hal_arm(const CommonOptions& common, const HalOptions& options) {
+  const auto bench = load_bench(common, options);
+  if (!bench) return report_error("hal arm", bench.error());
+  if (options.verb == "limits") {
+    if (common.json)
+      std::puts(limits_document(*bench->model, bench->guard).c_str());
+    else
+      std::fputs(limits_table(*bench->model, bench->guard).c_str(), stdout);
+    return kDone;
+  }
+  const auto task = task_of(options, *bench);
+  if (!task) return report_error(("hal arm " + options.verb).c_str(), task.error());
+  return run(common, options, *bench, *task);
+}
+
+}  // namespace colift::tools

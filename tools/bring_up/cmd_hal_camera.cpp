@@ -1,0 +1,234 @@
+#include "tools/bring_up/cmd_hal_camera.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <thread>
+#include <vector>
+
+#include "hal/config/config_file.hpp"
+#include "hal/drivers/kinect/fakenect_writer.hpp"
+#include "hal/drivers/kinect/kinect_camera.hpp"
+#include "perception/calibration/grey_png.hpp"
+#include "tools/bring_up/hal_camera_view.hpp"
+#include "tools/bring_up/hal_screen.hpp"
+#include "tools/cli/session.hpp"
+#include "tools/emulate/emulate.hpp"
+#include "tools/rig/robot_file.hpp"
+#include "tools/visualization/file_output.hpp"
+
+namespace colift::tools {
+namespace {
+
+using namespace std::chrono_literals;
+
+hal::Result<hal::KinectConfig> load_kinect(const HalCameraOptions& o) {
+  auto file = read_robot_file(o.hal.robot);
+  if (!file) return tl::unexpected(file.error());
+  if (o.hal.robot && file->camera != "kinect")
+    return hal::failure(
+        hal::ErrorCode::BadConfig, o.hal.robot->string(),
+        fmt::format("its camera is {}; bring-up is for a device on a wire, expected camera: kinect",
+                    file->camera));
+  hal::KinectConfig kinect = file->kinect;
+  if (!o.source.empty()) kinect.source = o.source;
+  kinect.motor = kinect.motor || o.hal.verb == "tilt";
+  return kinect;
+}
+
+hal::Result<double> time_of(const HalCameraOptions& o) {
+  if (o.hal.for_s && !(*o.hal.for_s > 0.0))
+    return hal::failure(hal::ErrorCode::BadInput, "--for", "expected more than 0 s");
+  if (o.hal.verb == "tilt" && !(std::abs(o.tilt_deg) <= 31.0))
+    return hal::failure(hal::ErrorCode::BadInput, "DEG",
+                        fmt::format("a tilt of {}, expected -31 to 31 degrees", o.tilt_deg));
+  if (o.hal.verb == "tilt" && !o.hal.yes)
+    return hal::failure(hal::ErrorCode::BadInput, "tilt",
+                        "it moves the camera, and whatever was calibrated is wrong then: say --yes");
+  if (o.hal.for_s) return *o.hal.for_s;
+  if (o.hal.verb == "info") return 1.5;
+  if (o.hal.verb == "tilt") return 4.0;
+  if (o.hal.verb == "watch" && (o.png || o.depth || o.infrared)) return 1.0;
+  return std::numeric_limits<double>::infinity();
+}
+
+struct End {
+  int code = kDone;
+  std::string word = "done", because;
+};
+
+/// Frames until the time is over, somebody ends it, or the recording does.
+class Session {
+ public:
+  Session(const CommonOptions& common, const HalCameraOptions& o, const hal::KinectConfig& kinect,
+          double for_s)
+      : o_(o),
+        for_s_(for_s),
+        camera_(kinect, clock_),
+        screen_(common.json ? stderr : stdout, common.json, common.quiet || o.hal.verb == "info") {
+    view_.source = kinect.source;
+  }
+
+  End run() {
+    began_ = clock_.now();
+    screen_.line(fmt::format("{:8.1f} s  starts the capture process and waits for a frame", 0.0));
+    if (auto open = camera_.configure(); !open) return failed(open.error());
+    if (auto active = camera_.activate(); !active) return failed(active.error());
+    if (o_.infrared)
+      if (auto done = camera_.want_infrared(true); !done) return failed(done.error());
+    if (o_.hal.verb == "record") {
+      auto writer = hal::kinect::FakenectWriter::open(o_.folder);
+      if (!writer) return {kBadInput, "bad-request", writer.error().text()};
+      writer_.emplace(std::move(*writer));
+      camera_.on_raw = [this](const hal::kinect::RawFrame& raw, hal::Timestamp at) {
+        if (!disk_) return;
+        disk_ = writer_->write(raw, at);
+      };
+    }
+    if (o_.hal.verb == "tilt")
+      if (auto done = camera_.tilt(o_.tilt_deg); !done) return failed(done.error());
+    return loop();
+  }
+
+  [[nodiscard]] const CameraView& view() {
+    view_.health = camera_.health();
+    view_.report = camera_.report();
+    view_.at_s = hal::seconds(clock_.now() - began_);
+    return view_;
+  }
+  [[nodiscard]] const std::optional<hal::DepthFrame>& last() const { return last_; }
+  [[nodiscard]] const std::optional<hal::InfraredFrame>& infrared() const { return infrared_; }
+  [[nodiscard]] std::string recorded() const {
+    return writer_ ? fmt::format("{} frames, {:.1f} MB in {}", writer_->frames(),
+                                 static_cast<double>(writer_->bytes()) / 1e6, o_.folder.string())
+                   : "";
+  }
+
+ private:
+  End failed(const hal::Error& error) {
+    code_ = error.code;
+    return {error.code == hal::ErrorCode::BadConfig ? kBadInput : kDeviceFailed, "failed", error.text()};
+  }
+
+  End loop() {
+    const hal::Timestamp end = clock_.now() + std::chrono::duration_cast<hal::Duration>(
+                                                  std::chrono::duration<double>(std::min(for_s_, 1e6)));
+    bool lost = false;
+    std::string why;
+    while (clock_.now() < end) {
+      if (InterruptGuard::asked())
+        return {std::isfinite(for_s_) ? kInterrupted : kDone, "interrupted", "asked to end"};
+      auto frame = camera_.next_frame(50ms);
+      if (!disk_) return {kBadInput, "failed", disk_.error().text()};
+      if (o_.infrared)
+        if (auto image = camera_.next_infrared(0ms)) infrared_ = std::move(*image);
+      if (frame) {
+        if (lost) screen_.line(fmt::format("{:8.1f} s  sees again", view().at_s));
+        lost = false;
+        look_at_frame(*frame, view_);
+        last_ = std::move(*frame);
+      } else if (frame.error().code == hal::ErrorCode::LinkLost) {
+        why = frame.error().detail;
+        if (!lost) screen_.line(fmt::format("{:8.1f} s  lost: {}", view().at_s, why));
+        lost = true;
+        if (view_.source.starts_with("fakenect") && why.find("over") != std::string::npos)
+          return {kDone, "done", why};
+        std::this_thread::sleep_for(20ms);
+      }
+      if (screen_.live())
+        screen_.draw(camera_screen(view()), view_.at_s);
+      else if (!lost)
+        screen_.line_now_and_then(camera_line(view()), view().at_s);
+    }
+    if (lost) return {kDeviceFailed, "failed", why};
+    return {};
+  }
+
+  const HalCameraOptions& o_;
+  double for_s_;
+  hal::SteadyClock clock_;
+  hal::KinectCamera camera_;
+  LiveScreen screen_;
+  CameraView view_;
+  hal::Timestamp began_{0};
+  std::optional<hal::kinect::FakenectWriter> writer_;
+  hal::Result<> disk_;
+  std::optional<hal::DepthFrame> last_;
+  std::optional<hal::InfraredFrame> infrared_;
+  hal::ErrorCode code_ = hal::ErrorCode::LinkLost;
+
+ public:
+  [[nodiscard]] hal::ErrorCode code() const { return code_; }
+};
+
+/// A frame as `look`, `decide` and `check` read it.
+hal::Result<> write_depth(const std::filesystem::path& png, const hal::DepthFrame& frame) {
+  std::vector<std::uint16_t> mm;
+  mm.reserve(frame.depth_m.size());
+  for (const float z : frame.depth_m)
+    mm.push_back(z > 0.0f && z < 65.0f ? static_cast<std::uint16_t>(std::lround(1000.0f * z)) : 0);
+  const hal::CameraIntrinsics& k = frame.intrinsics;
+  if (auto done = perception::write_grey_png(png, k.width, k.height, mm); !done) return done;
+  const std::string camera = fmt::format(
+      "{{\"width\": {}, \"height\": {}, \"fx\": {}, \"fy\": {}, \"cx\": {}, \"cy\": {}, "
+      "\"depth_scale_m\": 0.001, \"invalid_depth\": 0}}\n",
+      k.width, k.height, k.fx, k.fy, k.cx, k.cy);
+  return picture::write_file(png.parent_path() / "camera.json",
+                             {reinterpret_cast<const std::uint8_t*>(camera.data()), camera.size()});
+}
+
+/// Ten bits, as bright as the file can show them.
+hal::Result<> write_infrared(const std::filesystem::path& png, const hal::InfraredFrame& frame) {
+  std::vector<std::uint16_t> bright = frame.brightness;
+  for (std::uint16_t& b : bright) b = static_cast<std::uint16_t>(64U * std::min<unsigned>(b, 1023U));
+  return perception::write_grey_png(png, frame.width, frame.height, bright);
+}
+
+}  // namespace
+
+int cmd_hal_camera(const CommonOptions& common, const HalCameraOptions& options) {
+  const std::string where = fmt::format("hal camera {}", options.hal.verb);
+  const auto kinect = load_kinect(options);
+  if (!kinect) return report_error(where.c_str(), kinect.error());
+  const auto for_s = time_of(options);
+  if (!for_s) return report_error(where.c_str(), for_s.error());
+
+  const InterruptGuard signals;
+  Session session(common, options, *kinect, *for_s);
+  End end = session.run();
+  const CameraView& view = session.view();
+  if (options.png && session.last()) {
+    if (auto written = write_camera_picture(*options.png, *session.last(), view); !written)
+      return report_error(where.c_str(), written.error());
+    if (!common.quiet) std::fprintf(stderr, "picture: %s\n", options.png->c_str());
+  }
+  if (options.infrared && session.infrared()) {
+    if (auto written = write_infrared(*options.infrared, *session.infrared()); !written)
+      return report_error(where.c_str(), written.error());
+    if (!common.quiet) std::fprintf(stderr, "infrared image: %s\n", options.infrared->c_str());
+  }
+  if (options.depth && session.last()) {
+    if (auto written = write_depth(*options.depth, *session.last()); !written)
+      return report_error(where.c_str(), written.error());
+    if (!common.quiet)
+      std::fprintf(stderr, "depth image: %s, camera.json beside it\n", options.depth->c_str());
+  }
+  if (common.json)
+    std::puts(camera_document(options.hal.verb, view, end.word, end.because).c_str());
+  else if (session.last())
+    std::fputs(camera_screen(view).c_str(), stdout);
+  if (!session.recorded().empty() && !common.json) std::printf("recorded   %s\n", session.recorded().c_str());
+  std::fflush(stdout);
+  if (end.code == kDone || end.code == kInterrupted) return end.code;
+  std::string text = fmt::format("colift {}: {}\n", where, end.because);
+  if (end.code == kDeviceFailed || !session.last())
+    text +=
+        fmt::format("next: {}\ndocs/bring-up.md says more\n", camera_advice(session.code(), kinect->source));
+  std::fputs(text.c_str(), stderr);
+  return end.code;
+}
+
+}  // namespace colift::tools

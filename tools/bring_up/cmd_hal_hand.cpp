@@ -1,0 +1,189 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <thread>
+
+#include "control/config/config.hpp"
+#include "hal/config/config_file.hpp"
+#include "hal/guarded_hand.hpp"
+#include "hal/os/make_can_bus.hpp"
+#include "tools/bring_up/cmd_hal.hpp"
+#include "tools/bring_up/hal_hand_task.hpp"
+#include "tools/bring_up/hal_screen.hpp"
+#include "tools/cli/session.hpp"
+#include "tools/emulate/emulate.hpp"
+#include "tools/rig/robot_file.hpp"
+
+namespace colift::tools {
+namespace {
+
+using How = HandTaskEnd::How;
+
+constexpr double kDeg = 180.0 / std::numbers::pi;
+constexpr auto kPause = std::chrono::milliseconds(2);
+
+struct Bench {
+  hal::BarrettHandConfig barrett;
+  hal::HandGuardConfig guard;
+};
+
+hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& options) {
+  control::Config config;
+  hal::FieldTable table = hal::table_of(config);
+  if (auto done = hal::apply_command_line(table, common.config_files, common.settings); !done)
+    return tl::unexpected(done.error());
+  auto file = read_robot_file(options.robot);
+  if (!file) return tl::unexpected(file.error());
+  if (options.robot && file->hand != "barrett")
+    return hal::failure(
+        hal::ErrorCode::BadConfig, options.robot->string(),
+        fmt::format("its hand is {}; bring-up is for a device on a wire, expected hand: barrett",
+                    file->hand));
+  Bench bench{file->barrett, config.guard_hand};
+  // nothing moves but on the verb that says so
+  bench.barrett.initialise = options.verb == "init" ? "always" : "never";
+  return bench;
+}
+
+hal::Result<HandTask> task_of(const HalOptions& o, const Bench& bench) {
+  if (o.for_s && !(*o.for_s > 0.0))
+    return hal::failure(hal::ErrorCode::BadInput, "--for", "expected more than 0 s");
+  HandTask task;
+  task.although_loaded = o.yes;
+  task.torque_nm = o.torque_nm;
+  task.spread_rad = o.spread_deg / kDeg;
+  if (o.verb == "watch" || o.verb == "tactile") {
+    if (o.for_s) task.for_s = *o.for_s;
+  } else if (o.verb == "init" || o.verb == "state") {
+    task.for_s = o.for_s.value_or(1.0);  // temperatures come every 0.4 s
+  } else if (o.verb == "open") {
+    task.kind = HandTask::Kind::Open;
+  } else if (o.verb == "preshape") {
+    task.kind = HandTask::Kind::Preshape;
+    if (!(o.spread_deg >= 0.0 && o.spread_deg <= 180.0))
+      return hal::failure(hal::ErrorCode::BadInput, "DEG",
+                          fmt::format("a spread of {}, expected 0 to 180", o.spread_deg));
+  } else {
+    task.kind = o.verb == "grip" ? HandTask::Kind::Grip : HandTask::Kind::Close;
+    task.for_s = o.for_s.value_or(5.0);
+    const double most = std::min(bench.barrett.max_torque_nm, bench.guard.max_torque_nm);
+    if (!(o.torque_nm > 0.0 && o.torque_nm <= most))
+      return hal::failure(
+          hal::ErrorCode::BadInput, "--torque",
+          fmt::format("{} N m at the fingertips, expected more than 0 and at most {}", o.torque_nm, most));
+  }
+  return task;
+}
+
+int exit_code(How how) {
+  switch (how) {
+    case How::Done:
+      return kDone;
+    case How::Interrupted:
+      return kInterrupted;
+    case How::BadRequest:
+      return kBadInput;
+    case How::NoGrip:
+      return kNoGoal;
+    case How::Refused:
+    case How::Failed:
+      return kDeviceFailed;
+  }
+  return kInternal;
+}
+
+/// Whether the hand knows its zeros and has its fingers closed: it may hold something then.
+bool may_hold(hal::CanBus& bus, const hal::BarrettHandConfig& config, const hal::Clock& clock) {
+  hal::BarrettHandConfig looking = config;
+  looking.initialise = "never";
+  hal::BarrettHand hand(bus, looking, clock);
+  return hand.configure() && hand.report().loaded;
+}
+
+int run(const CommonOptions& common, const HalOptions& options, const Bench& bench, const HandTask& task) {
+  const hal::SteadyClock clock;
+  auto bus = hal::make_can_bus(bench.barrett.can);
+  if (!bus) return report_error("hal hand", bus.error());
+  // looking for the stops opens the fingers, whatever is in them
+  if (options.verb == "init" && !options.yes && may_hold(**bus, bench.barrett, clock)) {
+    std::fputs(
+        "colift hal hand init: its fingers are closed and may hold something, which would fall: support it, "
+        "and say --yes\n",
+        stderr);
+    return kBadInput;
+  }
+  auto barrett = std::make_unique<hal::BarrettHand>(**bus, bench.barrett, clock);
+  const hal::BarrettHand& driver = *barrett;
+  hal::GuardedHand hand(std::move(barrett), bench.guard, &clock);
+
+  const InterruptGuard signals;
+  LiveScreen screen(common.json ? stderr : stdout, common.json, common.quiet || options.verb == "state");
+  const hal::Timestamp began = clock.now();
+  const auto at_s = [&] { return hal::seconds(clock.now() - began); };
+  HandView view;
+  view.bus = bench.barrett.can;
+  const auto look = [&](const std::optional<hal::HandState>& state) {
+    view.health = driver.health();
+    view.report = driver.report();
+    view.state = state;
+    view.at_s = at_s();
+  };
+  std::string said;
+  HandTaskHooks hooks;
+  hooks.interrupted = [] { return InterruptGuard::asked(); };
+  hooks.pause = [] { std::this_thread::sleep_for(kPause); };
+  hooks.report = [&] { return driver.report(); };
+  hooks.tell = [&](std::string_view doing, const std::optional<hal::HandState>& state) {
+    look(state);
+    if (said != doing) {
+      said = doing;
+      if (!screen.live() || !state) screen.line(fmt::format("{:8.1f} s  {}", view.at_s, doing));
+      return;
+    }
+    if (screen.live() && state)
+      screen.draw(options.verb == "tactile" ? tactile_text(view) : hand_screen(view), view.at_s);
+    else if (state)
+      screen.line_now_and_then(hand_line(view), view.at_s);
+  };
+  if (options.verb == "init" && !common.quiet)
+    std::fputs("the fingers open to their stops, then the spread turns: keep clear\n", stderr);
+  const HandTaskEnd end = run_hand_task(hand, task, clock, hooks);
+  look(end.states > 0 ? std::optional(end.after) : std::nullopt);
+
+  if (common.json) {
+    std::puts(hand_document(options.verb, view, task, end).c_str());
+  } else {
+    std::string text;
+    if (task.kind != HandTask::Kind::Watch)
+      text = hand_summary(task, end);
+    else if (end.states > 0 && options.verb == "tactile")
+      text = tactile_text(view);
+    else if (end.states > 0)
+      text = hand_screen(view);
+    std::fputs(text.c_str(), stdout);
+  }
+  std::fflush(stdout);
+  if (end.how == How::Done || end.how == How::Interrupted) return exit_code(end.how);
+  std::string text = fmt::format("colift hal hand {}: {}\n", options.verb, end.because);
+  if (end.how == How::Refused || end.how == How::Failed)
+    text += fmt::format("next: {}\ndocs/bring-up.md says more\n", hand_advice(end.code, bench.barrett.can));
+  std::fputs(text.c_str(), stderr);
+  return exit_code(end.how);
+}
+
+}  // namespace
+
+int cmd_hal_hand(const CommonOptions& common, const HalOptions& options) {
+  const auto bench = load_bench(common, options);
+  if (!bench) return report_error("hal hand", bench.error());
+  const auto task = task_of(options, *bench);
+  if (!task) {
+    const std::string where = fmt::format("hal hand {}", options.verb);
+    return report_error(where.c_str(), task.error());
+  }
+  return run(common, options, *bench, *task);
+}
+
+}  // namespace colift::tools

@@ -1,0 +1,370 @@
+#include "tools/bring_up/hal_arm_task.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <optional>
+
+#include "control/arm/arm_cycle.hpp"
+
+namespace colift::tools {
+namespace {
+
+using hal::ErrorCode;
+using How = ArmTaskEnd::How;
+using Phase = ArmProgress::Phase;
+
+constexpr double kDeg = 180.0 / std::numbers::pi;
+constexpr int kMostBadCycles = 500;  // in a row: a link that brings nothing usable
+constexpr int kStatesToStart = 20;   // after the arm was opened, for a first good one
+constexpr double kHeldUp_s = 1.0;    // commands may be held up that long: packets lost, quality
+constexpr double kSettle_s = 0.5;    // after a motion, for the arm to arrive
+constexpr double kMostRest_s = 3.0;  // for coming to rest
+
+control::TaskConfig task_config() {
+  control::TaskConfig c;
+  c.stiffness_nm_rad = ArmTask{}.stiffness_nm_rad;  // as the driver starts; then on a ramp to the wished one
+  return c;
+}
+
+control::CycleLimits cycle_limits(const ArmTask& task, const hal::GuardConfig& guard) {
+  control::CycleLimits l;
+  l.velocity_part = std::min(l.velocity_part, 0.9 * guard.velocity_part);
+  l.velocity_rad_s = 0.9 * guard.max_velocity_rad_s;
+  l.acceleration_rad_s2 = std::min(std::max(1.0, task.acceleration_rad_s2), 0.9 * guard.acceleration_rad_s2);
+  l.limit_margin_rad = 0.0;  // the guard keeps one; a start inside of it has to be possible
+  return l;
+}
+
+class Runner {
+ public:
+  Runner(hal::Arm& arm, const hal::RobotModel& model, const hal::GuardConfig& guard, const ArmTask& task,
+         const hal::Clock& clock, const ArmTaskHooks& hooks)
+      : arm_(arm),
+        model_(model),
+        guard_(guard),
+        task_(task),
+        clock_(clock),
+        hooks_(hooks),
+        cycle_(model, task_config(), cycle_limits(task, guard)) {}
+
+  ArmTaskEnd run() {
+    go_on(Phase::Opening);
+    if (auto opened = arm_.configure(); !opened) return finish(How::Refused, opened.error().text());
+    if (task_.kind == ArmTask::Kind::Watch) return watch();
+    if (!first_state()) return finish(How::Refused, "no usable state came: " + why("of the arm"));
+    if (task_.kind == ArmTask::Kind::Move)
+      if (std::string bad =
+              beyond_limits(model_, guard_, task_.joint, state_.q_rad[task_.joint], task_.by_rad);
+          !bad.empty())
+        return finish(How::BadRequest, bad);
+    if (hooks_.interrupted) return finish(How::Interrupted, "asked to end");
+    go_on(Phase::Asking);
+    if (auto active = arm_.activate(); !active) {
+      if (hooks_.interrupted)
+        return leave(How::Interrupted, "asked to end while command mode was waited for");
+      return leave(How::Refused, active.error().text());
+    }
+    command();
+    return leave(how_, because_);
+  }
+
+ private:
+  [[nodiscard]] double in_phase() const { return hal::seconds(clock_.now() - since_); }
+  void go_on(Phase phase) {
+    phase_ = phase;
+    since_ = clock_.now();
+    tell();
+  }
+  void tell() {
+    ArmProgress p;
+    p.phase = phase_;
+    p.in_phase_s = in_phase();
+    p.done = cycle_.progress();
+    for (int i = 0; i < hal::kArmJoints; ++i) {
+      p.commanded_rad[static_cast<std::size_t>(i)] = cycle_.commanded()[i];
+      p.measured_rad[static_cast<std::size_t>(i)] = state_.q_rad[i];
+    }
+    hooks_.progress.write(p);
+  }
+  [[nodiscard]] std::string why(const std::string& otherwise) const {
+    const std::string text = hooks_.why ? hooks_.why() : "";
+    return text.empty() ? otherwise : text;
+  }
+
+  ArmTaskEnd finish(How how, std::string because) {
+    end_.how = how;
+    end_.because = std::move(because);
+    go_on(Phase::Over);
+    return end_;
+  }
+  ArmTaskEnd leave(How how, std::string because) {
+    go_on(Phase::Leaving);
+    arm_.deactivate();
+    return finish(how, std::move(because));
+  }
+
+  ArmTaskEnd watch() {
+    go_on(Phase::Watching);
+    while (!hooks_.interrupted && in_phase() < task_.for_s) {
+      if (auto state = arm_.wait_cycle()) {
+        state_ = *state;
+        ++end_.cycles;
+      } else {
+        ++end_.bad_cycles;
+      }
+      tell();
+    }
+    // whoever watches without an end has no other way than to interrupt
+    const bool cut = hooks_.interrupted && std::isfinite(task_.for_s);
+    return finish(cut ? How::Interrupted : How::Done, cut ? "asked to end" : "");
+  }
+
+  bool first_state() {
+    for (int i = 0; i < kStatesToStart; ++i) {
+      if (auto state = arm_.wait_cycle()) {
+        state_ = *state;
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// Commands until the end; how_ and because_ say which.
+  void command() {
+    go_on(Phase::Commanding);
+    int bad = 0;
+    while (!over_) {
+      auto state = arm_.wait_cycle();
+      if (!state) {
+        ++end_.bad_cycles;
+        const bool gone =
+            state.error().code == ErrorCode::LinkLost || state.error().code == ErrorCode::NotReady;
+        if (gone || ++bad > kMostBadCycles) return lost(state.error().text());
+        continue;
+      }
+      bad = 0;
+      ++end_.cycles;
+      state_ = *state;
+      answer();
+      tell();
+    }
+  }
+
+  void lost(const std::string& otherwise) {
+    how_ = How::Lost;
+    because_ = why(otherwise);
+    over_ = true;
+  }
+
+  void answer() {
+    const double t = hal::seconds(state_.measured_at);
+    const std::uint32_t starts = cycle_.starts();
+    const hal::ImpedanceCommand wished = with_damping(cycle_.step(state_));
+    if (!state_.may_command) {
+      if (!held_since_s_) {
+        held_since_s_ = t;
+        held_why_ = why("the arm's controller accepts no commands any more");
+      }
+      if (hooks_.interrupted) {
+        how_ = How::Interrupted;
+        because_ = "asked to end";
+        over_ = true;
+      } else if (t - *held_since_s_ > kHeldUp_s) {
+        lost(held_why_);
+        because_ = held_why_;
+      }
+      return;
+    }
+    held_since_s_.reset();
+    if (auto sent = arm_.command(wished); !sent) {
+      if (sent.error().code != ErrorCode::LimitExceeded) return;  // shows in the next state
+      how_ = How::Stopped;
+      because_ = sent.error().text();
+      over_ = true;
+      return;
+    }
+    if (!end_.commanded) begin(t);
+    if (cycle_.starts() != starts && starts > 0) {
+      ++end_.restarts;
+      if (task_.kind == ArmTask::Kind::Move && !ending_)
+        bring_to_rest(How::Stopped,
+                      "the motion was cut off: " + (held_why_.empty() ? "a gap in the states" : held_why_),
+                      t);
+    }
+    note(wished, t);
+    steer(t);
+  }
+
+  hal::ImpedanceCommand with_damping(hal::ImpedanceCommand c) const {
+    c.damping_ratio.setConstant(task_.damping_ratio);
+    return c;
+  }
+
+  /// The first command is out: the arm holds the measured pose.
+  void begin(double t) {
+    end_.commanded = true;
+    end_.start_rad = state_.q_rad;
+    began_s_ = t;
+    cycle_.set_stiffness(task_.stiffness_nm_rad);
+    if (task_.kind != ArmTask::Kind::Move) return;
+    const hal::JointVector from = cycle_.commanded();
+    hal::JointVector to = from;
+    to[task_.joint] += task_.by_rad;
+    planner::MotionLimits limits;
+    limits.velocity_rad_s.setConstant(task_.speed_rad_s);
+    limits.acceleration_rad_s2.setConstant(task_.acceleration_rad_s2);
+    limits.jerk_rad_s3.setConstant(task_.jerk_rad_s3);
+    const std::array<hal::JointVector, 2> path{from, to};
+    auto way = planner::make_trajectory(path, limits, 0.0);
+    if (!way) return bring_to_rest(How::Stopped, way.error().text(), t);
+    if (auto follows = cycle_.follow(std::make_shared<const planner::Trajectory>(std::move(*way))); !follows)
+      bring_to_rest(How::Stopped, follows.error().text(), t);
+  }
+
+  void note(const hal::ImpedanceCommand& sent, double t) {
+    end_.commanded_s = t - began_s_;
+    end_.end_rad = state_.q_rad;
+    end_.goal_rad = sent.q_rad;
+    end_.drift_rad = end_.drift_rad.cwiseMax((state_.q_rad - sent.q_rad).cwiseAbs());
+    end_.external_nm = end_.external_nm.cwiseMax(state_.tau_external_nm.cwiseAbs());
+  }
+
+  void bring_to_rest(How how, std::string because, double t) {
+    ending_ = true;
+    ending_since_s_ = t;
+    how_ = how;
+    because_ = std::move(because);
+    cycle_.hold();
+    go_on(Phase::Stopping);
+  }
+
+  void steer(double t) {
+    if (ending_) {
+      over_ = cycle_.at_rest() || t - ending_since_s_ > kMostRest_s;
+      return;
+    }
+    if (hooks_.interrupted) return bring_to_rest(How::Interrupted, "asked to end", t);
+    if (task_.kind == ArmTask::Kind::Hold) {
+      over_ = t - began_s_ >= task_.for_s;
+      return;
+    }
+    if (cycle_.blocked()) return bring_to_rest(How::Stopped, describe(cycle_.blockage()), t);
+    if (!cycle_.done()) arrived_s_.reset();
+    if (cycle_.done() && !arrived_s_) arrived_s_ = t;
+    over_ = arrived_s_ && t - *arrived_s_ >= kSettle_s;
+  }
+
+  hal::Arm& arm_;
+  const hal::RobotModel& model_;
+  const hal::GuardConfig& guard_;
+  const ArmTask& task_;
+  const hal::Clock& clock_;
+  const ArmTaskHooks& hooks_;
+  control::ArmCycle cycle_;
+  hal::ArmState state_;
+  ArmTaskEnd end_;
+  Phase phase_ = Phase::Opening;
+  hal::Timestamp since_{0};
+
+  How how_ = How::Done;
+  std::string because_, held_why_;
+  bool over_ = false, ending_ = false;
+  double began_s_ = 0.0, ending_since_s_ = 0.0;
+  std::optional<double> held_since_s_, arrived_s_;
+};
+
+}  // namespace
+
+std::string_view to_string(ArmProgress::Phase phase) {
+  switch (phase) {
+    case Phase::Opening:
+      return "waits for the KRC";
+    case Phase::Watching:
+      return "watches";
+    case Phase::Asking:
+      return "asks for command mode";
+    case Phase::Commanding:
+      return "commands";
+    case Phase::Stopping:
+      return "comes to rest";
+    case Phase::Leaving:
+      return "leaves command mode";
+    case Phase::Over:
+      return "over";
+  }
+  return "";
+}
+
+std::string_view to_string(ArmTaskEnd::How how) {
+  switch (how) {
+    case How::Done:
+      return "done";
+    case How::Interrupted:
+      return "interrupted";
+    case How::BadRequest:
+      return "bad-request";
+    case How::Refused:
+      return "refused";
+    case How::Stopped:
+      return "stopped";
+    case How::Lost:
+      return "lost";
+  }
+  return "";
+}
+
+ArmTaskEnd run_arm_task(hal::Arm& arm, const hal::RobotModel& model, const hal::GuardConfig& guard,
+                        const ArmTask& task, const hal::Clock& clock, const ArmTaskHooks& hooks) {
+  return Runner(arm, model, guard, task, clock, hooks).run();
+}
+
+std::string beyond_limits(const hal::RobotModel& model, const hal::GuardConfig& guard, int joint,
+                          double q_rad, double by_rad) {
+  const double margin = guard.limit_margin_deg / kDeg;
+  const double low = model.lower_rad()[joint] + margin, high = model.upper_rad()[joint] - margin;
+  const double to = q_rad + by_rad;
+  if ((to >= low && to <= high) || (by_rad > 0 && q_rad < low && to <= high) ||
+      (by_rad < 0 && q_rad > high && to >= low))
+    return "";
+  return fmt::format(
+      "A{} stands at {:.1f} deg; by {:+.1f} deg it would come to {:.1f}, allowed is {:.1f} to {:.1f} (at "
+      "most {:+.1f} "
+      "this way)",
+      joint + 1, kDeg * q_rad, kDeg * by_rad, kDeg * to, kDeg * low, kDeg * high,
+      kDeg * (by_rad > 0 ? std::max(0.0, high - q_rad) : std::min(0.0, low - q_rad)));
+}
+
+std::string task_summary(const ArmTask& task, const ArmTaskEnd& e) {
+  std::string t;
+  if (e.commanded) {
+    Eigen::Index worst = 0, felt = 0;
+    const double drift = e.drift_rad.maxCoeff(&worst), external = e.external_nm.maxCoeff(&felt);
+    if (task.kind == ArmTask::Kind::Move) {
+      t += fmt::format(
+          "A{} moved by {:+.2f} deg (asked for {:+.2f}) in {:.1f} s, {:.3f} deg from where it was "
+          "commanded\n",
+          task.joint + 1, kDeg * (e.end_rad[task.joint] - e.start_rad[task.joint]), kDeg * task.by_rad,
+          e.commanded_s, kDeg * std::abs(e.end_rad[task.joint] - e.goal_rad[task.joint]));
+    } else {
+      Eigen::Index moved = 0;
+      const double most = (e.end_rad - e.start_rad).cwiseAbs().maxCoeff(&moved);
+      t += fmt::format(
+          "held the measured pose for {:.1f} s with {:.0f} N m/rad; it ended {:.3f} deg from its start "
+          "(A{})\n",
+          e.commanded_s, task.stiffness_nm_rad, kDeg * most, moved + 1);
+    }
+    t += fmt::format(
+        "greatest distance from the command {:.3f} deg (A{}), greatest outside torque {:.1f} N m (A{}); "
+        "{} cycles, {} without a state, {} restarts from the measured pose\n",
+        kDeg * drift, worst + 1, external, felt + 1, e.cycles, e.bad_cycles, e.restarts);
+  }
+  if (e.how == How::Interrupted) t += fmt::format("interrupted: {}\n", e.because);
+  return t;
+}
+
+}  // namespace colift::tools

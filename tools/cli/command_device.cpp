@@ -1,0 +1,169 @@
+// Options of what brings devices up, one at a time.
+
+#include "tools/bring_up/cmd_hal.hpp"
+#include "tools/bring_up/cmd_hal_camera.hpp"
+#include "tools/calibrate/calibrate.hpp"
+#include "tools/cli/command_line.hpp"
+#include "tools/cli/commands.hpp"
+
+namespace colift::tools {
+namespace {
+
+/// A verb of `hal DEVICE`, with what all of them take.
+CLI::App& add_verb(CLI::App& device, const char* name, const char* help, HalOptions& o, CommandLine& line) {
+  CLI::App* verb = device.add_subcommand(name, help);
+  verb->add_option("--robot", o.robot, "How the device is reached (default: the driver's own defaults)")
+      ->type_name("FILE");
+  verb->callback([&o, name] { o.verb = name; });
+  line.add_common(*verb);
+  return *verb;
+}
+
+void add_hal_arm(CommandLine& line, CLI::App& arm, HalOptions& o) {
+  arm.require_subcommand(1);
+  const auto for_s = [&o](CLI::App& verb, const char* help) {
+    verb.add_option("--for", o.for_s, help)->type_name("S");
+  };
+  const auto yes = [&o](CLI::App& verb) {
+    verb.add_flag("--yes", o.yes, "Goes beyond the careful limits of bring-up");
+  };
+  for_s(
+      add_verb(arm, "state", "How it is, and why command mode would be refused now; nothing moves", o, line),
+      "Looks for that time (default 1.2)");
+  for_s(
+      add_verb(arm, "watch", "The same all the time, with the times of the answers; nothing moves", o, line),
+      "Ends after that time (default: when interrupted)");
+  for_s(add_verb(arm, "hold", "Gets command mode, holds the measured pose, leaves", o, line),
+        "Holds for that time (default 10)");
+  CLI::App& move = add_verb(arm, "move-joint", "Moves one joint by an angle, slowly, and leaves", o, line);
+  move.add_option("N", o.joint, "Joint, 1 to 7 from the base")->required();
+  move.add_option("DEG", o.degrees, "By how many degrees, from where it stands")->required();
+  move.add_option("--speed", o.speed_deg_s, "Degrees per second (default 5)")->type_name("DEG/S");
+  yes(move);
+  add_verb(arm, "limits", "Limits of each joint: the arm's, those of the guard, those in T1", o, line);
+  CLI::App& stiffness =
+      add_verb(arm, "stiffness", "Holds with a stiffness of the joints, for a person to feel it", o, line);
+  stiffness.add_option("VALUE", o.stiffness_nm_rad, "N m/rad, 0 to 2000")->required();
+  for_s(stiffness, "Holds for that time (default 30)");
+  yes(stiffness);
+}
+
+void add_hal_hand(CommandLine& line, CLI::App& hand, HalOptions& o) {
+  hand.require_subcommand(1);
+  const auto for_s = [&o](CLI::App& verb, const char* help) {
+    verb.add_option("--for", o.for_s, help)->type_name("S");
+  };
+  const auto yes = [&o](CLI::App& verb) {
+    verb.add_flag("--yes", o.yes, "Opens although the hand holds something, which falls");
+  };
+  const auto torque = [&o](CLI::App& verb) {
+    verb.add_option("--torque", o.torque_nm, "At the fingertips, at most (default 0.5 N m)")->type_name("NM");
+  };
+  yes(add_verb(hand, "init", "Wakes the pucks and opens all joints to their stops to find their zeros", o,
+               line));
+  for_s(add_verb(hand, "state", "How it is; nothing moves", o, line), "Looks for that time (default 1)");
+  for_s(add_verb(hand, "watch", "The same all the time; nothing moves", o, line),
+        "Ends after that time (default: when interrupted)");
+  for_s(add_verb(hand, "tactile", "Forces on the pads; nothing moves", o, line),
+        "Ends after that time (default: when interrupted)");
+  yes(add_verb(hand, "open", "Opens the fingers", o, line));
+  torque(add_verb(hand, "close", "Closes until each finger is held by something or by its stop", o, line));
+  CLI::App& preshape = add_verb(hand, "preshape", "Opens the fingers and turns the spread", o, line);
+  preshape.add_option("DEG", o.spread_deg, "Spread, 0 to 180 degrees")->required();
+  yes(preshape);
+  CLI::App& grip = add_verb(hand, "grip", "Closes on an object and watches the grip", o, line);
+  torque(grip);
+  for_s(grip, "Watches it for that time (default 5)");
+}
+
+void add_hal_camera(CommandLine& line, CLI::App& camera, HalCameraOptions& o) {
+  camera.require_subcommand(1);
+  const auto add = [&](const char* name, const char* help) -> CLI::App& {
+    CLI::App& verb = add_verb(camera, name, help, o.hal, line);
+    verb.add_option("--source", o.source,
+                    "usb, usb:SERIAL, fakenect:DIR or emulated:ADDRESS (default: the file's)");
+    verb.add_option("--for", o.hal.for_s, "Ends after that time")->type_name("S");
+    return verb;
+  };
+  const auto png = [&o](CLI::App& verb) {
+    verb.add_option("--png", o.png, "Writes a picture of the last frame")->type_name("OUT.png");
+    verb.add_option("--depth", o.depth,
+                    "Writes the last frame itself (16-bit PNG, mm), camera.json beside it")
+        ->type_name("OUT.png");
+    verb.add_option("--infrared", o.infrared, "Writes an infrared image: is the emitter seen?")
+        ->type_name("OUT.png");
+  };
+  png(add("info", "What it is, how it hangs, what it sees"));
+  png(add("watch", "The same all the time (with --png: for a second)"));
+  add("record", "Records raw depth for fakenect, 18 MB a second, until interrupted")
+      .add_option("FOLDER", o.folder, "New or empty folder")
+      ->required();
+  CLI::App& tilt = add("tilt", "Turns its foot; whatever was calibrated is wrong then");
+  tilt.add_option("DEG", o.tilt_deg, "-31 to 31 degrees against the horizon")->required();
+  tilt.add_flag("--yes", o.hal.yes, "Yes, move the camera");
+}
+
+void add_calibrate(CLI::App& command, CalibrateOptions& o) {
+  command.add_option("--samples", o.samples, "Folder with samples.yaml and infrared images")
+      ->type_name("FOLDER");
+  command.add_flag("--sim", o.sim, "Takes the samples on the simulated rig");
+  command.add_option("--robot", o.robot, "Takes them with these devices; clear the space around the arm")
+      ->type_name("FILE");
+  command
+      .add_option("--scenario", o.scenario, "What the simulated rig holds (default: nothing near the arm)")
+      ->type_name("FILE");
+  command.add_option("--poses", o.poses, "Poses of the arm, 5 to 200 (default 20)")->type_name("N");
+  command.add_option("--seed", o.seed, "Same samples, seed and program: same result, bit for bit")
+      ->type_name("N");
+  command.add_option("--camera-at", o.camera_at, "Where the camera about stands, in the robot base")
+      ->type_name("X,Y,Z");
+  command.add_option("--date", o.date, "Stands in the result (default: now)")->type_name("TEXT");
+  command.add_option("--out", o.out, "Writes the result, for calibration_file: in a configuration")
+      ->type_name("FILE.yaml");
+  command.add_option("--save", o.save, "Keeps the samples, for --samples")->type_name("FOLDER");
+  command.add_option("--png", o.png, "Writes a picture of spots and residuals")->type_name("OUT.png");
+}
+
+void add_doctor(CLI::App& command, DoctorOptions& o) {
+  command.add_option("--robot", o.robot, "Whose port and bus are looked at (default: the drivers' defaults)")
+      ->type_name("FILE");
+  command.add_option("--root", o.root, "Where /sys, /proc and /dev are looked for (default: /)")
+      ->type_name("FOLDER");
+}
+
+}  // namespace
+
+void add_device_commands(CommandLine& line) {
+  CommonOptions& common = line.common;
+
+  CLI::App& hal = line.command("hal", "Bring-up of one device at a time");
+  hal.require_subcommand(1);
+  CLI::App& arm_command = *hal.add_subcommand("arm", "The KUKA LWR 4+ over FRI");
+  const auto arm = std::make_shared<HalOptions>();
+  add_hal_arm(line, arm_command, *arm);
+  line.when(arm_command, [&common, arm] { return cmd_hal_arm(common, *arm); });
+  CLI::App& hand_command = *hal.add_subcommand("hand", "The BarrettHand over CAN");
+  const auto hand = std::make_shared<HalOptions>();
+  add_hal_hand(line, hand_command, *hand);
+  line.when(hand_command, [&common, hand] { return cmd_hal_hand(common, *hand); });
+  CLI::App& camera_command = *hal.add_subcommand("camera", "The Kinect v1 over libfreenect");
+  const auto camera = std::make_shared<HalCameraOptions>();
+  add_hal_camera(line, camera_command, *camera);
+  line.when(camera_command, [&common, camera] { return cmd_hal_camera(common, *camera); });
+
+  CLI::App& calibrate_command = line.command(
+      "calibrate", "Where the camera is: a blinking emitter on the palm, seen at many poses of the arm");
+  const auto calibrate = std::make_shared<CalibrateOptions>();
+  add_calibrate(calibrate_command, *calibrate);
+  line.add_common(calibrate_command);
+  line.when(calibrate_command, [&common, calibrate] { return cmd_calibrate(common, *calibrate); });
+
+  CLI::App& doctor_command =
+      line.command("doctor", "This machine: what is found, and the line that repairs it");
+  const auto doctor = std::make_shared<DoctorOptions>();
+  add_doctor(doctor_command, *doctor);
+  line.add_common(doctor_command);
+  line.when(doctor_command, [&common, doctor] { return cmd_doctor(common, *doctor); });
+}
+
+}  // namespace colift::tools

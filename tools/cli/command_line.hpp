@@ -1,0 +1,53 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tools/cli/options.hpp"
+
+namespace colift::tools {
+
+/// The program's command line: a parser (CLI11) and its commands. Each group of commands adds itself, with
+/// its options and what it runs.
+class CommandLine {
+ public:
+  CommandLine(int argc, char** argv);
+
+  /// A command `name` of the program.
+  CLI::App& command(const std::string& name, const std::string& help);
+  /// `run` gives the exit code when `parser` was what the user called.
+  void when(CLI::App& parser, std::function<int()> run) { runs_.push_back({&parser, std::move(run)}); }
+
+  /// --json and --quiet.
+  void add_output(CLI::App& parser);
+  /// Also --config and --set.
+  void add_common(CLI::App& parser);
+
+  /// Parses and runs what was asked for. The exit code.
+  [[nodiscard]] int run(int argc, char** argv);
+
+  CommonOptions common;
+
+ private:
+  struct Run {
+    CLI::App* parser;
+    std::function<int()> run;
+  };
+  [[nodiscard]] int refuse(const CLI::ParseError& error, const std::string& first) const;
+
+  CLI::App app_;
+  std::vector<Run> runs_;
+};
+
+void add_sight_commands(CommandLine& line);    ///< look, decide, rank, check
+void add_job_commands(CommandLine& line);      ///< run, log, experiment
+void add_device_commands(CommandLine& line);   ///< hal, calibrate, doctor
+void add_emulate_commands(CommandLine& line);  ///< emulate
+
+/// --view and what belongs to it, for `run` and `log replay`.
+void add_view(CLI::App& parser, ViewOptions& options);
+
+}  // namespace colift::tools

@@ -1,0 +1,93 @@
+// Options of what looks and decides, and touches no device.
+
+#include "tools/analyse/cmd_rank.hpp"
+#include "tools/cli/command_line.hpp"
+#include "tools/cli/commands.hpp"
+
+namespace colift::tools {
+namespace {
+
+void add_look(CLI::App& command, LookOptions& o) {
+  command.add_option("CLOUD", o.cloud, "Recorded frame: .pcd, .ply, or a 16-bit .png depth image")
+      ->required();
+  command.add_option("--method", o.method, "fast (default) or thesis");
+  command.add_option("--camera", o.camera, "Intrinsics of a .png (default: camera.json beside it)")
+      ->type_name("CAMERA.json");
+  command
+      .add_option("--camera-pose", o.camera_pose,
+                  "Pose of the camera in the robot base; results are then in that frame")
+      ->type_name("X,Y,Z,QX,QY,QZ,QW");
+  command.add_option("--at", o.at, "Takes the object nearest to this point instead of the largest")
+      ->type_name("X,Y,Z");
+  command.add_option("--png", o.png, "Writes a picture of what was seen and decided")->type_name("OUT.png");
+  command.add_option("--report", o.report, "Writes one HTML page with picture, table and reasons")
+      ->type_name("OUT.html");
+}
+
+void add_decide(CLI::App& command, DecideOptions& o) {
+  add_look(command, o.look);
+  command.add_option("--partner", o.partner, "Where the partner holds the object")->type_name("X,Y,Z");
+  command
+      .add_option("--partner-cloud", o.partner_cloud,
+                  "A second frame of the same camera that shows the partner's grasp")
+      ->type_name("CLOUD2");
+  command.add_option("--share", o.share, "Part of the load that the robot shall carry, between 0 and 1")
+      ->type_name("S");
+  command
+      .add_option("--epsilon", o.epsilon,
+                  "Price of the robot's effort against the partner's (thesis eq. 4.5)")
+      ->type_name("E");
+  command
+      .add_option("--why", o.why, "Explains candidate K: what its cost is made of, what stands against it")
+      ->type_name("K");
+}
+
+void add_check(CLI::App& command, CheckOptions& o, CheckedCamera& camera) {
+  command.add_flag("--explain", o.explain, "With what each entry means and what it may be");
+  command.add_flag(
+      "--graph", o.graph,
+      "Prints the states of the job and what leads from one to the other, as a Graphviz drawing; "
+      "with --json the rules");
+  command.add_option("--robot", camera.robot, "Whose calibration and Kinect are looked at too")
+      ->type_name("FILE");
+  command.add_option("--frame", camera.frame, "A depth image: is the ground where the calibration has it?")
+      ->type_name("FILE");
+  command.add_option("--camera", camera.camera, "Of a PNG: its camera.json (default: beside it)")
+      ->type_name("FILE");
+}
+
+}  // namespace
+
+void add_sight_commands(CommandLine& line) {
+  CommonOptions& common = line.common;
+
+  CLI::App& look_command =
+      line.command("look", "Perception of one recorded frame: ground, target, surfaces, grasp candidates");
+  const auto look = std::make_shared<LookOptions>();
+  add_look(look_command, *look);
+  line.add_common(look_command);
+  line.when(look_command, [&common, look] { return cmd_look(common, *look); });
+
+  CLI::App& decide_command =
+      line.command("decide", "look, then which grasp the robot takes for a partner's grasp, and why");
+  const auto decide = std::make_shared<DecideOptions>();
+  add_decide(decide_command, *decide);
+  line.add_common(decide_command);
+  line.when(decide_command, [&common, decide] { return cmd_decide(common, *decide); });
+
+  CLI::App& rank_command = line.command("rank", "Only the load-sharing decision, on numbers");
+  const auto problem = std::make_shared<std::string>();
+  rank_command.add_option("PROBLEM.json", *problem, "The problem; - reads it from stdin")->required();
+  line.add_common(rank_command);
+  line.when(rank_command, [&common, problem] { return cmd_rank(*problem, common.json); });
+
+  CLI::App& check_command =
+      line.command("check", "Reads configuration and hand, touches no device, prints what would be used");
+  const auto check = std::make_shared<CheckOptions>();
+  const auto camera = std::make_shared<CheckedCamera>();
+  add_check(check_command, *check, *camera);
+  line.add_common(check_command);
+  line.when(check_command, [&common, check, camera] { return cmd_check(common, *check, *camera); });
+}
+
+}  // namespace colift::tools

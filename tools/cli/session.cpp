@@ -1,0 +1,90 @@
+#include "tools/cli/session.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "hal/config/config_file.hpp"
+#include "tools/analyse/weights.hpp"
+#include "tools/cli/numbers.hpp"
+
+namespace colift::tools {
+
+hal::Result<Setup> load_setup(const CommonOptions& common, const control::Config& defaults) {
+  Setup setup;
+  setup.config = defaults;
+  hal::FieldTable table = hal::table_of(setup.config);
+  if (auto done = hal::apply_command_line(table, common.config_files, common.settings); !done)
+    return tl::unexpected(done.error());
+  if (!setup.config.hand_file.empty()) {
+    auto hand = planner::load_hand(setup.config.hand_file);
+    if (!hand) return tl::unexpected(hand.error());
+    setup.hand = std::move(*hand);
+  }
+  if (!setup.config.calibration_file.empty()) {
+    auto calibration = perception::load_calibration(setup.config.calibration_file, setup.config.calibration);
+    if (!calibration) return tl::unexpected(calibration.error());
+    setup.calibration = std::move(*calibration);
+  }
+  setup.hand_tables = std::make_shared<planner::HandCollision>(setup.hand, setup.config.candidates.collision);
+  return setup;
+}
+
+hal::Result<Seen> look_at_file(const LookOptions& options, const Setup& setup) {
+  const auto method = parse_method(options.method, setup.config);
+  if (!method) return tl::unexpected(method.error());
+
+  Seen seen;
+  control::LookInput input;
+  if (!options.camera_pose.empty()) {
+    const auto pose = parse_pose(options.camera_pose, "--camera-pose");
+    if (!pose) return tl::unexpected(pose.error());
+    seen.X_WF = *pose;
+    input.base_frame_known = true;
+  } else if (setup.calibration) {
+    seen.X_WF = setup.calibration->X_BC();
+    input.base_frame_known = true;
+  }
+  if (!options.at.empty()) {
+    if (*method == control::Method::Thesis)
+      return hal::failure(hal::ErrorCode::BadInput, "--at",
+                          "goes with --method fast: the thesis takes the largest cluster");
+    const auto at = parse_point(options.at, "--at");
+    if (!at) return tl::unexpected(at.error());
+    input.at_W = *at;
+  }
+  auto file = hal::read_frame(options.cloud, options.camera);
+  if (!file) return tl::unexpected(file.error());
+  seen.file = std::move(*file);
+  input.X_WC = seen.X_WF * seen.file.X_FC;
+  input.frame = std::move(seen.file.frame);
+
+  auto look = control::look(std::move(input), *method, setup.config, setup.hand, hal::SteadyClock(),
+                            setup.hand_tables);
+  if (!look) return tl::unexpected(look.error());
+  seen.look = std::move(*look);
+  return seen;
+}
+
+int report_error(const char* command, const hal::Error& error) {
+  std::fputs(fmt::format("colift {}: {}\n", command, error.text()).c_str(), stderr);
+  using hal::ErrorCode;
+  switch (error.code) {
+    case ErrorCode::BadConfig:
+    case ErrorCode::BadInput:
+      return kBadInput;
+    case ErrorCode::NotFound:
+      return kNoGoal;
+    case ErrorCode::Timeout:
+    case ErrorCode::LinkLost:
+    case ErrorCode::BadReply:
+    case ErrorCode::DeviceFault:
+      return kDeviceFailed;
+    case ErrorCode::LimitExceeded:
+    case ErrorCode::NotReady:
+      return kInternal;
+  }
+  return kInternal;
+}
+
+}  // namespace colift::tools

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "control/config/config.hpp"
+#include "control/session/decide.hpp"
+#include "control/session/look.hpp"
+#include "hal/drivers/recorded/frame_file.hpp"
+#include "hal/types/result.hpp"
+#include "perception/calibration/calibration_file.hpp"
+#include "planner/hand/hand_model.hpp"
+#include "tools/cli/options.hpp"
+
+namespace colift::tools {
+
+/// Configuration and hand of one call of the program: files and --set over `defaults`. Errors: BadConfig,
+/// with the place.
+struct Setup {
+  control::Config config;
+  planner::HandModel hand;
+  std::optional<perception::CalibrationFile> calibration;     ///< When the configuration names one.
+  std::shared_ptr<const planner::HandCollision> hand_tables;  ///< Made once, for every look.
+};
+[[nodiscard]] hal::Result<Setup> load_setup(const CommonOptions& common,
+                                            const control::Config& defaults = {});
+
+/// A frame that was looked at.
+struct Seen {
+  hal::RecordedFrame file;  ///< Its frame has moved into the look.
+  hal::Pose X_WF = hal::Pose::Identity();
+  control::Look look;
+};
+
+/// Reads and looks. Errors: BadInput and BadConfig.
+[[nodiscard]] hal::Result<Seen> look_at_file(const LookOptions& options, const Setup& setup);
+
+/// Prints an error to stderr and returns the exit code that belongs to it.
+int report_error(const char* command, const hal::Error& error);
+
+}  // namespace colift::tools

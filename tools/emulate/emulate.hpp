@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/cli/options.hpp"
+
+namespace colift::tools {
+
+/// What every emulated device takes.
+struct EmulateOptions {
+  std::optional<std::filesystem::path> scenario;  ///< Unset: the built-in table.
+  std::string plant = "mujoco";                   ///< mujoco | light
+  std::optional<double> for_s;                    ///< Unset: until it is interrupted or the client closes.
+  std::vector<std::string> faults;                ///< "T:KIND[:DURATION]"
+  double speed = 1.0;
+  std::uint64_t seed = 1;
+};
+
+struct EmulateKrcOptions {
+  EmulateOptions common;
+  std::string to = "127.0.0.1:49938";
+  int from_port = 0;
+  double cycle_ms = 2.0;
+  std::string script = "colift";
+  std::optional<int> strategy;  ///< 10, 20 or 30; unset: the program's own.
+  double linger_s = 1.5;
+  double session_s = 10.0;  ///< How long the vendor's program commands.
+  std::optional<double> restart_s;
+  bool strict = false;
+  bool friction = false;  ///< Of the light plant.
+};
+
+/// The far end of the arm's wire. 0 the client broke no rule, 1 it did, 2 bad options, 3 the port is not
+/// to be had.
+[[nodiscard]] int cmd_emulate_krc(const CommonOptions& common, const EmulateKrcOptions& options);
+
+/// True once SIGINT or SIGTERM came while a guard lives. The second signal ends the program.
+class InterruptGuard {
+ public:
+  InterruptGuard();
+  ~InterruptGuard();
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+  [[nodiscard]] static bool asked();
+};
+
+/// Lines of a running emulator: "ready: ..." and events. To stdout, or to stderr when stdout is for JSON.
+class EmulateLines {
+ public:
+  explicit EmulateLines(const CommonOptions& common) : common_(common) {}
+  void ready(const std::string& what) const;
+  void event(double t_s, const std::string& what) const;  ///< Not with --quiet.
+  void say(const std::string& what) const;
+
+ private:
+  const CommonOptions& common_;
+};
+
+}  // namespace colift::tools

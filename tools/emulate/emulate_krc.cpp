@@ -1,0 +1,152 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+#include "hal/os/udp_link.hpp"
+#include "sim_hal/emulator/krc/plant/krc_light_plant.hpp"
+#include "sim_hal/emulator/mujoco/krc_world_plant.hpp"
+#include "tools/cli/session.hpp"
+#include "tools/emulate/emulate_krc_json.hpp"
+#include "tools/emulate/emulate_watch.hpp"
+
+namespace colift::tools {
+namespace {
+
+using sim_hal::KrcReport;
+using sim_hal::KrcServer;
+using sim_hal::KrcServerTiming;
+
+tl::unexpected<hal::Error> bad(const char* option, std::string because) {
+  return hal::failure(hal::ErrorCode::BadInput, option, std::move(because));
+}
+
+hal::Result<> check_seconds(const char* option, double value, double least) {
+  if (value >= least && std::isfinite(value)) return {};
+  return bad(option, fmt::format("{} is no time; expected seconds from {:g}", value, least));
+}
+
+hal::Result<> check_options(const EmulateKrcOptions& o) {
+  if (!(o.cycle_ms >= 1.0 && o.cycle_ms <= 100.0) || o.cycle_ms != std::floor(o.cycle_ms))
+    return bad("--cycle-ms",
+               fmt::format("{} is no cycle; expected whole milliseconds from 1 to 100", o.cycle_ms));
+  if (o.from_port < 0 || o.from_port > 65535)
+    return bad("--from", fmt::format("{} is no port; expected 0 (any) to 65535", o.from_port));
+  if (o.common.plant != "mujoco" && o.common.plant != "light")
+    return bad("--plant", fmt::format("\"{}\" is no plant; expected mujoco or light", o.common.plant));
+  if (o.strategy && *o.strategy != 10 && *o.strategy != 20 && *o.strategy != 30)
+    return bad("--strategy",
+               fmt::format("{} is no strategy; expected 10 (position), 20 (Cartesian impedance) or "
+                           "30 (joint impedance)",
+                           *o.strategy));
+  if (!(o.common.speed >= 0.0 && o.common.speed <= 1000.0))
+    return bad("--speed",
+               fmt::format("{} is no speed; expected 0 (as fast as answers come) to 1000", o.common.speed));
+  if (auto done = check_seconds("--linger-s", o.linger_s, 0.0); !done) return done;
+  if (auto done = check_seconds("--session-s", o.session_s, 0.0); !done) return done;
+  if (o.common.for_s)
+    if (auto done = check_seconds("--for", *o.common.for_s, 0.0); !done) return done;
+  if (o.restart_s)
+    if (auto done = check_seconds("--restart-s", *o.restart_s, 0.0); !done) return done;
+  return {};
+}
+
+hal::Result<sim_hal::KrcServerConfig> server_config(const EmulateKrcOptions& o,
+                                                    const sim_hal::Scenario& scenario) {
+  sim_hal::KrcServerConfig config;
+  const auto to = hal::parse_endpoint(o.to);
+  if (!to) return bad("--to", to.error().detail);
+  if (to->address == 0 || to->port == 0)
+    return bad("--to", fmt::format("\"{}\" names nobody; expected IPV4:PORT of the client", o.to));
+  config.krc.to = *to;
+  config.krc.cycle = std::chrono::milliseconds(std::lround(o.cycle_ms));
+  config.krc.script = o.script;
+  if (o.strategy) config.krc.program.strategy = static_cast<sim_hal::FriControl>(*o.strategy / 10);
+  config.krc.program.linger_s = o.linger_s;
+  config.krc.program.runs_s = o.session_s;
+  config.krc.restart_s = o.restart_s;
+  config.krc.strict = o.strict;
+  config.krc.seed = o.common.seed;
+  for (const sim_hal::DeviceFaultEvent& event : scenario.faults) {
+    if (event.device != "arm") continue;
+    auto fault = sim_hal::krc_fault(event);
+    if (!fault) return tl::unexpected(fault.error());
+    config.krc.faults.push_back(std::move(*fault));
+  }
+  for (const std::string& text : o.common.faults) {
+    auto fault = sim_hal::parse_krc_fault(text);
+    if (!fault) return tl::unexpected(fault.error());
+    config.krc.faults.push_back(std::move(*fault));
+  }
+  config.from_port = static_cast<std::uint16_t>(o.from_port);
+  config.speed = o.common.speed;
+  return config;
+}
+
+std::string summary(const KrcReport& r, const KrcServerTiming& timing, const std::string& because) {
+  return fmt::format(
+      "{}: {} packets sent, {} answered, {} missed, {:.1f} s in command mode, {} rule{} broken; {} of this "
+      "machine's cycles began late (worst {:.2f} ms)",
+      because, r.sent, r.answered, r.missed,
+      r.sent > 0 ? r.duration_s * static_cast<double>(r.command_cycles) / static_cast<double>(timing.cycles)
+                 : 0.0,
+      r.broken_rules_in_all, r.broken_rules_in_all == 1 ? "" : "s", timing.late, timing.worst_late_ms);
+}
+
+hal::Result<int> run(const CommonOptions& common, const EmulateKrcOptions& o) {
+  if (auto done = check_options(o); !done) return tl::unexpected(done.error());
+  sim_hal::Scenario scenario = sim_hal::built_in_scenario();
+  if (o.common.scenario) {
+    auto read = sim_hal::load_scenario(*o.common.scenario);
+    if (!read) return tl::unexpected(read.error());
+    scenario = std::move(*read);
+  }
+  auto config = server_config(o, scenario);
+  if (!config) return tl::unexpected(config.error());
+
+  const hal::ArmDynamics dynamics(hal::built_in_robot(), hal::ArmDynamics::Load::Hand);
+  std::unique_ptr<sim_hal::SimWorld> world;
+  std::unique_ptr<sim_hal::KrcPlant> plant;
+  if (o.common.plant == "mujoco") {
+    sim_hal::SimConfig sim;
+    sim.arm_period = config->krc.cycle;
+    auto made = sim_hal::SimWorld::make(scenario, hal::built_in_robot(), o.common.seed, sim);
+    if (!made) return tl::unexpected(made.error());
+    world = std::move(*made);
+    plant = std::make_unique<sim_hal::KrcWorldPlant>(*world, dynamics);
+  } else {
+    plant = std::make_unique<sim_hal::LightPlant>(
+        dynamics, sim_hal::LightPlantConfig{sim_hal::SimConfig::home_rad(), o.friction});
+  }
+  KrcServer server(*config, dynamics, std::move(plant));
+
+  const InterruptGuard guard;
+  const EmulateLines lines(common);
+  if (auto done = server.start(); !done) return tl::unexpected(done.error());
+  lines.ready(fmt::format("krc, program {}, {:g} ms, plant {}, port {} to {}", o.script, o.cycle_ms,
+                          o.common.plant, o.from_port > 0 ? std::to_string(o.from_port) : "any", o.to));
+  const std::string because = watch_emulator(
+      server, o.common, lines,
+      [&] {
+        return server.ended() ? std::optional(server.report().closed.value_or("the port broke"))
+                              : std::nullopt;
+      },
+      [&] { return server.report().duration_s; });
+  const KrcReport report = server.report();
+  if (common.json)
+    std::puts(emulate_krc_json(o, report, server.timing(), because).c_str());
+  else
+    lines.say(summary(report, server.timing(), because));
+  std::fflush(stdout);
+  return report.broken_rules_in_all == 0 ? kDone : kNoGoal;
+}
+
+}  // namespace
+
+int cmd_emulate_krc(const CommonOptions& common, const EmulateKrcOptions& options) {
+  const auto done = run(common, options);
+  return done ? *done : report_error("emulate krc", done.error());
+}
+
+}  // namespace colift::tools

@@ -1,0 +1,168 @@
+#include "tools/emulate/emulate_rig.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "tools/cli/session.hpp"
+#include "tools/emulate/emulate_hand.hpp"
+#include "tools/emulate/emulate_krc_json.hpp"
+#include "tools/rig/emulated_rig.hpp"
+#include "tools/rig/rig_world.hpp"
+
+namespace colift::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// What config/emulated.yaml says, for who has no file at hand.
+RobotFile usual_robot() {
+  RobotFile file;
+  file.arm = "fri";
+  file.hand = "barrett";
+  file.camera = "kinect";
+  file.barrett.can = EmulateHandOptions{}.bus;
+  file.kinect.source = "emulated:@colift-kinect";
+  return file;
+}
+
+hal::Result<RobotFile> robot_of(const EmulateRigOptions& o) {
+  if (!o.robot) return usual_robot();
+  auto file = read_robot_file(o.robot);
+  if (!file) return file;
+  if (file->arm != "fri" || file->hand != "barrett" || file->camera != "kinect")
+    return hal::failure(
+        hal::ErrorCode::BadConfig, o.robot->string(),
+        fmt::format("a rig is served for three real drivers; expected arm: fri, hand: barrett, camera: "
+                    "kinect, found {}, {}, {}",
+                    file->arm, file->hand, file->camera));
+  if (!file->kinect.source.starts_with("emulated:@"))
+    return hal::failure(hal::ErrorCode::BadConfig, o.robot->string(),
+                        fmt::format("kinect.source: \"{}\" is not served here; expected emulated:@NAME",
+                                    file->kinect.source));
+  return file;
+}
+
+hal::Result<> check_options(const EmulateRigOptions& o) {
+  const auto bad = [](const char* option, std::string because) {
+    return hal::failure(hal::ErrorCode::BadInput, option, std::move(because));
+  };
+  if (o.common.plant != "mujoco") return bad("--plant", "a rig stands in a world; expected mujoco");
+  if (o.common.speed != 1.0) return bad("--speed", "pucks and camera live in real time; expected 1");
+  if (!o.common.faults.empty())
+    return bad("--fault", "expected in the scenario's faults, which name the device");
+  if (o.common.for_s && !(*o.common.for_s >= 0.0 && std::isfinite(*o.common.for_s)))
+    return bad("--for", fmt::format("{} is no time; expected seconds from 0", *o.common.for_s));
+  return {};
+}
+
+/// The client's devices have been started: the arm took commands, every puck found its stop.
+bool client_is_ready(EmulatedRig& rig) {
+  const auto pucks = rig.pucks()->report().initialised;
+  return rig.krc().report().command_cycles > 0 &&
+         std::all_of(pucks.begin(), pucks.end(), [](int times) { return times > 0; });
+}
+
+std::uint64_t rules_broken(EmulatedRig& rig) {
+  std::uint64_t all = rig.krc().report().broken_rules_in_all;
+  for (const std::uint64_t count : rig.pucks()->report().broken) all += count;
+  return all;
+}
+
+std::string document(const EmulateRigOptions& o, const RobotFile& file, EmulatedRig& rig, bool began,
+                     const std::string& because) {
+  EmulateKrcOptions krc;
+  krc.common = o.common;
+  krc.to = fmt::format("127.0.0.1:{}", file.fri.port);
+  krc.cycle_ms = file.fri.cycle_ms;
+  krc.script = file.fri.script;
+  EmulateHandOptions hand;
+  hand.common = o.common;
+  hand.bus = file.barrett.can;
+  const sim_hal::HandServer& pucks = *rig.pucks();
+  const sim_hal::CameraServerReport c = rig.camera()->report();
+  const Json j = {
+      {"schema", "colift.emulate/1"},
+      {"device", "rig"},
+      {"because", because},
+      {"seed", o.common.seed},
+      {"scenario_began", began},
+      {"broken_rules_in_all", rules_broken(rig)},
+      {"arm", Json::parse(emulate_krc_json(krc, rig.krc().report(), rig.krc().timing(), because))},
+      {"hand",
+       Json::parse(emulate_hand_json(hand, pucks.report(), pucks.timing(), pucks.elapsed_s(), because))},
+      {"camera",
+       {{"clients", c.clients},
+        {"frames_sent", c.sent},
+        {"frames_not_taken", c.not_taken},
+        {"infrared", c.infrared},
+        {"worst_render_ms", c.worst_render_ms}}},
+  };
+  return j.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+hal::Result<int> run(const CommonOptions& common, const EmulateRigOptions& o) {
+  if (auto done = check_options(o); !done) return tl::unexpected(done.error());
+  auto file = robot_of(o);
+  if (!file) return tl::unexpected(file.error());
+  auto sign = ServedRigSign::put_up(static_cast<std::uint16_t>(file->fri.port));
+  if (!sign) return tl::unexpected(sign.error());
+  const auto scenario = read_scenario(o.common.scenario);
+  if (!scenario) return tl::unexpected(scenario.error());
+  const auto model = read_model(file->model);
+  if (!model) return tl::unexpected(model.error());
+  auto world = make_world(*file, *scenario, **model, o.common.seed);
+  if (!world) return tl::unexpected(world.error());
+  const InterruptGuard guard;
+  auto rig = EmulatedRig::start(emulated_rig_of(*file, o.common.seed), *scenario, **model, *world);
+  if (!rig) return tl::unexpected(rig.error());
+
+  const EmulateLines lines(common);
+  lines.ready(fmt::format(
+      "rig {}: arm's controller to 127.0.0.1:{} every {:g} ms, hand on {}, camera on emulated:{}; "
+      "now colift run --robot {} in another terminal",
+      scenario->name, file->fri.port, file->fri.cycle_ms, file->barrett.can, (*rig)->camera()->address(),
+      o.robot ? o.robot->string() : "config/emulated.yaml"));
+  const auto print = [&](const char* device, auto& server) {
+    for (const auto& e : server.take_events()) lines.event(e.t_s, fmt::format("{:6} {}", device, e.text));
+  };
+  bool began = false;
+  std::string because;
+  while (because.empty()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    print("arm", (*rig)->krc());
+    print("hand", *(*rig)->pucks());
+    print("camera", *(*rig)->camera());
+    const double t_s = (*rig)->krc().report().duration_s;
+    if (!began && client_is_ready(**rig)) {
+      began = true;
+      (*rig)->begin();
+      lines.event(t_s, "the client's devices are ready: the scenario begins");
+    }
+    if (InterruptGuard::asked()) because = "interrupted";
+    if (o.common.for_s && t_s >= *o.common.for_s) because = "the time is over";
+    if ((*rig)->krc().ended()) because = (*rig)->krc().report().closed.value_or("the arm's port broke");
+  }
+  (*rig)->stop();
+  if (common.json)
+    std::puts(document(o, *file, **rig, began, because).c_str());
+  else
+    lines.say(fmt::format("{}: {} rule{} broken by the client", because, rules_broken(**rig),
+                          rules_broken(**rig) == 1 ? "" : "s"));
+  std::fflush(stdout);
+  return rules_broken(**rig) == 0 ? kDone : kNoGoal;
+}
+
+}  // namespace
+
+int cmd_emulate_rig(const CommonOptions& common, const EmulateRigOptions& options) {
+  const auto code = run(common, options);
+  return code ? *code : report_error("emulate rig", code.error());
+}
+
+}  // namespace colift::tools

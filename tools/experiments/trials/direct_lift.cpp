@@ -1,0 +1,200 @@
+#include "tools/experiments/trials/direct_lift.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "control/arm/arm_loop.hpp"
+#include "hal/guarded_arm.hpp"
+#include "hal/guarded_hand.hpp"
+#include "sim_hal/mujoco/devices/sim_devices.hpp"
+
+namespace colift::experiments {
+namespace {
+
+constexpr double kTare_s = 0.2, kClosing_s = 0.1, kSettle_s = 0.3, kReady_s = 0.5;
+constexpr double kTooLong_s = 23.0;  // beside the lift itself, which may be slowed
+constexpr double kGone_m = 0.05;     // an object that moved so far in the hand is not held
+
+enum class Phase { Tare, Approach, Close, Ready, Lift, Stop, Hold, Over };
+
+/// One lift while it goes on.
+class Lift {
+ public:
+  Lift(sim_hal::SimWorld& world, const planner::MotionPlan& plan, const control::Config& config,
+       const LiftEye& eye)
+      : world_(world),
+        plan_(plan),
+        config_(config),
+        eye_(eye),
+        arm_(sim_hal::make_sim_arm(world), world.model(), config.guard_arm),
+        hand_(sim_hal::make_sim_hand(world), config.guard_hand),
+        geometry_(planner::arm_geometry(world.model()).value()),
+        loop_(arm_, world.model(), geometry_, config.task, config.load, control::Drive::InStep) {}
+
+  hal::Result<DirectLift> run() {
+    if (auto ok = arm_.configure(); !ok) return tl::unexpected(ok.error());
+    if (auto ok = hand_.configure(); !ok) return tl::unexpected(ok.error());
+    if (auto ok = hand_.activate(); !ok) return tl::unexpected(ok.error());
+    if (auto ok = loop_.start(); !ok) return tl::unexpected(ok.error());
+    if (auto ok = hand_.preshape(0.0); !ok) return tl::unexpected(ok.error());
+    if (eye_) {
+      camera_ = sim_hal::make_sim_camera(world_);
+      if (auto ok = camera_->configure(); !ok) return tl::unexpected(ok.error());
+      if (auto ok = camera_->activate(); !ok) return tl::unexpected(ok.error());
+    }
+    loop_.start_tare();
+    while (phase_ != Phase::Over) {
+      loop_.begin_cycle();
+      now_s_ = hal::seconds(world_.elapsed());
+      step();
+      loop_.end_cycle();
+      if (now_s_ > kTooLong_s + config_.task.lift_s / (eye_ ? config_.task.slow_part : 1.0))
+        end("it takes too long");
+      if (loop_.blocked()) end("the arm met something: " + loop_.why_blocked());
+    }
+    loop_.finish();
+    return out_;
+  }
+
+ private:
+  void go(Phase next) {
+    phase_ = next;
+    since_s_ = now_s_;
+  }
+  void end(std::string because) {
+    if (phase_ == Phase::Over) return;
+    out_.because = std::move(because);
+    out_.hit_something = world_.truth().robot_hit_something;
+    go(Phase::Over);
+  }
+  [[nodiscard]] double in_phase_s() const { return now_s_ - since_s_; }
+
+  control::Raise look(const hal::HandState& hand, LiftPart part) {
+    if (!eye_) return control::Raise::On;
+    if (auto frame = camera_->next_frame(std::chrono::milliseconds(0)))
+      raise_ = eye_(std::move(*frame), {loop_.view().state.q_rad, hal::posture_of(hand)}, part);
+    return raise_;
+  }
+
+  void step() {
+    const auto state = hand_.state();
+    if (!state) return end(state.error().text());
+    if (phase_ >= Phase::Ready)
+      out_.most_tilt_deg = std::max(out_.most_tilt_deg, world_.truth().tilt_rad * 180.0 / std::numbers::pi);
+    switch (phase_) {
+      case Phase::Tare:
+        if (in_phase_s() < kTare_s || state->moving) return;
+        loop_.end_tare();
+        if (auto way = loop_.follow(plan_.approach); !way) return end(way.error().text());
+        return go(Phase::Approach);
+      case Phase::Approach:
+        if (!loop_.done() || !loop_.at_rest()) return;
+        if (auto closing = hand_.close(config_.task.close_torque_nm); !closing)
+          return end(closing.error().text());
+        return go(Phase::Close);
+      case Phase::Close:
+        look(*state, LiftPart::Before);
+        if (state->moving || in_phase_s() < kClosing_s) return;
+        if (!state->held) return end("the fingers met nothing");
+        return go(Phase::Ready);
+      case Phase::Ready:
+        look(*state, LiftPart::Before);
+        if (in_phase_s() < kReady_s) return;
+        out_.held = state->held && world_.truth().robot_touches_object;
+        if (!out_.held) return end("the hand closed, and does not touch the object");
+        loop_.start_lift(control::LiftController::Role::Lead, config_.task.lift_height_m,
+                         config_.task.lift_s);
+        return go(Phase::Lift);
+      case Phase::Lift:
+        if (loop_.end_of_reach()) return end("the arm has come to the end of its reach");
+        out_.slip_m = world_.truth().slip_m;
+        raise(look(*state, LiftPart::Raising));
+        if (phase_ != Phase::Lift) return;
+        if (!loop_.lift_at_rest()) at_rest_s_ = now_s_;
+        if (now_s_ - at_rest_s_ < kSettle_s) return;
+        return go(Phase::Hold);
+      case Phase::Stop:
+        look(*state, LiftPart::Raising);
+        if (in_phase_s() < kSettle_s) return;
+        return go(Phase::Hold);
+      case Phase::Hold:
+        look(*state, LiftPart::Top);
+        return hold(state->held);
+      case Phase::Over:
+        return;
+    }
+  }
+
+  void raise(control::Raise how) {
+    if (how == control::Raise::Enough) {
+      loop_.hold();
+      return go(Phase::Stop);
+    }
+    const bool slowly = how == control::Raise::Slowly;
+    if (slowly != slow_) loop_.go_slow(slowly);
+    slow_ = slowly;
+  }
+
+  void hold(bool held) {
+    const sim_hal::SimTruth truth = world_.truth();
+    ++n_;
+    tilt_ += truth.tilt_rad * 180.0 / std::numbers::pi;
+    height_ += truth.height_m;
+    robot_n_ += truth.robot_force_W.z();
+    share_ += truth.robot_force_W.z() /
+              (truth.robot_force_W.z() + truth.partner_force_W.z() + truth.floor_force_W.z());
+    out_.slip_m = std::max(out_.slip_m, truth.slip_m);
+    const control::ArmView& view = loop_.view();
+    if (view.wrench_W) {
+      out_.felt.force += view.wrench_W->force;
+      out_.felt.torque += view.wrench_W->torque;
+      out_.palm_W += hal::hand_pose(world_.model(), view.state.q_rad).translation();
+    }
+    if (in_phase_s() < config_.task.hold_s) return;
+    out_.tilt_deg = tilt_ / n_;
+    out_.height_m = height_ / n_;
+    out_.robot_n = robot_n_ / n_;
+    out_.share_robot = share_ / n_;
+    out_.felt.force /= n_;
+    out_.felt.torque /= n_;
+    out_.palm_W /= n_;
+    out_.lifted = held && truth.robot_touches_object && out_.slip_m < kGone_m;
+    end(out_.lifted ? ""
+                    : fmt::format("the hand lost the object, which slipped {:.0f} mm", 1e3 * out_.slip_m));
+  }
+
+  sim_hal::SimWorld& world_;
+  const planner::MotionPlan& plan_;
+  const control::Config& config_;
+  const LiftEye& eye_;
+  std::unique_ptr<hal::DepthCamera> camera_;
+  hal::GuardedArm arm_;
+  hal::GuardedHand hand_;
+  planner::ArmGeometry geometry_;
+  control::ArmLoop loop_;
+  Phase phase_ = Phase::Tare;
+  control::Raise raise_ = control::Raise::On;
+  bool slow_ = false;
+  double now_s_ = 0.0, since_s_ = 0.0, at_rest_s_ = 0.0;
+  DirectLift out_;
+  int n_ = 0;
+  double tilt_ = 0.0, height_ = 0.0, robot_n_ = 0.0, share_ = 0.0;
+};
+
+}  // namespace
+
+hal::Result<DirectLift> lift_directly(sim_hal::Scenario scenario, const planner::MotionPlan& plan,
+                                      const control::Config& config, std::uint64_t seed, const LiftEye& eye) {
+  scenario.partner.arrives_s = 0.1;
+  scenario.partner.events.clear();
+  scenario.faults.clear();
+  sim_hal::SimConfig sim;
+  sim.start_rad = plan.approach.start();
+  auto world = sim_hal::SimWorld::make(scenario, hal::built_in_robot(), seed, sim);
+  if (!world) return tl::unexpected(world.error());
+  return Lift(**world, plan, config, eye).run();
+}
+
+}  // namespace colift::experiments

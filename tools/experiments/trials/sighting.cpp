@@ -1,0 +1,185 @@
+#include "tools/experiments/trials/sighting.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include "control/session/method.hpp"
+#include "sim_hal/mujoco/devices/sim_devices.hpp"
+
+namespace colift::experiments {
+namespace {
+
+constexpr double kNobody_s = 2.0;  // after his arrival he is seen, or not at all
+constexpr double kRenewed_m = 1e-6;
+
+/// Computing time has no part in any result here: the stopwatch stands still.
+class NoClock final : public hal::Clock {
+ public:
+  [[nodiscard]] hal::Timestamp now() const override { return hal::Timestamp(0); }
+};
+
+hal::Error missing(std::string what) {
+  return {hal::ErrorCode::NotFound, "scene", std::move(what)};
+}
+
+}  // namespace
+
+const SharedHand& shared_hand() {
+  static const SharedHand shared = [] {
+    SharedHand s;
+    s.tables = std::make_shared<planner::HandCollision>(s.hand, control::run_defaults().candidates.collision);
+    return s;
+  }();
+  return shared;
+}
+
+control::Config config_for(control::Method method, std::optional<double> share) {
+  control::Config config = control::run_defaults();
+  control::set_thesis_defaults(config);
+  control::use_method(method, config);
+  if (share) config.decision.weights.epsilon = planner::epsilon_for_share(*share).value_or(1.0);
+  return config;
+}
+
+struct Sighting::Impl {
+  Impl(control::Method m, std::uint64_t seed, std::unique_ptr<sim_hal::SimWorld> w, double height)
+      : method(m),
+        config(config_for(m)),
+        lift_height_m(height),
+        world(std::move(w)),
+        watch(m, config, rig(*world), clock),
+        planner(world->model(), shared_hand().hand, config.motion, seed) {
+    config.task.lift_height_m = height;
+  }
+
+  static control::RigView rig(const sim_hal::SimWorld& world) {
+    return {world.model(), shared_hand().hand, shared_hand().tables,
+            sim_hal::camera_pose(world.scenario().camera)};
+  }
+  [[nodiscard]] control::RobotPosture posture() const {
+    return {world->arm_state().q_rad, hal::posture_of(world->hand_state())};
+  }
+  void set_scene() {
+    planner.set_scene(
+        std::make_shared<planner::CollisionScene>(planner::make_collision_scene(
+            watch.map(), watch.look().scene.ground->plane, watch.partner_points(), config.motion.scene)),
+        watch.map(), hal::Vec3::UnitZ());
+  }
+
+  hal::Result<> see_scene(hal::DepthCamera& camera) {
+    const double late_s = hal::seconds(world->elapsed()) + 5.0;
+    while (watch.reference_frames() < config.task.reference_frames) {
+      if (hal::seconds(world->elapsed()) > late_s) return tl::unexpected(missing("the camera shows nothing"));
+      if (auto frame = camera.next_frame(std::chrono::milliseconds(100)))
+        watch.add_reference(std::move(*frame), posture());
+    }
+    if (auto seen = watch.understand(posture()); !seen) return seen;
+    if (!watch.look().scene.target) return tl::unexpected(missing(watch.look().because));
+    set_scene();
+    planner.judge(watch.look().candidates, lift_height_m);
+    return {};
+  }
+
+  hal::Result<> see_partner(hal::DepthCamera& camera) {
+    const double late_s = world->scenario().partner.arrives_s + kNobody_s;
+    std::string note = "he was not seen";
+    while (hal::seconds(world->elapsed()) < late_s) {
+      auto frame = camera.next_frame(std::chrono::milliseconds(100));
+      if (!frame) continue;
+      auto sight = watch.watch_partner(std::move(*frame), posture());
+      if (!sight) return tl::unexpected(sight.error());
+      note = sight->partner.because;
+      if (!sight->event || sight->event->kind != perception::PartnerEvent::Kind::Grasped) continue;
+      partner = watch.tracker().grasp();
+      true_partner = world->truth().partner_W.value_or(sim_hal::object_pose(world->scenario().object) *
+                                                       world->scenario().partner.grasp);
+      set_scene();
+      // now that he stands there, his arms are in some ways
+      planner.judge(watch.look().candidates, lift_height_m);
+      return {};
+    }
+    return tl::unexpected(missing("the partner's grasp: " + note));
+  }
+
+  control::Method method;
+  control::Config config;
+  double lift_height_m;
+  NoClock clock;
+  std::unique_ptr<sim_hal::SimWorld> world;
+  control::Watch watch;
+  planner::MotionPlanner planner;
+  std::unique_ptr<hal::DepthCamera> eye;
+  std::optional<perception::PartnerGrasp> partner;
+  hal::Vec3 true_partner = hal::Vec3::Zero(), true_cog = hal::Vec3::Zero();
+};
+
+Sighting::Sighting(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Sighting::~Sighting() = default;
+
+hal::Result<std::unique_ptr<Sighting>> Sighting::make(const sim_hal::Scenario& scenario,
+                                                      control::Method method, std::uint64_t seed,
+                                                      double lift_height_m) {
+  auto world = sim_hal::SimWorld::make(scenario, hal::built_in_robot(), seed, sim_hal::SimConfig{});
+  if (!world) return tl::unexpected(world.error());
+  auto impl = std::make_unique<Impl>(method, seed, std::move(*world), lift_height_m);
+  impl->true_cog = impl->world->truth().cog_W;
+  impl->eye = sim_hal::make_sim_camera(*impl->world);
+  hal::DepthCamera* const camera = impl->eye.get();
+  if (auto ok = camera->configure(); !ok) return tl::unexpected(ok.error());
+  if (auto ok = camera->activate(); !ok) return tl::unexpected(ok.error());
+  if (auto seen = impl->see_scene(*camera); !seen) return tl::unexpected(seen.error());
+  if (scenario.partner.kind != "none") {
+    if (auto seen = impl->see_partner(*camera); !seen) return tl::unexpected(seen.error());
+  }
+  return std::unique_ptr<Sighting>(new Sighting(std::move(impl)));
+}
+
+const control::Look& Sighting::look() const {
+  return impl_->watch.look();
+}
+const std::optional<perception::PartnerGrasp>& Sighting::partner() const {
+  return impl_->partner;
+}
+const hal::Vec3& Sighting::true_partner() const {
+  return impl_->true_partner;
+}
+const hal::Vec3& Sighting::true_cog() const {
+  return impl_->true_cog;
+}
+
+control::Watch& Sighting::watch() {
+  return impl_->watch;
+}
+sim_hal::SimWorld& Sighting::world() {
+  return *impl_->world;
+}
+hal::DepthCamera& Sighting::camera() {
+  return *impl_->eye;
+}
+
+hal::Result<control::Outcome> Sighting::decide(const control::Config& config) {
+  return decide_for(*impl_->partner, config);
+}
+
+hal::Result<control::Outcome> Sighting::decide_for(const perception::PartnerGrasp& partner,
+                                                   const control::Config& config) {
+  return control::decide_for(impl_->watch.look(), partner, config, impl_->clock,
+                             [this](std::vector<planner::GraspCandidate>& more) {
+                               impl_->planner.judge(more, impl_->lift_height_m);
+                             });
+}
+
+hal::Result<control::Outcome> Sighting::decide(const control::Config& config, const hal::Vec3& cog) {
+  hal::Vec3& believed = impl_->watch.look().scene.target->cog;
+  const hal::Vec3 before = believed;
+  if ((cog - before).norm() > kRenewed_m) believed = cog;
+  auto outcome = decide(config);
+  believed = before;
+  return outcome;
+}
+
+hal::Result<planner::MotionPlan> Sighting::plan(const planner::GraspCandidate& grasp) {
+  return impl_->planner.plan(sim_hal::SimConfig::home_rad(), grasp, impl_->lift_height_m);
+}
+
+}  // namespace colift::experiments

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "control/config/config.hpp"
+#include "control/session/decide.hpp"
+#include "control/session/watch.hpp"
+#include "hal/types/result.hpp"
+#include "planner/motion/motion_planner.hpp"
+#include "sim_hal/mujoco/sim_world.hpp"
+
+namespace colift::experiments {
+
+/// Hand and its collision tables for `run_defaults()`, made once for all trials of a process. Any thread.
+struct SharedHand {
+  planner::HandModel hand;
+  std::shared_ptr<const planner::HandCollision> tables;
+};
+[[nodiscard]] const SharedHand& shared_hand();
+
+/// Configuration of `colift run` with the prices of a method, and of a wanted share where one is given.
+/// `share` between 0 and 1, as --share takes it.
+[[nodiscard]] control::Config config_for(control::Method method, std::optional<double> share = {});
+
+/// What the robot knows before it moves: the scene, the partner's grasp, a planner for the ways. Made as a
+/// run makes it, on a simulated camera, with the arm at rest at home. One thread.
+class Sighting {
+ public:
+  /// Errors: NotFound (no target, or the partner was not seen in time, with the reason), BadConfig (scenario,
+  /// or a method that this build lacks).
+  [[nodiscard]] static hal::Result<std::unique_ptr<Sighting>> make(const sim_hal::Scenario& scenario,
+                                                                   control::Method method, std::uint64_t seed,
+                                                                   double lift_height_m);
+  ~Sighting();
+
+  /// Of the scene; every candidate that is Ok can be reached.
+  [[nodiscard]] const control::Look& look() const;
+  /// Nothing in a scenario without a partner.
+  [[nodiscard]] const std::optional<perception::PartnerGrasp>& partner() const;
+  [[nodiscard]] const hal::Vec3& true_partner() const;
+  [[nodiscard]] const hal::Vec3& true_cog() const;
+
+  /// The run's own decision, with any prices. Errors: those of decide_for().
+  [[nodiscard]] hal::Result<control::Outcome> decide(const control::Config& config);
+  /// The same for a partner who is elsewhere now.
+  [[nodiscard]] hal::Result<control::Outcome> decide_for(const perception::PartnerGrasp& partner,
+                                                         const control::Config& config);
+  /// The same with a centre of gravity that is known better. Candidates are those of the look.
+  [[nodiscard]] hal::Result<control::Outcome> decide(const control::Config& config, const hal::Vec3& cog);
+  /// What goes on after the partner's first grasp, for experiments that watch on.
+  [[nodiscard]] control::Watch& watch();
+  [[nodiscard]] sim_hal::SimWorld& world();
+  [[nodiscard]] hal::DepthCamera& camera();
+
+  /// The whole way to a grasp from home. Errors: NotFound with the reason.
+  [[nodiscard]] hal::Result<planner::MotionPlan> plan(const planner::GraspCandidate& grasp);
+
+ private:
+  struct Impl;
+  explicit Sighting(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace colift::experiments

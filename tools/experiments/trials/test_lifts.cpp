@@ -1,0 +1,214 @@
+#include "tools/experiments/trials/test_lifts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "control/test_lift/level_grip.hpp"
+#include "control/test_lift/test_lift_eye.hpp"
+#include "sim_hal/synthetic/hash_random.hpp"
+#include "tools/experiments/trials/told_partner.hpp"
+
+namespace colift::experiments {
+namespace {
+
+constexpr double kSameGrasp_m = 0.004;  // two candidates so near to each other are one
+constexpr double kFailed_m = 0.02;      // so near to a grip that failed no other is tried
+constexpr double kWantedShare = 0.5;
+constexpr std::uint64_t kTold = 7970;  // stream of the seeds of where he really goes
+
+bool possible(const planner::GraspCandidate& c) {
+  return c.verdict == planner::Verdict::Ok || c.verdict == planner::Verdict::Chosen;
+}
+
+class Search {
+ public:
+  Search(const control::CarriedObject& object, control::Method method, const control::Config& config,
+         const control::TestLiftConfig& test_config, std::uint64_t seed)
+      : object_(object), method_(method), config_(config), test_config_(test_config), seed_(seed) {
+    small_ = config;
+    small_.task.lift_height_m = test_config.height_m;
+    small_.task.lift_s = test_config.raise_s;
+    small_.task.hold_s = test_config.hold_s;
+    small_.task.slow_part = test_config.slow_part;
+  }
+
+  GripSearch run(Sighting& first, const sim_hal::Scenario& scenario, const control::Outcome& decided) {
+    out_.scenario = scenario;
+    sighting_ = &first;
+    held_.push_back(partner());
+    const std::size_t rivals = static_cast<std::size_t>(std::max(0, test_config_.grips - 1));
+    std::vector<std::size_t> order = next_best(decided, rivals);
+    order.insert(order.begin(), *decided.decision.chosen);
+    for (const std::size_t i : order)
+      unknowing_.push_back({decided.candidates[i], decided.decision.scores[i]->share, NAN});
+    while (!search_here() && ask()) {
+    }
+    return std::move(out_);
+  }
+
+ private:
+  struct Choice {
+    planner::GraspCandidate grasp;
+    double share = 0.5, chance = NAN;
+  };
+
+  [[nodiscard]] const hal::Vec3& partner() const { return sighting_->partner()->position; }
+
+  // Grasps that suit any of the places where the centre of gravity may be: nearer to the partner and farther,
+  // on either side.
+  std::vector<planner::GraspCandidate> grasps() {
+    control::Config config = config_;
+    config.decision.max_lever_m = control::kNoLever_m;
+    std::vector<planner::GraspCandidate> all;
+    for (const hal::Vec3& cog : control::likely_places(object_, partner(), *belief_)) {
+      const auto outcome = sighting_->decide(config, cog);
+      if (!outcome) continue;
+      for (const planner::GraspCandidate& c : outcome->candidates) {
+        const bool known = !possible(c) || std::any_of(all.begin(), all.end(), [&](const auto& k) {
+          return (k.position - c.position).norm() < kSameGrasp_m && k.approach.dot(c.approach) > 0.999 &&
+                 std::abs(k.closing.dot(c.closing)) > 0.999;
+        });
+        if (!known) all.push_back(c);
+      }
+    }
+    return all;
+  }
+
+  std::optional<Choice> next() {
+    const auto failed = [&](const planner::GraspCandidate& c) {
+      return std::any_of(failed_.begin(), failed_.end(),
+                         [&](const hal::Vec3& f) { return (f - planner::load_point(c)).norm() < kFailed_m; });
+    };
+    if (!belief_) {
+      unknowing_.erase(std::remove_if(unknowing_.begin(), unknowing_.end(),
+                                      [&](const Choice& c) { return failed(c.grasp); }),
+                       unknowing_.end());
+      if (unknowing_.empty()) return std::nullopt;
+      return unknowing_.front();
+    }
+    auto all = grasps();
+    all.erase(std::remove_if(all.begin(), all.end(), failed), all.end());
+    const auto grip = next_grip(all, partner(), felt_, *belief_, kWantedShare, test_config_);
+    if (!grip) return std::nullopt;
+    return Choice{all[grip->index], grip->share, grip->chance};
+  }
+
+  // Whether it may be lifted as it hung.
+  bool try_grip(const Choice& choice) {
+    TriedGrip& tried = out_.tried.emplace_back();
+    tried.grasp = choice.grasp;
+    tried.partner = partner();
+    tried.asked = static_cast<int>(out_.told.size());
+    tried.chance = choice.chance;
+    const hal::Vec3 grasp = planner::load_point(choice.grasp);
+    control::TestLiftEye eye(object_, partner(), grasp, test_config_);
+    sighting_->watch().object_stands_again();
+    tried.lift = try_grasp(*sighting_, out_.scenario, choice.grasp, small_, seed_,
+                           [&](hal::DepthFrame frame, const control::RobotPosture& robot, LiftPart part) {
+                             const hal::Timestamp at = frame.exposed_at;
+                             const auto motion = sighting_->watch().watch_object(std::move(frame), robot);
+                             if (!motion) return eye.said();
+                             if (part == LiftPart::Top) eye.at_top(at, *motion);
+                             return part == LiftPart::Raising ? eye.rising(*motion) : eye.said();
+                           });
+    tried.drift_rad_s = eye.drift_rad_s();
+    const auto moved = eye.moved();
+    const auto fails = [&](std::string why) {
+      failed_.push_back(grasp);
+      out_.because = tried.because = std::move(why);
+      return false;
+    };
+    if (!tried.lift.lifted) return fails("test lift: " + tried.lift.because);
+    if (!moved) return fails("the camera did not see the object");
+    felt_.push_back(
+        {tried.lift.felt, tried.lift.palm_W, partner(), grasp, *moved, tried.drift_rad_s, choice.share});
+    auto known = understand_test_lift(object_, felt_, test_config_);
+    if (!known) {
+      felt_.pop_back();
+      return fails(known.error().text());
+    }
+    out_.because = tried.because = known->because;
+    belief_ = known->belief;
+    tried.known = std::move(*known);
+    return tried.known->next != control::TestLift::Next::Regrasp;
+  }
+
+  // Whether there is a grip that may be lifted while the partner holds where he does.
+  bool search_here() {
+    const std::size_t begun = out_.tried.size();
+    failed_.clear();
+    for (int grip = 0; grip < test_config_.grips; ++grip) {
+      const auto choice = next();
+      if (!choice) {
+        out_.because += "; no grasp fits it";
+        break;
+      }
+      if (try_grip(*choice)) {
+        out_.level = out_.tried.size() - 1;
+        return true;
+      }
+    }
+    double least_tilt_rad = INFINITY;
+    for (std::size_t i = begun; i < out_.tried.size(); ++i) {
+      const auto& known = out_.tried[i].known;
+      if (!known || !known->bearable || known->seen.tilt_rad >= least_tilt_rad) continue;
+      least_tilt_rad = known->seen.tilt_rad;
+      out_.level = i;
+    }
+    return out_.level.has_value();
+  }
+
+  // Whether the partner was asked, went elsewhere and is seen there.
+  bool ask() {
+    while (belief_ && static_cast<int>(out_.told.size()) < test_config_.asks) {
+      const auto place =
+          control::next_place(sighting_->look().candidates, grasps(), held_, *belief_, test_config_);
+      if (!place) {
+        out_.because += "; nor is there a better place for the partner";
+        return false;
+      }
+      out_.told.push_back(*place);
+      out_.scenario =
+          partner_goes_to(out_.scenario, place->position, sim_hal::hash(seed_, kTold, out_.told.size()));
+      auto seen = Sighting::make(out_.scenario, method_, seed_, config_.task.lift_height_m);
+      if (!seen) {
+        out_.because = fmt::format("told to {}; {}", place->because, seen.error().text());
+        held_.insert(held_.begin(), place->position);
+        continue;
+      }
+      out_.elsewhere = std::move(*seen);
+      sighting_ = out_.elsewhere.get();
+      held_.insert(held_.begin(), partner());
+      return true;
+    }
+    return false;
+  }
+
+  control::CarriedObject object_;
+  control::Method method_;
+  const control::Config& config_;
+  const control::TestLiftConfig& test_config_;
+  std::uint64_t seed_;
+  control::Config small_;
+  GripSearch out_;
+  Sighting* sighting_ = nullptr;
+  std::vector<hal::Vec3> held_;    // where the partner holds, and held before
+  std::vector<hal::Vec3> failed_;  // grips that told nothing, while he holds there
+  std::vector<Choice> unknowing_;  // the decision's own, best first
+  std::vector<control::FeltLift> felt_;
+  std::optional<control::CogBelief> belief_;
+};
+
+}  // namespace
+
+GripSearch search_level_grip(Sighting& sighting, const sim_hal::Scenario& scenario,
+                             const control::Outcome& decided, control::Method method,
+                             const control::Config& config, const control::TestLiftConfig& test_config,
+                             std::uint64_t seed) {
+  const control::CarriedObject object = control::carried_object(*sighting.look().scene.target);
+  return Search(object, method, config, test_config, seed).run(sighting, scenario, decided);
+}
+
+}  // namespace colift::experiments

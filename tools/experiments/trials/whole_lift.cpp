@@ -1,0 +1,64 @@
+#include "tools/experiments/trials/whole_lift.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+#include "control/task/task_runner.hpp"
+#include "hal/guarded_arm.hpp"
+#include "hal/guarded_hand.hpp"
+#include "sim_hal/mujoco/devices/sim_devices.hpp"
+#include "tools/experiments/trials/sighting.hpp"
+
+namespace colift::experiments {
+
+hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control::Method method,
+                                      std::uint64_t seed) {
+  const hal::RobotModel& model = hal::built_in_robot();
+  auto world = sim_hal::SimWorld::make(scenario, model, seed, sim_hal::SimConfig{});
+  if (!world) return tl::unexpected(world.error());
+  control::Config config = config_for(method);
+  config.task.lift_height_m = scenario.task.height;
+  config.task.hold_s = scenario.task.hold_s;
+  hal::Robot robot;
+  robot.arm = std::make_unique<hal::GuardedArm>(sim_hal::make_sim_arm(**world), model, config.guard_arm);
+  robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(**world), config.guard_hand);
+  robot.camera = sim_hal::make_sim_camera(**world);
+  robot.clock = sim_hal::make_sim_clock(**world);
+  const control::RigView rig{model, shared_hand().hand, shared_hand().tables,
+                             sim_hal::camera_pose(scenario.camera)};
+  const hal::SteadyClock wall;
+  control::JobOptions options;
+  options.method = method;
+  options.seed = seed;
+  options.known_mass_kg = (*world)->truth().mass_kg;
+  control::TaskRunner runner(robot, rig, config, options, wall);
+
+  WholeLift lift;
+  int n = 0;
+  double tilt = 0.0, height = 0.0, share = 0.0, slip = 0.0;
+  control::JobHooks hooks;
+  hooks.asked = [&](const hal::Vec3& place) { (*world)->ask_partner(place); };
+  hooks.status = [&](const control::JobStatus& status) {
+    if (status.state != control::Task::Hold) return;
+    const sim_hal::SimTruth truth = (*world)->truth();
+    ++n;
+    tilt += truth.tilt_rad * 180.0 / std::numbers::pi;
+    height += truth.height_m;
+    slip = std::max(slip, truth.slip_m);
+    share += truth.robot_force_W.z() /
+             (truth.robot_force_W.z() + truth.partner_force_W.z() + truth.floor_force_W.z());
+  };
+  auto record = runner.run(hooks);
+  if (!record) return tl::unexpected(record.error());
+  lift.record = std::move(*record);
+  if (n > 0) {
+    lift.tilt_deg = tilt / n;
+    lift.height_m = height / n;
+    lift.share_robot = share / n;
+    lift.slip_m = slip;
+  }
+  lift.hit_something = (*world)->truth().robot_hit_something;
+  return lift;
+}
+
+}  // namespace colift::experiments

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "control/arm/arm_loop.hpp"
+#include "control/config/config.hpp"
+#include "hal/infrared_camera.hpp"
+#include "hal/robot.hpp"
+#include "hal/robot_model/robot_model.hpp"
+#include "hal/types/result.hpp"
+#include "tools/run/run_view.hpp"
+#include "tools/visualization/scene/solid_scene.hpp"
+
+namespace colift::tools {
+
+/// What a simulated rig knows beyond its devices. Empty on a real one.
+struct RigTruth {
+  std::function<TruthSample(hal::Timestamp began)> sample;
+  std::function<picture::SolidScene()> scene;         ///< Everything, where it is now.
+  std::function<std::optional<hal::Vec3>()> partner;  ///< Where he holds the object.
+  std::function<void(const hal::Vec3&)> ask_partner;  ///< To take hold there (W).
+  double mass_kg = 0.0;
+  hal::Vec3 cog = hal::Vec3::Zero();  ///< In W, at the start.
+};
+
+/// The devices of one run behind their guards, and what goes with them.
+struct Rig {
+  std::shared_ptr<void> world;     ///< Simulation behind the devices; outlives them.
+  std::shared_ptr<void> far_ends;  ///< Emulators on that world.
+  std::shared_ptr<const hal::RobotModel> model;
+  hal::Robot robot;
+  std::shared_ptr<hal::InfraredCamera> infrared;  ///< Where it is not the camera itself.
+  hal::Pose X_WC = hal::Pose::Identity();
+  hal::Pose true_X_WC = hal::Pose::Identity();           ///< In simulation; X_WC may come from a calibration.
+  hal::JointVector home_rad = hal::JointVector::Zero();  ///< Where the arm stands at the start.
+  control::Drive drive = control::Drive::InStep;         ///< Who runs the arm's cycle.
+  std::string name;
+  std::optional<RigTruth> truth;
+  std::function<void()> begin;        ///< Starts the scenario, when the devices are ready; may be empty.
+  std::function<ArmLink()> arm_link;  ///< Empty where the arm has no wire.
+};
+
+/// In place of a scenario's file: a floor with nothing near the arm, for calibration.
+inline constexpr const char* kClearedFloor = "(cleared floor)";
+
+/// What a run does beyond its rig, as the scenario says.
+struct RunTask {
+  std::string scenario;  ///< Name, for people.
+  double lift_height_m = 0.05, hold_s = 2.0;
+};
+
+/// Reads a scenario's name and task. Errors: BadConfig with file:line:column.
+[[nodiscard]] hal::Result<RunTask> read_task(const std::optional<std::filesystem::path>& scenario);
+
+/// Which devices, and what simulated ones stand in.
+struct RigRequest {
+  std::optional<std::filesystem::path> robot;     ///< Unset: the simulated rig.
+  std::optional<std::filesystem::path> scenario;  ///< Unset: the built-in table.
+  std::uint64_t seed = 1;
+  std::optional<hal::Pose> X_WC;  ///< Of the camera, when somebody knows it better than robot and scenario.
+  bool calibrates = false;        ///< The robot's calibration is to be made: it is not read.
+};
+
+/// Opens the devices; the only place that knows back ends by name. Errors: BadConfig with the place; what the
+/// devices say.
+[[nodiscard]] hal::Result<Rig> open_rig(const RigRequest& request, const control::Config& config);
+
+}  // namespace colift::tools

@@ -1,0 +1,154 @@
+#include "tools/rig/emulated_rig.hpp"
+
+#include <fmt/format.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstddef>
+
+#include "hal/os/make_can_bus.hpp"
+#include "hal/robot_model/dynamics.hpp"
+#include "sim_hal/emulator/hand/hand_gateway.hpp"
+#include "sim_hal/emulator/mujoco/camera_world_eye.hpp"
+#include "sim_hal/emulator/mujoco/hand_world_plant.hpp"
+#include "sim_hal/emulator/mujoco/krc_world_plant.hpp"
+#include "tools/emulate/emulate_hand.hpp"
+
+namespace colift::tools {
+namespace {
+
+/// Behind a gateway as a robot's file names it, or on an interface of this machine.
+hal::Result<std::unique_ptr<hal::CanBus>> far_end_of(const std::string& can) {
+  if (can.starts_with("socketcan:")) return hal::make_can_bus(can);
+  const auto gateway = gateway_config(can);
+  if (!gateway) return tl::unexpected(gateway.error());
+  return std::make_unique<sim_hal::HandGateway>(*gateway);
+}
+
+/// Where the emulated camera is served: the file's address, or one of its own.
+std::string camera_address(const RobotFile& file) {
+  constexpr std::string_view kEmulated = "emulated:";
+  const std::string& source = file.kinect.source;
+  return source.starts_with(kEmulated) ? source.substr(kEmulated.size()) : "";
+}
+
+}  // namespace
+
+EmulatedRigConfig emulated_rig_of(const RobotFile& file, std::uint64_t seed) {
+  EmulatedRigConfig config;
+  config.arm_client.port = static_cast<std::uint16_t>(file.fri.port);
+  config.script = file.fri.script;
+  config.cpu = file.fri.cpu;
+  if (file.hand == "barrett") config.can = file.barrett.can;
+  if (file.camera == "kinect") config.camera = camera_address(file);
+  config.seed = seed;
+  return config;
+}
+
+EmulatedRig::EmulatedRig(std::shared_ptr<sim_hal::SimWorld> world, Faults faults)
+    : world_(std::move(world)), faults_(std::move(faults)) {}
+
+EmulatedRig::~EmulatedRig() {
+  stop();
+}
+
+hal::Result<EmulatedRig::Faults> EmulatedRig::faults_of(const sim_hal::Scenario& scenario) {
+  Faults faults;
+  const auto add = [](auto& list, auto fault) -> hal::Result<> {
+    if (!fault) return tl::unexpected(fault.error());
+    list.push_back(std::move(*fault));
+    return {};
+  };
+  for (const sim_hal::DeviceFaultEvent& event : scenario.faults) {
+    hal::Result<> done;
+    if (event.device == "arm") done = add(faults.arm, sim_hal::krc_fault(event));
+    if (event.device == "hand") done = add(faults.hand, sim_hal::hand_fault(event));
+    if (event.device == "camera") done = add(faults.camera, sim_hal::camera_fault(event));
+    if (!done) return tl::unexpected(done.error());
+  }
+  return faults;
+}
+
+hal::Result<std::shared_ptr<EmulatedRig>> EmulatedRig::start(const EmulatedRigConfig& config,
+                                                             const sim_hal::Scenario& scenario,
+                                                             const hal::RobotModel& model,
+                                                             std::shared_ptr<sim_hal::SimWorld> world) {
+  auto faults = faults_of(scenario);
+  if (!faults) return tl::unexpected(faults.error());
+  std::shared_ptr<EmulatedRig> rig(new EmulatedRig(std::move(world), std::move(*faults)));
+  sim_hal::SimWorld& w = *rig->world_;
+
+  sim_hal::KrcServerConfig krc;
+  krc.krc.to = config.arm_client;
+  krc.krc.cycle = w.config().arm_period;
+  krc.krc.script = config.script;
+  krc.krc.seed = config.seed;
+  krc.cpu = config.cpu;
+  const hal::ArmDynamics dynamics(model, hal::ArmDynamics::Load::Hand);
+  rig->krc_ = std::make_unique<sim_hal::KrcServer>(krc, dynamics,
+                                                   std::make_unique<sim_hal::KrcWorldPlant>(w, dynamics));
+  w.start_at(hal::SteadyClock().now());
+  if (auto started = rig->krc_->start(); !started) return tl::unexpected(started.error());
+
+  if (config.can) {
+    auto bus = far_end_of(*config.can);
+    if (!bus) return tl::unexpected(bus.error());
+    sim_hal::HandEmulatorConfig hand;
+    hand.judges_pace = false;  // this machine's pace is nobody's fault
+    hand.seed = config.seed;
+    rig->pucks_ = std::make_unique<sim_hal::HandServer>(hand, std::make_unique<sim_hal::HandWorldPlant>(w),
+                                                        std::move(*bus));
+    if (auto started = rig->pucks_->start(); !started) return tl::unexpected(started.error());
+  }
+  if (config.camera) {
+    sim_hal::CameraServerConfig camera;
+    camera.address = *config.camera;
+    camera.seed = config.seed;
+    rig->camera_ =
+        std::make_unique<sim_hal::CameraServer>(camera, std::make_unique<sim_hal::CameraWorldEye>(w));
+    if (auto started = rig->camera_->start(); !started) return tl::unexpected(started.error());
+  }
+  return rig;
+}
+
+void EmulatedRig::begin() {
+  world_->begin_scenario();
+  for (const auto& fault : faults_.arm) krc_->inject(fault);
+  for (const auto& fault : faults_.hand)
+    if (pucks_) pucks_->inject(fault);
+  for (const auto& fault : faults_.camera)
+    if (camera_) camera_->inject(fault);
+}
+
+void EmulatedRig::stop() {
+  // the world's mover last
+  if (camera_) camera_->stop();
+  if (pucks_) pucks_->stop();
+  if (krc_) krc_->stop();
+}
+
+hal::Result<ServedRigSign> ServedRigSign::put_up(std::uint16_t port) {
+  const auto trouble = [&](const char* what) {
+    return hal::failure(hal::ErrorCode::DeviceFault, fmt::format("fri.port {}", port), what);
+  };
+  const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (socket < 0) return trouble("this machine gives no socket");
+  ServedRigSign sign(socket);
+  // an abstract name: no file that a killed program would leave behind
+  const std::string name = fmt::format("colift-rig-{}", port);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::copy(name.begin(), name.end(), address.sun_path + 1);
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+  if (::bind(socket, reinterpret_cast<const sockaddr*>(&address), size) != 0)
+    return trouble("a rig is served for it already, by another program");
+  return sign;
+}
+
+ServedRigSign::~ServedRigSign() {
+  if (socket_ >= 0) ::close(socket_);
+}
+
+}  // namespace colift::tools

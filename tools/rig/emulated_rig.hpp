@@ -1,0 +1,90 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "hal/datagram_link.hpp"
+#include "hal/types/result.hpp"
+#include "sim_hal/emulator/camera/camera_server.hpp"
+#include "sim_hal/emulator/hand/hand_server.hpp"
+#include "sim_hal/emulator/krc/krc_server.hpp"
+#include "sim_hal/mujoco/sim_world.hpp"
+#include "sim_hal/scenario/scenario.hpp"
+#include "tools/rig/robot_file.hpp"
+
+namespace colift::tools {
+
+/// Where the far ends of a robot's wires are served. The arm's controller is always there: it moves the
+/// world.
+struct EmulatedRigConfig {
+  hal::Endpoint arm_client{0x7f000001, 49938};  ///< Whom the controller sends its measurements to.
+  std::string script = "colift";                ///< Of the controller.
+  int cpu = -1;                                 ///< On which its client answers; -1: any.
+  std::optional<std::string> can;               ///< As `barrett.can` names the bus; unset: no hand there.
+  std::optional<std::string> camera;  ///< "@NAME", or empty for a name of its own; unset: no camera there.
+  std::uint64_t seed = 1;
+};
+
+/// What the far ends of this robot's wires are.
+[[nodiscard]] EmulatedRigConfig emulated_rig_of(const RobotFile& file, std::uint64_t seed);
+
+/// KRC, four pucks and a Kinect on one simulated world, in real time, each in a thread of its own. The pucks
+/// are asleep as after power-on.
+class EmulatedRig {
+ public:
+  /// Errors: BadConfig (a fault of the scenario that is none, an address that is taken), what the servers
+  /// say.
+  [[nodiscard]] static hal::Result<std::shared_ptr<EmulatedRig>> start(
+      const EmulatedRigConfig& config, const sim_hal::Scenario& scenario, const hal::RobotModel& model,
+      std::shared_ptr<sim_hal::SimWorld> world);
+  ~EmulatedRig();
+  EmulatedRig(const EmulatedRig&) = delete;
+  EmulatedRig& operator=(const EmulatedRig&) = delete;
+
+  /// The partner sets out, and the faults of the scenario count from now on. Devices take seconds to start,
+  /// so this is when they have.
+  void begin();
+  void stop();
+
+  [[nodiscard]] sim_hal::KrcServer& krc() { return *krc_; }
+  [[nodiscard]] sim_hal::HandServer* pucks() { return pucks_.get(); }      ///< nullptr: not served.
+  [[nodiscard]] sim_hal::CameraServer* camera() { return camera_.get(); }  ///< nullptr: not served.
+
+ private:
+  struct Faults {
+    std::vector<sim_hal::KrcFault> arm;
+    std::vector<sim_hal::HandFault> hand;
+    std::vector<sim_hal::CameraFault> camera;
+  };
+
+  EmulatedRig(std::shared_ptr<sim_hal::SimWorld> world, Faults faults);
+  static hal::Result<Faults> faults_of(const sim_hal::Scenario& scenario);
+
+  std::shared_ptr<sim_hal::SimWorld> world_;
+  Faults faults_;
+  std::unique_ptr<sim_hal::KrcServer> krc_;
+  std::unique_ptr<sim_hal::HandServer> pucks_;
+  std::unique_ptr<sim_hal::CameraServer> camera_;
+};
+
+/// Says to other programs on this machine that a rig is served for the arm's client on `port`; gone with the
+/// program, however it ends.
+class ServedRigSign {
+ public:
+  /// Errors: DeviceFault when somebody else serves one.
+  [[nodiscard]] static hal::Result<ServedRigSign> put_up(std::uint16_t port);
+  [[nodiscard]] static bool is_up(std::uint16_t port) { return !put_up(port); }
+
+  ~ServedRigSign();
+  ServedRigSign(ServedRigSign&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
+  ServedRigSign& operator=(ServedRigSign&&) = delete;
+
+ private:
+  explicit ServedRigSign(int socket) : socket_(socket) {}
+  int socket_ = -1;
+};
+
+}  // namespace colift::tools

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "hal/config/range.hpp"
+#include "hal/drivers/barrett_can/hand_config.hpp"
+#include "hal/drivers/kinect/kinect_config.hpp"
+#include "hal/drivers/kuka_fri/fri_config.hpp"
+#include "hal/types/result.hpp"
+
+namespace colift::tools {
+
+/// Which devices a rig has, and how they are reached: the file behind --robot.
+struct RobotFile {
+  std::string arm = "simulated", hand = "simulated", camera = "simulated";
+  std::string model;
+  std::string calibration;
+  double arm_period_ms = 5.0;
+  hal::FriConfig fri;
+  hal::BarrettHandConfig barrett;
+  hal::KinectConfig kinect;
+  std::string emulator = "never";
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("arm", arm, hal::Choices{"simulated", "fri"}, "Back end of the arm.");
+    v("hand", hand, hal::Choices{"simulated", "barrett"}, "Back end of the hand.");
+    v("camera", camera, hal::Choices{"simulated", "kinect"}, "Back end of the camera.");
+    v("model", model, "URDF of arm and hand; empty: the built-in LWR 4+ with BarrettHand.");
+    v("calibration", calibration,
+      "Result of colift calibrate: where the camera is; empty: as the configuration or the scenario says.");
+    v("arm_period_ms", arm_period_ms, hal::Range{1, 20},
+      "Time between two commands of the simulated arm (ms).");
+    v("fri", fri, "How the KRC is reached and treated.");
+    v("barrett", barrett, "How the BarrettHand is reached and treated.");
+    v("kinect", kinect, "How the Kinect is reached and treated.");
+    v("emulator", emulator, hal::Choices{"never", "always", "auto"},
+      "The far ends of the wires, in this program, on the scenario's world, for machines without a robot; "
+      "auto: "
+      "unless colift emulate rig serves them in another program.");
+  }
+};
+
+/// Reads the file; none: the simulated rig. Errors: BadConfig with the place.
+[[nodiscard]] hal::Result<RobotFile> read_robot_file(const std::optional<std::filesystem::path>& file);
+
+}  // namespace colift::tools

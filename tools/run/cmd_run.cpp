@@ -1,0 +1,211 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <numbers>
+
+#include "control/arm/arm_mode.hpp"
+#include "control/session/method.hpp"
+#include "control/task/task_runner.hpp"
+#include "tools/analyse/weights.hpp"
+#include "tools/cli/commands.hpp"
+#include "tools/cli/session.hpp"
+#include "tools/emulate/emulate.hpp"
+#include "tools/rig/back_ends.hpp"
+#include "tools/run/run_json.hpp"
+#include "tools/run/run_live.hpp"
+#include "tools/run/run_progress.hpp"
+#include "tools/run/run_recording.hpp"
+#include "tools/run/run_report.hpp"
+
+namespace colift::tools {
+namespace {
+
+RunSetting setting_of(const CommonOptions& common, const RunOptions& options, const RunTask& task,
+                      const Rig& rig, control::Method method, const control::Config& config) {
+  RunSetting s;
+  s.scenario = rig.truth ? task.scenario : "";
+  s.robot = rig.name;
+  s.method = method == control::Method::Fast ? "fast" : "thesis";
+  s.seed = options.seed;
+  if (!options.share.empty()) s.share = 1.0 / (1.0 + std::pow(config.decision.weights.epsilon, 2));
+  s.command = common.command;
+  s.simulated = rig.truth.has_value();
+  s.dry_run = options.dry_run;
+  s.X_WC = rig.X_WC;
+  s.model = rig.model.get();
+  s.home_rad = rig.home_rad;
+  for (const std::string& file : common.config_files) s.config.emplace_back(file, "--config");
+  for (const std::string& setting : common.settings) s.config.emplace_back(setting, "--set");
+  s.lift_height_m = config.task.lift_height_m;
+  s.hold_s = config.task.hold_s;
+  s.max_tilt_rad = config.task.max_tilt_deg * std::numbers::pi / 180.0;
+  s.max_slip_m = config.task.max_slip_m;
+  return s;
+}
+
+RunStatus status_of(const control::JobStatus& job, const Rig& rig) {
+  RunStatus s;
+  s.t_s = hal::seconds(job.now);
+  s.state = job.state;
+  s.in_state_s = hal::seconds(job.now - job.since);
+  s.because = job.because;
+  s.now = job.doing;
+  s.done = job.done;
+  s.devices = {{"arm", rig.robot.arm->health(), 0.0},
+               {"hand", rig.robot.hand->health(), 0.0},
+               {"camera", rig.robot.camera->health(), 0.0}};
+  s.partner = job.partner_W;
+  s.partner_note = job.partner_note;
+  if (const auto& outcome = job.record->decision; outcome && outcome->decision.chosen) {
+    s.candidate = outcome->candidates[*outcome->decision.chosen].id;
+    s.share_predicted = outcome->decision.share;
+  }
+  if (control::is_loaded(job.state)) s.load_n = job.load_n;
+  s.height_m = job.height_m;
+  s.tilt_rad = job.tilt_rad;
+  s.slip_m = job.slip_m;
+  for (const auto& fault : job.record->faults) s.faults.push_back(fault.device + ": " + fault.what);
+  return s;
+}
+
+/// What a simulated run knows of the truth, collected while it goes on.
+struct Diary {
+  RunTruth truth;
+  RunScenes scenes;
+
+  void on_status(const control::JobStatus& job, const RigTruth& rig, hal::Timestamp began) {
+    using control::Task;
+    // he may rest on the object a moment before he bears on it
+    const bool decided = job.state == Task::Plan || job.state == Task::Approach;
+    if (job.state == Task::Decide || (decided && !truth.partner)) truth.partner = rig.partner();
+    if (control::is_loaded(job.state)) truth.curve.push_back(rig.sample(began));
+  }
+  void on_change(control::Task from, control::Task to, const RigTruth& rig) {
+    using control::Task;
+    if (to == Task::AwaitReady || (control::is_end(to) && !scenes.before)) scenes.before = rig.scene();
+    if (from == Task::Hold) scenes.lifted = rig.scene();
+  }
+};
+
+int exit_code(const control::RunRecord& record, const RunOptions& options) {
+  if (InterruptGuard::asked()) return kInterrupted;
+  if (record.outcome == control::RunRecord::Result::Lifted) return kDone;
+  if (record.device_failed) return kDeviceFailed;
+  if (options.dry_run && record.plan) return kDone;
+  return kNoGoal;
+}
+
+}  // namespace
+
+int cmd_run(const CommonOptions& common, const RunOptions& options) {
+  const auto task = read_task(options.scenario);
+  if (!task) return report_error("run", task.error());
+  control::Config defaults = control::run_defaults();
+  control::set_thesis_defaults(defaults);
+  defaults.task.lift_height_m = task->lift_height_m;
+  defaults.task.hold_s = task->hold_s;
+  auto setup = load_setup(common, defaults);
+  if (!setup) return report_error("run", setup.error());
+  const auto method = parse_method(options.method, setup->config);
+  if (!method) return report_error("run", method.error());
+  if (auto set = set_weights(*method, options.share, "", setup->config); !set)
+    return report_error("run", set.error());
+  setup->config = control::for_arm_mode(setup->config);
+  std::optional<hal::Pose> X_WC;
+  if (setup->calibration) X_WC = setup->calibration->X_BC();
+  auto rig = open_rig({options.robot, options.scenario, options.seed, X_WC}, setup->config);
+  if (!rig) return report_error("run", rig.error());
+
+  const RunSetting setting = setting_of(common, options, *task, *rig, *method, setup->config);
+  const hal::SteadyClock wall;
+  Diary diary;
+  if (rig->truth) {
+    diary.truth.mass_kg = rig->truth->mass_kg;
+    diary.truth.cog = rig->truth->cog;
+  }
+  control::JobOptions job{*method, options.seed, options.dry_run, rig->truth ? rig->truth->mass_kg : 0.0,
+                          rig->drive};
+  const auto urdf = robot_urdf(options.robot);
+  if (!urdf) return report_error("run", urdf.error());
+  const auto speed = speed_of(options.live, rig->drive);
+  if (!speed) return report_error("run", speed.error());
+  const auto live = RunLive::open(options.live, fmt::format("CoLift, {}", rig->name), *urdf);
+  if (!live) return report_error("run", live.error());
+  RunRecording::Wish wish;
+  if (*live) {
+    wish.watchers.push_back(&(*live)->sink());
+    std::fprintf(stderr, "live view: %s\n", (*live)->url().c_str());
+  }
+  auto recording = RunRecording::open(common, options, job, *rig, *setup, wall, wish);
+  if (!recording) return report_error("run", recording.error());
+  const control::RigView view{*rig->model, setup->hand, setup->hand_tables, rig->X_WC};
+  control::TaskRunner runner(rig->robot, view, setup->config, job, wall);
+
+  const InterruptGuard signals;
+  std::optional<RunProgress> progress(std::in_place, stderr,
+                                      progress_style(stderr, common.json, common.quiet), setting, wall);
+  hal::Timestamp began = rig->robot.clock->now();
+  control::JobHooks hooks;
+  hooks.started = [&] {
+    began = rig->robot.clock->now();  // some devices take seconds to start
+    if (rig->begin) rig->begin();
+  };
+  hooks.interrupted = [&] { return InterruptGuard::asked() || (*live && (*live)->stopped()); };
+  Pace pace(*speed);
+  hooks.status = [&](const control::JobStatus& status) {
+    if (!InterruptGuard::asked()) pace.wait_for(status.now);
+    if (rig->truth) {
+      const std::size_t samples = diary.truth.curve.size();
+      diary.on_status(status, *rig->truth, began);
+      if (*recording && diary.truth.curve.size() > samples)
+        (*recording)->truth(rig->robot.clock->now(), diary.truth.curve.back());
+    }
+    progress->show(status_of(status, *rig));
+  };
+  hooks.asked = [&](const hal::Vec3& place) {
+    if (rig->truth) rig->truth->ask_partner(place);
+  };
+  hooks.changed = [&](control::Task from, control::Task to) {
+    if (rig->truth) diary.on_change(from, to, *rig->truth);
+  };
+  const auto record = runner.run(*recording ? (*recording)->hooks(hooks) : hooks);
+  progress->end();
+  progress.reset();
+  if (!record) {
+    report_error("run", record.error());
+    return kDeviceFailed;
+  }
+
+  std::optional<ArmLink> link;
+  if (rig->arm_link) link = rig->arm_link();
+  const RunView run{*record, setting, rig->truth ? &diary.truth : nullptr,
+                    rig->truth ? &diary.scenes : nullptr, link ? &*link : nullptr};
+  const std::string document = run_document(run);
+  if (*recording)
+    for (const std::string& line : (*recording)->finish(*record, document, common.quiet))
+      std::fprintf(stderr, "%s\n", line.c_str());
+  const int ended_with = exit_code(*record, options);  // before Ctrl-C may mean the view
+  if (common.json)
+    std::puts(document.c_str());
+  else
+    std::fputs((common.quiet ? record->because + "\n" : run_summary(run)).c_str(), stdout);
+  std::fflush(stdout);
+  if (options.report) {
+    if (auto written = write_run_report(*options.report, run); !written)
+      return report_error("run", written.error());
+    if (!common.quiet) std::fprintf(stderr, "report: %s\n", options.report->c_str());
+  }
+  if (options.png) {
+    if (auto written = write_lift_picture(*options.png, run); !written)
+      return report_error("run", written.error());
+  }
+  if (*live && !InterruptGuard::asked()) {
+    std::fprintf(stderr, "the live view keeps the last state at %s; Ctrl-C ends it\n",
+                 (*live)->url().c_str());
+    (*live)->stay(InterruptGuard::asked);
+    return (*live)->stopped() ? kInterrupted : ended_with;
+  }
+  return ended_with;
+}
+
+}  // namespace colift::tools

@@ -1,0 +1,192 @@
+#include "tools/run/run_json.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "tools/analyse/grasp_json.hpp"
+
+namespace colift::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+// What is not finite did not happen or was not seen.
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json number(const std::optional<double>& value) {
+  return value ? number(*value) : Json(nullptr);
+}
+
+Json states(const control::RunRecord& record) {
+  Json all = Json::array();
+  for (const control::StateChange& s : record.states)
+    all.push_back({{"t", hal::seconds(s.at)}, {"state", control::word(s.state)}, {"because", s.because}});
+  return all;
+}
+
+Json partner(const RunView& view) {
+  const auto& decision = view.record.decision;
+  if (!decision || !decision->partner) return nullptr;
+  return {{"position", json_array(decision->partner->position)},
+          {"error_m", number(partner_error_m(view))},
+          {"sigma", json_sigma(decision->partner->covariance)},
+          {"because", decision->partner_because}};
+}
+
+Json lift(const control::RunRecord& record) {
+  if (!record.lift) return nullptr;
+  const control::LiftSummary& l = *record.lift;
+  return {{"height_m", number(l.height_m)},       {"tilt_deg", number(kDegrees * l.tilt_rad)},
+          {"share_robot", number(l.share_robot)}, {"share_predicted", number(l.share_predicted)},
+          {"slip_m", number(l.slip_m)},           {"mass_kg", number(l.mass_kg)}};
+}
+
+Json test_lifts(const control::RunRecord& record) {
+  Json all = Json::array();
+  for (const control::TestLiftRecord& t : record.test_lifts) {
+    Json j = {{"t", hal::seconds(t.at)},
+              {"candidate", t.candidate},
+              {"height_m", number(t.height_m)},
+              {"level", t.known && t.known->next != control::TestLift::Next::Regrasp},
+              {"because", t.because}};
+    if (t.known) {
+      j["tilt_deg"] = number(kDegrees * t.known->seen.tilt_rad);
+      j["mass_kg"] = number(t.known->mass_kg);
+      j["cog"] = json_array(t.known->cog);
+      j["lever_m"] = number(t.known->lever_m);
+      j["share_robot"] = number(t.known->share);
+    }
+    all.push_back(std::move(j));
+  }
+  return all;
+}
+
+Json asked(const control::RunRecord& record) {
+  Json all = Json::array();
+  for (const control::AskRecord& a : record.asked)
+    all.push_back({{"t", hal::seconds(a.at)}, {"place", json_array(a.place)}, {"because", a.because}});
+  return all;
+}
+
+Json timing(const control::RunRecord& record) {
+  const control::RunTiming& t = record.timing;
+  return {{"grasp_to_decision_s", number(t.grasp_to_decision_s)},
+          {"decision_compute_ms", record.decision ? number(t.decision_compute_ms) : Json(nullptr)},
+          {"plan_ms", record.plan ? number(t.plan_ms) : Json(nullptr)},
+          {"sim_s", number(t.sim_s)},
+          {"wall_s", number(t.wall_s)}};
+}
+
+Json truth(const RunView& view) {
+  Json j = {{"mass_kg", number(view.truth->mass_kg)},
+            {"cog", json_array(view.truth->cog)},
+            {"partner", view.truth->partner ? json_array(*view.truth->partner) : Json(nullptr)},
+            {"lift", nullptr}};
+  if (const auto top = true_lift(view))
+    j["lift"] = {{"height_m", number(top->height_m)},
+                 {"tilt_deg", number(kDegrees * top->tilt_rad)},
+                 {"share_robot", number(top->share_robot)},
+                 {"slip_m", number(top->slip_m)}};
+  return j;
+}
+
+Json spans(const std::vector<ArmLink::Span>& all) {
+  Json j = Json::array();
+  for (const ArmLink::Span& span : all) j.push_back({span.from_s, span.to_s});
+  return j;
+}
+
+Json arm_link(const ArmLink& link) {
+  Json j;
+  j["cycles"] = link.cycles;
+  j["answered"] = link.answered;
+  j["lost"] = link.lost;
+  j["answer_us"] = {{"p50", link.answer_us.p50},
+                    {"p99", link.answer_us.p99},
+                    {"p999", link.answer_us.p999},
+                    {"worst", link.answer_us.worst}};
+  j["slow_monotonic_s"] = spans(link.slow);
+  if (!link.controller) return j;
+  const ArmLink::Controller& c = *link.controller;
+  j["controller"] = {{"sent", c.sent},
+                     {"answered", c.answered},
+                     {"missed", c.missed},
+                     {"most_missed_in_a_row", c.most_missed_in_a_row},
+                     {"late_cycles", c.late},
+                     {"worst_late_ms", c.worst_late_ms},
+                     {"missed_in_command", c.missed_in_command},
+                     {"missed_monotonic_s", spans(c.missed_at)},
+                     {"broken_rules", c.broken_rules},
+                     {"left_command", c.left_command}};
+  return j;
+}
+
+Json faults(const control::RunRecord& record) {
+  Json all = Json::array();
+  for (const control::DeviceNote& f : record.faults)
+    all.push_back({{"t", hal::seconds(f.at)}, {"device", f.device}, {"what", f.what}});
+  return all;
+}
+
+// One array for each quantity, entries that belong together at the same place.
+Json curve(const control::RunRecord& record) {
+  Json j = {{"t", Json::array()},      {"state", Json::array()},    {"palm_height_m", Json::array()},
+            {"rise_m", Json::array()}, {"tilt_deg", Json::array()}, {"slip_m", Json::array()},
+            {"load_n", Json::array()}};
+  for (const control::LiftSample& s : record.curve) {
+    j["t"].push_back(number(s.t_s));
+    j["state"].push_back(control::word(s.state));
+    j["palm_height_m"].push_back(number(s.palm_height_m));
+    j["rise_m"].push_back(number(s.object_rise_m));
+    j["tilt_deg"].push_back(number(kDegrees * s.tilt_rad));
+    j["slip_m"].push_back(number(s.slip_m));
+    j["load_n"].push_back(number(s.load_n));
+  }
+  return j;
+}
+
+// Of the decision, or, where it did not come to one, of the look.
+Json candidates(const control::RunRecord& record) {
+  if (record.decision) return candidates_json(*record.decision);
+  Json all = Json::array();
+  if (record.look)
+    for (const planner::GraspCandidate& c : record.look->candidates) all.push_back(candidate_json(c));
+  return all;
+}
+
+}  // namespace
+
+std::string run_document(const RunView& view) {
+  const control::RunRecord& record = view.record;
+  Json j = {{"schema", "colift.run/1"},
+            {"outcome", word(record.outcome)},
+            {"because", record.because},
+            {"seed", view.setting.seed},
+            {"scenario", view.setting.scenario.empty() ? Json(nullptr) : Json(view.setting.scenario)},
+            {"robot", view.setting.robot},
+            {"method", view.setting.method},
+            {"share_wanted", number(view.setting.share)},
+            {"dry_run", view.setting.dry_run},
+            {"states", states(record)},
+            {"partner", partner(view)},
+            {"decision", record.decision ? decision_json(*record.decision) : Json(nullptr)},
+            {"asked", asked(record)},
+            {"test_lifts", test_lifts(record)},
+            {"lift", lift(record)},
+            {"timing", timing(record)}};
+  if (view.truth) j["truth"] = truth(view);
+  if (view.arm_link != nullptr) j["arm_link"] = arm_link(*view.arm_link);
+  j["faults"] = faults(record);
+  j["hand_keeps_grip"] = record.hand_keeps_grip;
+  j["candidates"] = candidates(record);
+  j["curve"] = record.curve.empty() ? Json(nullptr) : curve(record);
+  // reasons may quote names of files, which hold any bytes
+  return j.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace colift::tools

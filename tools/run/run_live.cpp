@@ -1,0 +1,106 @@
+#include "tools/run/run_live.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <random>
+#include <thread>
+
+#include "hal/drivers/recorded/file_bytes.hpp"
+#include "tools/rig/robot_file.hpp"
+#include "tools/telemetry/channels/built_in_texts.hpp"
+
+namespace colift::tools {
+namespace {
+
+constexpr auto kLook = std::chrono::milliseconds(100);
+
+hal::Result<std::uint16_t> port_of(const std::string& text) {
+  if (text.empty()) return live::ServerConfig{}.port;
+  unsigned port = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  if (error != std::errc() || end != text.data() + text.size() || port > 65535)
+    return hal::failure(
+        hal::ErrorCode::BadInput, "--view",
+        fmt::format("'{}' is no port; expected a number from 0 (any free one) to 65535", text));
+  return static_cast<std::uint16_t>(port);
+}
+
+/// 128 bits that nobody can guess.
+std::string new_token() {
+  std::random_device source;
+  std::string token;
+  for (int i = 0; i < 4; ++i) token += fmt::format("{:08x}", source());
+  return token;
+}
+
+}  // namespace
+
+hal::Result<std::unique_ptr<RunLive>> RunLive::open(const ViewOptions& options, const std::string& title,
+                                                    std::string urdf) {
+  if (!options.view) {
+    if (options.allow_operator || !options.allow_origins.empty())
+      return hal::failure(hal::ErrorCode::BadInput, "--allow-operator", "belongs to --view");
+    return std::unique_ptr<RunLive>();
+  }
+  const auto port = port_of(*options.view);
+  if (!port) return tl::unexpected(port.error());
+  std::unique_ptr<RunLive> view(new RunLive);
+  live::ServerConfig config;
+  config.port = *port;
+  config.address = options.view_address;
+  config.name = title;
+  config.door.origins = options.allow_origins;
+  config.door.any_host = options.view_address != "127.0.0.1" && options.view_address != "::1";
+  if (options.allow_operator) {
+    config.door.token = new_token();
+    config.on_stop = [raw = view.get()] { raw->stopped_ = true; };
+  }
+  live::PageFiles files(live::PageFiles::beside_program());
+  files.add("/robot.urdf", {"application/xml", std::move(urdf)});
+  auto server = live::LiveServer::open(config, std::move(files));
+  if (!server) return tl::unexpected(server.error());
+  view->server_ = std::move(*server);
+  return view;
+}
+
+void RunLive::stay(const std::function<bool()>& enough) const {
+  while (!enough()) std::this_thread::sleep_for(kLook);
+}
+
+hal::Result<std::string> robot_urdf(const std::optional<std::filesystem::path>& robot_file) {
+  const auto robot = read_robot_file(robot_file);
+  if (!robot) return tl::unexpected(robot.error());
+  if (robot->model.empty()) return telemetry::built_in_robot_urdf();
+  const auto bytes = hal::load_file(robot->model);
+  if (!bytes) return tl::unexpected(bytes.error());
+  return std::string(hal::as_text(*bytes));
+}
+
+void Pace::wait_for(hal::Timestamp simulated) {
+  if (speed_ <= 0.0) return;
+  const hal::SteadyClock wall;
+  if (!simulated_start_) {
+    simulated_start_ = simulated;
+    wall_start_ = wall.now();
+    return;
+  }
+  const auto due =
+      *wall_start_ + std::chrono::duration_cast<hal::Duration>((simulated - *simulated_start_) / speed_);
+  if (due > wall.now()) std::this_thread::sleep_for(due - wall.now());
+}
+
+hal::Result<double> speed_of(const ViewOptions& options, control::Drive drive) {
+  if (!options.speed) return options.view && drive == control::Drive::InStep ? 1.0 : 0.0;
+  if (!std::isfinite(*options.speed) || *options.speed < 0.0)
+    return hal::failure(hal::ErrorCode::BadInput, "--speed",
+                        "expected 0 (as fast as it goes) or a positive number");
+  if (drive != control::Drive::InStep && *options.speed != 1.0)
+    return hal::failure(hal::ErrorCode::BadInput, "--speed",
+                        "these devices run in real time; only 1 is possible");
+  return drive == control::Drive::InStep ? *options.speed : 0.0;
+}
+
+}  // namespace colift::tools

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <utility>
+
+#include "tools/run/run_view.hpp"
+#include "tools/visualization/canvas.hpp"
+#include "tools/visualization/line_plot.hpp"
+#include "tools/visualization/scene/scene_picture.hpp"
+
+namespace colift::tools {
+
+/// Scenes before and at the top of the lift: those of the simulation, else drawn from what was seen and
+/// planned.
+struct DrawnScenes {
+  std::optional<picture::SolidScene> before, lifted;
+  bool seen_only = false;  ///< Drawn from what was seen.
+};
+[[nodiscard]] DrawnScenes drawn_scenes(const RunView& view);
+
+/// The scene in space, from the camera's side of the line between both grasps. `partner` and `robot` are
+/// grasp points (W).
+[[nodiscard]] picture::Canvas space_picture(const RunView& view, const picture::SolidScene& scene, int width,
+                                            int height);
+
+/// Before and at the top from the side; nullopt without both scenes or without a grasp.
+[[nodiscard]] std::optional<picture::Canvas> side_picture(const RunView& view, const DrawnScenes& scenes);
+
+/// Load, share, tilt, height and slip over time with the states behind them; nullopt without curves.
+[[nodiscard]] std::optional<picture::LinePlot> curves_plot(const RunView& view);
+
+}  // namespace colift::tools

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "control/task/run_record.hpp"
+#include "hal/robot_model/robot_model.hpp"
+#include "hal/types/geometry.hpp"
+#include "tools/visualization/scene/solid_scene.hpp"
+
+namespace colift::tools {
+
+/// What was true at one moment of a simulated run. Forces on the object, up positive.
+struct TruthSample {
+  double t_s = 0.0;  ///< Since the start of the run, as all times of a record.
+  double robot_force_z_n = 0.0;
+  double partner_force_z_n = 0.0;
+  double floor_force_z_n = 0.0;
+  double tilt_rad = 0.0;
+  double height_m = 0.0;
+  double slip_m = 0.0;
+};
+
+/// What the simulation knows and no device tells. About 30 samples a second from Close to Release.
+struct RunTruth {
+  double mass_kg = 0.0;
+  hal::Vec3 cog = hal::Vec3::Zero();  ///< In W, before the lift.
+  std::optional<hal::Vec3> partner;   ///< Where he held the object when it was decided (W).
+  std::vector<TruthSample> curve;
+};
+
+/// Where everything stood, for pictures. In simulation the world's shapes; without them the report draws
+/// what was seen and planned.
+struct RunScenes {
+  std::optional<picture::SolidScene> before, lifted;  ///< Hand closed, still on the floor; at the top.
+};
+
+/// What was asked for. All of it is known before the run starts.
+struct RunSetting {
+  std::string scenario;  ///< Name or file; empty on a real rig.
+  std::string robot;     ///< "simulated rig", or the file that says which devices.
+  std::string method = "fast";
+  std::uint64_t seed = 0;
+  std::optional<double> share;  ///< Wanted, 0 to 1.
+  std::string command;          ///< The whole command line.
+  bool simulated = true;
+  bool dry_run = false;
+  hal::Pose X_WC = hal::Pose::Identity();
+  const hal::RobotModel* model = nullptr;  ///< Borrowed; null leaves the robot out of drawn pictures.
+  hal::JointVector home_rad = hal::JointVector::Zero();
+  double hand_opening_m = 0.19, palm_gap_m = 0.03;
+  double lift_height_m = 0.05, hold_s = 2.0;       ///< Asked for.
+  double max_tilt_rad = 0.087, max_slip_m = 0.02;  ///< Limits that end the lift.
+  std::vector<std::pair<std::string, std::string>>
+      config;  ///< What differs from the defaults: key, where set.
+};
+
+/// How the arm's wire did in one run.
+struct ArmLink {
+  std::uint64_t cycles = 0, answered = 0, lost = 0;  ///< Datagrams received, answered, and never come.
+  struct AnswerTimes {
+    std::uint64_t p50 = 0, p99 = 0, p999 = 0, worst = 0;
+  } answer_us;  ///< From a datagram's arrival to its answer.
+  struct Span {
+    double from_s = 0.0, to_s = 0.0;  ///< CLOCK_MONOTONIC.
+  };
+  std::vector<Span> slow;  ///< Answers that took longer than a cycle; the first 256.
+  /// What the controller at the far end says, when it is an emulated one.
+  struct Controller {
+    std::uint64_t sent = 0, answered = 0, missed = 0;
+    int most_missed_in_a_row = 0;
+    std::uint64_t late = 0;  ///< Cycles that it began late itself.
+    double worst_late_ms = 0.0;
+    std::uint64_t missed_in_command = 0;  ///< Of `missed`, while it took commands.
+    std::vector<std::string> broken_rules = {};
+    std::vector<Span> missed_at = {};            ///< Of missed_in_command; the first 1000.
+    std::vector<std::string> left_command = {};  ///< Why it left command mode, each time.
+  };
+  std::optional<Controller> controller;
+};
+
+/// Everything about one finished run. Pointers and references are borrowed for the call.
+struct RunView {
+  const control::RunRecord& record;
+  const RunSetting& setting;
+  const RunTruth* truth = nullptr;    ///< Null on a real rig.
+  const RunScenes* scenes = nullptr;  ///< Null: drawn from what was seen.
+  const ArmLink* arm_link = nullptr;  ///< Null where the arm has no wire.
+};
+
+/// "lifted", "aborted", "refused".
+[[nodiscard]] const char* word(control::RunRecord::Result outcome);
+
+/// The robot's true part of the vertical force on the object at a sample, 0 to 1; NaN while the floor still
+/// carries more than a tenth of it.
+[[nodiscard]] double true_share(const TruthSample& sample);
+
+/// True figures at the top of the lift: means over the Hold state, or over the last tenth of the lift where
+/// there was none. nullopt when nothing was lifted.
+struct TrueLift {
+  double height_m = 0.0, tilt_rad = 0.0, share_robot = 0.0, slip_m = 0.0;
+};
+[[nodiscard]] std::optional<TrueLift> true_lift(const RunView& view);
+
+/// Distance of the seen partner's grasp to the true one (m).
+[[nodiscard]] std::optional<double> partner_error_m(const RunView& view);
+
+}  // namespace colift::tools
