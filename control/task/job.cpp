@@ -17,8 +17,8 @@ planner::ArmGeometry geometry_of(const hal::RobotModel& model) {
   return planner::arm_geometry(model).value();
 }
 
-CycleLimits cycle_limits(const Config& config) {
-  CycleLimits limits;
+SetpointLimits cycle_limits(const Config& config) {
+  SetpointLimits limits;
   limits.velocity_rad_s = 0.9 * config.guard_arm.max_velocity_rad_s;
   return limits;
 }

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "control/arm/arm_loop.hpp"
+#include "control/arm/arm_commander.hpp"
 #include "control/task/task_runner.hpp"
 #include "control/test_lift/test_lifts.hpp"
 
@@ -146,7 +146,7 @@ class Job {
   Watch watch_;
   std::unique_ptr<planner::MotionPlanner> planner_;
   hal::JointVector home_rad_ = hal::JointVector::Zero();
-  ArmLoop loop_;
+  ArmCommander loop_;
   std::vector<planner::GraspCandidate>
       judged_;  ///< Of the look, with reach: what every decision starts from.
   std::vector<planner::GraspCandidate> refused_;  ///< In this decision, because no way leads there.

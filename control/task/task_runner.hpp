@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "control/arm/arm_loop.hpp"
+#include "control/arm/arm_commander.hpp"
 #include "control/session/watch.hpp"
 #include "control/task/run_record.hpp"
 #include "hal/robot.hpp"
@@ -48,7 +48,8 @@ struct JobOptions {
   bool dry_run = false;        ///< Sees, decides and plans, moves nothing.
   double known_mass_kg = 0.0;  ///< Of the object, when somebody knows it; 0: estimated from the load.
   Drive drive = Drive::InStep;
-  /// Replay of a run whose arm had a thread of its own: the view of each cycle of the task (ArmLoop::play).
+  /// Replay of a run whose arm had a thread of its own: the view of each cycle of the task
+  /// (ArmCommander::play).
   std::function<void(ArmView&)> recorded_views = {};
 };
 

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <optional>
 
-#include "control/arm/arm_cycle.hpp"
+#include "control/arm/setpoint_generator.hpp"
 
 namespace colift::tools {
 namespace {
@@ -31,8 +31,8 @@ control::TaskConfig task_config() {
   return c;
 }
 
-control::CycleLimits cycle_limits(const ArmTask& task, const hal::GuardConfig& guard) {
-  control::CycleLimits l;
+control::SetpointLimits setpoint_limits(const ArmTask& task, const hal::GuardConfig& guard) {
+  control::SetpointLimits l;
   l.velocity_part = std::min(l.velocity_part, 0.9 * guard.velocity_part);
   l.velocity_rad_s = 0.9 * guard.max_velocity_rad_s;
   l.acceleration_rad_s2 = std::min(std::max(1.0, task.acceleration_rad_s2), 0.9 * guard.acceleration_rad_s2);
@@ -50,7 +50,7 @@ class Runner {
         task_(task),
         clock_(clock),
         hooks_(hooks),
-        cycle_(model, task_config(), cycle_limits(task, guard)) {}
+        setpoints_(model, task_config(), setpoint_limits(task, guard)) {}
 
   ArmTaskEnd run() {
     go_on(Phase::Opening);
@@ -84,9 +84,9 @@ class Runner {
     ArmProgress p;
     p.phase = phase_;
     p.in_phase_s = in_phase();
-    p.done = cycle_.progress();
+    p.done = setpoints_.progress();
     for (int i = 0; i < hal::kArmJoints; ++i) {
-      p.commanded_rad[static_cast<std::size_t>(i)] = cycle_.commanded()[i];
+      p.commanded_rad[static_cast<std::size_t>(i)] = setpoints_.commanded()[i];
       p.measured_rad[static_cast<std::size_t>(i)] = state_.q_rad[i];
     }
     hooks_.progress.write(p);
@@ -163,8 +163,8 @@ class Runner {
 
   void answer() {
     const double t = hal::seconds(state_.measured_at);
-    const std::uint32_t starts = cycle_.starts();
-    const hal::ImpedanceCommand wished = with_damping(cycle_.step(state_));
+    const std::uint32_t starts = setpoints_.starts();
+    const hal::ImpedanceCommand wished = with_damping(setpoints_.step(state_));
     if (!state_.may_command) {
       if (!held_since_s_) {
         held_since_s_ = t;
@@ -189,7 +189,7 @@ class Runner {
       return;
     }
     if (!end_.commanded) begin(t);
-    if (cycle_.starts() != starts && starts > 0) {
+    if (setpoints_.starts() != starts && starts > 0) {
       ++end_.restarts;
       if (task_.kind == ArmTask::Kind::Move && !ending_)
         bring_to_rest(How::Stopped,
@@ -210,9 +210,9 @@ class Runner {
     end_.commanded = true;
     end_.start_rad = state_.q_rad;
     began_s_ = t;
-    cycle_.set_stiffness(task_.stiffness_nm_rad);
+    setpoints_.set_stiffness(task_.stiffness_nm_rad);
     if (task_.kind != ArmTask::Kind::Move) return;
-    const hal::JointVector from = cycle_.commanded();
+    const hal::JointVector from = setpoints_.commanded();
     hal::JointVector to = from;
     to[task_.joint] += task_.by_rad;
     planner::MotionLimits limits;
@@ -222,7 +222,8 @@ class Runner {
     const std::array<hal::JointVector, 2> path{from, to};
     auto way = planner::make_trajectory(path, limits, 0.0);
     if (!way) return bring_to_rest(How::Stopped, way.error().text(), t);
-    if (auto follows = cycle_.follow(std::make_shared<const planner::Trajectory>(std::move(*way))); !follows)
+    if (auto follows = setpoints_.follow(std::make_shared<const planner::Trajectory>(std::move(*way)));
+        !follows)
       bring_to_rest(How::Stopped, follows.error().text(), t);
   }
 
@@ -239,13 +240,13 @@ class Runner {
     ending_since_s_ = t;
     how_ = how;
     because_ = std::move(because);
-    cycle_.hold();
+    setpoints_.hold();
     go_on(Phase::Stopping);
   }
 
   void steer(double t) {
     if (ending_) {
-      over_ = cycle_.at_rest() || t - ending_since_s_ > kMostRest_s;
+      over_ = setpoints_.at_rest() || t - ending_since_s_ > kMostRest_s;
       return;
     }
     if (hooks_.interrupted) return bring_to_rest(How::Interrupted, "asked to end", t);
@@ -253,9 +254,9 @@ class Runner {
       over_ = t - began_s_ >= task_.for_s;
       return;
     }
-    if (cycle_.blocked()) return bring_to_rest(How::Stopped, describe(cycle_.blockage()), t);
-    if (!cycle_.done()) arrived_s_.reset();
-    if (cycle_.done() && !arrived_s_) arrived_s_ = t;
+    if (setpoints_.blocked()) return bring_to_rest(How::Stopped, describe(setpoints_.blockage()), t);
+    if (!setpoints_.done()) arrived_s_.reset();
+    if (setpoints_.done() && !arrived_s_) arrived_s_ = t;
     over_ = arrived_s_ && t - *arrived_s_ >= kSettle_s;
   }
 
@@ -265,7 +266,7 @@ class Runner {
   const ArmTask& task_;
   const hal::Clock& clock_;
   const ArmTaskHooks& hooks_;
-  control::ArmCycle cycle_;
+  control::SetpointGenerator setpoints_;
   hal::ArmState state_;
   ArmTaskEnd end_;
   Phase phase_ = Phase::Opening;

@@ -1,7 +1,7 @@
 // The watch on the way: a push, an arm that does not follow.
 #include <cmath>
 
-#include "arm_cycle_rig.hpp"
+#include "setpoint_rig.hpp"
 
 using namespace colift;
 using namespace colift::control;

@@ -1,7 +1,7 @@
 // Ways: followed, halted, resumed, run back, refused.
 #include <cmath>
 
-#include "arm_cycle_rig.hpp"
+#include "setpoint_rig.hpp"
 
 using namespace colift;
 using namespace colift::control;
@@ -110,7 +110,7 @@ TEST_CASE("a way is refused that starts elsewhere, while the arm moves, or that 
   REQUIRE(rig.cycle.follow(way({home(), there()})));
   rig.steps(300);
   CHECK(rig.cycle.follow(way({rig.last.q_rad, home()})).error().code == hal::ErrorCode::NotReady);
-  ArmCycle fresh(robot(), TaskConfig{});
+  SetpointGenerator fresh(robot(), TaskConfig{});
   CHECK(fresh.follow(way({home(), there()})).error().code == hal::ErrorCode::NotReady);
 }
 

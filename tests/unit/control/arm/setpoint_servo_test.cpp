@@ -1,7 +1,7 @@
 // Set points, torque and stiffness that whoever knows them gives anew in every cycle.
 #include <cmath>
 
-#include "arm_cycle_rig.hpp"
+#include "setpoint_rig.hpp"
 
 using namespace colift;
 using namespace colift::control;

@@ -1,13 +1,13 @@
 // The arm's cycle on its own: the same in step and in a thread, and never waiting for the task.
 
-#include "control/arm/arm_loop.hpp"
+#include "control/arm/arm_commander.hpp"
 
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <semaphore>
 #include <vector>
 
-#include "allocations.hpp"
+#include "../allocations.hpp"
 
 using namespace colift;
 using namespace colift::control;
@@ -102,7 +102,7 @@ struct Rig {
   TaskConfig task;
   LoadConfig load;
   CountedArm arm;
-  ArmLoop loop;
+  ArmCommander loop;
 };
 
 }  // namespace
@@ -217,7 +217,7 @@ TEST_CASE("The end brings a moving arm to rest first") {
 TEST_CASE("A cycle of the arm does not allocate: on a way, with a load, lifting") {
   CountedArm arm(false);
   arm.sent.reserve(1);
-  ArmMotion motion(robot(), geometry(), {}, {});
+  ArmController motion(robot(), geometry(), {}, {});
   const auto cycle = [&] {
     motion.measured(arm.wait_cycle());
     if (const auto command = motion.command()) motion.sent(arm.command(*command));

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "control/arm/arm_motion.hpp"
+#include "control/arm/arm_controller.hpp"
 #include "hal/arm.hpp"
 
 namespace colift::control {
@@ -18,15 +18,16 @@ enum class Drive {
 };
 
 /// The arm as the task sees it: requests go in, a view of the last cycle comes out. With Drive::Thread both
-/// go through wait-free slots, and a way that is asked for starts a cycle later; done(), blocked() and the
-/// rest always speak of the last request, never of the one before.
-class ArmLoop {
+/// go through wait-free slots, and a trajectory that is asked for starts a cycle later; done(), blocked() and
+/// the rest always speak of the last request, never of the one before.
+class ArmCommander {
  public:
-  ArmLoop(hal::Arm& arm, const hal::RobotModel& model, const planner::ArmGeometry& geometry,
-          const TaskConfig& task, const LoadConfig& load, Drive drive, const CycleLimits& limits = {});
-  ~ArmLoop();
-  ArmLoop(const ArmLoop&) = delete;
-  ArmLoop& operator=(const ArmLoop&) = delete;
+  ArmCommander(hal::Arm& arm, const hal::RobotModel& model, const planner::ArmGeometry& geometry,
+               const TaskConfig& task, const LoadConfig& load, Drive drive,
+               const SetpointLimits& limits = {});
+  ~ArmCommander();
+  ArmCommander(const ArmCommander&) = delete;
+  ArmCommander& operator=(const ArmCommander&) = delete;
 
   /// Activates the arm, which is configured, and makes its first cycle. A thread of its own gets real-time
   /// priority first. Errors: those of the activation and of the first cycles.
@@ -47,10 +48,10 @@ class ArmLoop {
 
   // Requests.
   void hold();
-  /// Errors: NotReady, BadInput (ArmCycle::follow).
-  [[nodiscard]] hal::Result<> follow(const planner::Trajectory& way);
-  /// Goes on along a way that was halted or cut off, or back along it; blocked() tells when the arm has left
-  /// it.
+  /// Errors: NotReady, BadInput (SetpointGenerator::follow).
+  [[nodiscard]] hal::Result<> follow(const planner::Trajectory& trajectory);
+  /// Goes on along a trajectory that was halted or cut off, or back along it; blocked() tells when the arm
+  /// has left it.
   void resume(double speed = 1.0);
   void back(double speed);
   void go_slow(bool on);
@@ -85,11 +86,12 @@ class ArmLoop {
   void ask(ArmRequest request);
 
   hal::Arm& arm_;
-  ArmMotion motion_;
-  CycleLimits limits_;
+  ArmController controller_;
+  SetpointLimits limits_;
   ArmView view_;
   std::uint32_t last_id_ = 0, motion_id_ = 0;  ///< Of the last request; of the last one that moves the arm.
-  std::vector<std::shared_ptr<const planner::Trajectory>> ways_;  ///< Kept: none is freed in the arm's cycle.
+  std::vector<std::shared_ptr<const planner::Trajectory>>
+      trajectories_;  ///< Kept: none is freed in the arm's cycle.
   std::vector<std::string> realtime_;
   bool started_ = false;
   std::unique_ptr<Threaded> thread_;

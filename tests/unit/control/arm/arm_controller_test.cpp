@@ -1,5 +1,5 @@
 // A lift in the arm's cycle: cut off and taken up again, slow, at the end of the reach; and no page faults.
-#include "control/arm/arm_motion.hpp"
+#include "control/arm/arm_controller.hpp"
 
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -67,7 +67,7 @@ struct Rig {
   [[nodiscard]] double palm_m() const { return hal::hand_pose(robot(), state.q_rad).translation().z(); }
 
   TaskConfig task;
-  ArmMotion motion{robot(), planner::arm_geometry(robot()).value(), task, LoadConfig{}};
+  ArmController motion{robot(), planner::arm_geometry(robot()).value(), task, LoadConfig{}};
   hal::ArmState state;
   JointVector last_v = JointVector::Zero();
   double fastest = 0.0, hardest = 0.0;
@@ -182,13 +182,13 @@ TEST_CASE("at the end of its reach a lift slows to rest before the margin, says 
   const JointVector at = rig.state.q_rad;
   rig.steps(500);
   CHECK((rig.state.q_rad - at).norm() < 1e-9);
-  const double margin = CycleLimits{}.limit_margin_rad;
+  const double margin = SetpointLimits{}.limit_margin_rad;
   for (int i = 0; i < hal::kArmJoints; ++i) {
     CHECK(at[i] >= robot().lower_rad()[i] + margin - 1e-9);
     CHECK(at[i] <= robot().upper_rad()[i] - margin + 1e-9);
   }
   CHECK(rig.palm_m() - floor > 0.05);
-  CHECK(rig.hardest <= CycleLimits{}.acceleration_rad_s2 + 1e-6);
+  CHECK(rig.hardest <= SetpointLimits{}.acceleration_rad_s2 + 1e-6);
   rig.ask(ArmRequest::Kind::Lower);
   rig.lift();
   CHECK_FALSE(rig.motion.view().end_of_reach);

@@ -1,4 +1,4 @@
-#include "control/arm/arm_cycle.hpp"
+#include "control/arm/setpoint_generator.hpp"
 
 #include <fmt/format.h>
 
@@ -12,12 +12,12 @@ namespace colift::control {
 namespace {
 
 constexpr double kAtRest_rad_s = 1e-9;
-constexpr double kBlendIn_s = 0.5;  // in which a way's offset from the command is taken out
-constexpr double kRejoin_s = 0.5;   // of a way, on both sides of where it was cut off
+constexpr double kBlendIn_s = 0.5;  // in which a trajectory's offset from the command is taken out
+constexpr double kRejoin_s = 0.5;   // of a trajectory, on both sides of where it was cut off
 constexpr int kRejoinSteps = 50;
 constexpr double kSlowAfter_s = 0.5;     // a warning that comes and goes is one
 constexpr double kPaceSlope_s = 2.0;     // 1/s
-constexpr double kRateSlope_s = 25.0;    // 1/s: where a way hardly moves its speed may change at once
+constexpr double kRateSlope_s = 25.0;    // 1/s: where a trajectory hardly moves its speed may change at once
 constexpr double kRateJerk_s2 = 2500.0;  // 1/s^2
 constexpr double kArmAgain = 0.8;        // of the contact limit: a watch that saw contact waits for less
 
@@ -26,7 +26,7 @@ hal::JointBounds bounds_of(const hal::JointVector& lower, const hal::JointVector
   return {lower[i], upper[i], velocity[i], acceleration};
 }
 
-/// From 1 to 0 in the first half second on the way, at rest at both ends.
+/// From 1 to 0 in the first half second on the trajectory, at rest at both ends.
 double offset_left(double joined_s) {
   const double x = std::clamp(joined_s / kBlendIn_s, 0.0, 1.0);
   return 1.0 - x * x * x * (10.0 + x * (-15.0 + 6.0 * x));
@@ -38,7 +38,8 @@ double towards(double from, double to, double most) {
 
 }  // namespace
 
-ArmCycle::ArmCycle(const hal::RobotModel& model, const TaskConfig& task, const CycleLimits& limits)
+SetpointGenerator::SetpointGenerator(const hal::RobotModel& model, const TaskConfig& task,
+                                     const SetpointLimits& limits)
     : model_(&model),
       limits_(limits),
       contact_limit_n_(task.contact_n),
@@ -50,41 +51,42 @@ ArmCycle::ArmCycle(const hal::RobotModel& model, const TaskConfig& task, const C
       stiffness_(task.stiffness_nm_rad),
       stiffness_goal_(task.stiffness_nm_rad) {}
 
-void ArmCycle::hold() {
+void SetpointGenerator::hold() {
   along_ = false;
-  if (mode_ == Mode::Way)
+  if (mode_ == Mode::Trajectory)
     rate_goal_ = 0.0;
   else
     mode_ = Mode::Hold;
 }
 
-hal::Result<> can_follow(const planner::Trajectory& way, bool running, bool at_rest,
-                         const hal::JointVector& commanded_rad, const CycleLimits& limits) {
-  constexpr const char* kWhere = "arm_cycle.follow";
-  if (way.empty()) return hal::failure(hal::ErrorCode::BadInput, kWhere, "the way is empty");
+hal::Result<> can_follow(const planner::Trajectory& trajectory, bool running, bool at_rest,
+                         const hal::JointVector& commanded_rad, const SetpointLimits& limits) {
+  constexpr const char* kWhere = "arm.follow";
+  if (trajectory.empty()) return hal::failure(hal::ErrorCode::BadInput, kWhere, "the trajectory is empty");
   if (!running) return hal::failure(hal::ErrorCode::NotReady, kWhere, "the arm is not commanded yet");
   if (!at_rest)
     return hal::failure(hal::ErrorCode::NotReady, kWhere, "the arm is still moving; hold() first");
   int joint = 0;
-  const double off = (commanded_rad - way.start()).cwiseAbs().maxCoeff(&joint);
+  const double off = (commanded_rad - trajectory.start()).cwiseAbs().maxCoeff(&joint);
   if (!(off <= limits.start_tolerance_rad))
-    return hal::failure(hal::ErrorCode::BadInput, kWhere,
-                        fmt::format("the way starts {:.4f} rad away from the command in A{} (limit {:.4f})",
-                                    off, joint + 1, limits.start_tolerance_rad));
+    return hal::failure(
+        hal::ErrorCode::BadInput, kWhere,
+        fmt::format("the trajectory starts {:.4f} rad away from the command in A{} (limit {:.4f})", off,
+                    joint + 1, limits.start_tolerance_rad));
   return {};
 }
 
-hal::Result<> ArmCycle::follow(std::shared_ptr<const planner::Trajectory> way) {
-  if (!way) return hal::failure(hal::ErrorCode::BadInput, "arm_cycle.follow", "there is no way");
-  if (auto can = can_follow(*way, running_, at_rest(), q_, limits_); !can) return can;
-  way_ = std::move(way);
-  way_offset_ = q_ - way_->start();
+hal::Result<> SetpointGenerator::follow(std::shared_ptr<const planner::Trajectory> trajectory) {
+  if (!trajectory) return hal::failure(hal::ErrorCode::BadInput, "arm.follow", "there is no trajectory");
+  if (auto can = can_follow(*trajectory, running_, at_rest(), q_, limits_); !can) return can;
+  trajectory_ = std::move(trajectory);
+  trajectory_offset_ = q_ - trajectory_->start();
   joined_s_ = 0.0;
-  way_s_ = 0.0;
-  rate_ = rate_goal_ = 1.0;  // the way itself starts at rest
+  trajectory_s_ = 0.0;
+  rate_ = rate_goal_ = 1.0;  // the trajectory itself starts at rest
   rate_slope_ = 0.0;
-  mode_ = Mode::Way;
-  on_way_ = along_ = true;
+  mode_ = Mode::Trajectory;
+  on_trajectory_ = along_ = true;
   cut_off_ = false;
   tare_ = rest_tau_;
   lag_at_start_ = rest_lag_;
@@ -94,63 +96,63 @@ hal::Result<> ArmCycle::follow(std::shared_ptr<const planner::Trajectory> way) {
   return {};
 }
 
-bool ArmCycle::resume(double speed) {
-  return run_way(std::clamp(speed, 0.0, 1.0));
+bool SetpointGenerator::resume(double speed) {
+  return run_along(std::clamp(speed, 0.0, 1.0));
 }
 
-bool ArmCycle::back(double speed) {
-  return run_way(-std::clamp(speed, 0.0, 1.0));
+bool SetpointGenerator::back(double speed) {
+  return run_along(-std::clamp(speed, 0.0, 1.0));
 }
 
-bool ArmCycle::run_way(double rate) {
-  if (!on_way_ && !rejoin()) return false;
-  mode_ = Mode::Way;
+bool SetpointGenerator::run_along(double rate) {
+  if (!on_trajectory_ && !rejoin()) return false;
+  mode_ = Mode::Trajectory;
   along_ = rate != 0.0;
   rate_goal_ = rate;
   blocked_ = {};
-  armed_ = false;  // until it is quiet: the way back from a contact begins in it
+  armed_ = false;  // until it is quiet: the motion back from a contact begins in it
   return true;
 }
 
-bool ArmCycle::rejoin() {
+bool SetpointGenerator::rejoin() {
   if (!cut_off_ || !running_ || !at_rest()) return false;
-  // the arm came to rest by itself, not far from where it was when the way was cut off
-  double nearest_s = way_s_, least = (q_ - way_->sample(way_s_).q_rad).squaredNorm();
+  // the arm came to rest by itself, not far from where it was when the trajectory was cut off
+  double nearest_s = trajectory_s_, least = (q_ - trajectory_->sample(trajectory_s_).q_rad).squaredNorm();
   for (int i = -kRejoinSteps; i <= kRejoinSteps; ++i) {
-    const double s = std::clamp(way_s_ + kRejoin_s * i / kRejoinSteps, 0.0, way_->duration_s());
-    const double off = (q_ - way_->sample(s).q_rad).squaredNorm();
+    const double s = std::clamp(trajectory_s_ + kRejoin_s * i / kRejoinSteps, 0.0, trajectory_->duration_s());
+    const double off = (q_ - trajectory_->sample(s).q_rad).squaredNorm();
     if (off >= least) continue;
     least = off;
     nearest_s = s;
   }
-  const hal::JointVector off = q_ - way_->sample(nearest_s).q_rad;
+  const hal::JointVector off = q_ - trajectory_->sample(nearest_s).q_rad;
   if (!(off.cwiseAbs().maxCoeff() <= limits_.start_tolerance_rad)) return false;
-  way_s_ = nearest_s;
-  way_offset_ = off;
+  trajectory_s_ = nearest_s;
+  trajectory_offset_ = off;
   joined_s_ = rate_ = rate_slope_ = 0.0;
-  on_way_ = true;
+  on_trajectory_ = true;
   cut_off_ = false;
   return true;
 }
 
-void ArmCycle::servo(const hal::JointVector& q_rad, const hal::JointVector& tau_superposed_nm) {
+void SetpointGenerator::servo(const hal::JointVector& q_rad, const hal::JointVector& tau_superposed_nm) {
   if (!running_ || !q_rad.allFinite() || !tau_superposed_nm.allFinite()) return;
   if (mode_ != Mode::Servo) servo_before_ = q_rad;
   mode_ = Mode::Servo;
-  on_way_ = cut_off_ = along_ = false;
+  on_trajectory_ = cut_off_ = along_ = false;
   servo_q_ = q_rad;
   superpose(tau_superposed_nm);
 }
 
-void ArmCycle::superpose(const hal::JointVector& tau_nm) {
+void SetpointGenerator::superpose(const hal::JointVector& tau_nm) {
   if (tau_nm.allFinite()) tau_goal_ = tau_nm.cwiseMax(-superposed_).cwiseMin(superposed_);
 }
 
-void ArmCycle::set_stiffness(double nm_rad) {
+void SetpointGenerator::set_stiffness(double nm_rad) {
   if (std::isfinite(nm_rad)) stiffness_goal_ = std::max(0.0, nm_rad);
 }
 
-hal::ImpedanceCommand ArmCycle::step(const hal::ArmState& state) {
+hal::ImpedanceCommand SetpointGenerator::step(const hal::ArmState& state) {
   const double gap_s = time_.advance(state.measured_at);
   const bool usable = state.may_command && state.q_rad.allFinite();
   if (!usable || !running_ || std::abs(gap_s) > limits_.gap_s) {
@@ -159,8 +161,8 @@ hal::ImpedanceCommand ArmCycle::step(const hal::ArmState& state) {
     const double dt = time_.step_s();
     const hal::JointVector before = q_;
     set_pace(state.slow || asked_slow_, dt);
-    if (mode_ == Mode::Way)
-      step_way(dt);
+    if (mode_ == Mode::Trajectory)
+      step_trajectory(dt);
     else if (mode_ == Mode::Servo)
       step_servo(dt);
     else
@@ -178,7 +180,7 @@ hal::ImpedanceCommand ArmCycle::step(const hal::ArmState& state) {
   return command;
 }
 
-void ArmCycle::start_from(const hal::ArmState& state, bool usable) {
+void SetpointGenerator::start_from(const hal::ArmState& state, bool usable) {
   running_ = usable;
   if (usable) ++starts_;
   if (state.q_rad.allFinite()) q_ = state.q_rad;
@@ -186,28 +188,29 @@ void ArmCycle::start_from(const hal::ArmState& state, bool usable) {
   tau_.setZero();
   tau_goal_.setZero();
   mode_ = Mode::Hold;
-  cut_off_ = cut_off_ || on_way_;
-  on_way_ = false;
+  cut_off_ = cut_off_ || on_trajectory_;
+  on_trajectory_ = false;
   if (state.tau_external_nm.allFinite()) rest_tau_ = state.tau_external_nm;
   rest_lag_.setZero();
 }
 
-void ArmCycle::set_pace(bool slow, double dt_s) {
+void SetpointGenerator::set_pace(bool slow, double dt_s) {
   slow_left_s_ = slow ? kSlowAfter_s : std::max(0.0, slow_left_s_ - dt_s);
   pace_ = towards(pace_, slow_left_s_ > 0.0 ? slow_part_ : 1.0, kPaceSlope_s * dt_s);
 }
 
-void ArmCycle::step_hold(double dt_s) {
+void SetpointGenerator::step_hold(double dt_s) {
   for (int i = 0; i < hal::kArmJoints; ++i)
     q_[i] +=
         dt_s * hal::braking_velocity(q_[i], dq_[i], dt_s,
                                      bounds_of(lower_, upper_, velocity_, limits_.acceleration_rad_s2, i));
 }
 
-void ArmCycle::step_way(double dt_s) {
-  // The way's own time runs with `rate_`. Its change is bounded so that way and change together keep the
-  // acceleration: |q'' r^2 + q' r'| <= a for every joint, with q' and q'' taken along the way.
-  const planner::JointSample at = way_->sample(way_s_);
+void SetpointGenerator::step_trajectory(double dt_s) {
+  // The trajectory's own time runs with `rate_`. Its change is bounded so that trajectory and change together
+  // keep the acceleration: |q'' r^2 + q' r'| <= a for every joint, with q' and q'' taken along the
+  // trajectory.
+  const planner::JointSample at = trajectory_->sample(trajectory_s_);
   const double goal = rate_goal_ * (slow() ? slow_part_ : 1.0);
   // stops are short, starts are gentle
   const bool faster = std::abs(goal) > std::abs(rate_) && goal * rate_ >= 0.0;
@@ -232,17 +235,18 @@ void ArmCycle::step_way(double dt_s) {
   } else {
     rate_ += rate_slope_ * dt_s;
   }
-  way_s_ = std::clamp(way_s_ + rate_ * dt_s, 0.0, way_->duration_s());
+  trajectory_s_ = std::clamp(trajectory_s_ + rate_ * dt_s, 0.0, trajectory_->duration_s());
   joined_s_ += dt_s;
-  q_ = way_->sample(way_s_).q_rad + offset_left(joined_s_) * way_offset_;
-  if (joined_s_ < kBlendIn_s && !way_offset_.isZero()) return;
-  if (const double end = rate_goal_ > 0.0 ? way_->duration_s() : 0.0; rate_goal_ != 0.0 && way_s_ == end) {
-    rate_ = rate_slope_ = 0.0;  // the way itself is at rest at its ends
+  q_ = trajectory_->sample(trajectory_s_).q_rad + offset_left(joined_s_) * trajectory_offset_;
+  if (joined_s_ < kBlendIn_s && !trajectory_offset_.isZero()) return;
+  if (const double end = rate_goal_ > 0.0 ? trajectory_->duration_s() : 0.0;
+      rate_goal_ != 0.0 && trajectory_s_ == end) {
+    rate_ = rate_slope_ = 0.0;  // the trajectory itself is at rest at its ends
     mode_ = Mode::Hold;
   }
 }
 
-void ArmCycle::step_servo(double dt_s) {
+void SetpointGenerator::step_servo(double dt_s) {
   for (int i = 0; i < hal::kArmJoints; ++i) {
     const hal::JointBounds b = bounds_of(lower_, upper_, velocity_, limits_.acceleration_rad_s2, i);
     // velocity of the set point itself; one that jumps has none
@@ -257,15 +261,15 @@ void ArmCycle::step_servo(double dt_s) {
   servo_before_ = servo_q_;
 }
 
-void ArmCycle::watch(const hal::ArmState& state, double dt_s) {
+void SetpointGenerator::watch(const hal::ArmState& state, double dt_s) {
   if (!state.tau_external_nm.allFinite()) return;
   const hal::JointVector lag = q_ - state.q_rad;
-  if (mode_ != Mode::Way && at_rest()) {
+  if (mode_ != Mode::Trajectory && at_rest()) {
     const double part = std::min(1.0, dt_s / limits_.rest_filter_s);
     rest_tau_ += part * (state.tau_external_nm - rest_tau_);
     rest_lag_ += part * (lag - rest_lag_);
   }
-  if (mode_ != Mode::Way) return;
+  if (mode_ != Mode::Trajectory) return;
 
   const hal::Wrench now = palm_wrench(*model_, state.q_rad, state.tau_external_nm - tare_);
   const double part = limits_.contact_filter_s > 0.0 ? 1.0 - std::exp(-dt_s / limits_.contact_filter_s) : 1.0;
@@ -285,25 +289,26 @@ void ArmCycle::watch(const hal::ArmState& state, double dt_s) {
     blocked_ = {why, force, contact_limit_n_, joint, lag_rad, limits_.follow_error_rad};
 }
 
-bool ArmCycle::at_rest() const {
+bool SetpointGenerator::at_rest() const {
   return dq_.cwiseAbs().maxCoeff() < kAtRest_rad_s;
 }
 
-bool ArmCycle::done() const {
+bool SetpointGenerator::done() const {
   if (!running_ || !at_rest() || (cut_off_ && along_)) return false;
   if (mode_ == Mode::Servo) return (servo_q_ - q_).cwiseAbs().maxCoeff() < 1e-6;
   return mode_ == Mode::Hold || (rate_goal_ == 0.0 && rate_ == 0.0);
 }
 
-double ArmCycle::progress() const {
-  if (!(on_way_ || cut_off_) || way_->duration_s() <= 0.0) return 1.0;
-  return way_s_ / way_->duration_s();
+double SetpointGenerator::progress() const {
+  if (!(on_trajectory_ || cut_off_) || trajectory_->duration_s() <= 0.0) return 1.0;
+  return trajectory_s_ / trajectory_->duration_s();
 }
 
-std::string describe(const ArmCycle::Blockage& b) {
-  using Contact = ArmCycle::Contact;
+std::string describe(const SetpointGenerator::Blockage& b) {
+  using Contact = SetpointGenerator::Contact;
   if (b.why == Contact::Force)
-    return fmt::format("met something with {:.0f} N on the way (limit {:.0f} N)", b.force_n, b.force_limit_n);
+    return fmt::format("met something with {:.0f} N on its path (limit {:.0f} N)", b.force_n,
+                       b.force_limit_n);
   if (b.why == Contact::Lag)
     return fmt::format("A{} does not follow: {:.3f} rad behind (limit {:.3f} rad)", b.joint + 1, b.lag_rad,
                        b.lag_limit_rad);

@@ -1,7 +1,7 @@
 // What is left of a motion when the arm's controller took no commands for a while, or warns.
 #include <cmath>
 
-#include "arm_cycle_rig.hpp"
+#include "setpoint_rig.hpp"
 
 using namespace colift;
 using namespace colift::control;

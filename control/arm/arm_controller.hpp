@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "control/arm/arm_cycle.hpp"
+#include "control/arm/setpoint_generator.hpp"
 #include "control/lift/lift_controller.hpp"
 #include "control/lift/load_estimator.hpp"
 #include "hal/types/short_text.hpp"
@@ -15,7 +15,7 @@ namespace colift::control {
 struct ArmRequest {
   enum class Kind {
     Hold,        ///< Come to rest and stay.
-    Follow,      ///< Run along `way`.
+    Follow,      ///< Run along `trajectory`.
     Resume,      ///< Go on along it, with `number` of its speed.
     Back,        ///< Run back along it, with `number` of its speed.
     Slow,        ///< Slower from now on, when `number` is not 0; else no more.
@@ -30,7 +30,7 @@ struct ArmRequest {
   };
   Kind kind = Kind::Hold;
   std::uint32_t id = 0;  ///< Counts up; ArmView::answered tells which ones were taken.
-  std::shared_ptr<const planner::Trajectory> way;
+  std::shared_ptr<const planner::Trajectory> trajectory;
   double number = 0.0;
   LiftController::Role role = LiftController::Role::Lead;
   double time_s = 0.0;
@@ -47,9 +47,9 @@ struct ArmView {
   bool at_rest = false, done = false;
   double progress = 1.0;
   std::uint32_t starts = 0;
-  ArmCycle::Blockage blocked;
-  bool way_refused = false;  ///< The last way could not be started, or not be taken up again.
-  bool slow = false;         ///< Goes slower than planned: the controller warns, or the task asked for it.
+  SetpointGenerator::Blockage blocked;
+  bool trajectory_refused = false;  ///< The last trajectory could not be started, or not be taken up again.
+  bool slow = false;  ///< Goes slower than planned: the controller warns, or the task asked for it.
 
   // of what is felt
   std::optional<hal::Wrench> wrench_W;
@@ -70,10 +70,10 @@ struct ArmView {
 
 /// Everything that happens in one cycle of the arm: what it feels, the lift, the motion, the command. One
 /// thread; cycle() does not allocate unless something goes wrong.
-class ArmMotion {
+class ArmController {
  public:
-  ArmMotion(const hal::RobotModel& model, const planner::ArmGeometry& arm, const TaskConfig& task,
-            const LoadConfig& load, const CycleLimits& limits = {});
+  ArmController(const hal::RobotModel& model, const planner::ArmGeometry& arm, const TaskConfig& task,
+                const LoadConfig& load, const SetpointLimits& limits = {});
 
   /// What the controller measured, or why it did not.
   void measured(const hal::Result<hal::ArmState>& state);
@@ -91,7 +91,7 @@ class ArmMotion {
   /// is.
   void serve_lift();
 
-  ArmCycle cycle_;
+  SetpointGenerator setpoints_;
   LoadEstimator load_;
   LiftController lift_;
   bool lifting_ = false, stopped_by_contact_ = false;

@@ -1,9 +1,9 @@
 // One command for each cycle: the first one, no allocation, nothing for the last gate to refuse.
 #include <random>
 
-#include "allocations.hpp"
-#include "arm_cycle_rig.hpp"
+#include "../allocations.hpp"
 #include "hal/guarded_arm.hpp"
+#include "setpoint_rig.hpp"
 
 using namespace colift;
 using namespace colift::control;
@@ -66,7 +66,7 @@ TEST_CASE("the last gate has nothing to refuse, whatever is asked of the cycle a
   auto owned = std::make_unique<IdealArm>();
   IdealArm& wire = *owned;
   hal::GuardedArm arm(std::move(owned), robot(), hal::GuardConfig{});
-  ArmCycle cycle(robot(), TaskConfig{});
+  SetpointGenerator cycle(robot(), TaskConfig{});
   wire.state.may_command = true;
   wire.state.q_rad = home();
   REQUIRE(arm.configure());

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "control/arm/arm_cycle.hpp"
+#include "control/arm/setpoint_generator.hpp"
 
 namespace colift::control::test {
 
@@ -56,8 +56,8 @@ inline double off_the_way(const Trajectory& t, const JointVector& q) {
 struct Rig {
   double period_s = 0.001;
   TaskConfig task;
-  CycleLimits limits;
-  ArmCycle cycle{robot(), task, limits};
+  SetpointLimits limits;
+  SetpointGenerator cycle{robot(), task, limits};
   hal::ArmState state;
   ImpedanceCommand last;
   JointVector v = JointVector::Zero();

@@ -4,7 +4,7 @@
 #include <limits>
 #include <random>
 
-#include "allocations.hpp"
+#include "../allocations.hpp"
 
 using namespace colift;
 using namespace colift::control;

@@ -1,4 +1,4 @@
-#include "control/arm/arm_loop.hpp"
+#include "control/arm/arm_commander.hpp"
 
 #include <atomic>
 #include <thread>
@@ -24,22 +24,22 @@ bool moves(ArmRequest::Kind kind) {
 }
 
 /// Activation and the first good cycle, in the thread that makes all the others.
-hal::Result<> begin(hal::Arm& arm, ArmMotion& motion) {
+hal::Result<> begin(hal::Arm& arm, ArmController& controller) {
   if (auto active = arm.activate(); !active) return active;
   for (int misses = 0;; ++misses) {
     const auto state = arm.wait_cycle();
-    motion.measured(state);
+    controller.measured(state);
     if (state) break;
     if (state.error().code != hal::ErrorCode::Timeout || misses >= kMissesAtStart)
       return tl::unexpected(state.error());
   }
-  if (const auto command = motion.command()) motion.sent(arm.command(*command));
+  if (const auto command = controller.command()) controller.sent(arm.command(*command));
   return {};
 }
 
 }  // namespace
 
-struct ArmLoop::Threaded {
+struct ArmCommander::Threaded {
   hal::TripleBuffer<ArmView> views;
   hal::SpscRing<ArmRequest, 64> requests;
   std::atomic<bool> begun{false}, end{false}, ended{false};
@@ -47,19 +47,19 @@ struct ArmLoop::Threaded {
   hal::RealtimeReport realtime;
   std::thread thread;
 
-  void run(hal::Arm& arm, ArmMotion& motion);
+  void run(hal::Arm& arm, ArmController& controller);
 };
 
-void ArmLoop::Threaded::run(hal::Arm& arm, ArmMotion& motion) {
+void ArmCommander::Threaded::run(hal::Arm& arm, ArmController& controller) {
   realtime = hal::ask_for_realtime({});
-  beginning = begin(arm, motion);
-  if (beginning) views.write(motion.view());
+  beginning = begin(arm, controller);
+  if (beginning) views.write(controller.view());
   begun.store(true, std::memory_order_release);
   for (int left = beginning ? kMostCyclesAtEnd : 0, rests = 0; left > 0 && rests < kCyclesAtEnd;) {
-    motion.measured(arm.wait_cycle());
-    while (const auto request = requests.pop()) motion.take(*request);
-    if (const auto command = motion.command()) motion.sent(arm.command(*command));
-    const ArmView& view = motion.view();
+    controller.measured(arm.wait_cycle());
+    while (const auto request = requests.pop()) controller.take(*request);
+    if (const auto command = controller.command()) controller.sent(arm.command(*command));
+    const ArmView& view = controller.view();
     views.write(view);
     if (!end.load(std::memory_order_relaxed)) continue;
     --left;
@@ -69,18 +69,19 @@ void ArmLoop::Threaded::run(hal::Arm& arm, ArmMotion& motion) {
   ended.store(true);
 }
 
-ArmLoop::ArmLoop(hal::Arm& arm, const hal::RobotModel& model, const planner::ArmGeometry& geometry,
-                 const TaskConfig& task, const LoadConfig& load, Drive drive, const CycleLimits& limits)
+ArmCommander::ArmCommander(hal::Arm& arm, const hal::RobotModel& model, const planner::ArmGeometry& geometry,
+                           const TaskConfig& task, const LoadConfig& load, Drive drive,
+                           const SetpointLimits& limits)
     : arm_(arm),
-      motion_(model, geometry, task, load, limits),
+      controller_(model, geometry, task, load, limits),
       limits_(limits),
       thread_(drive == Drive::Thread ? std::make_unique<Threaded>() : nullptr) {}
 
-ArmLoop::~ArmLoop() {
+ArmCommander::~ArmCommander() {
   finish();
 }
 
-hal::Result<> ArmLoop::start() {
+hal::Result<> ArmCommander::start() {
   hal::Result<> beginning;
   if (recorded_) {
     recorded_(view_);
@@ -92,13 +93,13 @@ hal::Result<> ArmLoop::start() {
     (void)thread_->views.read(view_);
   } else {
     beginning = begin(arm_, motion_);
-    view_ = motion_.view();
+    view_ = controller_.view();
   }
   started_ = beginning.has_value();
   return beginning;
 }
 
-void ArmLoop::finish() noexcept {
+void ArmCommander::finish() noexcept {
   if (recorded_) {
     started_ = false;
   } else if (thread_ && thread_->thread.joinable()) {
@@ -119,30 +120,30 @@ void ArmLoop::finish() noexcept {
   started_ = false;
 }
 
-void ArmLoop::begin_cycle() {
+void ArmCommander::begin_cycle() {
   if (recorded_) return recorded_(view_);
   if (thread_) {
     std::this_thread::sleep_for(kTaskPeriod);
     (void)thread_->views.read(view_);
     return;
   }
-  motion_.measured(arm_.wait_cycle());
-  view_ = motion_.view();
+  controller_.measured(arm_.wait_cycle());
+  view_ = controller_.view();
 }
 
-void ArmLoop::end_cycle() {
+void ArmCommander::end_cycle() {
   if (thread_ || recorded_) return;
-  if (const auto command = motion_.command()) motion_.sent(arm_.command(*command));
-  view_ = motion_.view();
+  if (const auto command = controller_.command()) controller_.sent(arm_.command(*command));
+  view_ = controller_.view();
 }
 
-void ArmLoop::ask(ArmRequest request) {
+void ArmCommander::ask(ArmRequest request) {
   request.id = ++last_id_;
   if (moves(request.kind)) motion_id_ = last_id_;
   if (recorded_) return;
   if (!thread_) {
-    motion_.take(request);
-    view_ = motion_.view();
+    controller_.take(request);
+    view_ = controller_.view();
     return;
   }
   // full only when the arm's thread has stood still for a quarter of a second: then its link is gone, and
@@ -150,68 +151,70 @@ void ArmLoop::ask(ArmRequest request) {
   while (!thread_->requests.push(request) && !thread_->ended) std::this_thread::sleep_for(1ms);
 }
 
-void ArmLoop::hold() {
+void ArmCommander::hold() {
   ask({ArmRequest::Kind::Hold, 0, nullptr, 0.0, {}});
 }
 
-hal::Result<> ArmLoop::follow(const planner::Trajectory& way) {
+hal::Result<> ArmCommander::follow(const planner::Trajectory& trajectory) {
   // asked here too, where an answer can be given: the arm's cycle may be in another thread
-  if (auto can = can_follow(way, view_.running, at_rest(), view_.commanded_rad, limits_); !can) return can;
-  ways_.push_back(std::make_shared<const planner::Trajectory>(way));
-  ask({ArmRequest::Kind::Follow, 0, ways_.back(), 0.0, {}});
+  if (auto can = can_follow(trajectory, view_.running, at_rest(), view_.commanded_rad, limits_); !can)
+    return can;
+  trajectories_.push_back(std::make_shared<const planner::Trajectory>(trajectory));
+  ask({ArmRequest::Kind::Follow, 0, trajectories_.back(), 0.0, {}});
   return {};
 }
 
-void ArmLoop::resume(double speed) {
+void ArmCommander::resume(double speed) {
   ask({ArmRequest::Kind::Resume, 0, nullptr, speed, {}});
 }
 
-void ArmLoop::go_slow(bool on) {
+void ArmCommander::go_slow(bool on) {
   ask({ArmRequest::Kind::Slow, 0, nullptr, on ? 1.0 : 0.0, {}});
 }
 
-void ArmLoop::back(double speed) {
+void ArmCommander::back(double speed) {
   ask({ArmRequest::Kind::Back, 0, nullptr, speed, {}});
 }
 
-void ArmLoop::unload() {
+void ArmCommander::unload() {
   ask({ArmRequest::Kind::Unload, 0, nullptr, 0.0, {}});
 }
 
-void ArmLoop::start_tare() {
+void ArmCommander::start_tare() {
   ask({ArmRequest::Kind::StartTare, 0, nullptr, 0.0, {}});
 }
 
-void ArmLoop::end_tare() {
+void ArmCommander::end_tare() {
   ask({ArmRequest::Kind::EndTare, 0, nullptr, 0.0, {}});
 }
 
-void ArmLoop::start_lift(LiftController::Role role, double height_m, double time_s) {
+void ArmCommander::start_lift(LiftController::Role role, double height_m, double time_s) {
   ask({ArmRequest::Kind::StartLift, 0, nullptr, height_m, role, time_s});
 }
 
-void ArmLoop::raise_on(LiftController::Role role, double height_m, double time_s) {
+void ArmCommander::raise_on(LiftController::Role role, double height_m, double time_s) {
   ask({ArmRequest::Kind::RaiseOn, 0, nullptr, height_m, role, time_s});
 }
 
-void ArmLoop::stay() {
+void ArmCommander::stay() {
   ask({ArmRequest::Kind::Stay, 0, nullptr, 0.0, {}});
 }
 
-void ArmLoop::lower() {
+void ArmCommander::lower() {
   ask({ArmRequest::Kind::Lower, 0, nullptr, 0.0, {}});
 }
 
-void ArmLoop::see_partner(double rise_m) {
+void ArmCommander::see_partner(double rise_m) {
   ask({ArmRequest::Kind::SeePartner, 0, nullptr, rise_m, {}});
 }
 
-bool ArmLoop::blocked() const {
-  return current() && (view_.blocked.why != ArmCycle::Contact::None || view_.way_refused);
+bool ArmCommander::blocked() const {
+  return current() && (view_.blocked.why != SetpointGenerator::Contact::None || view_.trajectory_refused);
 }
 
-std::string ArmLoop::why_blocked() const {
-  if (view_.way_refused) return "the arm does not stand on its way: it was moved in the meantime";
+std::string ArmCommander::why_blocked() const {
+  if (view_.trajectory_refused)
+    return "the arm does not stand on its trajectory: it was moved in the meantime";
   return describe(view_.blocked);
 }
 

@@ -15,15 +15,15 @@ namespace colift::control {
 
 /// Limits of what the cycle adds of its own accord: stops, corrections, ramps. Wider than those of a planned
 /// motion (planner::MotionLimits), tighter than those of the last gate (hal::GuardConfig).
-struct CycleLimits {
-  double velocity_part = 0.9;              ///< Of the joints' velocity limits.
-  double velocity_rad_s = 10.0;            ///< And never more than this.
-  double acceleration_rad_s2 = 5.0;        ///< Of stops and of servo().
-  double jerk_rad_s3 = 200.0;              ///< Of stops on the path.
-  double resume_rad_s2 = 3.0;              ///< Acceleration along the path after a stop or a slow stretch.
-  double resume_rad_s3 = 40.0;             ///< Its jerk.
-  double limit_margin_rad = 0.02;          ///< Kept from the joint limits.
-  double start_tolerance_rad = 0.03;       ///< Greatest distance between a way's start and the command.
+struct SetpointLimits {
+  double velocity_part = 0.9;         ///< Of the joints' velocity limits.
+  double velocity_rad_s = 10.0;       ///< And never more than this.
+  double acceleration_rad_s2 = 5.0;   ///< Of stops and of servo().
+  double jerk_rad_s3 = 200.0;         ///< Of stops on the path.
+  double resume_rad_s2 = 3.0;         ///< Acceleration along the path after a stop or a slow stretch.
+  double resume_rad_s3 = 40.0;        ///< Its jerk.
+  double limit_margin_rad = 0.02;     ///< Kept from the joint limits.
+  double start_tolerance_rad = 0.03;  ///< Greatest distance between a trajectory's start and the command.
   double stiffness_slope_nm_rad_s = 3000;  ///< Change of stiffness in a second.
   double superposed_nm = 50;               ///< Most torque that is added, and never more than a joint bears.
   double torque_slope_nm_s = 150;          ///< Change of superposed torque in a second.
@@ -33,19 +33,20 @@ struct CycleLimits {
   double gap_s = 0.05;                     ///< A longer time between two states starts from rest again.
 };
 
-/// Makes exactly one command for each cycle of the arm: holds, follows a planned way, or serves a set point,
-/// always within limits and without a step in position or velocity. One thread; step() does not allocate.
+/// Makes exactly one command for each cycle of the arm: holds, follows a planned trajectory, or serves a set
+/// point, always within limits and without a step in position or velocity. One thread; step() does not
+/// allocate.
 ///
 /// The first command, and the first after may_command was lost or the states had a gap, is the measured pose
-/// at rest: whatever was going on is over then (starts() tells), and the cycle holds. A way that was cut off
-/// like that can be taken up again with resume() or back(), from where the arm stands.
+/// at rest: whatever was going on is over then (starts() tells), and the cycle holds. A trajectory that was
+/// cut off like that can be taken up again with resume() or back(), from where the arm stands.
 ///
-/// While the controller warns (ArmState::slow), and when asked to, ways run with TaskConfig::slow_part of
-/// their speed; the change is as smooth as a stop.
-class ArmCycle {
+/// While the controller warns (ArmState::slow), and when asked to, trajectories run with
+/// TaskConfig::slow_part of their speed; the change is as smooth as a stop.
+class SetpointGenerator {
  public:
   enum class Contact { None, Force, Lag };
-  /// What ended a way, and the limit that it broke.
+  /// What ended a trajectory, and the limit that it broke.
   struct Blockage {
     Contact why = Contact::None;
     double force_n = 0.0, force_limit_n = 0.0;
@@ -53,19 +54,21 @@ class ArmCycle {
     double lag_rad = 0.0, lag_limit_rad = 0.0;
   };
 
-  ArmCycle(const hal::RobotModel& model, const TaskConfig& task, const CycleLimits& limits = {});
+  SetpointGenerator(const hal::RobotModel& model, const TaskConfig& task, const SetpointLimits& limits = {});
 
-  /// Comes to rest (a way: on the path) and stays there. A halted way can be resumed or run back.
+  /// Comes to rest (a trajectory: on the path) and stays there. A halted trajectory can be resumed or run
+  /// back.
   void hold();
-  /// Starts a way at its first cycle. Errors: NotReady (not at rest), BadInput (no way, or it starts
-  /// elsewhere than the arm is commanded to: by how much, in which joint). Plan from commanded(), not from
-  /// the measured pose: the arm's springs are loaded.
-  [[nodiscard]] hal::Result<> follow(std::shared_ptr<const planner::Trajectory> way);
-  /// Goes on along the halted way with `speed` (0 to 1) of its planned speed; also slows a running one. After
-  /// a start from the measured pose it joins the way at its nearest point, first at rest. False, and nothing
-  /// happens, when the arm has left the way: by servo(), or by more than CycleLimits::start_tolerance_rad.
+  /// Starts a trajectory at its first cycle. Errors: NotReady (not at rest), BadInput (no trajectory, or it
+  /// starts elsewhere than the arm is commanded to: by how much, in which joint). Plan from commanded(), not
+  /// from the measured pose: the arm's springs are loaded.
+  [[nodiscard]] hal::Result<> follow(std::shared_ptr<const planner::Trajectory> trajectory);
+  /// Goes on along the halted trajectory with `speed` (0 to 1) of its planned speed; also slows a running
+  /// one. After a start from the measured pose it joins the trajectory at its nearest point, first at rest.
+  /// False, and nothing happens, when the arm has left the trajectory: by servo(), or by more than
+  /// SetpointLimits::start_tolerance_rad.
   bool resume(double speed = 1.0);
-  /// Goes back the way it came, to its start, also from its end, with `speed` of the planned speed; else as
+  /// goes back along its path, to its start, also from its end, with `speed` of the planned speed; else as
   /// resume().
   bool back(double speed = 1.0);
   /// Serves a set point, given anew in every cycle by whoever knows it: joint positions, and the torque to be
@@ -82,11 +85,11 @@ class ArmCycle {
   /// The answer to one cycle.
   [[nodiscard]] hal::ImpedanceCommand step(const hal::ArmState& state);
 
-  /// At rest where it was sent: at the way's end (after back(): its start; after hold(): anywhere), at the
-  /// set point. A way that was cut off is not done.
+  /// At rest where it was sent: at the trajectory's end (after back(): its start; after hold(): anywhere), at
+  /// the set point. A trajectory that was cut off is not done.
   [[nodiscard]] bool done() const;
   [[nodiscard]] bool at_rest() const;
-  /// Part of the way that lies behind (where it was cut off), 0 to 1; 1 without a way.
+  /// Part of the trajectory that lies behind (where it was cut off), 0 to 1; 1 without a trajectory.
   [[nodiscard]] double progress() const;
   /// Joint positions of the last command.
   [[nodiscard]] const hal::JointVector& commanded() const { return q_; }
@@ -94,34 +97,34 @@ class ArmCycle {
   [[nodiscard]] std::uint32_t starts() const { return starts_; }
   /// The controller takes commands; else the cycle repeats the measured pose.
   [[nodiscard]] bool running() const { return running_; }
-  /// Part of the speed that is to be used now, 1 or on the way to TaskConfig::slow_part; for whoever feeds
+  /// Part of the speed that is to be used now, 1 or changing to TaskConfig::slow_part; for whoever feeds
   /// servo().
   [[nodiscard]] double pace() const { return pace_; }
   [[nodiscard]] bool slow() const { return slow_left_s_ > 0.0; }
 
-  /// While a way is followed: a force at the palm above TaskConfig::contact_n since the way began, or an arm
-  /// that does not follow. Latched until the next follow(), resume() or back(). The watch only tells; whoever
-  /// asks calls hold().
+  /// While a trajectory is followed: a force at the palm above TaskConfig::contact_n since the trajectory
+  /// began, or an arm that does not follow. Latched until the next follow(), resume() or back(). The watch
+  /// only tells; whoever asks calls hold().
   [[nodiscard]] bool blocked() const { return blocked_.why != Contact::None; }
   /// Why, with numbers; describe() makes a sentence of it.
   [[nodiscard]] const Blockage& blockage() const { return blocked_; }
-  /// Force at the palm against what was felt at rest before the way began (N).
+  /// Force at the palm against what was felt at rest before the trajectory began (N).
   [[nodiscard]] double contact_force_n() const { return contact_.force.norm(); }
 
  private:
-  enum class Mode { Hold, Way, Servo };
+  enum class Mode { Hold, Trajectory, Servo };
 
   void start_from(const hal::ArmState& state, bool usable);
   void step_hold(double dt_s);
-  void step_way(double dt_s);
+  void step_trajectory(double dt_s);
   void step_servo(double dt_s);
   void watch(const hal::ArmState& state, double dt_s);
   void set_pace(bool slow, double dt_s);
-  bool run_way(double rate);
+  bool run_along(double rate);
   bool rejoin();
 
   const hal::RobotModel* model_;
-  CycleLimits limits_;
+  SetpointLimits limits_;
   double contact_limit_n_, slow_part_;
   hal::JointVector lower_, upper_, velocity_, superposed_;
 
@@ -135,13 +138,14 @@ class ArmCycle {
   hal::JointVector tau_ = hal::JointVector::Zero(), tau_goal_ = hal::JointVector::Zero();
   double stiffness_, stiffness_goal_;
 
-  std::shared_ptr<const planner::Trajectory> way_;
-  bool on_way_ = false;   ///< The command stands on the way: it can be run on and back.
+  std::shared_ptr<const planner::Trajectory> trajectory_;
+  bool on_trajectory_ = false;  ///< The command stands on the trajectory: it can be run on and back.
   bool cut_off_ = false;  ///< It did until a start from the measured pose, and nothing else was asked since.
-  bool along_ = false;    ///< The last that was asked for is to move along the way.
-  hal::JointVector way_offset_ = hal::JointVector::Zero();  ///< Command minus way when it was joined ...
-  double joined_s_ = 0.0;                                   ///< ... so long ago; blended out.
-  double way_s_ = 0.0, rate_ = 0.0, rate_slope_ = 0.0, rate_goal_ = 0.0;
+  bool along_ = false;    ///< The last that was asked for is to move along the trajectory.
+  hal::JointVector trajectory_offset_ =
+      hal::JointVector::Zero();  ///< Command minus trajectory when it was joined ...
+  double joined_s_ = 0.0;        ///< ... so long ago; blended out.
+  double trajectory_s_ = 0.0, rate_ = 0.0, rate_slope_ = 0.0, rate_goal_ = 0.0;
   bool asked_slow_ = false;
   double pace_ = 1.0, slow_left_s_ = 0.0;
 
@@ -152,12 +156,12 @@ class ArmCycle {
   hal::JointVector rest_lag_ = hal::JointVector::Zero(), lag_at_start_ = hal::JointVector::Zero();
 };
 
-/// Whether a way can begin. Errors: NotReady (not commanded; moving), BadInput (it is empty, or starts
+/// Whether a trajectory can begin. Errors: NotReady (not commanded; moving), BadInput (it is empty, or starts
 /// elsewhere than `commanded`: by how much, in which joint).
-[[nodiscard]] hal::Result<> can_follow(const planner::Trajectory& way, bool running, bool at_rest,
-                                       const hal::JointVector& commanded_rad, const CycleLimits& limits);
+[[nodiscard]] hal::Result<> can_follow(const planner::Trajectory& trajectory, bool running, bool at_rest,
+                                       const hal::JointVector& commanded_rad, const SetpointLimits& limits);
 
 /// A blockage as a sentence with numbers; empty when there is none.
-[[nodiscard]] std::string describe(const ArmCycle::Blockage& blockage);
+[[nodiscard]] std::string describe(const SetpointGenerator::Blockage& blockage);
 
 }  // namespace colift::control
