@@ -214,7 +214,7 @@ bool ArmCommander::blocked() const {
 
 std::string ArmCommander::why_blocked() const {
   if (view_.trajectory_refused)
-    return "the arm does not stand on its trajectory: it was moved in the meantime";
+    return "the arm does not stand on its way: it was moved in the meantime";
   return describe(view_.blocked);
 }
 
