@@ -2,7 +2,7 @@
 #include <random>
 
 #include "../allocations.hpp"
-#include "hal/guarded_arm.hpp"
+#include "hal/guards/guarded_arm.hpp"
 #include "setpoint_rig.hpp"
 
 using namespace colift;
