@@ -35,7 +35,7 @@ void look_fast(Look& out, const LookInput& input, const Config& c, Stopwatch& wa
   else if (input.frame.up_C)
     up = input.X_WC.linear() * *input.frame.up_C;
 
-  const std::vector<BlockPlane> blocks = fit_block_planes(out.cloud, c.noise);
+  const std::vector<BlockPlane> blocks = fit_block_planes(out.cloud, c.noise, c.ground.blocks);
   GroundResult ground = find_ground(out.cloud, blocks, up, c.noise, c.ground);
   out.ms.ground = watch.lap();
   out.scene.ground = ground.ground;

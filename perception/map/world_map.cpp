@@ -119,7 +119,7 @@ WorldMap& WorldMap::operator=(WorldMap&&) noexcept = default;
 void WorldMap::insert(const OrganisedCloud& cloud, std::span<const std::uint32_t> not_scene) {
   Impl& m = *impl_;
   m.tree.reset();
-  view_cells(m.grid, cloud, not_scene, m.config.max_range_m, m.view);
+  view_cells(m.grid, cloud, not_scene, m.config.max_range_m, m.view, m.config.view);
   for (std::size_t i = 0; i < m.view.size(); ++i) {
     int odds = m.log_odds[i];
     if (m.view[i] == CellView::Hit) odds = std::min<int>(odds + kHit, kMost);

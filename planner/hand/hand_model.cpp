@@ -10,7 +10,6 @@ namespace colift::planner {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kClosedRad = 140.0 * kDegree;
 
 /// Links in the plane of the finger: radius from the middle and height above the palm.
 struct PlanarFinger {
@@ -66,7 +65,8 @@ hal::Result<> check_hand(const HandModel& hand) {
     return wrong(fmt::format("opening_m is {:.3f}, but the open fingers leave only {:.3f} m between them",
                              hand.opening_m, widest));
   }
-  if (2.0 * half_gap_at(hand, kClosedRad) > 0.0) return wrong("the fingers do not meet when they close");
+  if (2.0 * half_gap_at(hand, hand.finger.closed_deg * kDegree) > 0.0)
+    return wrong("the fingers do not meet when they close");
   return {};
 }
 
@@ -116,7 +116,7 @@ double half_gap_at(const HandModel& hand, double q_rad) {
 
 PadContact contact_at_width(const HandModel& hand, double width_m) {
   // regula falsi, in the form that halves the weight of an end that stays (Illinois)
-  double low = hand.finger.open_deg * kDegree, high = kClosedRad;
+  double low = hand.finger.open_deg * kDegree, high = hand.finger.closed_deg * kDegree;
   double at_low = half_gap_at(hand, low) - 0.5 * width_m, at_high = half_gap_at(hand, high) - 0.5 * width_m;
   if (at_low <= 0.0) at_high = 0.0, high = low;
   for (int i = 0, side = 0; i < 60 && high - low > 1e-12 && at_low > 1e-13; ++i) {
@@ -156,15 +156,16 @@ double stopped_angle(const HandModel& hand, const GraspCandidate& candidate) {
     };
     return near(pose.inner) || near(pose.outer);
   };
-  constexpr double kStep_rad = 0.5 * kDegree;
+  constexpr double kStep_rad = 0.5 * kDegree;  // resolution of the result
   double q = hand.finger.open_deg * kDegree;
-  while (q < kClosedRad && !meets(q)) q += kStep_rad;
+  const double closed = hand.finger.closed_deg * kDegree;
+  while (q < closed && !meets(q)) q += kStep_rad;
   return q;
 }
 
 double HandModel::largest_gap(const GraspCandidate& c) const {
-  constexpr double kHold = 0.012, kBeforeMiddle = 0.005;
-  const double behind = c.kind == GraspKind::Wrap ? std::max(kHold, 0.5 * c.width - kBeforeMiddle) : kHold;
+  const double behind =
+      c.kind == GraspKind::Wrap ? std::max(min_hold_m, 0.5 * c.width - wrap_margin_m) : min_hold_m;
   return contact_at_width(*this, c.width).height_m - behind;
 }
 

@@ -42,7 +42,7 @@ struct MotionPlanner::Impl {
         seed(first_seed),
         clock(stop_watch),
         arm(arm_geometry(model)),
-        spheres(cover_with_spheres(model)),
+        spheres(cover_with_spheres(model, config.search.sphere_excess_m)),
         limits(limits_of(model, config)) {
     const JointVector margin = JointVector::Constant(config.limit_margin_deg * kDegree);
     box = {model.lower_rad() + margin, model.upper_rad() - margin};

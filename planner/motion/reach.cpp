@@ -18,8 +18,6 @@ using hal::Pose;
 using hal::Vec3;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-/// Postures nearer to each other than this in every joint are one goal (rad).
-constexpr double kSamePosture = 0.3;
 
 double mm(double m) {
   return 1e3 * m;
@@ -76,7 +74,8 @@ bool GraspReach::pass(const ReachQuery& query, const Pose& X_WF, const ScoredIk&
 
   back_.assign(1, ik.q_rad);
   const Vec3 back = -config_.pre_grasp_m * query.X_WH.linear().col(2);
-  double followed = follow_line(arm_, X_WF, back, config_.cartesian_step_m, margin, back_);
+  double followed = follow_line(arm_, X_WF, back, config_.cartesian_step_m, margin,
+                                config_.search.max_turn_rad_per_m, back_);
   if (followed < back.norm() - 1e-9) {
     return ended(Stage::BackLimits, {}, Contacts::None, followed, back.norm()), false;
   }
@@ -94,11 +93,12 @@ bool GraspReach::pass(const ReachQuery& query, const Pose& X_WF, const ScoredIk&
   const double of = query.lift_m + config_.lift_margin_m;
   Pose X_WF_up = X_WF;
   X_WF_up.translation() += query.lift_m * query.up;
-  followed = follow_line(arm_, X_WF, query.lift_m * query.up, config_.cartesian_step_m, margin, lift_);
+  followed = follow_line(arm_, X_WF, query.lift_m * query.up, config_.cartesian_step_m, margin,
+                         config_.search.max_turn_rad_per_m, lift_);
   const JointVector lifted = lift_.back();
   if (followed >= query.lift_m - 1e-9) {
-    followed +=
-        follow_line(arm_, X_WF_up, config_.lift_margin_m * query.up, config_.cartesian_step_m, margin, lift_);
+    followed += follow_line(arm_, X_WF_up, config_.lift_margin_m * query.up, config_.cartesian_step_m, margin,
+                            config_.search.max_turn_rad_per_m, lift_);
   }
   if (followed < of - 1e-9) return ended(Stage::LiftLimits, {}, Contacts::None, followed, of), false;
   checker_.set_carry_origin(query.X_WH);
@@ -137,7 +137,7 @@ std::vector<GraspPosture> GraspReach::find(const ReachQuery& query, std::size_t 
   ends_ = {};
   for (const ScoredIk& ik : all) {
     const bool known = std::any_of(found.begin(), found.end(), [&](const GraspPosture& other) {
-      return joint_distance(other.reach.grasp_rad, ik.q_rad) < kSamePosture;
+      return joint_distance(other.reach.grasp_rad, ik.q_rad) < config_.search.same_posture_rad;
     });
     if (known) continue;
     GraspPosture posture;

@@ -106,7 +106,7 @@ CalibrationCheck check_calibration(const perception::CalibrationFile& file,
 GroundCheck check_ground(const hal::DepthFrame& frame, const hal::Pose& X_BC, const control::Config& config) {
   GroundCheck out;
   const perception::OrganisedCloud cloud = perception::deproject(frame, X_BC);
-  const auto blocks = perception::fit_block_planes(cloud, config.noise);
+  const auto blocks = perception::fit_block_planes(cloud, config.noise, config.ground.blocks);
   auto found = perception::find_ground(cloud, blocks, hal::Vec3::UnitZ(), config.noise, config.ground);
   // tilted by more than a ground may be: say by how much
   if (!found.ground) {
