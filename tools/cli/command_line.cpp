@@ -6,7 +6,10 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <exception>
+#include <stdexcept>
 
+#include "tools/cli/programs.hpp"
 #include "tools/live/live_server.hpp"
 
 namespace colift::tools {
@@ -42,8 +45,18 @@ CommandLine::CommandLine(int argc, char** argv)
   for (int i = 0; i < argc; ++i) common.command += (i ? " " : "") + std::string(argv[i]);
 }
 
-CLI::App& CommandLine::command(const std::string& name, const std::string& help) {
-  return *app_.add_subcommand(name, help);
+CLI::App& CommandLine::command(const std::string& name) {
+  const CommandEntry* entry = find_command(name);
+  if (entry == nullptr) throw std::logic_error("the command " + name + " is missing in programs.cpp");
+  return *app_.add_subcommand(name, entry->help);
+}
+
+void CommandLine::add_others() {
+  const auto mine = app_.get_subcommands([](const CLI::App*) { return true; });
+  for (const CommandEntry& entry : command_table())
+    if (std::none_of(mine.begin(), mine.end(),
+                     [&](const CLI::App* c) { return c->get_name() == entry.name; }))
+      app_.add_subcommand(entry.name, entry.help);
 }
 
 void CommandLine::add_output(CLI::App& parser) {
@@ -81,18 +94,26 @@ int CommandLine::run(int argc, char** argv) {
 }
 
 int CommandLine::refuse(const CLI::ParseError& error, const std::string& first) const {
-  const auto commands = app_.get_subcommands([](const CLI::App*) { return true; });
-  const bool known = std::any_of(commands.begin(), commands.end(),
-                                 [&](const CLI::App* c) { return c->get_name() == first; });
-  if (first[0] == '-' || known) {
+  if (first[0] == '-' || find_command(first) != nullptr) {
     std::fprintf(stderr, "colift: %s; see colift --help\n", error.what());
     return kBadInput;
   }
   std::string names;
-  for (const CLI::App* c : commands) names += (names.empty() ? "" : ", ") + c->get_name();
+  for (const CommandEntry& c : command_table()) names += (names.empty() ? "" : ", ") + std::string(c.name);
   std::fprintf(stderr, "colift: \"%s\" is no command; there are %s; see colift --help\n", first.c_str(),
                names.c_str());
   return kBadInput;
+}
+
+int run_program(int argc, char** argv, void (*add_commands)(CommandLine& line)) {
+  try {
+    CommandLine line(argc, argv);
+    add_commands(line);
+    return line.run(argc, argv);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "colift: internal error: %s; please report it with the command line\n", e.what());
+    return kInternal;
+  }
 }
 
 }  // namespace colift::tools
