@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "control/arm/arm_mode.hpp"
-#include "hal/guarded_arm.hpp"
+#include "hal/guards/guarded_arm.hpp"
 #include "tools/bring_up/bring_up.hpp"
 #include "tools/bring_up/hal_arm_json.hpp"
 #include "tools/bring_up/hal_arm_obstacles.hpp"
