@@ -350,7 +350,8 @@ int run() {
   fmt::print(
       "{} problems in {} worlds; a straight line in joint space solves {}. Their starts and goals are free "
       "by "
-      "all three checkers. Of the {} configurations that were tried, the spheres alone refuse {}, stock alone {}, "
+      "all three checkers. Of the {} configurations that were tried, the spheres alone refuse {}, stock "
+      "alone {}, "
       "the "
       "exact check {} that both allow.\n\n",
       count, settings.size(), straight_all, agreement.places, agreement.only_spheres_refuse,
@@ -375,7 +376,8 @@ int run() {
              median(coarse.times()) / median(ours.times()), median(fine.times()) / median(ours.times()));
   const auto to_coarse = ratios(ours, coarse), to_fine = ratios(ours, fine);
   fmt::print(
-      "Problem by problem, where both have an exactly free path: median {:.0f} times ({} problems) and {:.0f} "
+      "Problem by problem, where both have an exactly free path: median {:.0f} times ({} problems) and "
+      "{:.0f} "
       "times "
       "({}), lowest tenth below {:.0f} and {:.0f}. ",
       median(to_coarse), to_coarse.size(), median(to_fine), to_fine.size(), percentile(to_coarse, 0.1),
@@ -386,7 +388,8 @@ int run() {
       median(trajectory_ms), percentile(trajectory_ms, 0.95), median(exact_ms), percentile(exact_ms, 0.95));
 
   fmt::print(
-      "Judging one grasp (grasp, pre-grasp, straight approach, lift; every posture): {:.0f} / {:.0f} us for {} "
+      "Judging one grasp (grasp, pre-grasp, straight approach, lift; every posture): {:.0f} / {:.0f} us for "
+      "{} "
       "reachable ones, {:.0f} / {:.0f} us for {} refused ones.\n\n",
       median(reach_times.reachable), percentile(reach_times.reachable, 0.95), reach_times.reachable.size(),
       median(reach_times.refused), percentile(reach_times.refused, 0.95), reach_times.refused.size());
