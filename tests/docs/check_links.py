@@ -6,7 +6,9 @@
 Checked in every Markdown file of the repository:
 - a relative link leads to a file or folder; its #anchor is a heading there;
 - a path in backticks or in a code block that begins with a top-level folder exists, seen from the root or from the document's
-  own folder; a file may be named without its extension (`hal/os/udp_link`), and * stands for anything.
+  own folder; a file may be named without its extension (`hal/os/udp_link`), and * stands for anything;
+- a name in backticks that looks like one of the program (GuardedArm, find_ground, guard_arm.max_velocity_rad_s, hal::Arm) is a word
+  of some file that is not a document.
 And in the tree:
 - every folder with sources has a README.md that begins with a heading; tests/unit mirrors the tree and needs one only at its top;
 - a page of docs/ that a source file names exists.
@@ -26,6 +28,11 @@ WITHOUT_README = ("tests/unit/", "tests/data/")  # below these folders
 LINK = re.compile(r"\[[^\]]*\]\(<?([^)\s>]+)>?\)")
 BACKTICKS = re.compile(r"`([^`\n]+)`")
 PATH = re.compile(r"(?<![\w./@-])(?:%s)/[\w./*-]*" % "|".join(TOPS))
+NAME = re.compile(r"[A-Za-z_]\w*(?:(?:::|\.)[A-Za-z_]\w*)*(?=$|[(=,: ])")
+LIKE_CODE = re.compile(r"[a-z0-9]_[a-z0-9]|[a-z0-9][A-Z][a-z]|^k[A-Z]")
+# names of other systems, placeholders and examples of style, names that CMake composes
+FOREIGN = set("""BitRate SamplePoint RestartSec solvePnP cmdCartPos cmdCartPosFriOffset _optical_frame camera_link my_robot kConstants
+                 ContactMonitor plan_path estimate_share live_foxglove_client live_page""".split())
 DOCS_IN_SOURCE = re.compile(r"(?<![\w/-])docs/[\w/-]+\.md\b|(?<![\w/-])docs/decisions/(\d{4})")
 
 
@@ -83,7 +90,22 @@ class Tree:
         for name in self.files:
             for parent in pathlib.PurePosixPath(name).parents:
                 self.names.add(str(parent))
+        self.all_words = None
         self.stems = {re.sub(r"\.\w+$", "", name) for name in self.files}
+
+    def words(self):
+        """Every word of every file that is not a document, and the names of files and folders."""
+        if self.all_words is None:
+            self.all_words = {pathlib.PurePosixPath(name).stem for name in self.names}
+            for name in self.names:  # programs of unit tests are called after their folder
+                if name.startswith("tests/unit/"):
+                    self.all_words.add("_".join(name.split("/")[1:]))
+            for name in self.files:
+                if pathlib.PurePosixPath(name).suffix in (".md", ".png", ".svg", ".bin", ".pcd"):
+                    continue
+                text = (self.root / name).read_text(encoding="utf-8", errors="replace")
+                self.all_words.update(re.findall(r"[A-Za-z_]\w*", text))
+        return self.all_words
 
     def has(self, path):
         """A file or folder, with * for anything; a file also without its extension."""
@@ -132,6 +154,24 @@ def check_paths(tree, document, text):
                     yield f"{document}:{number}: there is no {path}"
 
 
+def check_names(tree, document, text):
+    folder = tree.root / document
+    beside = {p.stem for p in folder.parent.iterdir()}  # files of the document's folder, named without extension
+    for number, line, code in lines_with_kind(text):
+        if code:
+            continue
+        for piece in BACKTICKS.findall(line):
+            if "/" in piece:
+                continue
+            for found in NAME.finditer(piece):
+                name = found[0]
+                for word in re.split(r"::|\.", name):
+                    if not LIKE_CODE.search(word) or word.startswith("_") or word in FOREIGN or word in beside:
+                        continue
+                    if word not in tree.words():
+                        yield f"{document}:{number}: nothing is called {word} ({name})"
+
+
 def check_readmes(tree):
     folders = {str(pathlib.PurePosixPath(name).parent) for name in tree.files
                if pathlib.PurePosixPath(name).suffix in SOURCES}
@@ -169,6 +209,7 @@ def main():
         text = (root / document).read_text(encoding="utf-8")
         wrong += check_links(tree, document, text)
         wrong += check_paths(tree, document, text)
+        wrong += check_names(tree, document, text)
     wrong += check_readmes(tree)
     wrong += check_docs_in_sources(tree)
     for line in wrong:
