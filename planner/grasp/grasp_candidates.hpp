@@ -163,11 +163,12 @@ class CandidateFinder {
  private:
   /// A gap that keeps the fingers off the ground, if there is one with which they still hold.
   [[nodiscard]] std::optional<double> raised_gap(const GraspCandidate& candidate, const Collision& met) const;
-  /// A palm in the middle of the hand meets the same when the hand is turned by half a turn.
-  /// What a hand on a rim would meet of the object if it stood a little aside.
+  /// Collision of a hand on a rim with the object, with the hand shifted sideways along the rim.
   [[nodiscard]] std::optional<Collision> beside(const GraspCandidate& candidate) const;
+  /// Whether the hand turned by half a turn about the approach has the same collision: a palm in the middle
+  /// does not move then.
   [[nodiscard]] bool same_when_turned(const Collision& met) const;
-  /// What is `enough_m` deep ends the search.
+  /// First collision of the hand at this grasp. Early exit at a penetration depth of `enough_m`.
   [[nodiscard]] std::optional<Collision> collides(const GraspCandidate& candidate, double enough_m) const;
 
   HandModel hand_;
