@@ -137,7 +137,7 @@ void Job::judge_reach(std::vector<planner::GraspCandidate>& candidates) {
   const double lift = config_.task.lift_height_m;
   planner_->judge(candidates, lift);
   const Look& look = watch_.look();
-  if (look.method != Method::Fast || !look.finder) return;
+  if (!look.finder) return;
   const double step = config_.candidates.turn_step_deg, most = config_.candidates.max_turn_deg;
   for (planner::GraspCandidate& c : candidates) {
     if (c.verdict != planner::Verdict::Unreachable) continue;

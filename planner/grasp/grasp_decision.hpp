@@ -14,6 +14,7 @@
 namespace colift::planner {
 
 struct DecisionConfig {
+  std::optional<double> share;  ///< What weights.epsilon was made of, where a person said it so.
   SharingWeights weights;
   SharingLimits limits;
   double mass_kg = 1.0;
@@ -29,6 +30,10 @@ struct DecisionConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
+    v("share", share, hal::kFraction,
+      "Part of the load that the robot shall carry, more than 0 and less than 1; sets weights.epsilon. Of "
+      "the "
+      "two, what was said last counts. ~: as weights.epsilon says.");
     v("weights", weights, "Price of effort, thesis eq. 4.5.");
     v("limits", limits, "What either agent can exert; without entries there is no limit.");
     v("mass_kg", mass_kg, hal::kPositive,
@@ -42,6 +47,8 @@ struct DecisionConfig {
       "Largest distance of the centre of gravity from the vertical plane through both hands (m): beyond it "
       "the object "
       "tips about the line between them, whatever they do.");
+    v.or_infinite("max_sideways");
+    v.or_infinite("max_lever_m");
     v("check_reach", check_reach,
       "Whether a grasp beyond the arm's reach is refused (needs the camera's pose).");
     v("shoulder_m", shoulder_m, "Where axes 1 to 3 of the arm meet, in the robot base frame.");

@@ -5,14 +5,13 @@
 #include <future>
 #include <numbers>
 
-#include "control/arm/arm_mode.hpp"
-#include "hal/config/config_file.hpp"
 #include "hal/guarded_arm.hpp"
 #include "tools/bring_up/cmd_hal.hpp"
 #include "tools/bring_up/hal_arm_json.hpp"
 #include "tools/bring_up/hal_arm_obstacles.hpp"
 #include "tools/bring_up/hal_arm_task.hpp"
 #include "tools/bring_up/hal_screen.hpp"
+#include "tools/cli/config_of.hpp"
 #include "tools/cli/session.hpp"
 #include "tools/emulate/emulate.hpp"
 #include "tools/rig/robot_file.hpp"
@@ -36,11 +35,10 @@ struct Bench {
 
 hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& options) {
   Bench bench;
-  control::Config config;
-  hal::FieldTable table = hal::table_of(config);
-  if (auto done = hal::apply_command_line(table, common.config_files, common.settings); !done)
-    return tl::unexpected(done.error());
-  bench.guard = control::for_arm_mode(config).guard_arm;
+  const auto resolved = config_of(common, control::Command::Hal);
+  if (!resolved) return tl::unexpected(resolved.error());
+  show_warnings("hal arm", common, *resolved);
+  bench.guard = resolved->config.guard_arm;
   auto file = read_robot_file(options.robot);
   if (!file) return tl::unexpected(file.error());
   if (options.robot && file->arm != "fri")

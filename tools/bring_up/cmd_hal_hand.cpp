@@ -5,13 +5,12 @@
 #include <numbers>
 #include <thread>
 
-#include "control/config/config.hpp"
-#include "hal/config/config_file.hpp"
 #include "hal/guarded_hand.hpp"
 #include "hal/os/make_can_bus.hpp"
 #include "tools/bring_up/cmd_hal.hpp"
 #include "tools/bring_up/hal_hand_task.hpp"
 #include "tools/bring_up/hal_screen.hpp"
+#include "tools/cli/config_of.hpp"
 #include "tools/cli/session.hpp"
 #include "tools/emulate/emulate.hpp"
 #include "tools/rig/robot_file.hpp"
@@ -30,10 +29,9 @@ struct Bench {
 };
 
 hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& options) {
-  control::Config config;
-  hal::FieldTable table = hal::table_of(config);
-  if (auto done = hal::apply_command_line(table, common.config_files, common.settings); !done)
-    return tl::unexpected(done.error());
+  const auto resolved = config_of(common, control::Command::Hal);
+  if (!resolved) return tl::unexpected(resolved.error());
+  show_warnings("hal hand", common, *resolved);
   auto file = read_robot_file(options.robot);
   if (!file) return tl::unexpected(file.error());
   if (options.robot && file->hand != "barrett")
@@ -41,7 +39,7 @@ hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& opt
         hal::ErrorCode::BadConfig, options.robot->string(),
         fmt::format("its hand is {}; bring-up is for a device on a wire, expected hand: barrett",
                     file->hand));
-  Bench bench{file->barrett, config.guard_hand};
+  Bench bench{file->barrett, resolved->config.guard_hand};
   // nothing moves but on the verb that says so
   bench.barrett.initialise = options.verb == "init" ? "always" : "never";
   return bench;

@@ -2,6 +2,7 @@
 
 #include "tools/cli/command_line.hpp"
 #include "tools/cli/commands.hpp"
+#include "tools/cli/config_of.hpp"
 #include "tools/experiments/cmd_experiment.hpp"
 #include "tools/log/cmd_log.hpp"
 
@@ -121,11 +122,15 @@ void add_job_commands(CommandLine& line) {
   add_run(run_command, *run);
   line.add_common(run_command);
   line.when(run_command, [&common, run] { return cmd_run(common, *run); });
+  line.configured(run_command,
+                  {[&common, run] { return config_of_run(common, *run); }, [run] { return run->robot; }});
 
   CLI::App& log_command = line.command("log", "Recordings of runs");
   const auto log = std::make_shared<LogOptions>();
   add_log(line, log_command, *log);
   line.when(log_command, [&common, log] { return cmd_log(common, *log); });
+  line.configured(*log_command.get_subcommand("replay"),
+                  {[&common, log] { return config_of_replay(common, *log); }});
 
   CLI::App& experiment_command = line.command(
       "experiment", "Repeats the thesis's chapter 6 in simulation: tables, figures with intervals, a page");
@@ -133,6 +138,7 @@ void add_job_commands(CommandLine& line) {
   add_experiment(experiment_command, *experiment);
   line.add_output(experiment_command);
   line.when(experiment_command, [&common, experiment] { return cmd_experiment(common, *experiment); });
+  line.configured(experiment_command, {[experiment] { return config_of_experiment(*experiment); }});
 }
 
 }  // namespace colift::tools
