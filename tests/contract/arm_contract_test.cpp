@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "fri_rig.hpp"
-#include "hal/guarded_arm.hpp"
+#include "hal/guards/guarded_arm.hpp"
 #include "sim_hal/mock/mock_arm.hpp"
 
 namespace colift {

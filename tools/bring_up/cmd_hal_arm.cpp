@@ -5,7 +5,7 @@
 #include <future>
 #include <numbers>
 
-#include "hal/guarded_arm.hpp"
+#include "hal/guards/guarded_arm.hpp"
 #include "tools/bring_up/cmd_hal.hpp"
 #include "tools/bring_up/hal_arm_json.hpp"
 #include "tools/bring_up/hal_arm_obstacles.hpp"

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <thread>
 
-#include "hal/guarded_hand.hpp"
+#include "hal/guards/guarded_hand.hpp"
 #include "hal/os/make_can_bus.hpp"
 #include "tools/bring_up/cmd_hal.hpp"
 #include "tools/bring_up/hal_hand_task.hpp"
