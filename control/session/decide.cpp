@@ -3,49 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
+#include "control/session/pipeline.hpp"
 #include "perception/partner/partner_grasp.hpp"
-#include "perception/reference_image.hpp"
 #include "planner/grasp/grasp_stability.hpp"
-#ifdef COLIFT_THESIS
-#include "perception/thesis/thesis_partner.hpp"
-#endif
 
 namespace colift::control {
 namespace {
 
 using perception::PartnerGrasp;
-
-hal::Result<> see_fast(const Look& look, const hal::DepthFrame& frame, const Config& c, Outcome& out) {
-  const auto reference =
-      perception::build_reference(std::array{look.frame}, look.cloud.X_WC, c.noise, c.partner.reference);
-  if (!reference) return tl::unexpected(reference.error());
-  auto finder =
-      perception::PartnerFinder::make(*reference, *look.scene.target, *look.scene.ground, c.noise, c.partner);
-  if (!finder) return tl::unexpected(finder.error());
-  auto seen = finder->find(perception::deproject(frame, look.cloud.X_WC));
-  if (!seen) return tl::unexpected(seen.error());
-  out.partner = seen->grasp;
-  out.partner_pixels = std::move(seen->pixels);
-  out.partner_because = std::move(seen->because);
-  return {};
-}
-
-hal::Result<> see_thesis([[maybe_unused]] const Look& look, [[maybe_unused]] const hal::DepthFrame& frame,
-                         [[maybe_unused]] const Config& c, [[maybe_unused]] Outcome& out) {
-#ifdef COLIFT_THESIS
-  const auto before = perception::thesis_cloud(look.cloud, c.thesis);
-  const auto now = perception::thesis_cloud(perception::deproject(frame, look.cloud.X_WC), c.thesis);
-  out.partner =
-      perception::thesis_partner(before, now, look.scene.target->points, c.thesis, &out.partner_because);
-  return {};
-#else
-  return hal::failure(hal::ErrorCode::BadConfig, "method",
-                      "this build has no thesis method (COLIFT_THESIS=OFF)");
-#endif
-}
 
 hal::Result<> find_partner(const Look& look, const PartnerInput& input, const Config& c, Outcome& out) {
   if (input.position_W) {
@@ -61,8 +28,14 @@ hal::Result<> find_partner(const Look& look, const PartnerInput& input, const Co
         fmt::format("the second frame has {} pixels, the first {}; both have to come from the same camera",
                     input.frame->depth_m.size(), look.frame.depth_m.size()));
   }
-  return look.method == Method::Fast ? see_fast(look, *input.frame, c, out)
-                                     : see_thesis(look, *input.frame, c, out);
+  const auto pipeline = make_pipeline(look.method);
+  if (!pipeline) return tl::unexpected(pipeline.error());
+  auto seen = (*pipeline)->find_partner(look, *input.frame, c);
+  if (!seen) return tl::unexpected(seen.error());
+  out.partner = seen->grasp;
+  out.partner_pixels = std::move(seen->pixels);
+  out.partner_because = std::move(seen->because);
+  return {};
 }
 
 constexpr double kGravity = 9.80665;  // m/s^2, standard
@@ -125,7 +98,7 @@ hal::Result<> choose(const Look& look, const Config& config, const hal::Clock& c
   const hal::Timestamp start = clock.now();
   const planner::DecisionInput input{*out.partner, look.scene.target->cog, look.scene.ground->plane.normal,
                                      look.base_frame_known};
-  if (look.method == Method::Fast) {
+  if (config.candidates.refine_lines > 0) {
     // the list is coarse; what matters lies around the closed-form optimum
     const auto best = planner::best_robot_position(input, config.decision);
     if (!best) return tl::unexpected(best.error());

@@ -46,7 +46,7 @@ void GraspSelector::judge_reach(std::vector<planner::GraspCandidate>& candidates
   const double lift = c_.config.task.lift_height_m;
   c_.motion_planner.judge(candidates, lift);
   const Look& look = c_.session.look();
-  if (look.method != Method::Fast || !look.finder) return;
+  if (!look.finder) return;
   const double step = c_.config.candidates.turn_step_deg, most = c_.config.candidates.max_turn_deg;
   for (planner::GraspCandidate& c : candidates) {
     if (c.verdict != planner::Verdict::Unreachable) continue;

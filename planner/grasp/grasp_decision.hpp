@@ -14,6 +14,7 @@
 namespace colift::planner {
 
 struct DecisionConfig {
+  std::optional<double> share;  ///< What weights.epsilon was made of, where a person said it so.
   SharingWeights weights;
   SharingLimits limits;
   double mass_kg = 1.0;
@@ -30,7 +31,10 @@ struct DecisionConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("weights", weights, "Cost of effort, thesis eq. 4.5.");
+    v("share", share, hal::kFraction,
+      "Share of the load that the robot shall carry, more than 0 and less than 1; sets weights.epsilon. Of the "
+      "two, the one that was set last counts. ~: weights.epsilon.");
+    v("weights", weights, "Cost weights of effort, thesis eq. 4.5.");
     v("limits", limits, "What either agent can exert; without entries there is no limit.");
     v("mass_kg", mass_kg, hal::kPositive,
       "Mass that the limits are checked for; the choice without limits does not depend on it.");
@@ -40,8 +44,9 @@ struct DecisionConfig {
       "Max sideways force of the partner, as a fraction of the weight.");
     v("max_lever_m", max_lever_m, hal::kPositive,
       "Max distance of the centre of gravity from the vertical plane through both hands; beyond it the "
-      "object "
-      "tips about the line between them (m).");
+      "object tips about the line between them (m).");
+    v.or_infinite("max_sideways");
+    v.or_infinite("max_lever_m");
     v("check_reach", check_reach,
       "Whether a grasp beyond the arm's reach is refused (needs the camera's pose).");
     v("shoulder_m", shoulder_m, hal::Range{-10, 10}, "Intersection of axes 1 to 3 of the arm, in the robot base frame (m).");

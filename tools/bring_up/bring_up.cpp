@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "hal/config/config_file.hpp"
+#include "tools/cli/config_of.hpp"
 
 namespace colift::tools {
 
@@ -19,12 +19,11 @@ hal::Result<RobotFile> read_wired(const HalOptions& options, const WiredDevice& 
   return file;
 }
 
-hal::Result<control::Config> read_config(const CommonOptions& common) {
-  control::Config config;
-  hal::FieldTable table = hal::table_of(config);
-  if (auto done = hal::apply_command_line(table, common.config_files, common.settings); !done)
-    return tl::unexpected(done.error());
-  return config;
+hal::Result<control::Config> read_config(const char* command, const CommonOptions& common) {
+  auto resolved = config_of(common, control::Command::Hal);
+  if (!resolved) return tl::unexpected(resolved.error());
+  show_warnings(command, common, *resolved);
+  return std::move(resolved->config);
 }
 
 hal::Result<> check_time(const HalOptions& options) {

@@ -28,8 +28,9 @@ inline constexpr WiredDevice kWiredCamera{"camera", &RobotFile::camera, "kinect"
 /// device is not on a wire).
 [[nodiscard]] hal::Result<RobotFile> read_wired(const HalOptions& options, const WiredDevice& device);
 
-/// Files and --set over the defaults. Errors: BadConfig with the place.
-[[nodiscard]] hal::Result<control::Config> read_config(const CommonOptions& common);
+/// The configuration of a `hal` command, warnings of which are printed as of `command`. Errors: BadConfig with
+/// the place.
+[[nodiscard]] hal::Result<control::Config> read_config(const char* command, const CommonOptions& common);
 
 /// Errors: BadInput (a time that is not more than 0).
 [[nodiscard]] hal::Result<> check_time(const HalOptions& options);

@@ -5,7 +5,6 @@
 #include <future>
 #include <numbers>
 
-#include "control/arm/arm_mode.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "tools/bring_up/bring_up.hpp"
 #include "tools/bring_up/hal_arm_json.hpp"
@@ -33,7 +32,7 @@ struct Bench {
 };
 
 hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& options) {
-  const auto config = read_config(common);
+  const auto config = read_config("hal arm", common);
   if (!config) return tl::unexpected(config.error());
   const auto file = read_wired(options, kWiredArm);
   if (!file) return tl::unexpected(file.error());
@@ -45,7 +44,7 @@ hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& opt
         stderr);
   auto model = read_model(file->model);
   if (!model) return tl::unexpected(model.error());
-  return Bench{file->fri, control::for_arm_mode(*config).guard_arm, std::move(*model)};
+  return Bench{file->fri, config->guard_arm, std::move(*model)};
 }
 
 hal::Result<ArmTask> move_task(const HalOptions& o, const Bench& bench) {

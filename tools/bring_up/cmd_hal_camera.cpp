@@ -14,6 +14,7 @@
 #include "perception/calibration/grey_png.hpp"
 #include "tools/bring_up/bring_up.hpp"
 #include "tools/bring_up/hal_camera_view.hpp"
+#include "tools/cli/config_of.hpp"
 #include "tools/cli/session.hpp"
 #include "tools/emulate/emulate.hpp"
 #include "tools/visualization/file_output.hpp"
@@ -184,6 +185,10 @@ int cmd_hal_camera(const CommonOptions& common, const HalCameraOptions& options)
   if (!kinect) return report_error(where.c_str(), kinect.error());
   const auto for_s = time_of(options);
   if (!for_s) return report_error(where.c_str(), for_s.error());
+  // the camera alone needs nothing of it, but what is wrong in it is said
+  const auto resolved = config_of(common, control::Command::Hal);
+  if (!resolved) return report_error(where.c_str(), resolved.error());
+  show_warnings(where.c_str(), common, *resolved);
 
   const InterruptGuard signals;
   Session session(common, options, *kinect, *for_s);

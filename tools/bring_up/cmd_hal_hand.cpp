@@ -26,7 +26,7 @@ struct Bench {
 };
 
 hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& options) {
-  const auto config = read_config(common);
+  const auto config = read_config("hal hand", common);
   if (!config) return tl::unexpected(config.error());
   const auto file = read_wired(options, kWiredHand);
   if (!file) return tl::unexpected(file.error());

@@ -18,6 +18,10 @@ namespace {
 
 constexpr double kLeast_m = 0.10, kMost_m = 0.20;
 constexpr double kHeight_m = 0.05, kHold_s = 1.0, kBudget_deg = 2.0;
+
+control::TaskSaid task() {
+  return {"experiment wrong-cog", kHeight_m, kHold_s};
+}
 constexpr double kCarefully_s = 10.0;  // a grip that was only tried slowly is lifted slowly
 constexpr std::size_t kColumns = 15, kDetailColumns = 22;
 
@@ -40,9 +44,7 @@ TrialRows run(const Trial& trial) {
   };
   auto sighting = Sighting::make(scenario, trial.method, seed, kHeight_m);
   if (!sighting) return refused(sighting.error().text());
-  control::Config config = config_for(trial.method);
-  config.task.lift_height_m = kHeight_m;
-  config.task.hold_s = kHold_s;
+  control::Config config = config_for(trial.method, task());
   const auto outcome = (*sighting)->decide(config);
   if (!outcome) return refused(outcome.error().text());
   if (!outcome->decision.chosen) return refused(outcome->decision.because);
@@ -212,6 +214,7 @@ Experiment wrong_cog_experiment() {
                       "next",
                       "because"};
   e.run = run;
+  e.task = task();
   e.figures = figures;
   e.plot = plot;
   return e;

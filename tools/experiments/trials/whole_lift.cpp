@@ -16,15 +16,14 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
   const hal::RobotModel& model = hal::built_in_robot();
   auto world = sim_hal::SimWorld::make(scenario, model, seed, sim_hal::SimConfig{});
   if (!world) return tl::unexpected(world.error());
-  control::Config config = config_for(method);
-  config.task.lift_height_m = scenario.task.height;
-  config.task.hold_s = scenario.task.hold_s;
+  const control::Config config = config_for(
+      method, control::TaskSaid{"scenario " + scenario.name, scenario.task.height, scenario.task.hold_s});
   hal::Robot robot;
   robot.arm = std::make_unique<hal::GuardedArm>(sim_hal::make_sim_arm(**world), model, config.guard_arm);
   robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(**world), config.guard_hand);
   robot.camera = sim_hal::make_sim_camera(**world);
   robot.clock = sim_hal::make_sim_clock(**world);
-  const control::RigView rig{model, shared_hand().hand, shared_hand().tables,
+  const control::RigView rig{model, shared_hand(method).hand, shared_hand(method).tables,
                              sim_hal::camera_pose(scenario.camera)};
   const hal::SteadyClock wall;
   control::JobOptions options;

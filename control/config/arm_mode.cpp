@@ -1,4 +1,4 @@
-#include "control/arm/arm_mode.hpp"
+#include "control/config/arm_mode.hpp"
 
 #include <algorithm>
 
