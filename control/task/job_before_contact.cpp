@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 
 #include "control/session/map_check.hpp"
 #include "control/session/picture_check.hpp"
 #include "control/session/suggest.hpp"
 #include "control/task/job.hpp"
 #include "control/test_lift/next_place.hpp"
+#include "hal/types/units.hpp"
 
 namespace colift::control {
 namespace {
@@ -21,7 +21,6 @@ constexpr double kSamePlace_m = 0.06;   // where a grip failed, none is tried ag
 constexpr double kSecondWait_s = 10.0;  // for a partner who was there already
 constexpr int kTries = 8;               // grasps for which a way is looked for
 constexpr int kApproaches = 5;          // a partner who changes his mind more often is left alone
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 std::string seconds_text(double s) {
   return fmt::format("{:.1f} s", s);
@@ -143,7 +142,7 @@ void Job::judge_reach(std::vector<planner::GraspCandidate>& candidates) {
     if (c.verdict != planner::Verdict::Unreachable) continue;
     for (double turn = step; turn <= most && c.verdict == planner::Verdict::Unreachable; turn += step) {
       for (const double side : {1.0, -1.0}) {
-        auto other = look.finder->turned(c, side * turn * kDegree);
+        auto other = look.finder->turned(c, hal::deg_to_rad(side * turn));
         if (!other || other->verdict != planner::Verdict::Ok || !planner_->reach(*other, lift)) continue;
         other->because =
             fmt::format("the hand comes at {:.0f} deg to the face: straight, {}", turn, c.because);

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 
 #include "control/task/job.hpp"
 #include "control/test_lift/level_grip.hpp"
+#include "hal/types/units.hpp"
 
 namespace colift::control {
 namespace {
@@ -14,8 +14,7 @@ namespace {
 constexpr double kSettle_s = 0.3;        // after a motion, before its end is believed
 constexpr double kLeaderRise_m = 0.008;  // the partner's end is higher than the palm by this: he lifts
 constexpr double kMostMoved_m = 0.06;    // an object that was put down farther away has to be seen anew
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kSamePlace_m = 0.05;  // the partner's, who is seen to some centimetres
+constexpr double kSamePlace_m = 0.05;    // the partner's, who is seen to some centimetres
 
 const planner::GraspCandidate& chosen_of(const Outcome& outcome) {
   return outcome.candidates[*outcome.decision.chosen];
@@ -132,7 +131,7 @@ bool Job::choose_level(const perception::PartnerGrasp& partner, const Judge& rea
   decision.chosen = candidates.size() - 1;
   decision.share = bearable_->share;
   decision.because = fmt::format("grasp {}: the most level of {} test lifts, {:.1f} deg", bearable_->grasp.id,
-                                 felt.size(), bearable_->tilt_rad / kDegree);
+                                 felt.size(), hal::rad_to_deg(bearable_->tilt_rad));
   accepts_bearable_ = true;
   return true;
 }

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "control/task/job.hpp"
+#include "hal/types/units.hpp"
 
 namespace colift::control {
 namespace {
@@ -26,16 +26,12 @@ constexpr double kMoved_m = 0.004;  // an object that moved by more stands in an
 constexpr double kGravity_m_s2 = 9.81;
 constexpr double kStands_m = 0.002, kBearsItself_n = 0.5;
 
-double deg(double rad) {
-  return rad * 180.0 / std::numbers::pi;
-}
-
 // The joint with the least way left to one of its limits, in words.
 std::string nearest_limit(const hal::RobotModel& model, const hal::JointVector& q_rad) {
   const hal::JointVector to_lower = q_rad - model.lower_rad(), to_upper = model.upper_rad() - q_rad;
   Eigen::Index joint = 0;
   const double left_rad = to_lower.cwiseMin(to_upper).minCoeff(&joint);
-  return fmt::format("A{} is {:.1f} deg from its limit", joint + 1, deg(left_rad));
+  return fmt::format("A{} is {:.1f} deg from its limit", joint + 1, hal::rad_to_deg(left_rad));
 }
 
 }  // namespace
@@ -63,8 +59,9 @@ std::optional<Happening> Job::verify() {
   for (const double q : hand_.finger_rad) widest = std::max(widest, std::abs(q - expected));
   double force = 0.0;
   for (const double f : hand_.tip_force_n) force += std::isnan(f) ? 0.0 : f;
-  const std::string facts = fmt::format(
-      "fingers within {:.0f} deg of the seen width, pads press with {:.0f} N", deg(widest), force);
+  const std::string facts =
+      fmt::format("fingers within {:.0f} deg of the seen width, pads press with {:.0f} N",
+                  hal::rad_to_deg(widest), force);
   if (!hand_.held) return Happening{Event::GripBad, "the grip was lost: " + facts};
   if (widest > kFingerTolerance_rad)
     return Happening{Event::GripBad, "that is not the seen object: " + facts};
@@ -93,7 +90,7 @@ void Job::watch_object() {
     sample.tilt_rad = tilt_rad_;
     sample.slip_m = slip_m_;
     loop_.see_partner(partner_rise_m_);
-    tilting_ = deg(tilt_rad_) > config_.task.max_tilt_deg ? tilting_ + 1 : 0;
+    tilting_ = hal::rad_to_deg(tilt_rad_) > config_.task.max_tilt_deg ? tilting_ + 1 : 0;
     slipping_ = slip_m_ > config_.task.max_slip_m ? slipping_ + 1 : 0;
   }
   record_.curve.push_back(sample);
@@ -131,7 +128,7 @@ std::optional<Happening> Job::beyond_limits() const {
   if (hand_.hot) return Happening{Event::HandUnfit, hand_.warning.str()};
   if (tilting_ >= kInARow)
     return Happening{Event::LimitReached, fmt::format("the object tilts by {:.1f} deg (limit {:.1f})",
-                                                      deg(tilt_rad_), config_.task.max_tilt_deg)};
+                                                      hal::rad_to_deg(tilt_rad_), config_.task.max_tilt_deg)};
   if (slipping_ >= kInARow)
     return Happening{Event::LimitReached, fmt::format("the object slips {:.0f} mm in the hand (limit {:.0f})",
                                                       1e3 * slip_m_, 1e3 * config_.task.max_slip_m)};
@@ -165,7 +162,7 @@ std::optional<Happening> Job::lift() {
   if (hal::seconds(now_ - settled_at_) < kSettle_s) return std::nullopt;
   return Happening{Event::AtHeight,
                    fmt::format("{:.1f} cm up, tilt {:.1f} deg, load {:.0f} N", 1e2 * loop_.view().height_m,
-                               deg(tilt_rad_), loop_.view().load_n)};
+                               hal::rad_to_deg(tilt_rad_), loop_.view().load_n)};
 }
 
 std::optional<Happening> Job::hold() {

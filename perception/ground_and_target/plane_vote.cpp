@@ -3,12 +3,12 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::perception {
 namespace {
 
-constexpr double kRad = std::numbers::pi / 180.0;
 constexpr std::size_t kProposals = 160;
 constexpr int kRefits = 4;
 constexpr std::size_t kLeastBlocks = 3;
@@ -16,7 +16,7 @@ constexpr std::size_t kLeastBlocks = 3;
 class Voter {
  public:
   Voter(const std::vector<BlockPlane>& blocks, const NoiseModel& noise, const PlaneTolerance& tolerance)
-      : blocks_(blocks), min_cosine_(std::cos(20.0 * kRad)) {
+      : blocks_(blocks), min_cosine_(std::cos(hal::deg_to_rad(20.0))) {
     reach_.reserve(blocks.size());
     weight_.reserve(blocks.size());
     for (const BlockPlane& b : blocks) {
@@ -87,7 +87,7 @@ std::vector<VotedPlane> vote_planes(const std::vector<BlockPlane>& blocks,
     for (int round = 0; round < kRefits; ++round) plane = voter.refit(plane);
     if (!wanted(plane.normal)) continue;  // a wall that grew out of one crooked block
     const bool again = std::any_of(found.begin(), found.end(), [&](const VotedPlane& f) {
-      return f.plane.normal.dot(plane.normal) > std::cos(2.0 * kRad) &&
+      return f.plane.normal.dot(plane.normal) > std::cos(hal::deg_to_rad(2.0)) &&
              std::abs(f.plane.height(plane.foot(blocks[i].center.cast<double>()))) < 0.01;
     });
     if (again) continue;

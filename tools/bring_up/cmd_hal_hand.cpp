@@ -2,13 +2,13 @@
 
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <thread>
 
 #include "control/config/config.hpp"
 #include "hal/config/config_file.hpp"
 #include "hal/guards/guarded_hand.hpp"
 #include "hal/os/make_can_bus.hpp"
+#include "hal/types/units.hpp"
 #include "tools/bring_up/cmd_hal.hpp"
 #include "tools/bring_up/hal_hand_task.hpp"
 #include "tools/bring_up/hal_screen.hpp"
@@ -21,7 +21,6 @@ namespace {
 
 using How = HandTaskEnd::How;
 
-constexpr double kDeg = 180.0 / std::numbers::pi;
 constexpr auto kPause = std::chrono::milliseconds(2);
 
 struct Bench {
@@ -53,7 +52,7 @@ hal::Result<HandTask> task_of(const HalOptions& o, const Bench& bench) {
   HandTask task;
   task.although_loaded = o.yes;
   task.torque_nm = o.torque_nm;
-  task.spread_rad = o.spread_deg / kDeg;
+  task.spread_rad = hal::deg_to_rad(o.spread_deg);
   if (o.verb == "watch" || o.verb == "tactile") {
     if (o.for_s) task.for_s = *o.for_s;
   } else if (o.verb == "init" || o.verb == "state") {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <vector>
 
+#include "hal/types/units.hpp"
 #include "perception/organised_cloud.hpp"
 #include "tools/visualization/scene/scene_picture.hpp"
 
@@ -15,8 +15,6 @@ namespace colift::tools {
 namespace {
 
 using State = hal::DeviceHealth::State;
-
-constexpr double kDeg = 180.0 / std::numbers::pi;
 
 const char* word(State s) {
   switch (s) {
@@ -38,7 +36,8 @@ const char* word(State s) {
 
 /// How far the camera looks down, and leans to its right (deg).
 std::pair<double, double> attitude_deg(const hal::Vec3& up_C) {
-  return {kDeg * std::asin(std::clamp(-up_C.z(), -1.0, 1.0)), kDeg * std::atan2(up_C.x(), -up_C.y())};
+  return {hal::rad_to_deg(std::asin(std::clamp(-up_C.z(), -1.0, 1.0))),
+          hal::rad_to_deg(std::atan2(up_C.x(), -up_C.y()))};
 }
 
 std::string hangs(const CameraView& v) {

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "hal/types/units.hpp"
 #include "tools/visualization/palette.hpp"
 #include "tools/visualization/scene/solid_rays.hpp"
 #include "tools/visualization/scene/solid_scene.hpp"
@@ -54,10 +54,8 @@ class Eye {
     eye_ = view.eye.cast<float>();
     middle_ = {0.5f * static_cast<float>(view.width), 0.5f * static_cast<float>(view.height)};
     parallel_ = view.height_m.has_value();
-    step_ =
-        parallel_
-            ? static_cast<float>(*view.height_m / view.height)
-            : static_cast<float>(2 * std::tan(0.5 * view.angle_deg * std::numbers::pi / 180) / view.height);
+    step_ = parallel_ ? static_cast<float>(*view.height_m / view.height)
+                      : static_cast<float>(2 * std::tan(0.5 * hal::deg_to_rad(view.angle_deg)) / view.height);
   }
 
   [[nodiscard]] Ray ray(float x, float y) const {
