@@ -3,17 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 #include <utility>
 
 #include "control/test_lift/level_grip.hpp"
+#include "hal/types/units.hpp"
 
 namespace colift::control {
 namespace {
 
 constexpr double kSamePlace_m = 0.06;         // where a grip failed, none is tried again
 constexpr double kSamePartnerPlace_m = 0.05;  // the partner's, who is seen to some centimetres
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 }  // namespace
 
@@ -52,7 +51,7 @@ void GraspSelector::judge_reach(std::vector<planner::GraspCandidate>& candidates
     if (c.verdict != planner::Verdict::Unreachable) continue;
     for (double turn = step; turn <= most && c.verdict == planner::Verdict::Unreachable; turn += step) {
       for (const double side : {1.0, -1.0}) {
-        auto other = look.finder->turned(c, side * turn * kDegree);
+        auto other = look.finder->turned(c, side * turn * hal::kRadPerDeg);
         if (!other || other->verdict != planner::Verdict::Ok || !c_.motion_planner.reach(*other, lift))
           continue;
         other->because =
@@ -128,7 +127,7 @@ bool GraspSelector::choose_level(const perception::PartnerGrasp& partner, const 
   decision.chosen = candidates.size() - 1;
   decision.share = bearable_->share;
   decision.because = fmt::format("grasp {}: the most level of {} test lifts, {:.1f} deg", bearable_->grasp.id,
-                                 felt.size(), bearable_->tilt_rad / kDegree);
+                                 felt.size(), bearable_->tilt_rad / hal::kRadPerDeg);
   accepts_bearable_ = true;
   return true;
 }

@@ -4,13 +4,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
+
+#include "hal/types/units.hpp"
 
 namespace colift::perception {
 namespace {
 
-constexpr double kRad = std::numbers::pi / 180.0;
 constexpr double kWristReach_m =
     0.35;  // beside the workspace; turning the wrist moves the palm less than this
 
@@ -65,14 +65,14 @@ std::vector<ProposedPose> candidate_poses(const hal::RobotModel& robot, const Em
                                           const CalibrationConfig& calibration, const PoseConfig& config,
                                           std::uint64_t seed) {
   Random random(seed);
-  const hal::JointVector margin = hal::JointVector::Constant(config.margin_deg * kRad);
+  const hal::JointVector margin = hal::JointVector::Constant(hal::deg_to_rad(config.margin_deg));
   const hal::JointVector lower = robot.lower_rad() + margin, upper = robot.upper_rad() - margin;
   const Vec3 low = calibration.workspace_center_m - 0.5 * calibration.workspace_size_m;
   const Vec3 high = calibration.workspace_center_m + 0.5 * calibration.workspace_size_m;
   const Pose X_BC = camera.X_BC();
   const auto& k = camera.camera;
-  const double cos_view = std::cos(config.view_angle_deg * kRad);
-  const double cos_roll = std::cos(config.roll_deg * kRad);
+  const double cos_view = std::cos(hal::deg_to_rad(config.view_angle_deg));
+  const double cos_roll = std::cos(hal::deg_to_rad(config.roll_deg));
 
   std::vector<ProposedPose> out;
   std::vector<Pose> X_WL;

@@ -6,8 +6,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
+
+#include "hal/types/units.hpp"
 
 namespace colift::perception {
 namespace {
@@ -156,7 +157,6 @@ PoseCheck check_pose(const hal::DepthFrame& frame, const Pose& X_BC,
                      const hal::JointVector& q_rad, const hal::HandPosture& hand,
                      const PoseCheckConfig& config) {
   PoseCheck out;
-  constexpr double kDeg = 180.0 / std::numbers::pi;
   if (ground_B) {
     out.tilt_rad = std::acos(std::clamp(ground_B->normal.z(), -1.0, 1.0));
     // where the arm works, not at the plane's foot under the base
@@ -177,12 +177,12 @@ PoseCheck check_pose(const hal::DepthFrame& frame, const Pose& X_BC,
     out.arm_off_B = -fit_shift(points, solids, config);
   }
   const double off = out.arm_off_B.norm();
-  if (ground_B && out.tilt_rad * kDeg > config.max_tilt_deg) {
+  if (ground_B && hal::rad_to_deg(out.tilt_rad) > config.max_tilt_deg) {
     out.good = false;
     out.because = fmt::format(
         "the camera is not where its calibration says: the ground is seen tilted by {:.1f} deg "
         "(at most {:.1f}); calibrate again",
-        out.tilt_rad * kDeg, config.max_tilt_deg);
+        hal::rad_to_deg(out.tilt_rad), config.max_tilt_deg);
   } else if (ground_B && out.height_m < -config.max_height_m) {
     out.good = false;
     out.because = fmt::format(
@@ -199,7 +199,8 @@ PoseCheck check_pose(const hal::DepthFrame& frame, const Pose& X_BC,
   } else {
     out.because = fmt::format(
         "ground {}, {}",
-        ground_B ? fmt::format("{:.1f} deg from level", out.tilt_rad * kDeg) : std::string("not seen"),
+        ground_B ? fmt::format("{:.1f} deg from level", hal::rad_to_deg(out.tilt_rad))
+                 : std::string("not seen"),
         arm_seen ? fmt::format("arm {:.0f} mm from its model", 1e3 * off) : std::string("arm not in view"));
   }
   return out;

@@ -6,15 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
+#include "hal/types/units.hpp"
 #include "perception/ground_and_target/plane_vote.hpp"
 
 namespace colift::perception {
 namespace {
 
-constexpr double kRad = std::numbers::pi / 180.0;
 // Tolerances of the rounds of the pixel fit, relative to the configured one: wide first, because the start is
 // crooked, never less than the noise.
 constexpr float kWidest = 2.0f;
@@ -176,7 +175,7 @@ GroundResult find_ground(const OrganisedCloud& cloud, const std::vector<BlockPla
   for (const float d : cloud.depth_m) seen += d == d ? 1U : 0U;
   const Vec3 up = up_W.value_or(-cloud.X_WC.linear().col(1));
   const double max_tilt_deg = up_W ? c.max_tilt_deg : c.max_tilt_unknown_deg;
-  const auto faces_up = [&](const Vec3& n) { return n.dot(up) > std::cos(max_tilt_deg * kRad); };
+  const auto faces_up = [&](const Vec3& n) { return n.dot(up) > std::cos(max_tilt_deg * hal::kRadPerDeg); };
 
   const std::vector<VotedPlane> level =
       vote_planes(blocks, faces_up, noise, {c.tolerance_m, c.tolerance_sigma}, c.vote);
@@ -192,7 +191,8 @@ GroundResult find_ground(const OrganisedCloud& cloud, const std::vector<BlockPla
   const VotedPlane* best = &level.front();
   for (const VotedPlane& l : level) {
     if (l.area_m2 < c.min_area_ratio * level.front().area_m2) continue;
-    if (l.plane.normal.dot(level.front().plane.normal) < std::cos(c.parallel_tolerance_deg * kRad)) continue;
+    if (l.plane.normal.dot(level.front().plane.normal) < std::cos(c.parallel_tolerance_deg * hal::kRadPerDeg))
+      continue;
     if (l.plane.height(eye) > best->plane.height(eye) + c.same_level_tolerance_m) best = &l;
   }
 

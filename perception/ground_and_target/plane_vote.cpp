@@ -3,18 +3,17 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::perception {
 namespace {
-
-constexpr double kRad = std::numbers::pi / 180.0;
 
 class Voter {
  public:
   Voter(const std::vector<BlockPlane>& blocks, const NoiseModel& noise, const PlaneTolerance& tolerance,
         double max_normal_angle_deg)
-      : blocks_(blocks), min_cosine_(std::cos(max_normal_angle_deg * kRad)) {
+      : blocks_(blocks), min_cosine_(std::cos(max_normal_angle_deg * hal::kRadPerDeg)) {
     reach_.reserve(blocks.size());
     weight_.reserve(blocks.size());
     for (const BlockPlane& b : blocks) {
@@ -87,7 +86,7 @@ std::vector<VotedPlane> vote_planes(const std::vector<BlockPlane>& blocks,
     for (int round = 0; round < config.refits; ++round) plane = voter.refit(plane);
     if (!wanted(plane.normal)) continue;  // a wall that grew out of one crooked block
     const bool again = std::any_of(found.begin(), found.end(), [&](const VotedPlane& f) {
-      return f.plane.normal.dot(plane.normal) > std::cos(config.same_plane_angle_deg * kRad) &&
+      return f.plane.normal.dot(plane.normal) > std::cos(config.same_plane_angle_deg * hal::kRadPerDeg) &&
              std::abs(f.plane.height(plane.foot(blocks[i].center.cast<double>()))) <
                  config.same_plane_distance_m;
     });

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/types/units.hpp"
 namespace colift::perception {
 namespace {
 
@@ -245,12 +246,12 @@ struct ObjectFollower::Impl {
     if (!(stepped <= reach_m) || !(turned * samples.radius_m <= reach_m))
       return refuse([&] {
         return fmt::format("a step of {:.0f} mm and {:.1f} deg since the last frame is no small motion",
-                           1e3 * stepped, turned * 57.29578);
+                           1e3 * stepped, hal::rad_to_deg(turned));
       });
     if (motion.shift.norm() > config.max_shift_m || rotation_vector(motion.turn).norm() > config.max_turn_rad)
       return refuse([&] {
         return fmt::format("the object would be {:.2f} m and {:.0f} deg from where it stood",
-                           motion.shift.norm(), rotation_vector(motion.turn).norm() * 57.29578);
+                           motion.shift.norm(), hal::rad_to_deg(rotation_vector(motion.turn).norm()));
       });
 
     last = motion;

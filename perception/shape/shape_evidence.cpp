@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "hal/types/units.hpp"
 #include "perception/footprint.hpp"
 
 namespace colift::perception {
@@ -31,7 +32,7 @@ ShapeEvidence::ShapeEvidence(const OrganisedCloud& cloud, const Target& target,
     if (const auto* r = std::get_if<Rectangle>(&s)) {
       total_area_ += r->size.prod();
       const double cosine = r->normal.dot(up_);
-      if (cosine > std::cos(config.level_deg * std::numbers::pi / 180)) level_.push_back(r);
+      if (cosine > std::cos(hal::deg_to_rad(config.level_deg))) level_.push_back(r);
       if (std::abs(cosine) < config.max_lean_sine) upright_.push_back(r);
     } else {
       const auto& c = std::get<Cylinder>(s);

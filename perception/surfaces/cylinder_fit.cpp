@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "hal/types/units.hpp"
+
 namespace colift::perception {
 namespace {
 
@@ -303,8 +305,7 @@ std::optional<CylinderFit> fit_cylinder(std::span<const SightedPoint> points, st
   const Circle circle{Vector2d::Zero(), best->radius};
   fit.misfit = std::sqrt(circle_cost(circle, flat));
   fit.arc_rad = covered_arc(flat, circle);
-  if (fit.misfit > config.cylinder_max_misfit ||
-      fit.arc_rad < config.cylinder_min_arc_deg * std::numbers::pi / 180.0)
+  if (fit.misfit > config.cylinder_max_misfit || fit.arc_rad < hal::deg_to_rad(config.cylinder_min_arc_deg))
     return std::nullopt;
   return fit;
 }

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::perception {
 namespace {
@@ -28,8 +29,7 @@ class EdgeSearch {
     }
     const Vec3 along = normal.cross(outward);
     const Vec3 to_eye = image_.geometry.eye() - middle;
-    if (outward.dot(to_eye) < std::sin(config_.min_edge_view_deg * std::numbers::pi / 180) * to_eye.norm())
-      return;
+    if (outward.dot(to_eye) < std::sin(hal::deg_to_rad(config_.min_edge_view_deg)) * to_eye.norm()) return;
     if (wide_face_there(from, outward, middle)) return;
 
     out_ = image_.geometry.linear(outward), along_ = image_.geometry.linear(along);

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <utility>
 
+#include "hal/types/units.hpp"
 #include "perception/surfaces/cover_grid.hpp"
 #include "perception/surfaces/face_frame.hpp"
 
@@ -45,7 +45,7 @@ class FaceCover {
     step_.along_row = Vector2d(static_cast<double>(b.s - a.s), static_cast<double>(b.t - a.t));
     step_.along_column = Vector2d(static_cast<double>(c.s - a.s), static_cast<double>(c.t - a.t));
     pixel_m_ = step_.longest();
-    most_lean_ = config.max_normal_sigma_deg * std::numbers::pi / 180.0;
+    most_lean_ = hal::deg_to_rad(config.max_normal_sigma_deg);
     least_pixels_ = std::max(config.min_pixels, static_cast<int>(0.5 * config.min_area_m2 / pixel_area_m2()));
   }
 

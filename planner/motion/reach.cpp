@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "hal/types/units.hpp"
 #include "planner/motion/straight_line.hpp"
 
 namespace colift::planner {
@@ -16,8 +17,6 @@ namespace {
 using hal::JointVector;
 using hal::Pose;
 using hal::Vec3;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 double mm(double m) {
   return 1e3 * m;
@@ -43,8 +42,8 @@ std::optional<ReachRefusal> GraspReach::too_far(const Pose& X_WF, const char* wh
                                     std::max(1.0, mm(distance - longest)), where),
                         distance - longest};
   }
-  const double bend =
-      std::max(std::abs(arm_.lower_rad[3]), std::abs(arm_.upper_rad[3])) - config_.limit_margin_deg * kDegree;
+  const double bend = std::max(std::abs(arm_.lower_rad[3]), std::abs(arm_.upper_rad[3])) -
+                      config_.limit_margin_deg * hal::kRadPerDeg;
   const double shortest =
       std::sqrt(arm_.upper_arm_m * arm_.upper_arm_m + arm_.forearm_m * arm_.forearm_m +
                 2.0 * arm_.upper_arm_m * arm_.forearm_m * std::cos(std::min(bend, std::numbers::pi)));
@@ -68,7 +67,7 @@ void GraspReach::ended(Stage stage, JointPath at, Contacts contacts, double foll
 }
 
 bool GraspReach::pass(const ReachQuery& query, const Pose& X_WF, const ScoredIk& ik, GraspPosture& out) {
-  const double margin = config_.limit_margin_deg * kDegree;
+  const double margin = config_.limit_margin_deg * hal::kRadPerDeg;
   checker_.allow(Contacts::FingersOnTarget);
   if (!checker_.is_free(ik.q_rad)) return ended(Stage::Grasp, {ik.q_rad}, Contacts::FingersOnTarget), false;
 
@@ -127,7 +126,7 @@ std::vector<GraspPosture> GraspReach::find(const ReachQuery& query, std::size_t 
     }
   }
   const std::vector<ScoredIk> all =
-      all_ik(arm_, X_WF, config_.limit_margin_deg * kDegree, config_.elbow_steps);
+      all_ik(arm_, X_WF, config_.limit_margin_deg * hal::kRadPerDeg, config_.elbow_steps);
   if (all.empty()) {
     why = {fmt::format("no arm posture within the joint limits puts the hand there ({} elbow angles tried)",
                        config_.elbow_steps),

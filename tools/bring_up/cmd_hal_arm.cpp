@@ -3,9 +3,9 @@
 #include <cmath>
 #include <cstdio>
 #include <future>
-#include <numbers>
 
 #include "hal/guards/guarded_arm.hpp"
+#include "hal/types/units.hpp"
 #include "tools/bring_up/bring_up.hpp"
 #include "tools/bring_up/hal_arm_json.hpp"
 #include "tools/bring_up/hal_arm_obstacles.hpp"
@@ -19,7 +19,6 @@ namespace {
 
 using How = ArmTaskEnd::How;
 
-constexpr double kDeg = 180.0 / std::numbers::pi;
 constexpr double kCareful_deg = 30.0, kCarefulStiffness = 50.0;
 constexpr double kImpatient_s = 2.0;  // of a person who waits for command mode
 constexpr auto kLook = std::chrono::milliseconds(50);
@@ -68,8 +67,9 @@ hal::Result<ArmTask> move_task(const HalOptions& o, const Bench& bench) {
                                   kCareful_deg));
   if (!std::isfinite(o.speed_deg_s) || o.speed_deg_s <= 0.0)
     return bad("--speed", "expected more than 0 deg/s");
-  const double careful = kDeg * kT1Velocity_rad_s;
-  const double most = 0.5 * kDeg * bench.guard.velocity_part * bench.model->velocity_rad_s()[task.joint];
+  const double careful = hal::rad_to_deg(kT1Velocity_rad_s);
+  const double most =
+      hal::rad_to_deg(0.5 * bench.guard.velocity_part * bench.model->velocity_rad_s()[task.joint]);
   if (o.speed_deg_s > careful && !o.yes)
     return bad("--speed",
                fmt::format("{:.1f} deg/s is more than T1 grants ({:.1f}); in another mode say --yes",
@@ -77,8 +77,8 @@ hal::Result<ArmTask> move_task(const HalOptions& o, const Bench& bench) {
   if (o.speed_deg_s > most)
     return bad("--speed", fmt::format("{:.1f} deg/s is more than half of what A{} may do ({:.1f})",
                                       o.speed_deg_s, task.joint + 1, most));
-  task.by_rad = o.degrees / kDeg;
-  task.speed_rad_s = o.speed_deg_s / kDeg;
+  task.by_rad = hal::deg_to_rad(o.degrees);
+  task.speed_rad_s = hal::deg_to_rad(o.speed_deg_s);
   return task;
 }
 
@@ -124,7 +124,7 @@ std::string progress_line(const ArmProgress& p, const ArmTask& task, double at_s
            ? fmt::format(" {:3.0f} %, measured minus commanded (deg)", 100 * p.done)
            : std::string(", measured minus commanded (deg)");
   for (std::size_t i = 0; i < p.measured_rad.size(); ++i)
-    t += fmt::format(" {:+.3f}", kDeg * (p.measured_rad[i] - p.commanded_rad[i]));
+    t += fmt::format(" {:+.3f}", hal::rad_to_deg(p.measured_rad[i] - p.commanded_rad[i]));
   return t;
 }
 

@@ -2,11 +2,11 @@
 
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <thread>
 
 #include "hal/guards/guarded_hand.hpp"
 #include "hal/os/make_can_bus.hpp"
+#include "hal/types/units.hpp"
 #include "tools/bring_up/bring_up.hpp"
 #include "tools/bring_up/hal_hand_task.hpp"
 #include "tools/cli/session.hpp"
@@ -17,7 +17,6 @@ namespace {
 
 using How = HandTaskEnd::How;
 
-constexpr double kDeg = 180.0 / std::numbers::pi;
 constexpr auto kPause = std::chrono::milliseconds(2);
 
 struct Bench {
@@ -41,7 +40,7 @@ hal::Result<HandTask> task_of(const HalOptions& o, const Bench& bench) {
   HandTask task;
   task.although_loaded = o.yes;
   task.torque_nm = o.torque_nm;
-  task.spread_rad = o.spread_deg / kDeg;
+  task.spread_rad = hal::deg_to_rad(o.spread_deg);
   if (o.verb == "watch" || o.verb == "tactile") {
     if (o.for_s) task.for_s = *o.for_s;
   } else if (o.verb == "init" || o.verb == "state") {

@@ -5,21 +5,21 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <vector>
 
 #include "hal/health_text.hpp"
+#include "hal/types/units.hpp"
 #include "perception/organised_cloud.hpp"
 #include "tools/visualization/scene/scene_picture.hpp"
 
 namespace colift::tools {
 namespace {
 
-constexpr double kDeg = 180.0 / std::numbers::pi;
 
 /// How far the camera looks down, and leans to its right (deg).
 std::pair<double, double> attitude_deg(const hal::Vec3& up_C) {
-  return {kDeg * std::asin(std::clamp(-up_C.z(), -1.0, 1.0)), kDeg * std::atan2(up_C.x(), -up_C.y())};
+  return {hal::rad_to_deg(std::asin(std::clamp(-up_C.z(), -1.0, 1.0))),
+          hal::rad_to_deg(std::atan2(up_C.x(), -up_C.y()))};
 }
 
 std::string hangs(const CameraView& v) {

@@ -7,14 +7,13 @@
 #include <cstdio>
 #include <ctime>
 #include <limits>
-#include <numbers>
 
+#include "hal/types/units.hpp"
 #include "perception/calibration/spot_finder.hpp"
 
 namespace colift::tools {
 namespace {
 
-constexpr double kDeg = 180.0 / std::numbers::pi;
 constexpr double kLowest_m = 0.1, kHighest_m = 4.0;
 constexpr double kNear_m = 0.8, kFar_m = 3.5;  // of the workspace's middle: where a Kinect is good
 constexpr double kFocalPart = 0.003;  // docs/calibration.md: more costs millimetres that no residual shows
@@ -35,7 +34,7 @@ std::optional<std::string> wrong_pose(const hal::Pose& X_BC, const hal::Vec3& wo
         "the camera would look past the workspace: its middle ({:.2f}, {:.2f}, {:.2f}) is {:.0f} deg "
         "off the image's",
         workspace_B.x(), workspace_B.y(), workspace_B.z(),
-        kDeg * std::acos(std::clamp(p.z() / std::max(p.norm(), 1e-9), -1.0, 1.0)));
+        hal::rad_to_deg(std::acos(std::clamp(p.z() / std::max(p.norm(), 1e-9), -1.0, 1.0))));
   return std::nullopt;
 }
 
@@ -61,7 +60,7 @@ CalibrationCheck check_calibration(const perception::CalibrationFile& file,
   const hal::Pose X_BC = file.X_BC();
   const hal::Vec3 at = X_BC.translation(), forward = X_BC.linear().col(2), down = X_BC.linear().col(1);
   out.height_m = at.z();
-  out.down_deg = -kDeg * std::asin(std::clamp(forward.z(), -1.0, 1.0));
+  out.down_deg = -hal::rad_to_deg(std::asin(std::clamp(forward.z(), -1.0, 1.0)));
   std::string age = "of an unknown day";
   if (const auto then = seconds_of_date(file.date)) {
     out.age_days = static_cast<double>(now_s - *then) / 86400.0;
@@ -122,7 +121,7 @@ GroundCheck check_ground(const hal::DepthFrame& frame, const hal::Pose& X_BC, co
   ground_only.least_points = std::numeric_limits<int>::max();
   const auto seen = perception::check_pose(frame, X_BC, found.ground->plane, hal::built_in_robot(),
                                            hal::JointVector::Zero(), hal::HandPosture{}, ground_only);
-  out.tilt_deg = kDeg * seen.tilt_rad;
+  out.tilt_deg = hal::rad_to_deg(seen.tilt_rad);
   out.height_m = seen.height_m;
   out.good = seen.good;
   out.because =

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "hal/types/units.hpp"
 #include "tools/run/run_text.hpp"
 #include "tools/visualization/palette.hpp"
 #include "tools/visualization/scene/side_view.hpp"
@@ -22,7 +22,6 @@ using picture::Solid;
 using picture::SolidRole;
 using picture::SolidScene;
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kGravity = 9.81;
 constexpr Colour kLimit = picture::rgb(0xD55E00);
 constexpr Colour kFloor = picture::rgb(0x8A949E);
@@ -235,10 +234,10 @@ std::optional<picture::LinePlot> curves_plot(const RunView& view) {
 
   PlotPanel tilt{.title = "Tilt (°)", .lines = {}, .levels = {}, .y_low = 0};
   tilt.lines.push_back(
-      line("seen", picture::kRobot, values(seen, [](const auto& s) { return kDegrees * s.tilt_rad; })));
-  true_line(tilt, "true", dark, [](const auto& s) { return kDegrees * s.tilt_rad; });
+      line("seen", picture::kRobot, values(seen, [](const auto& s) { return hal::rad_to_deg(s.tilt_rad); })));
+  true_line(tilt, "true", dark, [](const auto& s) { return hal::rad_to_deg(s.tilt_rad); });
   tilt.levels.push_back({fmt::format("limit {}", degrees_text(view.setting.max_tilt_rad)),
-                         kDegrees * view.setting.max_tilt_rad, kLimit});
+                         hal::rad_to_deg(view.setting.max_tilt_rad), kLimit});
 
   PlotPanel height{.title = "Height (cm)", .lines = {}, .levels = {}};
   height.lines.push_back(line("object, seen", picture::kRobot,

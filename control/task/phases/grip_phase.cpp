@@ -1,10 +1,10 @@
 #include "control/task/phases/grip_phase.hpp"
+#include "hal/types/units.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 namespace colift::control {
@@ -17,7 +17,7 @@ constexpr double kLeaderRise_m = 0.008;  // the partner's end rose by this: he l
 constexpr double kReadyTimeout_s = 20.0;
 
 double deg(double rad) {
-  return rad * 180.0 / std::numbers::pi;
+  return hal::rad_to_deg(rad);
 }
 
 }  // namespace

@@ -1,9 +1,9 @@
 #include "control/task/phases/lift_phase.hpp"
+#include "hal/types/units.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 
 namespace colift::control {
 namespace {
@@ -17,7 +17,7 @@ constexpr double kStands_m = 0.002, kBearsItself_n = 0.5;
 constexpr double kGravity_m_s2 = 9.81;
 
 double deg(double rad) {
-  return rad * 180.0 / std::numbers::pi;
+  return hal::rad_to_deg(rad);
 }
 
 }  // namespace

@@ -1,14 +1,12 @@
 #include "tools/telemetry/channels/messages.hpp"
 
-#include <numbers>
-
 #include "hal/health_text.hpp"
+#include "hal/types/units.hpp"
 #include "tools/telemetry/channels/json_parts.hpp"
 
 namespace colift::telemetry {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr int kPostures = 25;
 
 Json point(const std::optional<hal::Vec3>& p) {
@@ -153,7 +151,7 @@ std::string stages_message(const control::StageTimes& look, double decision_ms,
 
 std::string load_message(const LoadNow& l) {
   std::optional<double> tilt_deg;
-  if (l.tilt_rad) tilt_deg = kDegrees * *l.tilt_rad;
+  if (l.tilt_rad) tilt_deg = hal::kDegPerRad * *l.tilt_rad;
   return dumped({{"force", l.wrench_W ? list_of(l.wrench_W->force) : Json(nullptr)},
                  {"torque", l.wrench_W ? list_of(l.wrench_W->torque) : Json(nullptr)},
                  {"load_n", number_json(l.load_n)},

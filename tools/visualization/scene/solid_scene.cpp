@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 #include "sim_hal/synthetic/ray_caster.hpp"
 #include "sim_hal/synthetic/scene_objects.hpp"
@@ -72,7 +73,7 @@ Pose SolidView::X_WC() const {
 
 hal::CameraIntrinsics SolidView::intrinsics() const {
   const double focal = height_m ? height * ((target - eye).norm() + kParallel_m) / *height_m
-                                : 0.5 * height / std::tan(0.5 * angle_deg * std::numbers::pi / 180);
+                                : 0.5 * height / std::tan(0.5 * hal::deg_to_rad(angle_deg));
   return {width, height, focal, focal, 0.5 * width - 0.5, 0.5 * height - 0.5};
 }
 
@@ -81,7 +82,7 @@ std::optional<Px> SolidView::at(const Vec3& p_W) const {
   const Px middle(0.5 * width, 0.5 * height);
   if (height_m) return middle + p.head<2>() * (height / *height_m);
   if (p.z() < 1e-6) return std::nullopt;
-  const double focal = 0.5 * height / std::tan(0.5 * angle_deg * std::numbers::pi / 180);
+  const double focal = 0.5 * height / std::tan(0.5 * hal::deg_to_rad(angle_deg));
   return middle + focal / p.z() * p.head<2>();
 }
 
@@ -120,7 +121,7 @@ SolidView view_of(const SolidScene& scene, const Vec3& from, int width, int heig
       least = least.cwiseMin(*at);
       most = most.cwiseMax(*at);
     }
-    const double focal = 0.5 * height / std::tan(0.5 * view.angle_deg * std::numbers::pi / 180);
+    const double focal = 0.5 * height / std::tan(0.5 * hal::deg_to_rad(view.angle_deg));
     const Px off = 0.5 * (least + most) - Px(0.5 * width, 0.5 * height);
     const Eigen::Matrix3d axes = view.X_WC().linear();
     view.target += distance / focal * (off.x() * axes.col(0) + off.y() * axes.col(1));
