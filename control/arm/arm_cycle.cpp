@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/braking_law.hpp"
+#include "hal/guards/braking_law.hpp"
 
 namespace colift::control {
 

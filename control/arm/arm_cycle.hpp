@@ -7,7 +7,7 @@
 #include "control/config/task_config.hpp"
 #include "control/lift/load_estimator.hpp"
 #include "hal/arm.hpp"
-#include "hal/cycle_time.hpp"
+#include "hal/guards/cycle_time.hpp"
 #include "hal/robot_model/robot_model.hpp"
 #include "planner/motion/trajectory/trajectory.hpp"
 

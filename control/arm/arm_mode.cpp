@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "hal/t1_profile.hpp"
+#include "hal/guards/t1_profile.hpp"
 
 namespace colift::control {
 namespace {

@@ -5,7 +5,7 @@
 namespace colift::control {
 
 /// Config as Config::arm_mode wants it: in T1 the last gate, planned ways and the lift keep to
-/// hal/t1_profile.hpp; what is set slower stays so.
+/// hal/guards/t1_profile.hpp; what is set slower stays so.
 [[nodiscard]] Config for_arm_mode(Config config);
 
 }  // namespace colift::control

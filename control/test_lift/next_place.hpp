@@ -6,7 +6,7 @@
 
 #include "control/test_lift/test_lift.hpp"
 #include "hal/types/geometry.hpp"
-#include "planner/grasp/grasp_candidate.hpp"
+#include "planner/grasp_candidate.hpp"
 
 namespace colift::control {
 

@@ -7,7 +7,7 @@
 #include "hal/config/range.hpp"
 #include "hal/types/result.hpp"
 #include "perception/scene.hpp"
-#include "planner/grasp/grasp_candidate.hpp"
+#include "planner/grasp_candidate.hpp"
 #include "planner/load_sharing/load_limits.hpp"
 #include "planner/load_sharing/load_sharing.hpp"
 

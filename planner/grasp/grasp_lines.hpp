@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "perception/scene.hpp"
-#include "planner/grasp/grasp_candidate.hpp"
+#include "planner/grasp_candidate.hpp"
 #include "planner/hand/completed_shape.hpp"
 #include "planner/hand/hand_model.hpp"
 #include "planner/hand/obstacles.hpp"

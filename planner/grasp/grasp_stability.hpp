@@ -2,7 +2,7 @@
 
 #include "hal/config/range.hpp"
 #include "hal/types/geometry.hpp"
-#include "planner/grasp/grasp_candidate.hpp"
+#include "planner/grasp_candidate.hpp"
 #include "planner/hand/hand_model.hpp"
 #include "planner/load_sharing/load_sharing.hpp"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hal/types/result.hpp"
-#include "planner/grasp/grasp_candidate.hpp"
+#include "planner/grasp_candidate.hpp"
 #include "planner/load_sharing/load_sharing.hpp"
 
 namespace colift::planner {

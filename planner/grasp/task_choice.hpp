@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hal/types/result.hpp"
-#include "planner/grasp/grasp_candidate.hpp"
+#include "planner/grasp_candidate.hpp"
 #include "planner/load_sharing/load_sharing.hpp"
 #include "planner/load_sharing/several_agents.hpp"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hal/config/range.hpp"
-#include "planner/grasp/grasp_candidate.hpp"
+#include "planner/grasp_candidate.hpp"
 #include "planner/hand/completed_shape.hpp"
 #include "planner/hand/hand_model.hpp"
 #include "planner/hand/hand_sweep.hpp"

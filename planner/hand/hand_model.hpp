@@ -7,7 +7,7 @@
 #include "hal/config/range.hpp"
 #include "hal/types/geometry.hpp"
 #include "hal/types/result.hpp"
-#include "planner/grasp/grasp_candidate.hpp"
+#include "planner/grasp_candidate.hpp"
 
 namespace colift::planner {
 

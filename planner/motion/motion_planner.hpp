@@ -9,7 +9,7 @@
 #include "hal/config/range.hpp"
 #include "hal/types/result.hpp"
 #include "hal/types/time.hpp"
-#include "planner/grasp/grasp_candidate.hpp"
+#include "planner/grasp_candidate.hpp"
 #include "planner/hand/hand_model.hpp"
 #include "planner/motion/collision/collision_scene.hpp"
 #include "planner/motion/inverse_kinematics/arm_ik.hpp"

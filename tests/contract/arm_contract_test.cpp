@@ -3,7 +3,7 @@
 
 #include "colift/contract/arm_contract.hpp"
 #include "fri_rig.hpp"
-#include "hal/guarded_arm.hpp"
+#include "hal/guards/guarded_arm.hpp"
 #include "sim_hal/mock/mock_arm.hpp"
 
 namespace colift {

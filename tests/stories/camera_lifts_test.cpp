@@ -13,9 +13,9 @@
 #include <string>
 
 #include "control/task/task_runner.hpp"
-#include "hal/guarded_arm.hpp"
-#include "hal/guarded_camera.hpp"
-#include "hal/guarded_hand.hpp"
+#include "hal/guards/guarded_arm.hpp"
+#include "hal/guards/guarded_camera.hpp"
+#include "hal/guards/guarded_hand.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
 #include "tests/support/thorough.hpp"

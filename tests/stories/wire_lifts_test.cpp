@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "control/arm/arm_mode.hpp"
-#include "hal/t1_profile.hpp"
+#include "hal/guards/t1_profile.hpp"
 #include "tests/support/forked_lifts.hpp"
 #include "tests/support/thorough.hpp"
 

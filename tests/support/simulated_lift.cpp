@@ -7,8 +7,8 @@
 
 #include "control/session/method.hpp"
 #include "control/task/task_runner.hpp"
-#include "hal/guarded_arm.hpp"
-#include "hal/guarded_hand.hpp"
+#include "hal/guards/guarded_arm.hpp"
+#include "hal/guards/guarded_hand.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "tests/support/arm_wire.hpp"
 #include "tests/support/hand_wire.hpp"

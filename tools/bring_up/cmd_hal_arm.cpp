@@ -7,7 +7,7 @@
 
 #include "control/arm/arm_mode.hpp"
 #include "hal/config/config_file.hpp"
-#include "hal/guarded_arm.hpp"
+#include "hal/guards/guarded_arm.hpp"
 #include "tools/bring_up/cmd_hal.hpp"
 #include "tools/bring_up/hal_arm_json.hpp"
 #include "tools/bring_up/hal_arm_obstacles.hpp"

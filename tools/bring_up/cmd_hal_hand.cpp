@@ -7,7 +7,7 @@
 
 #include "control/config/config.hpp"
 #include "hal/config/config_file.hpp"
-#include "hal/guarded_hand.hpp"
+#include "hal/guards/guarded_hand.hpp"
 #include "hal/os/make_can_bus.hpp"
 #include "tools/bring_up/cmd_hal.hpp"
 #include "tools/bring_up/hal_hand_task.hpp"

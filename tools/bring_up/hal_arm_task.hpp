@@ -8,7 +8,7 @@
 #include <string>
 
 #include "hal/arm.hpp"
-#include "hal/guarded_arm.hpp"
+#include "hal/guards/guarded_arm.hpp"
 #include "hal/robot_model/robot_model.hpp"
 #include "hal/types/latest_value.hpp"
 #include "tools/bring_up/hal_arm_view.hpp"

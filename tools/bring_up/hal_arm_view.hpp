@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "hal/drivers/kuka_fri/fri_arm.hpp"
-#include "hal/guarded_arm.hpp"
+#include "hal/guards/guarded_arm.hpp"
+#include "hal/guards/t1_profile.hpp"
 #include "hal/os/realtime.hpp"
 #include "hal/robot_model/robot_model.hpp"
-#include "hal/t1_profile.hpp"
 
 namespace colift::tools {
 

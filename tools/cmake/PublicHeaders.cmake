@@ -8,35 +8,34 @@ set(COLIFT_PUBLIC_HEADERS
   hal/device.hpp
   hal/drivers/barrett_can/make_barrett_hand.hpp
   hal/drivers/kinect/guarded_kinect.hpp
-  hal/drivers/kuka_fri/fri_config.hpp
   hal/drivers/kuka_fri/make_kuka_arm.hpp
   hal/drivers/recorded/frame_file.hpp
   hal/drivers/recorded/recorded_camera.hpp
-  hal/guarded_arm.hpp
-  hal/guarded_camera.hpp
-  hal/guarded_hand.hpp
+  hal/guards/guarded_arm.hpp
+  hal/guards/guarded_camera.hpp
+  hal/guards/guarded_hand.hpp
+  hal/guards/t1_profile.hpp
   hal/hand.hpp
   hal/infrared_camera.hpp
   hal/os/make_can_bus.hpp
-  hal/os/udp_link.hpp
   hal/robot.hpp
   hal/robot_model/dynamics.hpp
   hal/robot_model/robot_model.hpp
-  hal/t1_profile.hpp
   hal/types/geometry.hpp
   hal/types/joints.hpp
   hal/types/result.hpp
   hal/types/short_text.hpp
   hal/types/time.hpp
   # ... and what these include
+  hal/can_bus.hpp
   hal/config/effective_yaml.hpp
   hal/config/field_table.hpp
   hal/config/range.hpp
-  hal/cycle_time.hpp
-  hal/datagram_link.hpp
   hal/drivers/barrett_can/hand_config.hpp
   hal/drivers/kinect/kinect_config.hpp
+  hal/drivers/kuka_fri/fri_config.hpp
   hal/drivers/recorded/cloud_files/point_file.hpp
+  hal/guards/cycle_time.hpp
   # perception: from a frame to a scene, a partner, a motion
   perception/calibration/calibration_file.hpp
   perception/map/world_map.hpp
@@ -70,12 +69,12 @@ set(COLIFT_PUBLIC_HEADERS
   perception/surfaces/surface_config.hpp
   perception/thesis/thesis_config.hpp
   # planner: load sharing, grasps, motions
-  planner/grasp/grasp_candidate.hpp
   planner/grasp/grasp_candidates.hpp
   planner/grasp/grasp_decision.hpp
   planner/grasp/grasp_stability.hpp
   planner/grasp/robust_choice.hpp
   planner/grasp/task_choice.hpp
+  planner/grasp_candidate.hpp
   planner/hand/hand_model.hpp
   planner/load_sharing/load_limits.hpp
   planner/load_sharing/load_sharing.hpp

@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-#include "hal/guarded_arm.hpp"
+#include "hal/guards/guarded_arm.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 
 int main() {

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "hal/guarded_arm.hpp"
+#include "hal/guards/guarded_arm.hpp"
 #include "planner/motion/trajectory/trajectory.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 

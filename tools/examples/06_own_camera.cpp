@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "control/session/look.hpp"
-#include "hal/guarded_camera.hpp"
+#include "hal/guards/guarded_camera.hpp"
 #include "own_camera.hpp"
 #include "sim_hal/synthetic/scenes.hpp"
 

@@ -10,9 +10,9 @@
 #include "hal/drivers/recorded/file_bytes.hpp"
 #include "tools/rig/robot_file.hpp"
 #include "tools/telemetry/channels/built_in_texts.hpp"
-#include "tools/telemetry/channels/run_documents.hpp"
 #include "tools/telemetry/record/flight_request.hpp"
 #include "tools/telemetry/record/recorder.hpp"
+#include "tools/telemetry/record/run_documents.hpp"
 #include "tools/telemetry/record/run_telemetry.hpp"
 
 namespace colift::tools {

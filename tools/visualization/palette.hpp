@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-#include "planner/grasp/grasp_candidate.hpp"
+#include "planner/grasp_candidate.hpp"
 #include "tools/visualization/canvas.hpp"
 
 namespace colift::picture {

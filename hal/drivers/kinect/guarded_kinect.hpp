@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "hal/drivers/kinect/kinect_config.hpp"
-#include "hal/guarded_camera.hpp"
+#include "hal/guards/guarded_camera.hpp"
 #include "hal/infrared_camera.hpp"
 
 namespace colift::hal {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "hal/braking_law.hpp"
+#include "hal/guards/braking_law.hpp"
 
 namespace colift::hal {
 namespace {

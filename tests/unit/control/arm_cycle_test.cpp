@@ -3,7 +3,7 @@
 
 #include "allocations.hpp"
 #include "arm_cycle_rig.hpp"
-#include "hal/guarded_arm.hpp"
+#include "hal/guards/guarded_arm.hpp"
 
 using namespace colift;
 using namespace colift::control;

@@ -3,7 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "hal/t1_profile.hpp"
+#include "hal/guards/t1_profile.hpp"
 
 using namespace colift;
 using namespace colift::control;

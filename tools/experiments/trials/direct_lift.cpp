@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "control/arm/arm_loop.hpp"
-#include "hal/guarded_arm.hpp"
-#include "hal/guarded_hand.hpp"
+#include "hal/guards/guarded_arm.hpp"
+#include "hal/guards/guarded_hand.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 
 namespace colift::experiments {

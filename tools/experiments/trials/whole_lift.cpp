@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "control/task/task_runner.hpp"
-#include "hal/guarded_arm.hpp"
-#include "hal/guarded_hand.hpp"
+#include "hal/guards/guarded_arm.hpp"
+#include "hal/guards/guarded_hand.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "tools/experiments/trials/sighting.hpp"
 

@@ -11,8 +11,8 @@
 #include "hal/types/result.hpp"
 #include "planner/hand/hand_model.hpp"
 #include "tools/telemetry/channels/channels.hpp"
-#include "tools/telemetry/channels/run_documents.hpp"
 #include "tools/telemetry/mcap/mcap_reader.hpp"
+#include "tools/telemetry/record/run_documents.hpp"
 
 namespace colift::telemetry {
 

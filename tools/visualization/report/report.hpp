@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "hal/types/result.hpp"
-#include "planner/grasp/grasp_candidate.hpp"
+#include "planner/grasp_candidate.hpp"
 
 namespace colift::picture {
 

@@ -10,7 +10,7 @@
 #include "hal/types/result.hpp"
 #include "perception/organised_cloud.hpp"
 #include "perception/scene.hpp"
-#include "planner/grasp/grasp_candidate.hpp"
+#include "planner/grasp_candidate.hpp"
 #include "tools/visualization/canvas.hpp"
 
 namespace colift::picture {

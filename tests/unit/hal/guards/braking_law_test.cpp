@@ -1,4 +1,4 @@
-#include "hal/braking_law.hpp"
+#include "hal/guards/braking_law.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>

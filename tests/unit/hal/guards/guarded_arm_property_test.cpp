@@ -5,8 +5,8 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "hal/braking_law.hpp"
-#include "hal/t1_profile.hpp"
+#include "hal/guards/braking_law.hpp"
+#include "hal/guards/t1_profile.hpp"
 #include "judged_arm.hpp"
 
 using namespace guards;

@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "hal/guarded_arm.hpp"
+#include "hal/guards/guarded_arm.hpp"
 #include "judged_arm.hpp"
 
 namespace guards {

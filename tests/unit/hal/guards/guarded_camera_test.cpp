@@ -6,7 +6,7 @@
 #include <functional>
 #include <limits>
 
-#include "hal/guarded_camera.hpp"
+#include "hal/guards/guarded_camera.hpp"
 
 using namespace colift::hal;
 using namespace std::chrono_literals;

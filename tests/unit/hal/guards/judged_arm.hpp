@@ -7,8 +7,8 @@
 #include <string>
 
 #include "hal/arm.hpp"
-#include "hal/cycle_time.hpp"
-#include "hal/guarded_arm.hpp"
+#include "hal/guards/cycle_time.hpp"
+#include "hal/guards/guarded_arm.hpp"
 
 namespace guards {
 

@@ -1,5 +1,5 @@
 // The last gate in the KRC's mode T1.
-#include "hal/t1_profile.hpp"
+#include "hal/guards/t1_profile.hpp"
 
 #include "guarded_arm_rig.hpp"
 

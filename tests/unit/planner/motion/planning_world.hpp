@@ -5,7 +5,7 @@
 
 #include "hal/robot_model/robot_model.hpp"
 #include "perception/map/world_map.hpp"
-#include "planner/grasp/grasp_candidate.hpp"
+#include "planner/grasp_candidate.hpp"
 #include "planner/motion/collision/collision_scene.hpp"
 #include "planner/motion/trajectory/trajectory.hpp"
 #include "sim_hal/synthetic/shapes.hpp"

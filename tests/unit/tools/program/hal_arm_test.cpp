@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "hal/guarded_arm.hpp"
+#include "hal/guards/guarded_arm.hpp"
 #include "sim_hal/emulator/krc/krc_lock_step.hpp"
 #include "sim_hal/emulator/krc/plant/krc_light_plant.hpp"
 #include "tools/bring_up/hal_arm_json.hpp"

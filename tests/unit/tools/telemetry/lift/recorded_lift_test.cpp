@@ -13,8 +13,8 @@
 
 #include "control/task/task_runner.hpp"
 #include "hal/config/config_file.hpp"
-#include "hal/guarded_arm.hpp"
-#include "hal/guarded_hand.hpp"
+#include "hal/guards/guarded_arm.hpp"
+#include "hal/guards/guarded_hand.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
 #include "sim_hal/scenario/scenario.hpp"

@@ -1,4 +1,4 @@
-#include "tools/telemetry/channels/run_documents.hpp"
+#include "tools/telemetry/record/run_documents.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "hal/guarded_hand.hpp"
+#include "hal/guards/guarded_hand.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "hal/guarded_arm.hpp"
+#include "hal/guards/guarded_arm.hpp"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <optional>
 #include <string_view>
 
-#include "hal/braking_law.hpp"
-#include "hal/cycle_time.hpp"
+#include "hal/guards/braking_law.hpp"
+#include "hal/guards/cycle_time.hpp"
 #include "hal/types/latest_value.hpp"
 #include "hal/types/short_text.hpp"
 

@@ -1,4 +1,4 @@
-#include "hal/guarded_camera.hpp"
+#include "hal/guards/guarded_camera.hpp"
 
 #include <fmt/format.h>
 

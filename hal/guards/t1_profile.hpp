@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "hal/guarded_arm.hpp"
+#include "hal/guards/guarded_arm.hpp"
 
 namespace colift::hal {
 
