@@ -37,7 +37,7 @@ int main() {
   arm.deactivate();
 
   const hal::DeviceHealth health = arm.health();
-  fmt::print("held for 200 cycles: drift {:.4f} rad, max joint torque {:.1f} N m, {} states used, {} dropped\n",
-             drift_rad, torque_nm, health.accepted, health.rejected);
+  fmt::print("held for 200 cycles: drift {:.2f} mrad, max joint torque {:.1f} N m, {} states used, {} dropped\n",
+             1e3 * drift_rad, torque_nm, health.accepted, health.rejected);
   return drift_rad < 0.005 && health.accepted >= 200 && health.rejected == 0 ? 0 : 1;
 }

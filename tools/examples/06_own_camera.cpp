@@ -14,7 +14,7 @@
 
 int main() {
   using namespace colift;
-  const sim_hal::SyntheticScene room = sim_hal::make_scene(sim_hal::ObjectKind::Box, 5);
+  const sim_hal::SyntheticScene room = sim_hal::make_scene(sim_hal::ObjectKind::Table, 22);
   hal::ManualClock clock;
   const auto grab = [&](std::chrono::milliseconds) -> std::optional<example::RawImage> {
     clock.advance(std::chrono::milliseconds(33));
@@ -43,7 +43,7 @@ int main() {
   fmt::print("{}\n", look->because);
   if (!look->scene.target) return 1;
   const double off_m = (look->scene.target->cog - room.cog).norm();
-  fmt::print("the box is {:.0f} mm from where it truly is; {} frames used\n", 1e3 * off_m,
+  fmt::print("its centre of gravity is {:.0f} mm from where it truly is; {} frames used\n", 1e3 * off_m,
              camera.health().accepted);
   return off_m < 0.05 ? 0 : 1;
 }

@@ -27,7 +27,7 @@ using Grab = std::function<std::optional<RawImage>(std::chrono::milliseconds tim
 /// The life of a device is configure(), activate(), next_frame() ..., deactivate(); who calls in another
 /// order gets NotReady. A frame is in metres with NaN for what was not measured, and newer than the one
 /// before.
-class OwnCamera final : public colift::hal::DepthCamera {
+class OwnCamera : public colift::hal::DepthCamera {
  public:
   OwnCamera(Grab grab, const colift::hal::CameraIntrinsics& intrinsics)
       : grab_(std::move(grab)), intrinsics_(intrinsics) {}
