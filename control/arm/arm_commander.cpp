@@ -86,13 +86,13 @@ hal::Result<> ArmCommander::start() {
   if (recorded_) {
     recorded_(view_);
   } else if (thread_) {
-    thread_->thread = std::thread([this] { thread_->run(arm_, motion_); });
+    thread_->thread = std::thread([this] { thread_->run(arm_, controller_); });
     while (!thread_->begun.load(std::memory_order_acquire)) std::this_thread::sleep_for(kTaskPeriod);
     beginning = thread_->beginning;
     realtime_ = thread_->realtime.words;
     (void)thread_->views.read(view_);
   } else {
-    beginning = begin(arm_, motion_);
+    beginning = begin(arm_, controller_);
     view_ = controller_.view();
   }
   started_ = beginning.has_value();
