@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::control {
 namespace {
 
 constexpr double kLargestStep_rad = 0.05;  // in one cycle; more is a jump to another posture
 constexpr double kAtRest_m = 0.002;        // and m/s: the camera sees the partner's end no finer
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kLeastSpan = 0.25;    // of the time of a whole lift: for what is left of one
-constexpr double kLeastWay_m = 0.001;  // against division by no height
+constexpr double kLeastSpan = 0.25;        // of the time of a whole lift: for what is left of one
+constexpr double kLeastWay_m = 0.001;      // against division by no height
 
 // height along a minimum-jerk profile from 0 to 1
 double minimum_jerk(double s) {
@@ -94,7 +94,8 @@ std::optional<LiftController::Command> LiftController::step(double dt_s,
   height_m_ = next_height(pace * dt_s);
   hal::Pose X_WF = X_WF0_;
   X_WF.translation().z() += height_m_;
-  const auto q = planner::follow_ik(arm_, X_WF, q_rad_, kDegree * config_.limit_margin_deg, kLargestStep_rad);
+  const auto q =
+      planner::follow_ik(arm_, X_WF, q_rad_, hal::deg_to_rad(config_.limit_margin_deg), kLargestStep_rad);
   if (!q) {
     height_m_ = before_m;  // the way down begins here
     at_end_ = true;        // what lies behind may be in reach again, but not by the way that the palm goes

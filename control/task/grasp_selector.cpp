@@ -3,17 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 #include <utility>
 
 #include "control/test_lift/level_grip.hpp"
+#include "hal/types/units.hpp"
 
 namespace colift::control {
-namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
-
-}  // namespace
 
 void GraspSelector::set_scene() {
   Look& look = c_.session.look();
@@ -44,13 +39,13 @@ void GraspSelector::judge_reach(std::vector<planner::GraspCandidate>& candidates
   const double lift = c_.config.task.lift_height_m;
   c_.motion_planner.judge(candidates, lift);
   const Look& look = c_.session.look();
-  if (look.method != Method::Fast || !look.finder) return;
+  if (!look.finder) return;
   const double step = c_.config.candidates.turn_step_deg, most = c_.config.candidates.max_turn_deg;
   for (planner::GraspCandidate& c : candidates) {
     if (c.verdict != planner::Verdict::Unreachable) continue;
     for (double turn = step; turn <= most && c.verdict == planner::Verdict::Unreachable; turn += step) {
       for (const double side : {1.0, -1.0}) {
-        auto other = look.finder->turned(c, side * turn * kDegree);
+        auto other = look.finder->turned(c, side * turn * hal::kRadPerDeg);
         if (!other || other->verdict != planner::Verdict::Ok || !c_.motion_planner.reach(*other, lift))
           continue;
         other->because =
@@ -126,7 +121,7 @@ bool GraspSelector::choose_level(const perception::PartnerGrasp& partner, const 
   decision.chosen = candidates.size() - 1;
   decision.share = bearable_->share;
   decision.because = fmt::format("grasp {}: the most level of {} test lifts, {:.1f} deg", bearable_->grasp.id,
-                                 felt.size(), bearable_->tilt_rad / kDegree);
+                                 felt.size(), bearable_->tilt_rad / hal::kRadPerDeg);
   accepts_bearable_ = true;
   return true;
 }

@@ -1,15 +1,15 @@
 #include "control/task/object_monitor.hpp"
+#include "hal/types/units.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 
 namespace colift::control {
 namespace {
 
 double deg(double rad) {
-  return rad * 180.0 / std::numbers::pi;
+  return hal::rad_to_deg(rad);
 }
 
 // The joint with the least angle left to one of its limits, in words.

@@ -5,7 +5,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::control {
 namespace {
@@ -15,7 +16,7 @@ using Vec2 = Eigen::Vector2d;
 constexpr double kGravity = 9.80665;     // m/s^2, standard
 constexpr double kNearest_m = 0.02;      // the centre of gravity is not in the partner's hand
 constexpr double kFootHeight_m = 0.001;  // feet that differ by less stand together: the camera's resolution
-constexpr double kSureTurn_rad = 0.3 * std::numbers::pi / 180.0;  // below it the camera's noise is the turn
+constexpr double kSureTurn_rad = hal::deg_to_rad(0.3);  // below it the camera's noise is the turn
 
 double cross(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();

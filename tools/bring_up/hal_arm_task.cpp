@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <optional>
 
 #include "control/arm/setpoint_generator.hpp"
+#include "hal/types/units.hpp"
 
 namespace colift::tools {
 namespace {
@@ -18,7 +18,6 @@ using hal::ErrorCode;
 using How = ArmTaskEnd::How;
 using Phase = ArmProgress::Phase;
 
-constexpr double kDeg = 180.0 / std::numbers::pi;
 constexpr int kMostBadCycles = 500;  // in a row: a link that brings nothing usable
 constexpr int kStatesToStart = 20;   // after the arm was opened, for a first good one
 constexpr double kHeldUp_s = 1.0;    // commands may be held up that long: packets lost, quality
@@ -301,24 +300,6 @@ std::string_view to_string(ArmProgress::Phase phase) {
   return "";
 }
 
-std::string_view to_string(ArmTaskEnd::How how) {
-  switch (how) {
-    case How::Done:
-      return "done";
-    case How::Interrupted:
-      return "interrupted";
-    case How::BadRequest:
-      return "bad-request";
-    case How::Refused:
-      return "refused";
-    case How::Stopped:
-      return "stopped";
-    case How::Lost:
-      return "lost";
-  }
-  return "";
-}
-
 ArmTaskEnd run_arm_task(hal::Arm& arm, const hal::RobotModel& model, const hal::GuardConfig& guard,
                         const ArmTask& task, const hal::Clock& clock, const ArmTaskHooks& hooks) {
   return Runner(arm, model, guard, task, clock, hooks).run();
@@ -326,7 +307,7 @@ ArmTaskEnd run_arm_task(hal::Arm& arm, const hal::RobotModel& model, const hal::
 
 std::string beyond_limits(const hal::RobotModel& model, const hal::GuardConfig& guard, int joint,
                           double q_rad, double by_rad) {
-  const double margin = guard.limit_margin_deg / kDeg;
+  const double margin = hal::deg_to_rad(guard.limit_margin_deg);
   const double low = model.lower_rad()[joint] + margin, high = model.upper_rad()[joint] - margin;
   const double to = q_rad + by_rad;
   if ((to >= low && to <= high) || (by_rad > 0 && q_rad < low && to <= high) ||
@@ -336,8 +317,9 @@ std::string beyond_limits(const hal::RobotModel& model, const hal::GuardConfig& 
       "A{} stands at {:.1f} deg; by {:+.1f} deg it would come to {:.1f}, allowed is {:.1f} to {:.1f} (at "
       "most {:+.1f} "
       "this way)",
-      joint + 1, kDeg * q_rad, kDeg * by_rad, kDeg * to, kDeg * low, kDeg * high,
-      kDeg * (by_rad > 0 ? std::max(0.0, high - q_rad) : std::min(0.0, low - q_rad)));
+      joint + 1, hal::rad_to_deg(q_rad), hal::rad_to_deg(by_rad), hal::rad_to_deg(to), hal::rad_to_deg(low),
+      hal::rad_to_deg(high),
+      hal::rad_to_deg(by_rad > 0 ? std::max(0.0, high - q_rad) : std::min(0.0, low - q_rad)));
 }
 
 std::string task_summary(const ArmTask& task, const ArmTaskEnd& e) {
@@ -349,20 +331,21 @@ std::string task_summary(const ArmTask& task, const ArmTaskEnd& e) {
       t += fmt::format(
           "A{} moved by {:+.2f} deg (asked for {:+.2f}) in {:.1f} s, {:.3f} deg from where it was "
           "commanded\n",
-          task.joint + 1, kDeg * (e.end_rad[task.joint] - e.start_rad[task.joint]), kDeg * task.by_rad,
-          e.commanded_s, kDeg * std::abs(e.end_rad[task.joint] - e.goal_rad[task.joint]));
+          task.joint + 1, hal::rad_to_deg(e.end_rad[task.joint] - e.start_rad[task.joint]),
+          hal::rad_to_deg(task.by_rad), e.commanded_s,
+          hal::rad_to_deg(std::abs(e.end_rad[task.joint] - e.goal_rad[task.joint])));
     } else {
       Eigen::Index moved = 0;
       const double most = (e.end_rad - e.start_rad).cwiseAbs().maxCoeff(&moved);
       t += fmt::format(
           "held the measured pose for {:.1f} s with {:.0f} N m/rad; it ended {:.3f} deg from its start "
           "(A{})\n",
-          e.commanded_s, task.stiffness_nm_rad, kDeg * most, moved + 1);
+          e.commanded_s, task.stiffness_nm_rad, hal::rad_to_deg(most), moved + 1);
     }
     t += fmt::format(
         "greatest distance from the command {:.3f} deg (A{}), greatest outside torque {:.1f} N m (A{}); "
         "{} cycles, {} without a state, {} restarts from the measured pose\n",
-        kDeg * drift, worst + 1, external, felt + 1, e.cycles, e.bad_cycles, e.restarts);
+        hal::rad_to_deg(drift), worst + 1, external, felt + 1, e.cycles, e.bad_cycles, e.restarts);
   }
   if (e.how == How::Interrupted) t += fmt::format("interrupted: {}\n", e.because);
   return t;

@@ -1,10 +1,10 @@
 #include "control/task/phases/grip_phase.hpp"
+#include "hal/types/units.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 namespace colift::control {
@@ -14,7 +14,7 @@ namespace {
 constexpr double kCommandShows_s = 0.1;
 
 double deg(double rad) {
-  return rad * 180.0 / std::numbers::pi;
+  return hal::rad_to_deg(rad);
 }
 
 }  // namespace

@@ -1,9 +1,9 @@
 #include "control/task/phases/lift_phase.hpp"
+#include "hal/types/units.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 
 namespace colift::control {
 namespace {
@@ -14,7 +14,7 @@ constexpr double kMinLever =
 constexpr double kGravity_m_s2 = 9.81;
 
 double deg(double rad) {
-  return rad * 180.0 / std::numbers::pi;
+  return hal::rad_to_deg(rad);
 }
 
 }  // namespace

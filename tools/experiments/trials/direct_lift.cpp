@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 
 #include "control/arm/arm_commander.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_hand.hpp"
+#include "hal/types/units.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 
 namespace colift::experiments {
@@ -83,7 +83,7 @@ class Lift {
     const auto state = hand_.state();
     if (!state) return end(state.error().text());
     if (phase_ >= Phase::Ready)
-      out_.most_tilt_deg = std::max(out_.most_tilt_deg, world_.truth().tilt_rad * 180.0 / std::numbers::pi);
+      out_.most_tilt_deg = std::max(out_.most_tilt_deg, hal::rad_to_deg(world_.truth().tilt_rad));
     switch (phase_) {
       case Phase::Tare:
         if (in_phase_s() < kTare_s || state->moving) return;
@@ -141,7 +141,7 @@ class Lift {
   void hold(bool held) {
     const sim_hal::SimTruth truth = world_.truth();
     ++n_;
-    tilt_ += truth.tilt_rad * 180.0 / std::numbers::pi;
+    tilt_ += hal::rad_to_deg(truth.tilt_rad);
     height_ += truth.height_m;
     robot_n_ += truth.robot_force_W.z();
     share_ += truth.robot_force_W.z() /

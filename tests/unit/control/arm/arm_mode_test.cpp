@@ -1,5 +1,5 @@
 // The KRC's mode T1 as one setting: gate, planned ways and lift keep to it.
-#include "control/arm/arm_mode.hpp"
+#include "control/config/arm_mode.hpp"
 
 #include <catch2/catch.hpp>
 
