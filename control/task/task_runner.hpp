@@ -42,6 +42,7 @@ struct JobHooks {
   std::function<void(const ArmView&)> cycle;  ///< A cycle of the task is over; the arm as it left it.
 };
 
+/// What a job is asked to do beyond its configuration.
 struct JobOptions {
   Method method = Method::Fast;
   std::uint64_t seed = 0;

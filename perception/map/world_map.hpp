@@ -18,6 +18,7 @@ class OcTree;
 
 namespace colift::perception {
 
+/// Resolution and extent of the collision world, and the evidence of its cells.
 struct WorldMapConfig {
   double cell_m = 0.02;
   double max_range_m = 3.5;

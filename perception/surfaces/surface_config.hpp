@@ -4,6 +4,7 @@
 
 namespace colift::perception {
 
+/// Which rectangles and cylinders are found on the target.
 struct SurfaceConfig {
   double tolerance_sigma = 2.5;
   double tolerance_m = 0.003;
