@@ -1,6 +1,7 @@
 #pragma once
 
-#include "control/task/task_runner.hpp"
+#include "control/task/job_status.hpp"
+#include "hal/robot.hpp"
 
 namespace colift::control {
 
