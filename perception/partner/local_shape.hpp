@@ -9,6 +9,7 @@
 
 namespace colift::perception {
 
+/// What counts as a face, an edge or a round bar near a hand.
 struct LocalShapeConfig {
   double face_tolerance_m = 0.010;
   double line_tolerance_m = 0.010;
