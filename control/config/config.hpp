@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "control/config/method.hpp"
 #include "control/config/task_config.hpp"
 #include "control/lift/load_estimator.hpp"
 #include "control/test_lift/test_lift.hpp"
@@ -30,7 +31,8 @@
 
 namespace colift::control {
 
-/// Everything that can be set, by the names that YAML files, `--set` and `colift check` use.
+/// Everything that can be set, by the names that YAML files, `--set` and `colift check` use. What a command
+/// works with is made by resolve_config() alone.
 struct Config {
   std::string method = "fast";
   std::string hand_file;
@@ -97,16 +99,9 @@ struct Config {
   }
 };
 
-/// Where `colift run` starts from, before files and --set: as Config, but the hand may move through space
-/// that the camera did not see, because a moving arm feels what is there (docs/decisions/0009).
-[[nodiscard]] inline Config run_defaults() {
-  Config config;
-  config.candidates.collision.unseen_fraction = 1.0;
-  config.candidates.collision.max_unseen_m = 0.25;
-  config.candidates.side_clearance_m = 0.03;
-  config.candidates.max_turn_deg = 40.0;
-  config.decision.max_lever_m = 0.065;
-  return config;
-}
+/// What `colift run` starts from: as Config, but the hand may move through space that the camera did not see,
+/// because a moving arm feels what is there (docs/decisions/0009), and the thesis's perception fits the space
+/// in front of the robot. Experiments and replays start from the same.
+[[nodiscard]] Config run_defaults();
 
 }  // namespace colift::control

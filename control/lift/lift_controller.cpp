@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::control {
 namespace {
@@ -13,7 +14,6 @@ constexpr double kFollowGain_1_s = 4.0;
 constexpr double kFollowAcceleration_m_s2 = 0.4;
 constexpr double kLargestStep_rad = 0.05;  // in one cycle; more is a jump to another posture
 constexpr double kAtRest_m = 0.002;
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kLeastSpan = 0.25;  // of the time of a whole lift: for what is left of one
 constexpr double kLeastWay_m = 0.001;
 
@@ -96,7 +96,8 @@ std::optional<LiftController::Command> LiftController::step(double dt_s,
   height_m_ = next_height(pace * dt_s);
   hal::Pose X_WF = X_WF0_;
   X_WF.translation().z() += height_m_;
-  const auto q = planner::follow_ik(arm_, X_WF, q_rad_, kDegree * config_.limit_margin_deg, kLargestStep_rad);
+  const auto q =
+      planner::follow_ik(arm_, X_WF, q_rad_, hal::deg_to_rad(config_.limit_margin_deg), kLargestStep_rad);
   if (!q) {
     height_m_ = before_m;  // the way down begins here
     at_end_ = true;        // what lies behind may be in reach again, but not by the way that the palm goes

@@ -5,7 +5,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::control {
 namespace {
@@ -16,7 +17,7 @@ constexpr double kGravity = 9.80665;                // m/s^2
 constexpr double kLeast_kg = 0.2, kMost_kg = 30.0;  // what two carry by hand
 constexpr double kNearest_m = 0.02;                 // the centre of gravity is not in the partner's hand
 constexpr double kFootHeight_m = 0.001;  // feet that differ by less stand together: the camera's resolution
-constexpr double kSureTurn_rad = 0.3 * std::numbers::pi / 180.0;  // below it the camera's noise is the turn
+constexpr double kSureTurn_rad = hal::deg_to_rad(0.3);  // below it the camera's noise is the turn
 
 double cross(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
+
+#include "hal/types/units.hpp"
 
 namespace colift::control {
 namespace {
@@ -62,7 +63,7 @@ std::optional<PartnerPlace> next_place(std::span<const planner::GraspCandidate> 
   if (held.empty() || belief.cases.empty()) return std::nullopt;
   const CogBelief cases = likely(belief);
   const Vec2 mean = cases.mean();
-  const double max_turn_rad = config.good_turn_deg * std::numbers::pi / 180.0;
+  const double max_turn_rad = hal::deg_to_rad(config.good_turn_deg);
   std::vector<hal::Vec3> his, ours;
   for (const planner::GraspCandidate& c : places) {
     const hal::Vec3 p = planner::load_point(c);

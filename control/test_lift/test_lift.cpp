@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::control {
 namespace {
@@ -16,7 +17,6 @@ constexpr double kSamePlace_m = 0.05;  // the partner's, who is seen to some cen
 constexpr double kAsGood = 0.05;       // of a chance
 constexpr double kWellClear = 2.0;     // while it is raised: what is left for the measurement at the top
 constexpr double kStill_deg = 0.3;     // one that stands and has turned by less has not moved
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 using Vec2 = Eigen::Vector2d;
 
@@ -35,7 +35,7 @@ bool is_finite(const FeltLift& test) {
 }  // namespace
 
 Raise raise_on(const Hanging& now, const TestLiftConfig& config) {
-  const double turn_deg = std::abs(now.turn_rad) / kDegree;
+  const double turn_deg = hal::rad_to_deg(std::abs(now.turn_rad));
   if (turn_deg > config.max_turn_deg || now.least_rise_m > kWellClear * config.belief.clear_m)
     return Raise::Enough;
   return turn_deg > config.slow_turn_deg ? Raise::Slowly : Raise::On;
@@ -78,15 +78,15 @@ hal::Result<TestLift> understand_test_lift(const CarriedObject& object, std::spa
       "{:.1f} kg, centre of gravity {:.0f} mm from where its shape has it, {:.0f} mm beside the line "
       "between both hands",
       out.mass_kg, 1e3 * (out.cog - object.cog).norm(), 1e3 * out.lever_m);
-  const double drift_deg_s = std::abs(last.drift_rad_s) / kDegree;
-  out.bearable = !out.stands && out.seen.tilt_rad <= config.max_turn_deg * kDegree &&
+  const double drift_deg_s = hal::rad_to_deg(std::abs(last.drift_rad_s));
+  out.bearable = !out.stands && out.seen.tilt_rad <= hal::deg_to_rad(config.max_turn_deg) &&
                  drift_deg_s <= config.max_drift_deg_s;
-  if (out.stands && out.seen.tilt_rad < kStill_deg * kDegree) {
+  if (out.stands && out.seen.tilt_rad < hal::deg_to_rad(kStill_deg)) {
     out.next = TestLift::Next::Regrasp;
     out.because = fmt::format("the object stands as it stood, so the hand slides on it at {:.0f} N", load_n);
-  } else if (out.stands || out.seen.tilt_rad > config.good_turn_deg * kDegree) {
+  } else if (out.stands || out.seen.tilt_rad > hal::deg_to_rad(config.good_turn_deg)) {
     out.next = TestLift::Next::Regrasp;
-    out.because = fmt::format("turned by {:.1f} deg (limit {:.1f}){}: {}", out.seen.tilt_rad / kDegree,
+    out.because = fmt::format("turned by {:.1f} deg (limit {:.1f}){}: {}", hal::rad_to_deg(out.seen.tilt_rad),
                               config.good_turn_deg, out.stands ? " and stands on a foot" : "", facts);
   } else if (drift_deg_s > config.max_drift_deg_s) {
     out.next = TestLift::Next::Regrasp;
@@ -118,8 +118,8 @@ std::optional<NextGrip> next_grip(std::span<const planner::GraspCandidate> grasp
           return (t.grasp - grasp).norm() < kSameGrip_m && (t.partner - partner).norm() < kSamePlace_m;
         }))
       continue;
-    const double chance =
-        chance_level(belief, partner, grasp, config.good_turn_deg * kDegree, config.belief.grip_sigma);
+    const double chance = chance_level(belief, partner, grasp, config.good_turn_deg * hal::kRadPerDeg,
+                                       config.belief.grip_sigma);
     possible.push_back({i, chance, lever_share(mean, partner, grasp)});
     best = std::max(best, chance);
   }
