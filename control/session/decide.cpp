@@ -61,16 +61,15 @@ hal::Result<> choose_robustly(const Look& look, const planner::DecisionConfig& c
   planner::Decision& d = out.decision;
   if (config.robust == "nominal" || !d.chosen) return {};
   const planner::UncertainScene scene = uncertain_scene(look, *out.partner, config);
-  auto robust = planner::RobustChoice::create(config.weights, kAtOnce);
+  auto robust = planner::RobustChoice::create(config.weights, kAtOnce, config.what_ifs);
   if (!robust) return tl::unexpected(robust.error());
   const bool worst = config.robust == "worst";
   const auto best = robust->choose(
       scene, out.candidates, worst ? planner::RobustChoice::Aim::Worst : planner::RobustChoice::Aim::Expected,
       holds(out.candidates, look.finder->hand(), scene));
-  const std::string over =
-      fmt::format("over {} what-ifs (centre of gravity +- {:.0f} mm, partner +- {:.0f} mm, {:.1f} kg)",
-                  planner::RobustChoice::kWhatIfs, sigma_mm(scene.cog_covariance),
-                  sigma_mm(scene.partner_covariance), config.mass_kg);
+  const std::string over = fmt::format(
+      "over {} what-ifs (centre of gravity +- {:.0f} mm, partner +- {:.0f} mm, {:.1f} kg)", config.what_ifs,
+      sigma_mm(scene.cog_covariance), sigma_mm(scene.partner_covariance), config.mass_kg);
   planner::GraspCandidate& before = out.candidates[*d.chosen];
   if (!best || *best == *d.chosen) {
     d.because += "; the same " + over;

@@ -40,7 +40,7 @@ class FastPipeline final : public Pipeline {
     else if (input.frame.up_C)
       up = input.X_WC.linear() * *input.frame.up_C;
 
-    const std::vector<BlockPlane> blocks = fit_block_planes(out.cloud, c.noise);
+    const std::vector<BlockPlane> blocks = fit_block_planes(out.cloud, c.noise, c.ground.blocks);
     GroundResult ground = find_ground(out.cloud, blocks, up, c.noise, c.ground);
     out.ms.ground = watch.lap();
     out.scene.ground = ground.ground;
@@ -73,7 +73,8 @@ class FastPipeline final : public Pipeline {
 
   [[nodiscard]] hal::Result<PartnerSighting> find_partner(const Look& look, const hal::DepthFrame& frame,
                                                           const Config& c) const override {
-    const auto reference = build_reference(std::array{look.frame}, look.cloud.X_WC, c.noise);
+    const auto reference =
+        build_reference(std::array{look.frame}, look.cloud.X_WC, c.noise, c.partner.reference);
     if (!reference) return tl::unexpected(reference.error());
     auto finder = PartnerFinder::make(*reference, *look.scene.target, *look.scene.ground, c.noise, c.partner);
     if (!finder) return tl::unexpected(finder.error());

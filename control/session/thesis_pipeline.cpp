@@ -57,7 +57,7 @@ class ThesisSight final : public PartnerSight {
     sighting.grasp = thesis_grasp(changed, object_, near_, &sighting.because);
     sighting.kind = sighting.grasp ? PartnerKind::Grasp : PartnerKind::None;
     points.clear();
-    if (sighting.grasp) points = thesis_person(changed, *sighting.grasp);
+    if (sighting.grasp) points = thesis_person(changed, *sighting.grasp, near_);
     return sighting;
   }
 

@@ -78,7 +78,8 @@ struct Watch::Impl {
   }
 
   [[nodiscard]] std::vector<std::uint32_t> slivers() const {
-    return perception::find_slivers(look.cloud, *look.scene.target, *look.scene.ground, config.noise);
+    return perception::find_slivers(look.cloud, *look.scene.target, *look.scene.ground, config.noise,
+                                    config.target.slivers);
   }
 
   /// Of the target and of the slivers that go where it goes, ascending.
@@ -142,7 +143,8 @@ void Watch::forget_reference() {
 
 hal::Result<> Watch::understand(const RobotPosture& robot) {
   Impl& i = *impl_;
-  const auto reference = perception::build_reference(i.reference_frames, i.rig.X_WC, i.config.noise);
+  const auto reference =
+      perception::build_reference(i.reference_frames, i.rig.X_WC, i.config.noise, i.config.partner.reference);
   if (!reference) return tl::unexpected(reference.error());
 
   if (auto seen = i.take_look(*reference, i.reference_frames.back()); !seen) return seen;
@@ -162,8 +164,10 @@ hal::Result<> Watch::object_moved(const hal::Pose& X, const RobotPosture& robot)
   Impl& i = *impl_;
   if (!i.look.scene.target || !i.look.scene.ground)
     return hal::failure(hal::ErrorCode::NotFound, "watch", "there is no object");
-  const hal::DepthFrame moved = perception::move_object(i.look.cloud, i.target_pixels(i.slivers()), X);
-  const auto reference = perception::build_reference({&moved, 1}, i.rig.X_WC, i.config.noise);
+  const hal::DepthFrame moved =
+      perception::move_object(i.look.cloud, i.target_pixels(i.slivers()), X, i.config.object_motion.moved);
+  const auto reference =
+      perception::build_reference({&moved, 1}, i.rig.X_WC, i.config.noise, i.config.partner.reference);
   if (!reference) return tl::unexpected(reference.error());
   if (auto seen = i.take_look(*reference, i.look.frame); !seen) return seen;
   forget_partner();

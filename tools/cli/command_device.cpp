@@ -137,7 +137,7 @@ void add_doctor(CLI::App& command, DoctorOptions& o) {
 void add_device_commands(CommandLine& line) {
   CommonOptions& common = line.common;
 
-  CLI::App& hal = line.command("hal", "Bring-up of one device at a time");
+  CLI::App& hal = line.command("hal");
   hal.require_subcommand(1);
   CLI::App& arm_command = *hal.add_subcommand("arm", "The KUKA LWR 4+ over FRI");
   const auto arm = std::make_shared<HalOptions>();
@@ -156,16 +156,14 @@ void add_device_commands(CommandLine& line) {
   line.when(camera_command, [&common, camera] { return cmd_hal_camera(common, *camera); });
   line.configured(camera_command, {hal_config});
 
-  CLI::App& calibrate_command = line.command(
-      "calibrate", "Where the camera is: a blinking emitter on the palm, seen at many poses of the arm");
+  CLI::App& calibrate_command = line.command("calibrate");
   const auto calibrate = std::make_shared<CalibrateOptions>();
   add_calibrate(calibrate_command, *calibrate);
   line.add_common(calibrate_command);
   line.when(calibrate_command, [&common, calibrate] { return cmd_calibrate(common, *calibrate); });
   line.configured(calibrate_command, {[&common] { return config_of(common, control::Command::Calibrate); }});
 
-  CLI::App& doctor_command =
-      line.command("doctor", "This machine: what is found, and the line that repairs it");
+  CLI::App& doctor_command = line.command("doctor");
   const auto doctor = std::make_shared<DoctorOptions>();
   add_doctor(doctor_command, *doctor);
   line.add_common(doctor_command);

@@ -68,7 +68,7 @@ void add_emulate_camera(CLI::App& command, EmulateCameraOptions& o) {
 
 void add_emulate_commands(CommandLine& line) {
   CommonOptions& common = line.common;
-  CLI::App& emulate = line.command("emulate", "The far end of a device's wire");
+  CLI::App& emulate = line.command("emulate");
   emulate.require_subcommand(1);
 
   CLI::App& krc_command =

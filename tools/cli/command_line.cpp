@@ -6,10 +6,13 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <exception>
 #include <sstream>
+#include <stdexcept>
 #include <string_view>
 
 #include "tools/cli/commands.hpp"
+#include "tools/cli/programs.hpp"
 #include "tools/live/live_server.hpp"
 
 namespace colift::tools {
@@ -31,6 +34,8 @@ std::vector<std::string> last_first(const std::vector<std::string>& words) {
 }
 
 constexpr std::string_view kFor = "--for";
+constexpr const char* kConfiguredCommands =
+    "run, look, decide, experiment, log replay, calibrate, hal arm, hal hand, hal camera";
 
 bool says_for(const std::string& word) {
   return word == kFor || word.starts_with("--for=");
@@ -84,8 +89,18 @@ CommandLine::CommandLine(int argc, char** argv)
   for (int i = 0; i < argc; ++i) common.command += (i ? " " : "") + std::string(argv[i]);
 }
 
-CLI::App& CommandLine::command(const std::string& name, const std::string& help) {
-  return *app_.add_subcommand(name, help);
+CLI::App& CommandLine::command(const std::string& name) {
+  const CommandEntry* entry = find_command(name);
+  if (entry == nullptr) throw std::logic_error("the command " + name + " is missing in programs.cpp");
+  return *app_.add_subcommand(name, entry->help);
+}
+
+void CommandLine::add_others() {
+  const auto mine = app_.get_subcommands([](const CLI::App*) { return true; });
+  for (const CommandEntry& entry : command_table())
+    if (std::none_of(mine.begin(), mine.end(),
+                     [&](const CLI::App* c) { return c->get_name() == entry.name; }))
+      app_.add_subcommand(entry.name, entry.help);
 }
 
 void CommandLine::add_output(CLI::App& parser) {
@@ -142,12 +157,10 @@ int CommandLine::check_for(std::vector<std::string> words) {
   const auto found =
       std::find_if(configured_.begin(), configured_.end(), [](const auto& c) { return c.first->parsed(); });
   if (found == configured_.end()) {
-    std::string names;
-    for (const auto& [parser, what] : configured_) names += (names.empty() ? "" : ", ") + full_name(*parser);
-    std::fputs(
-        fmt::format("colift check: --for: {} takes no configuration; these do: {}\n", options.command, names)
-            .c_str(),
-        stderr);
+    std::fputs(fmt::format("colift check: --for: {} takes no configuration; these do: {}\n", options.command,
+                           kConfiguredCommands)
+                   .c_str(),
+               stderr);
     return kBadInput;
   }
   CheckedCamera camera;
@@ -156,18 +169,26 @@ int CommandLine::check_for(std::vector<std::string> words) {
 }
 
 int CommandLine::refuse(const CLI::ParseError& error, const std::string& first) const {
-  const auto commands = app_.get_subcommands([](const CLI::App*) { return true; });
-  const bool known = std::any_of(commands.begin(), commands.end(),
-                                 [&](const CLI::App* c) { return c->get_name() == first; });
-  if (first[0] == '-' || known) {
+  if (first[0] == '-' || find_command(first) != nullptr) {
     std::fprintf(stderr, "colift: %s; see colift --help\n", error.what());
     return kBadInput;
   }
   std::string names;
-  for (const CLI::App* c : commands) names += (names.empty() ? "" : ", ") + c->get_name();
+  for (const CommandEntry& c : command_table()) names += (names.empty() ? "" : ", ") + std::string(c.name);
   std::fprintf(stderr, "colift: \"%s\" is no command; there are %s; see colift --help\n", first.c_str(),
                names.c_str());
   return kBadInput;
+}
+
+int run_program(int argc, char** argv, void (*add_commands)(CommandLine& line)) {
+  try {
+    CommandLine line(argc, argv);
+    add_commands(line);
+    return line.run(argc, argv);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "colift: internal error: %s; please report it with the command line\n", e.what());
+    return kInternal;
+  }
 }
 
 }  // namespace colift::tools

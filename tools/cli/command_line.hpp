@@ -14,14 +14,16 @@
 
 namespace colift::tools {
 
-/// The program's command line: a parser (CLI11) and its commands. Each group of commands adds itself, with
+/// A program's command line: a parser (CLI11) and its commands. Each group of commands adds itself, with
 /// its options and what it runs.
 class CommandLine {
  public:
   CommandLine(int argc, char** argv);
 
-  /// A command `name` of the program.
-  CLI::App& command(const std::string& name, const std::string& help);
+  /// A command of the program; its line of help stands in programs.cpp.
+  CLI::App& command(const std::string& name);
+  /// The commands that other programs have, for --help.
+  void add_others();
   /// `run` gives the exit code when `parser` was what the user called.
   void when(CLI::App& parser, std::function<int()> run) { runs_.push_back({&parser, std::move(run)}); }
 
@@ -57,10 +59,15 @@ class CommandLine {
   std::vector<std::pair<CLI::App*, Configured>> configured_;
 };
 
-void add_sight_commands(CommandLine& line);    ///< look, decide, rank, check
-void add_job_commands(CommandLine& line);      ///< run, log, experiment
-void add_device_commands(CommandLine& line);   ///< hal, calibrate, doctor
-void add_emulate_commands(CommandLine& line);  ///< emulate
+void add_job_commands(CommandLine& line);         ///< run
+void add_sight_commands(CommandLine& line);       ///< look, decide, rank, check
+void add_device_commands(CommandLine& line);      ///< hal, calibrate, doctor
+void add_emulate_commands(CommandLine& line);     ///< emulate
+void add_log_commands(CommandLine& line);         ///< log
+void add_experiment_commands(CommandLine& line);  ///< experiment
+
+/// A program with these commands. What its main() returns.
+[[nodiscard]] int run_program(int argc, char** argv, void (*add_commands)(CommandLine& line));
 
 /// --view and what belongs to it, for `run` and `log replay`.
 void add_view(CLI::App& parser, ViewOptions& options);

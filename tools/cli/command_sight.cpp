@@ -67,30 +67,27 @@ void add_check(CLI::App& command, CheckOptions& o, CheckedCamera& camera) {
 void add_sight_commands(CommandLine& line) {
   CommonOptions& common = line.common;
 
-  CLI::App& look_command =
-      line.command("look", "Perception of one recorded frame: ground, target, surfaces, grasp candidates");
+  CLI::App& look_command = line.command("look");
   const auto look = std::make_shared<LookOptions>();
   add_look(look_command, *look);
   line.add_common(look_command);
   line.when(look_command, [&common, look] { return cmd_look(common, *look); });
   line.configured(look_command, {[&common, look] { return config_of_look(common, *look); }});
 
-  CLI::App& decide_command =
-      line.command("decide", "look, then which grasp the robot takes for a partner's grasp, and why");
+  CLI::App& decide_command = line.command("decide");
   const auto decide = std::make_shared<DecideOptions>();
   add_decide(decide_command, *decide);
   line.add_common(decide_command);
   line.when(decide_command, [&common, decide] { return cmd_decide(common, *decide); });
   line.configured(decide_command, {[&common, decide] { return config_of_decide(common, *decide); }});
 
-  CLI::App& rank_command = line.command("rank", "Only the load-sharing decision, on numbers");
+  CLI::App& rank_command = line.command("rank");
   const auto problem = std::make_shared<std::string>();
   rank_command.add_option("PROBLEM.json", *problem, "The problem; - reads it from stdin")->required();
   line.add_common(rank_command);
   line.when(rank_command, [&common, problem] { return cmd_rank(*problem, common.json); });
 
-  CLI::App& check_command = line.command(
-      "check", "Reads configuration and hand, touches no device, prints what a command would use");
+  CLI::App& check_command = line.command("check");
   const auto check = std::make_shared<CheckOptions>();
   const auto camera = std::make_shared<CheckedCamera>();
   add_check(check_command, *check, *camera);

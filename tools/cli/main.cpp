@@ -1,21 +1,22 @@
-// The program's front. The command line's options stand in command_*.cpp, what a command does in cmd_*.cpp.
+// The program's front: has `run` itself and starts the program that has the command otherwise. The command
+// line's options stand in command_*.cpp, what a command does in cmd_*.cpp.
 
-#include <cstdio>
-#include <exception>
+#include <algorithm>
+#include <cstring>
+#include <string>
+#include <vector>
 
 #include "tools/cli/command_line.hpp"
+#include "tools/cli/programs.hpp"
 
 int main(int argc, char** argv) {
   using namespace colift::tools;
-  try {
-    CommandLine line(argc, argv);
+  const std::vector<std::string> words(argv + 1, argv + std::max(argc, 1));
+  if (const CommandEntry* command = find_command(command_asked_for(words));
+      command && std::strcmp(command->program, "colift"))
+    return become(*command, argv);
+  return run_program(argc, argv, [](CommandLine& line) {
     add_job_commands(line);
-    add_sight_commands(line);
-    add_device_commands(line);
-    add_emulate_commands(line);
-    return line.run(argc, argv);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "colift: internal error: %s; please report it with the command line\n", e.what());
-    return kInternal;
-  }
+    line.add_others();
+  });
 }

@@ -8,7 +8,9 @@ find_package(fmt 9 REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
+pkg_check_modules(LZF REQUIRED liblzf)
 find_package(ZLIB REQUIRED)
+find_package(Threads REQUIRED)
 
 if(COLIFT_THESIS)
   # Debian's libpcl-dev needs VTK and Qt (2.3 GB), its component libraries do not. tools/setup unpacks the headers of
@@ -37,6 +39,5 @@ if(COLIFT_KINECT)
     message(FATAL_ERROR "libfreenect is missing: run tools/setup (Debian: libfreenect-dev), or configure with "
                         "-DCOLIFT_KINECT=OFF for a CoLift that has no Kinect")
   endif()
-  find_package(Threads REQUIRED)
   file(GLOB COLIFT_FAKENECT_LIBRARY /usr/lib/*/fakenect/libfreenect.so.0.5)
 endif()

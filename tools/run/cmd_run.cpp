@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <numbers>
 
 #include "control/task/task_runner.hpp"
+#include "hal/types/units.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"
 #include "tools/cli/session.hpp"
@@ -37,7 +37,7 @@ RunSetting setting_of(const CommonOptions& common, const RunOptions& options, co
   for (const std::string& setting : common.settings) s.config.emplace_back(setting, "--set");
   s.lift_height_m = config.task.lift_height_m;
   s.hold_s = config.task.hold_s;
-  s.max_tilt_rad = config.task.max_tilt_deg * std::numbers::pi / 180.0;
+  s.max_tilt_rad = hal::deg_to_rad(config.task.max_tilt_deg);
   s.max_slip_m = config.task.max_slip_m;
   return s;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hal/types/units.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
 #include "tools/experiments/bar_plot.hpp"
 #include "tools/experiments/experiment.hpp"
@@ -81,11 +82,11 @@ TrialRows run(const Trial& trial) {
             cell(t.lift.most_tilt_deg)};
     if (t.known) {
       const auto& known = *t.known;
-      const double degree = 180.0 / std::numbers::pi;
-      row.insert(row.end(), {cell(degree * known.seen.tilt_rad), cell(degree * known.seen.turn_rad),
-                             cell(1e3 * known.seen.least_rise_m), cell(known.stands), cell(known.mass_kg),
-                             cell(1e3 * (known.cog - true_cog).head<2>().norm()), cell(1e3 * known.lever_m),
-                             cell(known.belief.grip_nm_rad), cell(degree * t.drift_rad_s), word(known.next)});
+      row.insert(row.end(),
+                 {cell(hal::rad_to_deg(known.seen.tilt_rad)), cell(hal::rad_to_deg(known.seen.turn_rad)),
+                  cell(1e3 * known.seen.least_rise_m), cell(known.stands), cell(known.mass_kg),
+                  cell(1e3 * (known.cog - true_cog).head<2>().norm()), cell(1e3 * known.lever_m),
+                  cell(known.belief.grip_nm_rad), cell(hal::rad_to_deg(t.drift_rad_s)), word(known.next)});
     }
     row.resize(kDetailColumns - 1);
     row.push_back(t.because);

@@ -1,11 +1,11 @@
 #include "tools/experiments/trials/whole_lift.hpp"
 
 #include <algorithm>
-#include <numbers>
 
 #include "control/task/task_runner.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_hand.hpp"
+#include "hal/types/units.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "tools/experiments/trials/sighting.hpp"
 
@@ -41,7 +41,7 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
     if (status.state != control::Task::Hold) return;
     const sim_hal::SimTruth truth = (*world)->truth();
     ++n;
-    tilt += truth.tilt_rad * 180.0 / std::numbers::pi;
+    tilt += hal::rad_to_deg(truth.tilt_rad);
     height += truth.height_m;
     slip = std::max(slip, truth.slip_m);
     share += truth.robot_force_W.z() /

@@ -44,10 +44,16 @@ Slot& slot(void* memory, Stream stream, std::uint64_t number) {
   return *reinterpret_cast<Slot*>(static_cast<char*>(memory) + kPage + index * sizeof(Slot));
 }
 
-// Every word is read and written whole: another process may be writing it at this moment.
+// A seqlock: every word is read and written whole, because another process may be writing it at this moment.
+// The words of a frame are stored with release and loaded with acquire rather than between fences (Boehm,
+// "Can seqlocks get along with programming language memory models?", 2012): who sees a word of a newer frame
+// then sees that frame's odd generation too. On x86 these are plain moves, and ThreadSanitizer, which does
+// not know fences, follows them.
 using Word = std::atomic_ref<std::uint64_t>;
 static_assert(Word::is_always_lock_free);
 constexpr auto kRelaxed = std::memory_order_relaxed;
+constexpr auto kAcquire = std::memory_order_acquire;
+constexpr auto kRelease = std::memory_order_release;
 
 std::uint64_t load(std::uint64_t& word, std::memory_order order = kRelaxed) {
   return Word(word).load(order);
@@ -137,18 +143,17 @@ void FrameRingWriter::write(Stream stream, FrameStamp stamp, const std::uint16_t
   stamp.number = number;
   stamp.sum = pixel_sum(pixels, count);
   Slot& s = slot(memory_, stream, number);
-  store(s.generation, 2 * number - 1);
-  std::atomic_thread_fence(std::memory_order_release);
+  store(s.generation, 2 * number - 1);  // before every word: those are release stores
   std::uint64_t words[kStampWords];
   std::memcpy(words, &stamp, sizeof stamp);
-  for (std::size_t i = 0; i < kStampWords; ++i) store(s.stamp[i], words[i]);
+  for (std::size_t i = 0; i < kStampWords; ++i) store(s.stamp[i], words[i], kRelease);
   for (std::size_t i = 0; i < count / 4; ++i) {
     std::uint64_t word = 0;
     std::memcpy(&word, pixels + 4 * i, sizeof word);
-    store(s.words[i], word);
+    store(s.words[i], word, kRelease);
   }
-  store(s.generation, 2 * number, std::memory_order_release);
-  store(head(memory_).newest[static_cast<std::size_t>(stream)], number, std::memory_order_release);
+  store(s.generation, 2 * number, kRelease);
+  store(head(memory_).newest[static_cast<std::size_t>(stream)], number, kRelease);
 }
 
 // ---- the controller's side
@@ -208,7 +213,7 @@ CaptureState FrameRing::state() const {
 }
 
 std::uint64_t FrameRing::newest(Stream stream) const {
-  return load(head(memory_).newest[static_cast<std::size_t>(stream)], std::memory_order_acquire);
+  return load(head(memory_).newest[static_cast<std::size_t>(stream)], kAcquire);
 }
 
 Result<bool> FrameRing::read(Stream stream, RawFrame& into) {
@@ -221,17 +226,16 @@ Result<bool> FrameRing::read(Stream stream, RawFrame& into) {
   };
   if (number < read_[at]) return refuse(fmt::format("frame {} after frame {}", number, read_[at]));
   Slot& s = slot(memory_, stream, number);
-  if (load(s.generation, std::memory_order_acquire) != 2 * number) return false;  // overwritten already
+  if (load(s.generation, kAcquire) != 2 * number) return false;  // overwritten already
   std::uint64_t words[kStampWords];
-  for (std::size_t i = 0; i < kStampWords; ++i) words[i] = load(s.stamp[i]);
+  for (std::size_t i = 0; i < kStampWords; ++i) words[i] = load(s.stamp[i], kAcquire);
   const std::size_t count = pixels_of(stream);
   into.pixels.resize(count);
   for (std::size_t i = 0; i < count / 4; ++i) {
-    const std::uint64_t word = load(s.words[i]);
+    const std::uint64_t word = load(s.words[i], kAcquire);
     std::memcpy(into.pixels.data() + 4 * i, &word, sizeof word);
   }
-  std::atomic_thread_fence(std::memory_order_acquire);
-  if (load(s.generation) != 2 * number) return false;
+  if (load(s.generation) != 2 * number) return false;  // after every word: those were acquire loads
   std::memcpy(&into.stamp, words, sizeof into.stamp);
 
   const FrameStamp& stamp = into.stamp;

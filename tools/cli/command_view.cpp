@@ -1,0 +1,28 @@
+// Options of the live view, for every command that has one.
+
+#include "tools/cli/command_line.hpp"
+
+namespace colift::tools {
+
+void add_view(CLI::App& parser, ViewOptions& o) {
+  parser
+      .add_option_function<std::vector<std::string>>(
+          "--view", [&o](const std::vector<std::string>& port) { o.view = port.empty() ? "" : port.front(); },
+          "Shows it on a page in the browser, and to Foxglove and Lichtblick (default port 8765)")
+      ->expected(0, 1)
+      ->type_name("[PORT]");
+  parser
+      .add_option("--view-address", o.view_address, "Where the page is served (default: this machine alone)")
+      ->type_name("ADDRESS");
+  parser.add_flag("--allow-operator", o.allow_operator,
+                  "Who has the address with the token that is printed may stop the run");
+  parser.add_option("--allow-origin", o.allow_origins, "A page from elsewhere that may connect")
+      ->type_name("URL");
+  parser
+      .add_option(
+          "--speed", o.speed,
+          "Of simulated time, as a multiple of real time (default: 1 with --view, else as fast as it goes)")
+      ->type_name("X");
+}
+
+}  // namespace colift::tools

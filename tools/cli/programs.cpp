@@ -1,0 +1,76 @@
+#include "tools/cli/programs.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include "tools/cli/options.hpp"
+
+namespace colift::tools {
+namespace {
+
+constexpr CommandEntry kCommands[] = {
+    {"run", "colift", "The whole job: watch, decide, approach, lift together, lower, release, retreat"},
+    {"log", "colift-log", "Recordings of runs"},
+    {"experiment", "colift-experiment",
+     "Repeats the thesis's chapter 6 in simulation: tables, figures with intervals, a page"},
+    {"look", "colift-analyse",
+     "Perception of one recorded frame: ground, target, surfaces, grasp candidates"},
+    {"decide", "colift-analyse", "look, then which grasp the robot takes for a partner's grasp, and why"},
+    {"rank", "colift-analyse", "Only the load-sharing decision, on numbers"},
+    {"check", "colift-analyse", "Prints the configuration that a command would use; touches no device"},
+    {"hal", "colift-bring-up", "Bring-up of one device at a time"},
+    {"calibrate", "colift-bring-up",
+     "Where the camera is: a blinking emitter on the palm, seen at many poses of the arm"},
+    {"doctor", "colift-bring-up", "This machine: what is found, and the line that repairs it"},
+    {"emulate", "colift-emulate", "The far end of a device's wire"},
+};
+
+}  // namespace
+
+std::span<const CommandEntry> command_table() {
+  return kCommands;
+}
+
+std::string_view command_asked_for(std::span<const std::string> words) {
+  if (words.empty()) return {};
+  if (words.front() != "check") return words.front();
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    std::string_view name = words[i];
+    if (name == "--for" && i + 1 < words.size())
+      name = words[i + 1];
+    else if (name.starts_with("--for="))
+      name.remove_prefix(std::string_view("--for=").size());
+    else
+      continue;
+    return name.substr(0, name.find(' '));  // "log replay" in one word
+  }
+  return words.front();
+}
+
+const CommandEntry* find_command(std::string_view name) {
+  const auto found = std::find_if(std::begin(kCommands), std::end(kCommands),
+                                  [&](const CommandEntry& c) { return c.name == name; });
+  return found == std::end(kCommands) ? nullptr : found;
+}
+
+int become(const CommandEntry& command, char** argv) {
+  std::error_code error;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const auto program = self.parent_path() / command.program;
+  ::execv(program.c_str(), argv);
+  const int why = errno;
+  if (why == ENOENT)
+    std::fprintf(stderr, "colift %s: %s is not there yet; tools/build builds it\n", command.name,
+                 program.c_str());
+  else
+    std::fprintf(stderr, "colift %s: %s cannot be started: %s\n", command.name, program.c_str(),
+                 std::strerror(why));
+  return kInternal;
+}
+
+}  // namespace colift::tools

@@ -1,0 +1,73 @@
+# Which files of a library can be compiled as one unit (CoLiftUnits.cmake): prints "UNIT FILE" for each file.
+#   awk -v most_lines=N -f units.awk FILE...
+# Two files do not go together when one declares a name for itself (in its anonymous namespace) that occurs in the other.
+# A file that takes all names of an enum into its namespace stays alone. Relies on clang-format: what stands in a namespace
+# starts in the first column.
+
+FNR == 1 { files[++count] = FILENAME; own = 0 }
+{ ++lines[count] }
+/^namespace \{/ { own = 1; next }
+/^\}  \/\/ namespace$/ { own = 0; next }
+{
+  text = $0
+  sub(/\/\/.*/, "", text)
+  if (text ~ /^using enum/) alone[count] = 1
+  else if (text ~ /^using [A-Za-z_:]*;/ || (own && text ~ /^[A-Za-z\[]/)) note(text)
+  # every name that occurs; what is looked up in something else (a.b, a->b, a::b) is not the file's own
+  while (match(text, /[A-Za-z_][A-Za-z0-9_]*/)) {
+    before = RSTART > 1 ? substr(text, RSTART - 1, 1) : ""
+    if (before !~ /[.:>"\/<]/) occurs[count, substr(text, RSTART, RLENGTH)] = 1
+    text = substr(text, RSTART + RLENGTH)
+  }
+}
+
+function note(text,  name) {
+  sub(/^\[\[[^\]]*\]\] */, "", text)
+  # the same alias twice is no contradiction; another one of its name is
+  if (text ~ /^(using namespace|static_assert|template|friend|public|private|extern)/) return
+  if (text ~ /^using [A-Za-z_:]*;/) {
+    name = text
+    sub(/;.*/, "", name)
+    sub(/.*[: ]/, "", name)
+    alias[count, name] = text
+    aliases[count] = aliases[count] " " name
+    return
+  }
+  if (text ~ /^(using|namespace) [A-Za-z_]* =/) {
+    split(text, word, " ")
+    alias[count, word[2]] = text
+    aliases[count] = aliases[count] " " word[2]
+    return
+  }
+  if (text ~ /^(struct|class|enum)/) {
+    sub(/^(struct|class|enum class|enum) */, "", text)
+  } else {
+    sub(/ *[=({\[;].*/, "", text)   # up to the value or the parameters
+    sub(/.*[ *&>]/, "", text)
+  }
+  if (match(text, /^[A-Za-z_][A-Za-z0-9_]*/)) declares[count] = declares[count] " " substr(text, RSTART, RLENGTH)
+}
+
+function contradict(a, b,  n, i, word) {
+  if (alone[a] || alone[b]) return 1
+  n = split(declares[a], word, " ")
+  for (i = 1; i <= n; ++i) if ((b, word[i]) in occurs) return 1
+  n = split(aliases[a], word, " ")
+  for (i = 1; i <= n; ++i) if ((b, word[i]) in alias && alias[b, word[i]] != alias[a, word[i]]) return 1
+  return 0
+}
+
+END {
+  for (f = 1; f <= count; ++f) {
+    for (u = 1; u <= units; ++u) {
+      fits = size[u] + lines[f] <= most_lines
+      for (m = 1; fits && m <= members[u]; ++m)
+        if (contradict(f, member[u, m]) || contradict(member[u, m], f)) fits = 0
+      if (fits) break
+    }
+    if (u > units) units = u
+    member[u, ++members[u]] = f
+    size[u] += lines[f]
+    print u, files[f]
+  }
+}
