@@ -12,10 +12,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int kCyclesAtEnd = 20;  // the arm gets its last set point some more times before it is left alone
+// At the end the arm gets its last set point some more times before it is left alone. The figures count
+// cycles and were chosen for periods of 1 to 5 ms: one that does not come to rest is left after 1 to 5 s.
+constexpr int kCyclesAtEnd = 20;
 constexpr int kMostCyclesAtEnd = 1000;
-constexpr int kMissesAtStart = 50;
-constexpr auto kTaskPeriod = 4ms;  // of a task that does not run the arm's cycle itself
+constexpr int kMissesAtStart = 50;  // a controller that was just activated may take some cycles to answer
+constexpr auto kTaskPeriod = 4ms;   // of a task that does not run the arm's cycle: eight cycles per frame
 
 bool moves(ArmRequest::Kind kind) {
   using Kind = ArmRequest::Kind;
@@ -86,13 +88,13 @@ hal::Result<> ArmCommander::start() {
   if (recorded_) {
     recorded_(view_);
   } else if (thread_) {
-    thread_->thread = std::thread([this] { thread_->run(arm_, motion_); });
+    thread_->thread = std::thread([this] { thread_->run(arm_, controller_); });
     while (!thread_->begun.load(std::memory_order_acquire)) std::this_thread::sleep_for(kTaskPeriod);
     beginning = thread_->beginning;
     realtime_ = thread_->realtime.words;
     (void)thread_->views.read(view_);
   } else {
-    beginning = begin(arm_, motion_);
+    beginning = begin(arm_, controller_);
     view_ = controller_.view();
   }
   started_ = beginning.has_value();
@@ -213,8 +215,7 @@ bool ArmCommander::blocked() const {
 }
 
 std::string ArmCommander::why_blocked() const {
-  if (view_.trajectory_refused)
-    return "the arm does not stand on its way: it was moved in the meantime";
+  if (view_.trajectory_refused) return "the arm does not stand on its way: it was moved in the meantime";
   return describe(view_.blocked);
 }
 

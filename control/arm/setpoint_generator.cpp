@@ -11,24 +11,20 @@ namespace colift::control {
 
 namespace {
 
-constexpr double kAtRest_rad_s = 1e-9;
-constexpr double kBlendIn_s = 0.5;  // in which a trajectory's offset from the command is taken out
-constexpr double kRejoin_s = 0.5;   // of a trajectory, on both sides of where it was cut off
-constexpr int kRejoinSteps = 50;
-constexpr double kSlowAfter_s = 0.5;     // a warning that comes and goes is one
-constexpr double kPaceSlope_s = 2.0;     // 1/s
+constexpr double kAtRest_rad_s = 1e-9;   // of what is commanded: rounding errors only
+constexpr double kRejoin_s = 0.5;        // searched: of a trajectory, on both sides of where it was cut off
+constexpr int kRejoinSteps = 50;         // of 10 ms: a few cycles
 constexpr double kRateSlope_s = 25.0;    // 1/s: where a trajectory hardly moves its speed may change at once
 constexpr double kRateJerk_s2 = 2500.0;  // 1/s^2
-constexpr double kArmAgain = 0.8;        // of the contact limit: a watch that saw contact waits for less
 
 hal::JointBounds bounds_of(const hal::JointVector& lower, const hal::JointVector& upper,
                            const hal::JointVector& velocity, double acceleration, int i) {
   return {lower[i], upper[i], velocity[i], acceleration};
 }
 
-/// From 1 to 0 in the first half second on the trajectory, at rest at both ends.
-double offset_left(double joined_s) {
-  const double x = std::clamp(joined_s / kBlendIn_s, 0.0, 1.0);
+/// From 1 to 0 in the first `blend_s` on the trajectory, at rest at both ends.
+double offset_left(double joined_s, double blend_s) {
+  const double x = std::clamp(joined_s / blend_s, 0.0, 1.0);
   return 1.0 - x * x * x * (10.0 + x * (-15.0 + 6.0 * x));
 }
 
@@ -46,7 +42,7 @@ SetpointGenerator::SetpointGenerator(const hal::RobotModel& model, const TaskCon
       slow_part_(task.slow_part),
       lower_(model.lower_rad().array() + limits.limit_margin_rad),
       upper_(model.upper_rad().array() - limits.limit_margin_rad),
-      velocity_((limits.velocity_part * model.velocity_rad_s()).cwiseMin(limits.velocity_rad_s)),
+      velocity_((limits.velocity_fraction * model.velocity_rad_s()).cwiseMin(limits.velocity_rad_s)),
       superposed_(model.effort_nm().cwiseMin(limits.superposed_nm)),
       stiffness_(task.stiffness_nm_rad),
       stiffness_goal_(task.stiffness_nm_rad) {}
@@ -69,10 +65,9 @@ hal::Result<> can_follow(const planner::Trajectory& trajectory, bool running, bo
   int joint = 0;
   const double off = (commanded_rad - trajectory.start()).cwiseAbs().maxCoeff(&joint);
   if (!(off <= limits.start_tolerance_rad))
-    return hal::failure(
-        hal::ErrorCode::BadInput, kWhere,
-        fmt::format("the way starts {:.4f} rad away from the command in A{} (limit {:.4f})", off,
-                    joint + 1, limits.start_tolerance_rad));
+    return hal::failure(hal::ErrorCode::BadInput, kWhere,
+                        fmt::format("the way starts {:.4f} rad away from the command in A{} (limit {:.4f})",
+                                    off, joint + 1, limits.start_tolerance_rad));
   return {};
 }
 
@@ -195,8 +190,8 @@ void SetpointGenerator::start_from(const hal::ArmState& state, bool usable) {
 }
 
 void SetpointGenerator::set_pace(bool slow, double dt_s) {
-  slow_left_s_ = slow ? kSlowAfter_s : std::max(0.0, slow_left_s_ - dt_s);
-  pace_ = towards(pace_, slow_left_s_ > 0.0 ? slow_part_ : 1.0, kPaceSlope_s * dt_s);
+  slow_left_s_ = slow ? limits_.slow_hold_s : std::max(0.0, slow_left_s_ - dt_s);
+  pace_ = towards(pace_, slow_left_s_ > 0.0 ? slow_part_ : 1.0, limits_.slow_slope_1_s * dt_s);
 }
 
 void SetpointGenerator::step_hold(double dt_s) {
@@ -237,8 +232,9 @@ void SetpointGenerator::step_trajectory(double dt_s) {
   }
   trajectory_s_ = std::clamp(trajectory_s_ + rate_ * dt_s, 0.0, trajectory_->duration_s());
   joined_s_ += dt_s;
-  q_ = trajectory_->sample(trajectory_s_).q_rad + offset_left(joined_s_) * trajectory_offset_;
-  if (joined_s_ < kBlendIn_s && !trajectory_offset_.isZero()) return;
+  q_ =
+      trajectory_->sample(trajectory_s_).q_rad + offset_left(joined_s_, limits_.blend_s) * trajectory_offset_;
+  if (joined_s_ < limits_.blend_s && !trajectory_offset_.isZero()) return;
   if (const double end = rate_goal_ > 0.0 ? trajectory_->duration_s() : 0.0;
       rate_goal_ != 0.0 && trajectory_s_ == end) {
     rate_ = rate_slope_ = 0.0;  // the trajectory itself is at rest at its ends
@@ -277,7 +273,8 @@ void SetpointGenerator::watch(const hal::ArmState& state, double dt_s) {
   const double force = contact_.force.norm();
   int joint = 0;
   const double lag_rad = (lag - lag_at_start_).cwiseAbs().maxCoeff(&joint);
-  const bool quiet = force < kArmAgain * contact_limit_n_ && lag_rad < kArmAgain * limits_.follow_error_rad;
+  const bool quiet = force < limits_.rearm_fraction * contact_limit_n_ &&
+                     lag_rad < limits_.rearm_fraction * limits_.follow_error_rad;
   armed_ = armed_ || quiet;
   if (!armed_ || blocked()) return;
   Contact why = Contact::None;
@@ -307,8 +304,7 @@ double SetpointGenerator::progress() const {
 std::string describe(const SetpointGenerator::Blockage& b) {
   using Contact = SetpointGenerator::Contact;
   if (b.why == Contact::Force)
-    return fmt::format("met something with {:.0f} N on the way (limit {:.0f} N)", b.force_n,
-                       b.force_limit_n);
+    return fmt::format("met something with {:.0f} N on the way (limit {:.0f} N)", b.force_n, b.force_limit_n);
   if (b.why == Contact::Lag)
     return fmt::format("A{} does not follow: {:.3f} rad behind (limit {:.3f} rad)", b.joint + 1, b.lag_rad,
                        b.lag_limit_rad);

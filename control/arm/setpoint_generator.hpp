@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "control/config/setpoint_limits.hpp"
 #include "control/config/task_config.hpp"
 #include "control/lift/load_estimator.hpp"
 #include "hal/arm.hpp"
@@ -12,26 +13,6 @@
 #include "planner/motion/trajectory/trajectory.hpp"
 
 namespace colift::control {
-
-/// Limits of what the cycle adds of its own accord: stops, corrections, ramps. Wider than those of a planned
-/// motion (planner::MotionLimits), tighter than those of the last gate (hal::GuardConfig).
-struct SetpointLimits {
-  double velocity_part = 0.9;         ///< Of the joints' velocity limits.
-  double velocity_rad_s = 10.0;       ///< And never more than this.
-  double acceleration_rad_s2 = 5.0;   ///< Of stops and of servo().
-  double jerk_rad_s3 = 200.0;         ///< Of stops on the path.
-  double resume_rad_s2 = 3.0;         ///< Acceleration along the path after a stop or a slow stretch.
-  double resume_rad_s3 = 40.0;        ///< Its jerk.
-  double limit_margin_rad = 0.02;     ///< Kept from the joint limits.
-  double start_tolerance_rad = 0.03;  ///< Greatest distance between a trajectory's start and the command.
-  double stiffness_slope_nm_rad_s = 3000;  ///< Change of stiffness in a second.
-  double superposed_nm = 50;               ///< Most torque that is added, and never more than a joint bears.
-  double torque_slope_nm_s = 150;          ///< Change of superposed torque in a second.
-  double contact_filter_s = 0.004;         ///< Time constant of the contact watch.
-  double rest_filter_s = 0.1;              ///< Time constant of what is felt at rest, the watch's zero.
-  double follow_error_rad = 0.06;          ///< The arm lags by more: it does not follow.
-  double gap_s = 0.05;                     ///< A longer time between two states starts from rest again.
-};
 
 /// Makes exactly one command for each cycle of the arm: holds, follows a planned trajectory, or serves a set
 /// point, always within limits and without a step in position or velocity. One thread; step() does not

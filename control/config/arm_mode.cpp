@@ -8,7 +8,7 @@ namespace colift::control {
 namespace {
 
 constexpr double kPlannedPart = 0.9;        // of T1's joint speed: the rest is for corrections
-constexpr double kMinimumJerkPeak = 1.875;  // of its mean speed
+constexpr double kMinimumJerkPeak = 1.875;  // of its mean speed: 15/8, from the profile's derivative
 
 }  // namespace
 

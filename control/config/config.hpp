@@ -2,7 +2,9 @@
 
 #include <string>
 
+#include "control/config/check_config.hpp"
 #include "control/config/method.hpp"
+#include "control/config/setpoint_limits.hpp"
 #include "control/config/task_config.hpp"
 #include "control/lift/load_estimator.hpp"
 #include "control/test_lift/test_lift.hpp"
@@ -55,6 +57,9 @@ struct Config {
   TaskConfig task;
   TestLiftConfig test_lift;
   LoadConfig load;
+  SetpointLimits setpoints;
+  MapCheckConfig map_check;
+  ImageCheckConfig image_check;
   hal::GuardConfig guard_arm;
   hal::HandGuardConfig guard_hand;
   hal::CameraGuardConfig guard_camera;
@@ -89,6 +94,9 @@ struct Config {
     v("task", task, "The order of the job: patience, lift, limits that end it.");
     v("test_lift", test_lift, "Whether and how the load is tested before the lift.");
     v("load", load, "How the load is felt.");
+    v("setpoints", setpoints, "Limits of the arm's set points: stops, corrections, ramps, contact.");
+    v("map_check", map_check, "When a collision map is refused.");
+    v("image_check", image_check, "When a depth image has too many holes.");
     v("guard_arm", guard_arm, "The last gate before the arm.");
     v("guard_hand", guard_hand, "The last gate before the hand.");
     v("guard_camera", guard_camera, "The last gate behind the camera.");

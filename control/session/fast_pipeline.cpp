@@ -73,7 +73,8 @@ class FastPipeline final : public Pipeline {
 
   [[nodiscard]] hal::Result<PartnerSighting> find_partner(const Look& look, const hal::DepthFrame& frame,
                                                           const Config& c) const override {
-    const auto reference = build_reference(std::array{look.frame}, look.cloud.X_WC, c.noise, c.partner.reference);
+    const auto reference =
+        build_reference(std::array{look.frame}, look.cloud.X_WC, c.noise, c.partner.reference);
     if (!reference) return tl::unexpected(reference.error());
     auto finder = PartnerFinder::make(*reference, *look.scene.target, *look.scene.ground, c.noise, c.partner);
     if (!finder) return tl::unexpected(finder.error());

@@ -143,8 +143,8 @@ void Watch::forget_reference() {
 
 hal::Result<> Watch::understand(const RobotPosture& robot) {
   Impl& i = *impl_;
-  const auto reference = perception::build_reference(i.reference_frames, i.rig.X_WC, i.config.noise,
-                                                      i.config.partner.reference);
+  const auto reference =
+      perception::build_reference(i.reference_frames, i.rig.X_WC, i.config.noise, i.config.partner.reference);
   if (!reference) return tl::unexpected(reference.error());
 
   if (auto seen = i.take_look(*reference, i.reference_frames.back()); !seen) return seen;

@@ -9,12 +9,6 @@
 #include "hal/types/units.hpp"
 
 namespace colift::control {
-namespace {
-
-constexpr double kSamePlace_m = 0.06;         // where a grip failed, none is tried again
-constexpr double kSamePartnerPlace_m = 0.05;  // the partner's, who is seen to some centimetres
-
-}  // namespace
 
 void GraspSelector::set_scene() {
   Look& look = c_.session.look();
@@ -37,7 +31,7 @@ void GraspSelector::apply_refusals(std::vector<planner::GraspCandidate>& candida
         c.verdict = planner::Verdict::Unreachable, c.because = r.because;
   for (auto& c : candidates)
     for (const auto& f : failed_grips_)
-      if ((c.position - f.position).norm() < kSamePlace_m)
+      if ((c.position - f.position).norm() < c_.config.task.attempts.failed_grip_radius_m)
         c.verdict = planner::Verdict::Unstable, c.because = f.why;
 }
 
@@ -104,7 +98,7 @@ bool GraspSelector::choose_level(const perception::PartnerGrasp& partner, const 
   const double wanted = 1.0 / (1.0 + epsilon * epsilon);
   const auto felt = c_.test_lifts.felt();
   const auto tried = std::count_if(felt.begin(), felt.end(), [&](const FeltLift& t) {
-    return (t.partner - partner.position).norm() < kSamePartnerPlace_m;
+    return (t.partner - partner.position).norm() < c_.config.test_lift.same_partner_m;
   });
   std::optional<LevelGrip> grip;
   if (tried < c_.config.test_lift.grips)

@@ -8,8 +8,6 @@
 namespace colift::control {
 namespace {
 
-constexpr int kInARow = 3;  // frames that have to agree before a limit ends a lift
-
 double deg(double rad) {
   return hal::rad_to_deg(rad);
 }
@@ -64,10 +62,10 @@ std::optional<TaskEvent> ObjectMonitor::beyond_limits() const {
   // it has gripped up by itself already
   if (hand.slips) return TaskEvent{Event::HandUnfit, "the fingers feel the object slip"};
   if (hand.hot) return TaskEvent{Event::HandUnfit, hand.warning.str()};
-  if (frames_tilting_ >= kInARow)
+  if (frames_tilting_ >= task.carry.limit_frames)
     return TaskEvent{Event::LimitReached, fmt::format("the object tilts by {:.1f} deg (limit {:.1f})",
                                                       deg(tilt_rad_), task.max_tilt_deg)};
-  if (frames_slipping_ >= kInARow)
+  if (frames_slipping_ >= task.carry.limit_frames)
     return TaskEvent{Event::LimitReached, fmt::format("the object slips {:.0f} mm in the hand (limit {:.0f})",
                                                       1e3 * slip_m_, 1e3 * task.max_slip_m)};
   if (const double load_n = c_.arm.view().load_n; load_n > task.max_load_n)

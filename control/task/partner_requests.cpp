@@ -8,7 +8,9 @@
 namespace colift::control {
 namespace {
 
-constexpr double kSamePlace_m = 0.06;  // a partner who is seen so near to where he was has not left
+// a partner who is seen so near to where he was has not left: his grasp is seen to 2 cm at the 90th
+// percentile, and a hand is some 8 cm wide
+constexpr double kSamePlace_m = 0.06;
 
 }  // namespace
 

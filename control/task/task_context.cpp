@@ -3,9 +3,12 @@
 namespace colift::control {
 namespace {
 
+constexpr double kGateFraction =
+    0.9;  // of the last gate's velocity limit, so that it never brakes a set point
+
 SetpointLimits setpoint_limits(const Config& config) {
-  SetpointLimits limits;
-  limits.velocity_rad_s = 0.9 * config.guard_arm.max_velocity_rad_s;
+  SetpointLimits limits = config.setpoints;
+  limits.velocity_rad_s = kGateFraction * config.guard_arm.max_velocity_rad_s;
   return limits;
 }
 

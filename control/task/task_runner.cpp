@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr hal::Duration kReportEvery = 33ms;
+constexpr hal::Duration kReportEvery = 33ms;  // the camera's frame period: nothing new is seen sooner
 
 /// Whether the job goes home without its goal from here on.
 bool is_failure(Task from, Event event, Task to) {

@@ -12,6 +12,7 @@
 
 namespace colift::perception {
 
+/// What counts as the emitter's spot in an infrared image.
 struct SpotConfig {
   double sigmas = 8.0;
   double peak_part = 0.10;

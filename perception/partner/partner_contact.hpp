@@ -102,7 +102,7 @@ enum class HeldPart {
   Corner,  ///< Two faces meet in an edge under the hand.
   Rim,     ///< The end of a face, with nothing visible beyond it.
   Plate,   ///< The same, and the face is that of a thin plate.
-  Face,    ///< A face without an end near the hand, or nothing that a shape could be read from.
+  LocalFace,    ///< A face without an end near the hand, or nothing that a shape could be read from.
 };
 
 /// Standard deviations of a contact (m).
@@ -112,6 +112,7 @@ struct ContactNoise {
   double depth_m = 0.002;  ///< Part of the sensor's noise that averaging leaves.
 };
 
+/// Where a hand holds the object, with its uncertainty (W, m, m^2).
 struct ContactEstimate {
   Vec3 position = Vec3::Zero();  ///< In W (m).
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();

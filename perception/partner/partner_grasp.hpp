@@ -18,6 +18,7 @@
 
 namespace colift::perception {
 
+/// What counts as a hand on the object.
 struct PartnerConfig {
   ChangeConfig change;
   double reach_m = 0.50;            ///< Changes farther from the object's box than this are not looked at.
@@ -112,6 +113,7 @@ struct PartnerContact {
   Vec3 skin = Vec3::Zero();  ///< Middle of its visible skin on the object: steadier than the contact.
 };
 
+/// What one frame shows of the partner.
 struct PartnerSighting {
   PartnerKind kind = PartnerKind::None;
   /// Set with kind Grasp. With two hands the position is the middle between the contacts: two hands that

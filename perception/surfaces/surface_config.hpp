@@ -144,6 +144,7 @@ struct CylinderSearchConfig {
   }
 };
 
+/// Which rectangles and cylinders are found on the target.
 struct SurfaceConfig {
   double tolerance_sigma = 2.5;
   double tolerance_m = 0.003;

@@ -18,6 +18,7 @@
 
 namespace colift::planner {
 
+/// How paths are searched, and how fast they are travelled.
 struct PlannerConfig {
   double pre_grasp_m = 0.10;
   double lift_margin_m = 0.03;

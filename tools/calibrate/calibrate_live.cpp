@@ -34,7 +34,8 @@ class Session {
         geometry_(planner::arm_geometry(*rig.model).value()),
         map_(config.map),
         planner_(*rig.model, hand, config.motion, setting.seed),
-        commander_(*rig.robot.arm, *rig.model, geometry_, config.task, config.load, rig.drive) {}
+        commander_(*rig.robot.arm, *rig.model, geometry_, config.task, config.load, rig.drive,
+                   config.setpoints) {}
 
   hal::Result<perception::SampleSet> run() {
     if (auto done = open(); !done) return tl::unexpected(done.error());

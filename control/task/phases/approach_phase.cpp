@@ -29,7 +29,9 @@ std::optional<TaskEvent> ApproachPhase::approach() {
       leg_ == Leg::Transit ? c_.arm.progress() * transit_s : transit_s + c_.arm.progress() * straight_s;
   c_.done = total_s > 0.0 ? passed_s / total_s : 1.0;
   c_.doing = leg_ == Leg::Transit ? "on the way to the pre-grasp" : "straight to the grasp";
-  if (c_.in_state_s() > 2.0 * total_s / c_.config.task.slow_part + 5.0)
+  const EmptyHandConfig& limits = c_.config.task.empty_hand;
+  if (c_.in_state_s() >
+      limits.approach_timeout_factor * total_s / c_.config.task.slow_part + limits.approach_timeout_margin_s)
     return TaskEvent{Event::TimeOut, "the way takes too long"};
   if (c_.readings.hand.moving || !c_.arm.done()) return std::nullopt;
   if (leg_ == Leg::Transit) {

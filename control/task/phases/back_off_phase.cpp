@@ -1,14 +1,6 @@
 #include "control/task/phases/back_off_phase.hpp"
 
 namespace colift::control {
-namespace {
-
-constexpr int kApproaches = 5;      // a partner who changes his mind more often is left alone
-constexpr double kBackSpeed = 0.6;  // of the planned speed
-constexpr double kTooLong_s = 60.0;
-
-}  // namespace
-
 void BackOffPhase::begin(Event cause, bool near_object) {
   c_.arm.hold();
   cause_ = cause;
@@ -19,8 +11,10 @@ void BackOffPhase::begin(Event cause, bool near_object) {
 std::optional<TaskEvent> BackOffPhase::back_off() {
   // the partner may grasp again meanwhile; that is seen once the arm is back
   (void)partner_.update();
-  if (c_.in_state_s() > kTooLong_s) return TaskEvent{Event::TimeOut, "the way back takes too long"};
-  const int max_approaches = kApproaches + static_cast<int>(c_.record.test_lifts.size());
+  if (c_.in_state_s() > c_.config.task.empty_hand.return_timeout_s)
+    return TaskEvent{Event::TimeOut, "the way back takes too long"};
+  const int max_approaches =
+      c_.config.task.attempts.max_approaches + static_cast<int>(c_.record.test_lifts.size());
   const bool in_vain = c_.attempts.approaches >= max_approaches;
   const bool follows_partner = cause_ == Event::PartnerMoved && !in_vain;
   const auto back = [&](const char* where) {
@@ -29,7 +23,7 @@ std::optional<TaskEvent> BackOffPhase::back_off() {
   if (leg_ == Leg::Braking) {
     if (!c_.arm.at_rest()) return std::nullopt;
     if (follows_partner && !near_object_) return back("at rest, clear of the object");
-    c_.arm.back(kBackSpeed);
+    c_.arm.back(c_.config.task.empty_hand.back_off_scale);
     leg_ = Leg::Backwards;
     return std::nullopt;
   }
@@ -49,7 +43,7 @@ void BackOffPhase::resume_after_restart() {
   if (leg_ == Leg::Home)
     c_.arm.resume();
   else if (leg_ == Leg::Backwards)
-    c_.arm.back(kBackSpeed);
+    c_.arm.back(c_.config.task.empty_hand.back_off_scale);
 }
 
 }  // namespace colift::control

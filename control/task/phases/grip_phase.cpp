@@ -10,11 +10,8 @@
 namespace colift::control {
 namespace {
 
-constexpr double kHandTimeout_s = 8.0;  // initialisation and full strokes take under 4 s
-constexpr double kSettle_s = 0.3;       // after a motion, before its end is believed
-constexpr double kFingerTolerance_rad = 0.45;
-constexpr double kLeaderRise_m = 0.008;  // the partner's end rose by this: he leads
-constexpr double kReadyTimeout_s = 20.0;
+// the hand's state shows a command some cycles later: before, it may look as if it had ended already
+constexpr double kCommandShows_s = 0.1;
 
 double deg(double rad) {
   return hal::rad_to_deg(rad);
@@ -32,8 +29,9 @@ std::optional<TaskEvent> GripPhase::close() {
   const hal::HandState& hand = c_.readings.hand;
   c_.doing = "the fingers close";
   if (auto let_go = partner_.let_go()) return let_go;
-  if (c_.in_state_s() > kHandTimeout_s) return TaskEvent{Event::HandEmpty, "the hand does not come to rest"};
-  if (hand.moving || c_.in_state_s() < 0.1) return std::nullopt;
+  if (c_.in_state_s() > c_.config.task.grip.hand_timeout_s)
+    return TaskEvent{Event::HandEmpty, "the hand does not come to rest"};
+  if (hand.moving || c_.in_state_s() < kCommandShows_s) return std::nullopt;
   if (!hand.held) return TaskEvent{Event::HandEmpty, "the fingers met nothing"};
   return TaskEvent{Event::HandHeld, "every finger is stopped by the object"};
 }
@@ -42,7 +40,7 @@ std::optional<TaskEvent> GripPhase::verify() {
   const hal::HandState& hand = c_.readings.hand;
   if (auto let_go = partner_.let_go()) return let_go;
   // still for a moment, and as wide as the object was seen to be
-  if (c_.in_state_s() < kSettle_s) return std::nullopt;
+  if (c_.in_state_s() < c_.config.task.carry.settle_s) return std::nullopt;
   const double expected = planner::stopped_angle(c_.rig.hand, c_.chosen());
   double widest = 0.0;
   for (const double q : hand.finger_rad) widest = std::max(widest, std::abs(q - expected));
@@ -51,7 +49,7 @@ std::optional<TaskEvent> GripPhase::verify() {
   const std::string facts = fmt::format(
       "fingers within {:.0f} deg of the seen width, pads press with {:.0f} N", deg(widest), force);
   if (!hand.held) return TaskEvent{Event::GripBad, "the grip was lost: " + facts};
-  if (widest > kFingerTolerance_rad)
+  if (widest > c_.config.task.grip.finger_tolerance_rad)
     return TaskEvent{Event::GripBad, "that is not the seen object: " + facts};
   return TaskEvent{Event::GripGood, facts};
 }
@@ -60,17 +58,18 @@ std::optional<TaskEvent> GripPhase::await_ready() {
   const hal::HandState& hand = c_.readings.hand;
   object_.update();
   const double rise_m = object_.partner_rise_m();
+  const double leader_rise_m = c_.config.task.lift.leader_rise_m;
   c_.doing = "watches whether the partner is ready";
   if (!hand.held) return TaskEvent{Event::HandEmpty, "the hand has lost the object"};
   if (hand.hot) return TaskEvent{Event::GripBad, hand.warning.str()};
-  if (object_.motion() && rise_m > kLeaderRise_m) {
+  if (object_.motion() && rise_m > leader_rise_m) {
     c_.role = LiftController::Role::Follow;
     return TaskEvent{Event::PartnerReady,
                      fmt::format("the partner lifts already, by {:.0f} mm: the robot follows", 1e3 * rise_m)};
   }
-  if (c_.readings.frame && (!object_.motion() || std::abs(rise_m) < kLeaderRise_m))
+  if (c_.readings.frame && (!object_.motion() || std::abs(rise_m) < leader_rise_m))
     if (auto let_go = partner_.let_go()) return let_go;
-  if (c_.in_state_s() > kReadyTimeout_s)
+  if (c_.in_state_s() > c_.config.task.grip.ready_timeout_s)
     return TaskEvent{Event::TimeOut, "the partner does not come to rest"};
   if (c_.in_state_s() < c_.config.task.ready_s ||
       c_.session.tracker().state() != perception::PartnerTracker::State::Holding)

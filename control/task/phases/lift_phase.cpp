@@ -8,12 +8,9 @@
 namespace colift::control {
 namespace {
 
-constexpr double kCarefully_m_s = 0.005;
-constexpr double kSettle_s = 0.3;   // after a motion, before its end is believed
-constexpr double kFell_m = 0.02;    // the partner's end came down by this while held: he let go
-constexpr double kLetGoLoad = 1.4;  // ... or the load grew by this factor
-constexpr double kLetGoLoad_n = 6.0;
-constexpr double kStands_m = 0.002, kBearsItself_n = 0.5;
+constexpr double kMeanLoad = 0.005;  // of a cycle in the slow mean of the load: some 200 cycles
+constexpr double kMinLever =
+    0.05;  // of the span between the hands: with less the load says nothing of the mass
 constexpr double kGravity_m_s2 = 9.81;
 
 double deg(double rad) {
@@ -29,7 +26,7 @@ void LiftPhase::begin_lift(Task from) {
   if (from == Task::TestLift) {
     // what hung still when it was raised slowly is raised slowly
     const double left_m = task.lift_height_m - c_.arm.view().height_m;
-    lift_s_ = std::max(task.lift_s, left_m / kCarefully_m_s);
+    lift_s_ = std::max(task.lift_s, left_m / task.lift.tested_speed_m_s);
     c_.arm.raise_on(c_.role, task.lift_height_m, lift_s_);
   } else {
     lift_s_ = task.lift_s;
@@ -58,7 +55,7 @@ bool LiftPhase::settled() {
     moved_at_ = c_.now;
     return false;
   }
-  return hal::seconds(c_.now - moved_at_) >= kSettle_s;
+  return hal::seconds(c_.now - moved_at_) >= c_.config.task.carry.settle_s;
 }
 
 void LiftPhase::begin_hold() {
@@ -81,12 +78,14 @@ std::optional<TaskEvent> LiftPhase::hold() {
 }
 
 std::optional<TaskEvent> LiftPhase::partner_gone_or_lowers() {
+  const CarryConfig& carry = c_.config.task.carry;
   const double load_n = c_.arm.view().load_n;
   // slow mean of the load; what deviates quickly is news
-  const double a = std::isnan(mean_load_n_) ? 1.0 : 0.005;
+  const double a = std::isnan(mean_load_n_) ? 1.0 : kMeanLoad;
   if (std::isnan(mean_load_n_)) mean_load_n_ = load_n;
-  const bool fell = object_.motion() && object_.partner_fall_m() > kFell_m;
-  const bool heavier = load_n > kLetGoLoad * mean_load_n_ && load_n > mean_load_n_ + kLetGoLoad_n;
+  const bool fell = object_.motion() && object_.partner_fall_m() > carry.partner_fall_m;
+  const bool heavier =
+      load_n > carry.load_jump_factor * mean_load_n_ && load_n > mean_load_n_ + carry.load_jump_n;
   mean_load_n_ += a * (load_n - mean_load_n_);
   if (c_.arm.view().role == LiftController::Role::Follow && fell && !heavier)
     return TaskEvent{Event::HoldOver, "the partner lowers"};
@@ -109,13 +108,14 @@ std::optional<TaskEvent> LiftPhase::lower() {
   const ArmView& arm = c_.arm.view();
   c_.done = 1.0 - arm.height_m / std::max(c_.config.task.lift_height_m, 1e-3);
   c_.doing = "lowers together with the partner";
+  const CarryConfig& carry = c_.config.task.carry;
   // an object that slid in the hand is down before the palm is: pressed on, it would slide away. Without load
   // alone it may still hang between the partner and a foot
   const auto& motion = object_.motion();
   const hal::Vec3 grip = object_.X_WH_grip().translation();
-  const bool down = motion && std::abs(motion->rise(grip, hal::Vec3::UnitZ())) < kStands_m;
-  if (!down || arm.load_n > kBearsItself_n) unsupported_at_ = c_.now;
-  if (hal::seconds(c_.now - unsupported_at_) > kSettle_s) {
+  const bool down = motion && std::abs(motion->rise(grip, hal::Vec3::UnitZ())) < carry.ground_tolerance_m;
+  if (!down || arm.load_n > carry.ground_load_n) unsupported_at_ = c_.now;
+  if (hal::seconds(c_.now - unsupported_at_) > carry.settle_s) {
     c_.arm.stay();
     return TaskEvent{Event::OnGround, fmt::format("it bears itself, {:.0f} mm above where it was gripped",
                                                   1e3 * c_.arm.view().height_m)};
@@ -151,7 +151,7 @@ void LiftPhase::summarise_hold() {
   const auto& tested = c_.test_lifts.known();
   const hal::Vec3& cog = tested ? tested->cog : c_.session.look().scene.target->cog;
   const double lever = (cog - partner).head<2>().dot(span) / span.squaredNorm();
-  if (lever > 0.05) s.mass_kg = load / (kGravity_m_s2 * lever);
+  if (lever > kMinLever) s.mass_kg = load / (kGravity_m_s2 * lever);
   const double mass = c_.options.known_mass_kg > 0.0 ? c_.options.known_mass_kg : s.mass_kg;
   if (mass > 0.0) s.share_robot = load / (mass * kGravity_m_s2);
   c_.record.lift = s;

@@ -8,8 +8,6 @@
 namespace colift::control {
 namespace {
 
-constexpr double kSecondWait_s = 10.0;  // for a partner who was there already
-
 std::string seconds_text(double s) {
   return fmt::format("{:.1f} s", s);
 }
@@ -35,9 +33,10 @@ std::optional<TaskEvent> PartnerPhase::await_partner() {
     c_.doing = c_.partner_note;
   }
   const double first_s = c_.config.task.patience_s;
+  const double second_s = c_.config.task.attempts.second_partner_timeout_s;
   const bool was_there = c_.attempts.approaches > 0 && !requests_.pending();
   const double waited_s = c_.in_state_s();
-  if (waited_s <= (was_there ? std::min(kSecondWait_s, first_s) : first_s)) return std::nullopt;
+  if (waited_s <= (was_there ? std::min(second_s, first_s) : first_s)) return std::nullopt;
   if (requests_.pending())
     return TaskEvent{Event::NobodyCame, fmt::format("not where he was asked to, within {}: {}",
                                                     seconds_text(waited_s), requests_.reason())};

@@ -9,12 +9,6 @@
 #include "control/session/map_check.hpp"
 
 namespace colift::control {
-namespace {
-
-constexpr int kTries = 8;  // grasps for which a path is looked for
-
-}  // namespace
-
 TaskEvent PlanPhase::decide() {
   if (c_.readings.frame) c_.record.frame_partner = *c_.readings.frame;
   const hal::Timestamp start = c_.stopwatch.now();
@@ -35,14 +29,14 @@ TaskEvent PlanPhase::plan() {
 
 TaskEvent PlanPhase::find_path() {
   const hal::Timestamp start = c_.stopwatch.now();
-  if (auto trouble = map_trouble(c_.session.map(), c_.session.look().cloud))
+  if (auto trouble = map_trouble(c_.session.map(), c_.session.look().cloud, c_.config.map_check))
     return {Event::NoWay, *std::move(trouble)};
   c_.motion_planner.set_scene(std::make_shared<planner::CollisionScene>(planner::make_collision_scene(
                                   c_.session.map(), c_.session.look().scene.ground->plane,
                                   c_.session.partner_points(), c_.config.motion.scene)),
                               c_.session.map(), hal::Vec3::UnitZ());
   std::string why;
-  for (int i = 0; i < kTries; ++i) {
+  for (int i = 0; i < c_.config.task.attempts.max_planned_grasps; ++i) {
     auto plan = c_.motion_planner.plan(c_.arm.commanded(), c_.chosen(), c_.config.task.lift_height_m);
     if (plan) {
       c_.record.timing.plan_ms = 1e3 * hal::seconds(c_.stopwatch.now() - start);

@@ -7,12 +7,9 @@
 namespace colift::control {
 namespace {
 
-constexpr double kHandTimeout_s = 8.0;  // full strokes take under 4 s
-constexpr double kOpen_rad = 0.1;
-constexpr int kGrips = 2;              // a grip that failed is tried elsewhere, once
-constexpr double kMoved_m = 0.004;     // an object that moved by more stands in another scene
-constexpr double kMostMoved_m = 0.06;  // an object that was put down farther away has to be seen anew
-constexpr double kTooLong_s = 60.0;
+// the hand's state shows a command some cycles later: before, it may look as if it had ended already
+constexpr double kCommandShows_s = 0.2;
+constexpr double kGateFraction = 0.9;  // of the last gate's velocity limit, so that it never brakes a plan
 
 }  // namespace
 
@@ -26,12 +23,13 @@ std::optional<TaskEvent> RetreatPhase::release() {
   const hal::HandState& hand = c_.readings.hand;
   const auto& without_puck = c_.readings.without_puck;
   c_.doing = "the fingers open";
-  if (c_.in_state_s() > kHandTimeout_s) return TaskEvent{Event::TimeOut, "the hand does not open"};
-  if (hand.moving || hand.held || c_.in_state_s() < 0.2) return std::nullopt;
+  if (c_.in_state_s() > c_.config.task.grip.hand_timeout_s)
+    return TaskEvent{Event::TimeOut, "the hand does not open"};
+  if (hand.moving || hand.held || c_.in_state_s() < kCommandShows_s) return std::nullopt;
   // a finger that stayed around the object would drag it along; of one that does not answer nobody knows
   bool open = true;
   for (std::size_t f = 0; f < hand.finger_rad.size(); ++f)
-    open = open && (hand.finger_rad[f] < kOpen_rad || f == without_puck);
+    open = open && (hand.finger_rad[f] < c_.config.task.grip.open_tolerance_rad || f == without_puck);
   if (!open) return std::nullopt;
   return TaskEvent{Event::HandOpen, without_puck ? "as far as it answers" : ""};
 }
@@ -45,7 +43,8 @@ void RetreatPhase::begin_retreat() {
   constexpr int kPoints = 12;
   for (int i = 1; i <= kPoints; ++i) points.push_back(planned.sample(s * i / kPoints).q_rad);
   planner::MotionLimits limits;
-  limits.velocity_rad_s = limits.velocity_rad_s.cwiseMin(0.9 * c_.config.guard_arm.max_velocity_rad_s);
+  limits.velocity_rad_s =
+      limits.velocity_rad_s.cwiseMin(kGateFraction * c_.config.guard_arm.max_velocity_rad_s);
   auto back = planner::make_trajectory_along(points, limits, s);
   if (!back)
     c_.attempts.failure = back.error().detail;
@@ -56,7 +55,8 @@ void RetreatPhase::begin_retreat() {
 std::optional<TaskEvent> RetreatPhase::retreat() {
   c_.doing = leg_ == Leg::FromObject ? "straight back" : "home";
   if (c_.arm.blocked()) return TaskEvent{Event::Blocked, c_.arm.why_blocked()};
-  if (c_.in_state_s() > kTooLong_s) return TaskEvent{Event::TimeOut, "the way home takes too long"};
+  if (c_.in_state_s() > c_.config.task.empty_hand.return_timeout_s)
+    return TaskEvent{Event::TimeOut, "the way home takes too long"};
   object_.update();
   if (!c_.arm.done() || !c_.arm.at_rest()) return std::nullopt;
   if (leg_ == Leg::Home) return judge_at_home();
@@ -78,10 +78,10 @@ TaskEvent RetreatPhase::judge_at_home() {
   const Attempts& attempts = c_.attempts;
   if (!attempts.failed) return {Event::BackHome, ""};
   const double moved_m = object_.displacement_m();
-  const int max_grips = kGrips + static_cast<int>(c_.record.test_lifts.size());
+  const int max_grips = c_.config.task.attempts.max_grips + static_cast<int>(c_.record.test_lifts.size());
   if (!attempts.regrasp && (attempts.approaches >= max_grips || attempts.lifted || c_.readings.without_puck))
     return {Event::BackInVain, attempts.failure};
-  if (moved_m > kMoved_m)
+  if (moved_m > c_.config.task.attempts.object_moved_m)
     if (const std::string trouble = take_scene_as_moved(); !trouble.empty())
       return {Event::BackInVain, fmt::format("{}; the object stands {:.0f} mm from where it was: {}",
                                              attempts.failure, 1e3 * moved_m, trouble)};
@@ -89,7 +89,7 @@ TaskEvent RetreatPhase::judge_at_home() {
 }
 
 std::string RetreatPhase::take_scene_as_moved() {
-  if (object_.displacement_m() > kMostMoved_m) return "that is another scene";
+  if (object_.displacement_m() > c_.config.task.attempts.max_object_moved_m) return "that is another scene";
   const hal::Pose X = object_.motion()->X_WTnow_WTref;
   if (auto seen = c_.session.object_moved(X, c_.posture()); !seen) return seen.error().detail;
   if (!c_.session.look().scene.target) return "it is not seen there";

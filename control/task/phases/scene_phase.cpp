@@ -34,7 +34,7 @@ std::optional<TaskEvent> ScenePhase::observe() {
     c_.record.look = look;
     return TaskEvent{Event::NothingToCarry, look.because};
   }
-  if (auto holes = picture_trouble(look.cloud, *look.scene.target)) {
+  if (auto holes = picture_trouble(look.cloud, *look.scene.target, c_.config.image_check)) {
     // the sun may go behind a cloud
     if (try_again(*holes)) return std::nullopt;
     c_.record.look = look;

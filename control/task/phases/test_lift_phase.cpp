@@ -6,13 +6,6 @@
 #include <string>
 
 namespace colift::control {
-namespace {
-
-constexpr double kSettle_s = 0.3;        // after a motion, before its end is believed
-constexpr double kLeaderRise_m = 0.008;  // the partner's end is higher than the palm by this: he lifts
-
-}  // namespace
-
 double TestLiftPhase::height_m() const {
   return std::min(c_.config.test_lift.height_m, c_.config.task.lift_height_m);
 }
@@ -31,7 +24,7 @@ std::optional<TaskEvent> TestLiftPhase::test_lift() {
   if (auto limit = object_.beyond_limits()) return limit;
   const double now_m = c_.arm.view().height_m;
   const double rise_m = object_.partner_rise_m();
-  if (object_.motion() && rise_m > now_m + kLeaderRise_m) {
+  if (object_.motion() && rise_m > now_m + c_.config.task.lift.leader_rise_m) {
     c_.role = LiftController::Role::Follow;
     return TaskEvent{Event::PartnerReady,
                      fmt::format("his end is {:.0f} mm up: the robot follows", 1e3 * rise_m)};
@@ -59,13 +52,14 @@ void TestLiftPhase::raise() {
 
 std::optional<TaskEvent> TestLiftPhase::measure() {
   const double rested_s = hal::seconds(c_.now - at_top_since_);
-  if (rested_s < kSettle_s) return std::nullopt;
+  const double settle_s = c_.config.task.carry.settle_s;
+  if (rested_s < settle_s) return std::nullopt;
   const double hold_s = c_.config.test_lift.hold_s;
   c_.doing = fmt::format("measures mass and centre of gravity at {:.0f} mm", 1e3 * c_.arm.view().height_m);
-  c_.done = (rested_s - kSettle_s) / hold_s;
+  c_.done = (rested_s - settle_s) / hold_s;
   if (c_.readings.frame && object_.motion()) c_.test_lifts.at_top(c_.readings.frame_at, *object_.motion());
   if (const auto& wrench_W = c_.arm.view().wrench_W) c_.test_lifts.feel(*wrench_W, c_.palm().translation());
-  if (rested_s < kSettle_s + hold_s) return std::nullopt;
+  if (rested_s < settle_s + hold_s) return std::nullopt;
   return judge();
 }
 

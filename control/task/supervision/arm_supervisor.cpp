@@ -5,13 +5,6 @@
 #include <utility>
 
 namespace colift::control {
-namespace {
-
-constexpr int kFewMisses = 5;       // cycles in a row that every driver spans
-constexpr int kMissesAtStart = 20;  // before the arm was ever commanded; Franka gives up after 20 too
-
-}  // namespace
-
 void ArmSupervisor::read(const std::string& slow_reason) {
   c_.arm.begin_cycle();
   c_.now = c_.robot.clock->now();
@@ -42,6 +35,7 @@ void ArmSupervisor::read(const std::string& slow_reason) {
 void ArmSupervisor::not_commanded() {
   if (lost_) return;
   const ArmView& view = c_.arm.view();
+  const SupervisionConfig& limits = c_.config.task.supervision;
   bool gone = view.link_lost;
   std::string why = view.trouble.str();
   if (view.misses == 0) {
@@ -50,7 +44,8 @@ void ArmSupervisor::not_commanded() {
     // Streaming: it has healed since the view was made
     gone = health.state != State::Stalled && health.state != State::Streaming;
     why = "the arm's controller takes no commands any more: " + health.last_error;
-  } else if (!gone && view.misses <= (had_command_ ? kFewMisses : kMissesAtStart)) {
+  } else if (!gone &&
+             view.misses <= (had_command_ ? limits.arm_max_misses : limits.arm_max_misses_at_start)) {
     return;
   }
   if (!had_command_) gone = true;

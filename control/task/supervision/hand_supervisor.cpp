@@ -7,10 +7,6 @@
 namespace colift::control {
 namespace {
 
-using namespace std::chrono_literals;
-
-constexpr hal::Duration kHandSilent = 200ms;
-
 // The puck that an error of the hand is of alone; its `where` says so ("hand.f2.state", "hand.spread").
 std::optional<std::size_t> puck_named_in(const hal::Error& error) {
   constexpr std::array<std::string_view, 4> kNames{"hand.f1", "hand.f2", "hand.f3", "hand.spread"};
@@ -34,7 +30,8 @@ void HandSupervisor::read() {
   } else {
     fault_ = state.error().text();
     silent_puck_ = puck_named_in(state.error());
-    const bool gone = state.error().code != hal::ErrorCode::Timeout || c_.now - answered_at_ > kHandSilent;
+    const bool gone = state.error().code != hal::ErrorCode::Timeout ||
+                      c_.now - answered_at_ > duration_of(c_.config.task.supervision.hand_timeout_s);
     if (gone && !lost_) c_.note_device("hand", fault_);
     lost_ = lost_ || gone;
   }

@@ -6,15 +6,9 @@
 #include <utility>
 
 namespace colift::control {
-namespace {
-
-constexpr double kOldPicture_s = 0.15, kFreshPicture_s = 0.10;  // in the mean; between them nothing changes
-constexpr double kMean_s = 0.4;
-
-}  // namespace
-
 // in the mean, so that what comes late counts, and what comes seldom
 void SpeedScaling::update_image_age() {
+  const SupervisionConfig& limits = c_.config.task.supervision;
   const double age_s = std::max(0.0, hal::seconds(c_.now - c_.readings.frame_at));
   const double passed_s = std::max(0.0, hal::seconds(c_.now - updated_at_));
   updated_at_ = c_.now;
@@ -23,9 +17,9 @@ void SpeedScaling::update_image_age() {
     images_old_ = false;
     return;
   }
-  image_age_s_ += (age_s - image_age_s_) * std::min(1.0, passed_s / kMean_s);
-  if (image_age_s_ > kOldPicture_s) images_old_ = true;
-  if (image_age_s_ < kFreshPicture_s) images_old_ = false;
+  image_age_s_ += (age_s - image_age_s_) * std::min(1.0, passed_s / limits.image_age_filter_s);
+  if (image_age_s_ > limits.slow_image_age_s) images_old_ = true;
+  if (image_age_s_ < limits.full_speed_image_age_s) images_old_ = false;
 }
 
 void SpeedScaling::update(const std::string& hand_warning) {

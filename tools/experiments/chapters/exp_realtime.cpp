@@ -41,7 +41,7 @@ class Session {
         geometry_(planner::arm_geometry(sighting.world().model()).value()),
         config_(config_for(method)),
         commander_(*arm_, sighting.world().model(), geometry_, config_.task, config_.load,
-                   control::Drive::InStep) {}
+                   control::Drive::InStep, config_.setpoints) {}
 
   hal::Result<> start() {
     if (auto ok = arm_->configure(); !ok) return ok;

@@ -31,7 +31,8 @@ class Lift {
         arm_(sim_hal::make_sim_arm(world), world.model(), config.guard_arm),
         hand_(sim_hal::make_sim_hand(world), config.guard_hand),
         geometry_(planner::arm_geometry(world.model()).value()),
-        commander_(arm_, world.model(), geometry_, config.task, config.load, control::Drive::InStep) {}
+        commander_(arm_, world.model(), geometry_, config.task, config.load, control::Drive::InStep,
+                   config.setpoints) {}
 
   hal::Result<DirectLift> run() {
     if (auto ok = arm_.configure(); !ok) return tl::unexpected(ok.error());
