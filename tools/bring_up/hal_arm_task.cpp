@@ -300,24 +300,6 @@ std::string_view to_string(ArmProgress::Phase phase) {
   return "";
 }
 
-std::string_view to_string(ArmTaskEnd::How how) {
-  switch (how) {
-    case How::Done:
-      return "done";
-    case How::Interrupted:
-      return "interrupted";
-    case How::BadRequest:
-      return "bad-request";
-    case How::Refused:
-      return "refused";
-    case How::Stopped:
-      return "stopped";
-    case How::Lost:
-      return "lost";
-  }
-  return "";
-}
-
 ArmTaskEnd run_arm_task(hal::Arm& arm, const hal::RobotModel& model, const hal::GuardConfig& guard,
                         const ArmTask& task, const hal::Clock& clock, const ArmTaskHooks& hooks) {
   return Runner(arm, model, guard, task, clock, hooks).run();

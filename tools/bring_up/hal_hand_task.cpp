@@ -185,24 +185,6 @@ class Runner {
 
 }  // namespace
 
-std::string_view to_string(HandTaskEnd::How how) {
-  switch (how) {
-    case How::Done:
-      return "done";
-    case How::Interrupted:
-      return "interrupted";
-    case How::BadRequest:
-      return "bad-request";
-    case How::Refused:
-      return "refused";
-    case How::NoGrip:
-      return "no-grip";
-    case How::Failed:
-      return "failed";
-  }
-  return "";
-}
-
 HandTaskEnd run_hand_task(hal::Hand& hand, const HandTask& task, const hal::Clock& clock,
                           const HandTaskHooks& hooks) {
   return Runner(hand, task, clock, hooks).run();

@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "hal/health_text.hpp"
 #include "tools/telemetry/channels/json_parts.hpp"
 
 namespace colift::telemetry {
@@ -9,25 +10,6 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr int kPostures = 25;
-
-const char* health_word(hal::DeviceHealth::State state) {
-  using State = hal::DeviceHealth::State;
-  switch (state) {
-    case State::Absent:
-      return "absent";
-    case State::Opening:
-      return "opening";
-    case State::Streaming:
-      return "streaming";
-    case State::Stalled:
-      return "stalled";
-    case State::Lost:
-      return "lost";
-    case State::Failed:
-      return "failed";
-  }
-  return "?";
-}
 
 Json point(const std::optional<hal::Vec3>& p) {
   return p ? list_of(*p) : Json(nullptr);
@@ -139,7 +121,7 @@ std::string devices_message(const std::vector<NamedHealth>& devices) {
   Json all = Json::array();
   for (const NamedHealth& d : devices)
     all.push_back({{"name", d.name},
-                   {"state", health_word(d.health.state)},
+                   {"state", hal::to_string(d.health.state)},
                    {"accepted", d.health.accepted},
                    {"rejected", d.health.rejected},
                    {"last_error", d.health.last_error}});
