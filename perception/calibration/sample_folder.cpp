@@ -89,7 +89,7 @@ hal::Result<std::optional<double>> read_depth(const std::filesystem::path& path,
   auto image = hal::parse_depth_png(*bytes, path.string(), kMillimetre);
   if (!image) return tl::unexpected(image.error());
   hal::DepthFrame frame;
-  frame.intrinsics = depth_of(camera_of(f));
+  frame.intrinsics = hal::depth_of(camera_of(f));
   frame.intrinsics.width = image->width;
   frame.intrinsics.height = image->height;
   frame.depth_m = std::move(image->depth_m);

@@ -380,7 +380,7 @@ std::optional<double> depth_near(const hal::DepthFrame& depth, const Eigen::Vect
   if (!pixel.allFinite() || width <= 0 || height <= 0 ||
       depth.depth_m.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height))
     return std::nullopt;
-  const double u0 = pixel.x() - kInfraredColumns, v0 = pixel.y() - kInfraredRows;
+  const double u0 = pixel.x() - hal::kInfraredColumns, v0 = pixel.y() - hal::kInfraredRows;
   if (!(std::abs(u0) < 1e5) || !(std::abs(v0) < 1e5)) return std::nullopt;
   std::vector<float> ring;
   const int reach = static_cast<int>(kOuter_px) + 1;
@@ -396,13 +396,6 @@ std::optional<double> depth_near(const hal::DepthFrame& depth, const Eigen::Vect
   // fingers and floor are in the ring too; the quarter points tell whether the palm fills it
   if (static_cast<double>(ring[3 * ring.size() / 4] - ring[ring.size() / 4]) > kDeep_m) return std::nullopt;
   return static_cast<double>(ring[ring.size() / 2]);
-}
-
-hal::CameraIntrinsics infrared_of(const hal::CameraIntrinsics& k) {
-  return {k.width, k.height + 2 * kInfraredRows, k.fx, k.fy, k.cx + kInfraredColumns, k.cy + kInfraredRows};
-}
-hal::CameraIntrinsics depth_of(const hal::CameraIntrinsics& k) {
-  return {k.width, k.height - 2 * kInfraredRows, k.fx, k.fy, k.cx - kInfraredColumns, k.cy - kInfraredRows};
 }
 
 }  // namespace colift::perception

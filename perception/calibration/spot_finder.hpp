@@ -70,10 +70,4 @@ struct SpotRefusal {
 /// palm is deep (4 cm).
 [[nodiscard]] std::optional<double> depth_near(const hal::DepthFrame& depth, const Eigen::Vector2d& pixel);
 
-/// Pixel (u, v) of a Kinect's depth image is pixel (u + 5, v + 4) of its infrared image (freenect_camera).
-inline constexpr int kInfraredColumns = 5, kInfraredRows = 4;
-/// Intrinsics of the infrared image of 640 x 488 that belongs to a depth image, and back.
-[[nodiscard]] hal::CameraIntrinsics infrared_of(const hal::CameraIntrinsics& depth);
-[[nodiscard]] hal::CameraIntrinsics depth_of(const hal::CameraIntrinsics& infrared);
-
 }  // namespace colift::perception

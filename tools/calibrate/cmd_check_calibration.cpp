@@ -94,7 +94,7 @@ CalibrationCheck check_calibration(const perception::CalibrationFile& file,
                     "{:.0f} mm off, {:.1f} m "
                     "away; kinect: {{fx: {:.1f}, fy: {:.1f}}}",
                     file.fx, file.fy, kinect.fx, kinect.fy, 1e3 * focal * away, away, file.fx, file.fy));
-  const double cx = file.cx - perception::kInfraredColumns, cy = file.cy - perception::kInfraredRows;
+  const double cx = file.cx - hal::kInfraredColumns, cy = file.cy - hal::kInfraredRows;
   if (std::hypot(kinect.cx - cx, kinect.cy - cy) > kCentre_px)
     out.warnings.push_back(fmt::format(
         "it was made with the principal point ({:.1f}, {:.1f}) px of the depth image, and the driver has "
