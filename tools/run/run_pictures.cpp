@@ -41,15 +41,7 @@ std::optional<Vec3> partner(const RunView& view) {
 }
 
 Solid capsule(const Vec3& from, const Vec3& to, double radius, SolidRole role) {
-  Solid s;
-  s.kind = Solid::Kind::Capsule;
-  s.X_WS.translation() = 0.5 * (from + to);
-  const Vec3 z = (to - from).normalized();
-  const auto [u, v] = hal::tangents(z);
-  s.X_WS.linear() << u, v, z;
-  s.size = {radius, (to - from).norm(), 0};
-  s.role = role;
-  return s;
+  return {sim_hal::capsule(from, to, radius, sim_hal::Label::Nothing), role};
 }
 
 // What was seen and planned, raised by `rise_m`.
@@ -57,14 +49,10 @@ SolidScene scene_as_seen(const RunView& view, const hal::JointVector& q_rad, dou
   SolidScene scene;
   const control::RunRecord& r = view.record;
   if (r.look && r.look->scene.ground) {
-    Solid ground;
-    ground.kind = Solid::Kind::Ground;
-    ground.role = SolidRole::Ground;
-    const Vec3 n = r.look->scene.ground->plane.normal;
-    const auto [u, v] = hal::tangents(n);
-    ground.X_WS.linear() << u, v, n;
-    ground.X_WS.translation() = -r.look->scene.ground->plane.offset * n;
-    scene.solids.push_back(ground);
+    const hal::Plane& plane = r.look->scene.ground->plane;
+    scene.solids.push_back(
+        {sim_hal::half_space(-plane.offset * plane.normal, plane.normal, sim_hal::Label::Ground),
+         SolidRole::Ground});
   }
   const Vec3 rise = rise_m * Vec3::UnitZ();
   Vec3 outwards = Vec3::UnitX();

@@ -39,7 +39,7 @@ double reach(const Solid& solid, const Vec3& along) {
       return solid.size.x() + 0.5 * solid.size.y() * std::abs(d.z());
     case Solid::Kind::Sphere:
       return solid.size.x();
-    case Solid::Kind::Ground:
+    case Solid::Kind::HalfSpace:
       return 0.0;
   }
   return 0.0;
