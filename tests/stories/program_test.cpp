@@ -34,12 +34,15 @@ std::string slurp(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-Run colift(const std::string& arguments) {
+Run run(const std::filesystem::path& program, const std::string& arguments) {
   const auto out = scratch() / "out", err = scratch() / "err";
-  const std::string command =
-      std::string(COLIFT_PROGRAM) + " " + arguments + " >" + out.string() + " 2>" + err.string();
+  const std::string command = program.string() + " " + arguments + " >" + out.string() + " 2>" + err.string();
   const int status = std::system(command.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), slurp(out), slurp(err)};
+}
+
+Run colift(const std::string& arguments) {
+  return run(COLIFT_PROGRAM, arguments);
 }
 
 const std::string kReal = std::string(COLIFT_TEST_DATA) + "/real/";
@@ -267,6 +270,27 @@ TEST_CASE("--version and --help are not errors", "[program]") {
     CHECK(r.code == 0);
     CHECK(r.out.size() > 200);
   }
+}
+
+TEST_CASE("every command is there, whichever program has it", "[program]") {
+  for (const char* command : {"run", "log", "experiment", "look", "decide", "rank", "check", "hal",
+                              "calibrate", "doctor", "emulate"}) {
+    const Run r = colift(std::string(command) + " --help");
+    INFO(command << "\n" << r.err);
+    CHECK(r.code == 0);
+    CHECK_THAT(r.out, Catch::Contains(std::string("colift ") + command));
+  }
+}
+
+TEST_CASE("a command whose program was not built yet says which and who builds it", "[program]") {
+  const auto alone = scratch() / "alone";
+  std::filesystem::create_directories(alone);
+  std::filesystem::copy_file(COLIFT_PROGRAM, alone / "colift",
+                             std::filesystem::copy_options::overwrite_existing);
+  const Run r = run(alone / "colift", "log info some.mcap");
+  CHECK(r.code == 4);
+  CHECK_THAT(r.err, Catch::Contains("colift-log is not there yet; tools/build builds it"));
+  CHECK(run(alone / "colift", "run --help").code == 0);
 }
 
 TEST_CASE("a file behind --view is the recording, a number is the port", "[program]") {
