@@ -17,6 +17,19 @@ struct InfraredFrame {
   std::vector<std::uint16_t> brightness;  ///< width * height, row-major; 0 to 1023.
 };
 
+/// Pixel (u, v) of a Kinect's depth image looks where pixel (u + 5, v + 4) of its infrared image looks: half
+/// a correlation window (freenect_camera). The infrared image has eight rows more.
+inline constexpr int kInfraredColumns = 5, kInfraredRows = 4;
+/// Intrinsics of the infrared image that belongs to a depth image, and back.
+[[nodiscard]] inline CameraIntrinsics infrared_of(const CameraIntrinsics& depth) {
+  return {depth.width, depth.height + 2 * kInfraredRows, depth.fx,
+          depth.fy,    depth.cx + kInfraredColumns,      depth.cy + kInfraredRows};
+}
+[[nodiscard]] inline CameraIntrinsics depth_of(const CameraIntrinsics& infrared) {
+  return {infrared.width, infrared.height - 2 * kInfraredRows, infrared.fx,
+          infrared.fy,    infrared.cx - kInfraredColumns,      infrared.cy - kInfraredRows};
+}
+
 /// A camera that can also show the infrared light which it measures depth with: for calibration.
 class InfraredCamera {
  public:

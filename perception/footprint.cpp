@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr int kMaxCells = 4096;  // per side of the footprint
+constexpr int kMaxCells = 4096;  // per side of the footprint: bounds memory
 
 double cross(const Vector2d& a, const Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -32,7 +32,7 @@ bool before(const Vector2d& a, const Vector2d& b) {
 /// Points that can be corners of the hull: those not well inside the octagon of the extremes in eight
 /// directions.
 std::vector<Vector2d> outer_points(std::span<const Vector2d> points) {
-  constexpr std::size_t kSmall = 64;
+  constexpr std::size_t kSmall = 64;  // fewer points cost less than the search for the octagon
   if (points.size() < kSmall) return {points.begin(), points.end()};
 
   // x, x + y, y, y - x and their opposites, in counter-clockwise order

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "hal/config/range.hpp"
 #include "hal/types/geometry.hpp"
 
 namespace colift::perception {
@@ -44,6 +45,16 @@ struct BoxTrim {
   int cell_points = 3;      ///< Cells with fewer points do not count for the footprint.
   double side_cells =
       0.008;  ///< Part of the footprint's cells that may lie beyond each of its sides: a thin tip.
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("quantile", quantile, hal::Range{0, 0.49},
+      "Fraction of the points that may lie below, and as many above, the height range.");
+    v("cell_m", cell_m, hal::Range{0.001, 0.5}, "Side of the cells of the footprint (m).");
+    v("cell_points", cell_points, hal::Range{1, 1000}, "Min number of points of a cell of the footprint.");
+    v("side_cells", side_cells, hal::Range{0, 0.49},
+      "Fraction of the footprint's cells that may lie beyond each of its sides.");
+  }
 };
 
 /// As above, without strays.

@@ -20,9 +20,11 @@ struct NoiseModel {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("sigma0_m", sigma0_m, hal::kNotNegative, "Depth noise at zero distance.");
-    v("sigma2_per_m", sigma2_per_m, hal::kNotNegative, "Growth of the depth noise with distance squared.");
-    v("step2_per_m", step2_per_m, hal::kNotNegative, "Depth quantisation step divided by distance squared.");
+    v("sigma0_m", sigma0_m, hal::kNotNegative, "Standard deviation of the depth at zero distance (m).");
+    v("sigma2_per_m", sigma2_per_m, hal::kNotNegative,
+      "Growth of the depth's standard deviation with distance squared (1/m).");
+    v("step2_per_m", step2_per_m, hal::kNotNegative,
+      "Depth quantisation step divided by distance squared (1/m).");
   }
 };
 

@@ -99,7 +99,7 @@ Typical majority(std::vector<float>& values, float gate) {
 }  // namespace
 
 hal::Result<ReferenceImage> build_reference(std::span<const hal::DepthFrame> frames, const hal::Pose& X_WC,
-                                            const NoiseModel& noise) {
+                                            const NoiseModel& noise, const ReferenceConfig& config) {
   if (auto ok = check(frames); !ok) return tl::unexpected(ok.error());
 
   const auto& k = frames.front().intrinsics;
@@ -133,7 +133,8 @@ hal::Result<ReferenceImage> build_reference(std::span<const hal::DepthFrame> fra
       reference.near_m[at + u] = row.near[u];
       reference.count[at + u] = static_cast<std::uint16_t>(row.seen[u]);
       reference.spread_m[at + u] = std::sqrt(row.squares[u] / row.seen[u]);
-      const auto gate = static_cast<float>(6.0 * noise.sigma(row.near[u]) + 2.0 * noise.step(row.near[u]));
+      const auto gate = static_cast<float>(config.restless_sigma * noise.sigma(row.near[u]) +
+                                           config.restless_steps * noise.step(row.near[u]));
       if (row.far[u] - row.near[u] <= gate) continue;
       ++restless;
       values.clear();
@@ -152,13 +153,13 @@ hal::Result<ReferenceImage> build_reference(std::span<const hal::DepthFrame> fra
         fmt::format("none of the {} pixels was seen in any of the {} frames", pixels, frames.size()));
   }
   reference.restless = static_cast<double>(restless) / static_cast<double>(seen);
-  if (reference.restless > kMostRestless) {
+  if (reference.restless > config.max_restless) {
     return failure(
         ErrorCode::NotFound, "reference image",
         fmt::format(
             "{:.0f} % of the pixels changed between the {} frames (at most {:.0f} %): something moved "
             "while the reference was taken",
-            100.0 * reference.restless, frames.size(), 100.0 * kMostRestless));
+            100.0 * reference.restless, frames.size(), 100.0 * config.max_restless));
   }
   reference.cloud = deproject(typical, X_WC);
   return reference;

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "hal/config/range.hpp"
 #include "hal/depth_camera.hpp"
 #include "hal/types/result.hpp"
 #include "perception/noise_model.hpp"
@@ -26,8 +27,21 @@ struct ReferenceImage {
   double restless = 0.0;
 };
 
-/// Largest share of restless pixels that still is a picture of a scene at rest.
-inline constexpr double kMostRestless = 0.10;
+/// When a scene counts as at rest while its reference is taken.
+struct ReferenceConfig {
+  double max_restless = 0.10;
+  double restless_sigma = 6.0;
+  double restless_steps = 2.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("max_restless", max_restless, hal::kFraction,
+      "Max fraction of the pixels that may change between the reference frames of a scene at rest.");
+    v("restless_sigma", restless_sigma, hal::Range{0, 100},
+      "Min change of such a pixel, in standard deviations of the depth noise.");
+    v("restless_steps", restless_steps, hal::Range{0, 100}, "The same, in quantisation steps.");
+  }
+};
 
 /// Typical depth: mean of the frames, and where they disagree by more than the noise (edges between near and
 /// far), mean of those that agree with their median. A pixel of a frame that is NaN or not positive counts as
@@ -35,6 +49,7 @@ inline constexpr double kMostRestless = 0.10;
 /// 65535 frames), NotFound (no frame saw anything; or the scene was not at rest, with the share of restless
 /// pixels).
 [[nodiscard]] hal::Result<ReferenceImage> build_reference(std::span<const hal::DepthFrame> frames,
-                                                          const hal::Pose& X_WC, const NoiseModel& noise);
+                                                          const hal::Pose& X_WC, const NoiseModel& noise,
+                                                          const ReferenceConfig& config = {});
 
 }  // namespace colift::perception

@@ -17,10 +17,7 @@ using hal::LinkShape;
 using hal::Pose;
 using hal::Vec3;
 
-constexpr double kNoiseSigmas = 2.0;  // beyond the padding, which covers the rest
-constexpr double kNearest_m = 0.05;   // corners nearer to the camera's plane than this have no pixel
-constexpr int kFewNeighbours = 2;     // a surface has more pixels of its depth around each
-constexpr float kJump_m = 0.02f;
+constexpr double kNearest_m = 0.05;  // corners nearer to the camera's plane than this have no pixel
 
 // coefficients of a function of the ray (x, y, 1)
 struct Linear {
@@ -65,8 +62,8 @@ struct SelfFilter::Impl {
     solids.reserve(shapes);
     spans.resize(shapes * height);
     rows.resize(height);
-    margin0 = static_cast<float>(kNoiseSigmas * noise.sigma0_m);
-    margin2 = static_cast<float>(kNoiseSigmas * noise.sigma2_per_m + 0.5 * noise.step2_per_m);
+    margin0 = static_cast<float>(config.noise_sigma * noise.sigma0_m);
+    margin2 = static_cast<float>(config.noise_sigma * noise.sigma2_per_m + 0.5 * noise.step2_per_m);
     step2 = static_cast<float>(noise.step2_per_m);
   }
 
@@ -331,7 +328,7 @@ struct SelfFilter::Impl {
 
   [[nodiscard]] bool alone(const std::vector<float>& depth_m, int u, int v) const {
     const float z = depth_m[at(u, v)];
-    const float jump = kJump_m + 2.0f * step2 * z * z;
+    const float jump = static_cast<float>(config.jump_m) + 2.0f * step2 * z * z;
     int like = 0;
     for (int y = std::max(v - 1, 0); y <= std::min(v + 1, k.height - 1); ++y)
       for (int x = std::max(u - 1, 0); x <= std::min(u + 1, k.width - 1); ++x) {
@@ -339,7 +336,7 @@ struct SelfFilter::Impl {
         if ((x == u && y == v) || mask[i] == 1) continue;
         like += std::abs(depth_m[i] - z) < jump ? 1 : 0;
       }
-    return like < kFewNeighbours;
+    return like < config.min_neighbours;
   }
 
   void remove(std::vector<float>& depth_m, const Window& in) {

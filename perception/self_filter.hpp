@@ -11,17 +11,26 @@
 
 namespace colift::perception {
 
+/// Which pixels are the robot's own.
 struct SelfFilterConfig {
   double padding_m = 0.015;
   double shadow_padding_px = 2.0;
+  double noise_sigma = 2.0;
+  int min_neighbours = 2;
+  double jump_m = 0.02;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v("padding_m", padding_m, hal::Range{0, 0.2},
-      "Links are thicker by this: errors of model and calibration (m).");
+      "Padding of the links, for errors of model and calibration (m).");
     v("shadow_padding_px", shadow_padding_px, hal::Range{0, 20},
-      "Around the robot, so far in the image, depths that fit none of their neighbours are the robot's "
+      "Width in the image around the robot within which pixels that fit none of their neighbours are its "
       "ragged edge (px).");
+    v("noise_sigma", noise_sigma, hal::Range{0, 20},
+      "Max distance of the robot's pixels beyond the padding, in standard deviations of the depth noise.");
+    v("min_neighbours", min_neighbours, hal::Range{0, 8},
+      "Min number of neighbours at its own depth of a pixel beside the robot that is kept.");
+    v("jump_m", jump_m, hal::Range{0, 0.5}, "Max depth difference of such neighbours, fixed part (m).");
   }
 };
 

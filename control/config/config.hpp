@@ -2,6 +2,9 @@
 
 #include <string>
 
+#include "control/config/check_config.hpp"
+#include "control/config/method.hpp"
+#include "control/config/setpoint_limits.hpp"
 #include "control/config/task_config.hpp"
 #include "control/lift/load_estimator.hpp"
 #include "control/test_lift/test_lift.hpp"
@@ -30,7 +33,8 @@
 
 namespace colift::control {
 
-/// Everything that can be set, by the names that YAML files, `--set` and `colift check` use.
+/// Everything that can be set, by the names that YAML files, `--set` and `colift check` use. What a command
+/// works with is made by resolve_config() alone.
 struct Config {
   std::string method = "fast";
   std::string hand_file;
@@ -53,6 +57,9 @@ struct Config {
   TaskConfig task;
   TestLiftConfig test_lift;
   LoadConfig load;
+  SetpointLimits setpoints;
+  MapCheckConfig map_check;
+  ImageCheckConfig image_check;
   hal::GuardConfig guard_arm;
   hal::HandGuardConfig guard_hand;
   hal::CameraGuardConfig guard_camera;
@@ -87,6 +94,9 @@ struct Config {
     v("task", task, "The order of the job: patience, lift, limits that end it.");
     v("test_lift", test_lift, "Whether and how the load is tested before the lift.");
     v("load", load, "How the load is felt.");
+    v("setpoints", setpoints, "Limits of the arm's set points: stops, corrections, ramps, contact.");
+    v("map_check", map_check, "When a collision map is refused.");
+    v("image_check", image_check, "When a depth image has too many holes.");
     v("guard_arm", guard_arm, "The last gate before the arm.");
     v("guard_hand", guard_hand, "The last gate before the hand.");
     v("guard_camera", guard_camera, "The last gate behind the camera.");
@@ -97,16 +107,9 @@ struct Config {
   }
 };
 
-/// Where `colift run` starts from, before files and --set: as Config, but the hand may move through space
-/// that the camera did not see, because a moving arm feels what is there (docs/decisions/0009).
-[[nodiscard]] inline Config run_defaults() {
-  Config config;
-  config.candidates.collision.unseen_fraction = 1.0;
-  config.candidates.collision.max_unseen_m = 0.25;
-  config.candidates.side_clearance_m = 0.03;
-  config.candidates.max_turn_deg = 40.0;
-  config.decision.max_lever_m = 0.065;
-  return config;
-}
+/// What `colift run` starts from: as Config, but the hand may move through space that the camera did not see,
+/// because a moving arm feels what is there (docs/decisions/0009), and the thesis's perception fits the space
+/// in front of the robot. Experiments and replays start from the same.
+[[nodiscard]] Config run_defaults();
 
 }  // namespace colift::control

@@ -4,6 +4,156 @@
 
 namespace colift::control {
 
+/// When a device counts as lost, and when the arm goes slowly. SI units.
+struct SupervisionConfig {
+  int arm_max_misses = 5;
+  int arm_max_misses_at_start = 20;
+  double hand_timeout_s = 0.2;
+  double camera_timeout_s = 0.3;
+  double camera_reopen_s = 2.0;
+  double slow_image_age_s = 0.15;
+  double full_speed_image_age_s = 0.10;
+  double image_age_filter_s = 0.4;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("arm_max_misses", arm_max_misses, hal::Range{1, 1000},
+      "Max cycles in a row without a state of the arm that count as answered.");
+    v("arm_max_misses_at_start", arm_max_misses_at_start, hal::Range{1, 10000},
+      "The same before the arm was ever commanded.");
+    v("hand_timeout_s", hand_timeout_s, hal::Range{0.01, 10}, "Timeout of the hand's answers (s).");
+    v("camera_timeout_s", camera_timeout_s, hal::Range{0.05, 10},
+      "Timeout of new frames, after which the camera is lost (s).");
+    v("camera_reopen_s", camera_reopen_s, hal::Range{0.1, 60},
+      "Time between two attempts to open an unplugged camera (s).");
+    v("slow_image_age_s", slow_image_age_s, hal::Range{0.01, 10},
+      "Mean age of the newest frame from which the arm goes slowly (s).");
+    v("full_speed_image_age_s", full_speed_image_age_s, hal::Range{0.01, 10},
+      "Mean age below which it goes at full speed again (s).");
+    v("image_age_filter_s", image_age_filter_s, hal::Range{0.001, 10}, "Time constant of that mean (s).");
+  }
+};
+
+/// What is tried how often before the job is given up. SI units.
+struct AttemptConfig {
+  int max_planned_grasps = 8;
+  int max_approaches = 5;
+  int max_grips = 2;
+  double failed_grip_radius_m = 0.06;
+  double second_partner_timeout_s = 10.0;
+  double object_moved_m = 0.004;
+  double max_object_moved_m = 0.06;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("max_planned_grasps", max_planned_grasps, hal::Range{1, 200},
+      "Max grasps of one decision for which a path is planned.");
+    v("max_approaches", max_approaches, hal::Range{1, 100},
+      "Max approaches of a job; each test lift allows one more.");
+    v("max_grips", max_grips, hal::Range{1, 20},
+      "Max approaches after which a failed grip is tried elsewhere; each test lift allows one more.");
+    v("failed_grip_radius_m", failed_grip_radius_m, hal::Range{0, 1},
+      "No grasp is tried so near to a grip that failed (m).");
+    v("second_partner_timeout_s", second_partner_timeout_s, hal::Range{0.1, 3600},
+      "Timeout for a partner who has grasped before; never more than task.patience_s (s).");
+    v("object_moved_m", object_moved_m, hal::Range{0, 0.1},
+      "An object that was put down farther from where it stood is taken as moved (m).");
+    v("max_object_moved_m", max_object_moved_m, hal::Range{0, 1},
+      "One that moved farther has to be observed anew: the job ends (m).");
+  }
+};
+
+/// Motion with an empty hand: approach, back-off, retreat. SI units.
+struct EmptyHandConfig {
+  double approach_timeout_factor = 2.0;
+  double approach_timeout_margin_s = 5.0;
+  double back_off_scale = 0.6;
+  double return_timeout_s = 60.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("approach_timeout_factor", approach_timeout_factor, hal::Range{1, 100},
+      "Timeout of the approach, as a multiple of its planned time at task.slow_part of the speed.");
+    v("approach_timeout_margin_s", approach_timeout_margin_s, hal::Range{0, 600}, "Added to that (s).");
+    v("back_off_scale", back_off_scale, hal::Range{0.05, 1},
+      "Speed scale of the motion back along the approach.");
+    v("return_timeout_s", return_timeout_s, hal::Range{1, 3600}, "Timeout of back-off and of retreat (s).");
+  }
+};
+
+/// Closing, checking and opening the hand. SI units.
+struct GripConfig {
+  double hand_timeout_s = 8.0;
+  double finger_tolerance_rad = 0.45;
+  double ready_timeout_s = 20.0;
+  double open_tolerance_rad = 0.1;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("hand_timeout_s", hand_timeout_s, hal::Range{0.5, 60},
+      "Timeout of closing and of opening: initialisation and full strokes take under 4 s (s).");
+    v("finger_tolerance_rad", finger_tolerance_rad, hal::Range{0.01, 3},
+      "Max difference of a finger from the angle that the observed width predicts (rad).");
+    v("ready_timeout_s", ready_timeout_s, hal::Range{0.1, 3600},
+      "Timeout for the partner to hold still once the hand is closed (s).");
+    v("open_tolerance_rad", open_tolerance_rad, hal::Range{0.01, 2},
+      "A finger below this angle is open (rad).");
+  }
+};
+
+/// The palm's motion while the object is lifted. SI units.
+struct LiftMotionConfig {
+  double feed_forward_filter_s = 0.25;
+  double follow_speed_m_s = 0.08;
+  double follow_gain_1_s = 4.0;
+  double follow_acceleration_m_s2 = 0.4;
+  double tested_speed_m_s = 0.005;
+  double leader_rise_m = 0.008;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("feed_forward_filter_s", feed_forward_filter_s, hal::Range{0, 10},
+      "Time constant of the load that is fed forward: slower than the object swings, faster than a lift "
+      "(s).");
+    v("follow_speed_m_s", follow_speed_m_s, hal::Range{0.001, 0.5},
+      "Max speed of the palm that follows; a person who lifts 5 cm in 2 s peaks at 0.047 m/s (m/s).");
+    v("follow_gain_1_s", follow_gain_1_s, hal::Range{0.1, 50},
+      "Speed of the following palm per height that it is behind (1/s).");
+    v("follow_acceleration_m_s2", follow_acceleration_m_s2, hal::Range{0.01, 10},
+      "Max acceleration of the following palm (m/s^2).");
+    v("tested_speed_m_s", tested_speed_m_s, hal::Range{0.001, 0.1},
+      "Max mean speed of the lift after a test lift (m/s).");
+    v("leader_rise_m", leader_rise_m, hal::Range{0.001, 0.1},
+      "The partner leads when his end is higher than the palm by this (m).");
+  }
+};
+
+/// Limits and signs while the object is carried; beside max_tilt_deg, max_slip_m and max_load_n. SI units.
+struct CarryConfig {
+  int limit_frames = 3;
+  double settle_s = 0.3;
+  double partner_fall_m = 0.02;
+  double load_jump_factor = 1.4;
+  double load_jump_n = 6.0;
+  double ground_tolerance_m = 0.002;
+  double ground_load_n = 0.5;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("limit_frames", limit_frames, hal::Range{1, 100},
+      "Frames in a row beyond a limit of tilt or slip that end a lift.");
+    v("settle_s", settle_s, hal::Range{0, 10}, "Time at rest before the end of a motion is believed (s).");
+    v("partner_fall_m", partner_fall_m, hal::Range{0.002, 0.5},
+      "The partner has let go when his end comes down by this during the hold (m).");
+    v("load_jump_factor", load_jump_factor, hal::Range{1, 10},
+      "He has let go, too, when the load grows by this factor over its mean ...");
+    v("load_jump_n", load_jump_n, hal::Range{0, 100}, "... and by at least this (N).");
+    v("ground_tolerance_m", ground_tolerance_m, hal::Range{0, 0.05},
+      "The object is on the ground when its grip is this near to where it was (m) ...");
+    v("ground_load_n", ground_load_n, hal::Range{0, 50}, "... and the robot's load is not above this (N).");
+  }
+};
+
 /// The job as a whole. SI units.
 struct TaskConfig {
   int reference_frames = 15;
@@ -22,6 +172,12 @@ struct TaskConfig {
   double slow_part = 0.3;
   double arm_patience_s = 1.0;
   double limit_margin_deg = 1.2;
+  AttemptConfig attempts;
+  SupervisionConfig supervision;
+  EmptyHandConfig empty_hand;
+  GripConfig grip;
+  LiftMotionConfig lift;
+  CarryConfig carry;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -49,6 +205,12 @@ struct TaskConfig {
       "How long the arm may stand because its controller takes no commands, before the job ends (s).");
     v("limit_margin_deg", limit_margin_deg, hal::Range{1.2, 45},
       "Kept from the joints' limits while the object is borne; plans keep motion.limit_margin_deg (deg).");
+    v("attempts", attempts, "What is tried how often before the job is given up.");
+    v("supervision", supervision, "When a device counts as lost, and when the arm goes slowly.");
+    v("empty_hand", empty_hand, "Motion with an empty hand: approach, back-off, retreat.");
+    v("grip", grip, "Closing, checking and opening the hand.");
+    v("lift", lift, "The palm's motion while the object is lifted.");
+    v("carry", carry, "Limits and signs while the object is carried.");
   }
 };
 

@@ -2,20 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::control {
 namespace {
 
-constexpr double kFeedForward_s = 0.25;    // time constant: slower than the object swings, faster than a lift
-constexpr double kFollowSpeed_m_s = 0.08;  // a person who lifts 5 cm in 2 s peaks at 0.047 m/s
-constexpr double kFollowGain_1_s = 4.0;
-constexpr double kFollowAcceleration_m_s2 = 0.4;
 constexpr double kLargestStep_rad = 0.05;  // in one cycle; more is a jump to another posture
-constexpr double kAtRest_m = 0.002;
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kLeastSpan = 0.25;  // of the time of a whole lift: for what is left of one
-constexpr double kLeastWay_m = 0.001;
+constexpr double kAtRest_m = 0.002;        // and m/s: the camera sees the partner's end no finer
+constexpr double kLeastSpan = 0.25;        // of the time of a whole lift: for what is left of one
+constexpr double kLeastWay_m = 0.001;      // against division by no height
 
 // height along a minimum-jerk profile from 0 to 1
 double minimum_jerk(double s) {
@@ -77,8 +73,10 @@ double LiftController::next_height(double dt_s) {
     return from_m_ + (to_m_ - from_m_) * minimum_jerk(span_s_ > 0.0 ? time_s_ / span_s_ : 1.0);
   }
   const double goal = std::clamp(partner_rise_m_, 0.0, to_m_);
-  const double wanted = std::clamp(kFollowGain_1_s * (goal - height_m_), -kFollowSpeed_m_s, kFollowSpeed_m_s);
-  const double change = kFollowAcceleration_m_s2 * dt_s;
+  const LiftMotionConfig& lift = config_.lift;
+  const double wanted =
+      std::clamp(lift.follow_gain_1_s * (goal - height_m_), -lift.follow_speed_m_s, lift.follow_speed_m_s);
+  const double change = lift.follow_acceleration_m_s2 * dt_s;
   speed_m_s_ += std::clamp(wanted - speed_m_s_, -change, change);
   return height_m_ + speed_m_s_ * dt_s;
 }
@@ -96,7 +94,8 @@ std::optional<LiftController::Command> LiftController::step(double dt_s,
   height_m_ = next_height(pace * dt_s);
   hal::Pose X_WF = X_WF0_;
   X_WF.translation().z() += height_m_;
-  const auto q = planner::follow_ik(arm_, X_WF, q_rad_, kDegree * config_.limit_margin_deg, kLargestStep_rad);
+  const auto q =
+      planner::follow_ik(arm_, X_WF, q_rad_, hal::deg_to_rad(config_.limit_margin_deg), kLargestStep_rad);
   if (!q) {
     height_m_ = before_m;  // the way down begins here
     at_end_ = true;        // what lies behind may be in reach again, but not by the way that the palm goes
@@ -110,7 +109,7 @@ std::optional<LiftController::Command> LiftController::step(double dt_s,
     hal::Wrench borne;
     borne.force.z() = std::clamp(felt->force.z(), -config_.max_load_n, 0.0);
     if (borne.force.z() < 0.0) borne.torque = felt->torque;
-    const double a = dt_s / (kFeedForward_s + dt_s);
+    const double a = dt_s / (config_.lift.feed_forward_filter_s + dt_s);
     fed_.force += a * (borne.force - fed_.force);
     fed_.torque += a * (borne.torque - fed_.torque);
   }

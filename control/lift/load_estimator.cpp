@@ -10,7 +10,9 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kLeastManipulability = 0.01;  // (m^3) below it the arm is near a singular posture
+// Of the arm's kinematics, not of a job: below this manipulability (m^3) a posture counts as nearly singular.
+// The damping is that of Nakamura and Hanafusa 1986; both figures were chosen, not measured.
+constexpr double kLeastManipulability = 0.01;
 constexpr double kMostDamping = 0.05;
 
 }  // namespace

@@ -3,48 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
+#include "control/session/pipeline.hpp"
 #include "perception/partner/partner_grasp.hpp"
-#include "perception/reference_image.hpp"
 #include "planner/grasp/grasp_stability.hpp"
-#ifdef COLIFT_THESIS
-#include "perception/thesis/thesis_partner.hpp"
-#endif
 
 namespace colift::control {
 namespace {
 
 using perception::PartnerGrasp;
-
-hal::Result<> see_fast(const Look& look, const hal::DepthFrame& frame, const Config& c, Outcome& out) {
-  const auto reference = perception::build_reference(std::array{look.frame}, look.cloud.X_WC, c.noise);
-  if (!reference) return tl::unexpected(reference.error());
-  auto finder =
-      perception::PartnerFinder::make(*reference, *look.scene.target, *look.scene.ground, c.noise, c.partner);
-  if (!finder) return tl::unexpected(finder.error());
-  auto seen = finder->find(perception::deproject(frame, look.cloud.X_WC));
-  if (!seen) return tl::unexpected(seen.error());
-  out.partner = seen->grasp;
-  out.partner_pixels = std::move(seen->pixels);
-  out.partner_because = std::move(seen->because);
-  return {};
-}
-
-hal::Result<> see_thesis([[maybe_unused]] const Look& look, [[maybe_unused]] const hal::DepthFrame& frame,
-                         [[maybe_unused]] const Config& c, [[maybe_unused]] Outcome& out) {
-#ifdef COLIFT_THESIS
-  const auto before = perception::thesis_cloud(look.cloud, c.thesis);
-  const auto now = perception::thesis_cloud(perception::deproject(frame, look.cloud.X_WC), c.thesis);
-  out.partner =
-      perception::thesis_partner(before, now, look.scene.target->points, c.thesis, &out.partner_because);
-  return {};
-#else
-  return hal::failure(hal::ErrorCode::BadConfig, "method",
-                      "this build has no thesis method (COLIFT_THESIS=OFF)");
-#endif
-}
 
 hal::Result<> find_partner(const Look& look, const PartnerInput& input, const Config& c, Outcome& out) {
   if (input.position_W) {
@@ -60,8 +28,14 @@ hal::Result<> find_partner(const Look& look, const PartnerInput& input, const Co
         fmt::format("the second frame has {} pixels, the first {}; both have to come from the same camera",
                     input.frame->depth_m.size(), look.frame.depth_m.size()));
   }
-  return look.method == Method::Fast ? see_fast(look, *input.frame, c, out)
-                                     : see_thesis(look, *input.frame, c, out);
+  const auto pipeline = make_pipeline(look.method);
+  if (!pipeline) return tl::unexpected(pipeline.error());
+  auto seen = (*pipeline)->find_partner(look, *input.frame, c);
+  if (!seen) return tl::unexpected(seen.error());
+  out.partner = seen->grasp;
+  out.partner_pixels = std::move(seen->pixels);
+  out.partner_because = std::move(seen->because);
+  return {};
 }
 
 constexpr double kGravity = 9.80665;  // m/s^2, standard
@@ -87,16 +61,15 @@ hal::Result<> choose_robustly(const Look& look, const planner::DecisionConfig& c
   planner::Decision& d = out.decision;
   if (config.robust == "nominal" || !d.chosen) return {};
   const planner::UncertainScene scene = uncertain_scene(look, *out.partner, config);
-  auto robust = planner::RobustChoice::create(config.weights, kAtOnce);
+  auto robust = planner::RobustChoice::create(config.weights, kAtOnce, config.what_ifs);
   if (!robust) return tl::unexpected(robust.error());
   const bool worst = config.robust == "worst";
   const auto best = robust->choose(
       scene, out.candidates, worst ? planner::RobustChoice::Aim::Worst : planner::RobustChoice::Aim::Expected,
       holds(out.candidates, look.finder->hand(), scene));
-  const std::string over =
-      fmt::format("over {} what-ifs (centre of gravity +- {:.0f} mm, partner +- {:.0f} mm, {:.1f} kg)",
-                  planner::RobustChoice::kWhatIfs, sigma_mm(scene.cog_covariance),
-                  sigma_mm(scene.partner_covariance), config.mass_kg);
+  const std::string over = fmt::format(
+      "over {} what-ifs (centre of gravity +- {:.0f} mm, partner +- {:.0f} mm, {:.1f} kg)", config.what_ifs,
+      sigma_mm(scene.cog_covariance), sigma_mm(scene.partner_covariance), config.mass_kg);
   planner::GraspCandidate& before = out.candidates[*d.chosen];
   if (!best || *best == *d.chosen) {
     d.because += "; the same " + over;
@@ -125,7 +98,7 @@ hal::Result<> choose(const Look& look, const Config& config, const hal::Clock& c
   const hal::Timestamp start = clock.now();
   const planner::DecisionInput input{*out.partner, look.scene.target->cog, look.scene.ground->plane.normal,
                                      look.base_frame_known};
-  if (look.method == Method::Fast) {
+  if (config.candidates.refine_lines > 0) {
     // the list is coarse; what matters lies around the closed-form optimum
     const auto best = planner::best_robot_position(input, config.decision);
     if (!best) return tl::unexpected(best.error());

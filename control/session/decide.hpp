@@ -42,8 +42,8 @@ struct Outcome {
 /// Judges candidates that are made on demand, around the optimum: sets to Unreachable what the arm cannot do.
 using Judge = std::function<void(std::vector<planner::GraspCandidate>&)>;
 
-/// The decision for a partner who is known: candidates of the look, and for the fast method some around the
-/// closed-form optimum, judged by `judge_more`. Errors: BadConfig (weights or limits).
+/// The decision for a partner who is known: candidates of the look, and some around the closed-form optimum
+/// (config.candidates.refine_lines), judged by `judge_more`. Errors: BadConfig (weights or limits).
 [[nodiscard]] hal::Result<Outcome> decide_for(const Look& look, const perception::PartnerGrasp& partner,
                                               const Config& config, const hal::Clock& clock,
                                               const Judge& judge_more = {});

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "control/config/config.hpp"
+#include "control/config/method.hpp"
 #include "hal/depth_camera.hpp"
 #include "hal/types/result.hpp"
 #include "hal/types/time.hpp"
@@ -14,8 +15,6 @@
 #include "planner/grasp/grasp_candidates.hpp"
 
 namespace colift::control {
-
-enum class Method { Fast, Thesis };
 
 /// Time that each stage took, in the order of the data (ms).
 struct StageTimes {
@@ -48,6 +47,7 @@ struct Look {
 };
 
 /// Frame in, scene and grasp candidates out. No ground or no target is a finding, not an error.
+/// `config` holds what goes with the method (set_method_defaults()).
 /// Errors: BadConfig when the thesis method was asked for in a build without it. `clock` times the stages.
 /// `hand_tables` are HandCollision(hand, config.candidates.collision), made once for many looks; null makes
 /// them anew.

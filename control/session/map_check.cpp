@@ -11,11 +11,7 @@ namespace {
 using perception::CellGrid;
 using perception::CellState;
 
-constexpr double kMostOccupied = 0.5;  // of the known cells; a room with a camera in it has a few percent
-constexpr double kLeastKept = 0.3;     // of the points in the mapped space
-constexpr int kStride = 5;             // every 25th pixel is enough
-constexpr int kFewPoints = 200;
-constexpr double kFar_m = 3.0;  // farther points may lie beyond what is entered
+constexpr int kStride = 5;  // every 25th pixel: 12 000 of a Kinect's, in well under a millisecond
 
 /// Whether one of the 27 cells about a point holds something.
 bool holds(const CellGrid& grid, const std::vector<char>& is_something, const Eigen::Vector3i& c) {
@@ -29,7 +25,8 @@ bool holds(const CellGrid& grid, const std::vector<char>& is_something, const Ei
 }  // namespace
 
 std::optional<std::string> map_trouble(const perception::WorldMap& map,
-                                       const perception::OrganisedCloud& cloud) {
+                                       const perception::OrganisedCloud& cloud,
+                                       const MapCheckConfig& config) {
   const CellGrid& grid = map.grid();
   std::vector<char> is_something(grid.cells.size());
   std::size_t known = 0, occupied = 0;
@@ -39,7 +36,7 @@ std::optional<std::string> map_trouble(const perception::WorldMap& map,
     occupied += something;
     known += something || grid.cells[i] == CellState::Free;
   }
-  if (known > 0 && static_cast<double>(occupied) > kMostOccupied * static_cast<double>(known))
+  if (known > 0 && static_cast<double>(occupied) > config.max_occupied_fraction * static_cast<double>(known))
     return fmt::format("the map of the room is full: {:.0f} % of what is known of it is occupied",
                        1e2 * static_cast<double>(occupied) / static_cast<double>(known));
   for (const hal::Vec3& middle : map.target_cells()) {
@@ -51,13 +48,13 @@ std::optional<std::string> map_trouble(const perception::WorldMap& map,
     for (int u = 0; u < cloud.width(); u += kStride) {
       const auto pixel =
           static_cast<std::size_t>(v) * static_cast<std::size_t>(cloud.width()) + static_cast<std::size_t>(u);
-      if (!cloud.seen(pixel) || cloud.depth_m[pixel] > static_cast<float>(kFar_m)) continue;
+      if (!cloud.seen(pixel) || cloud.depth_m[pixel] > static_cast<float>(config.max_distance_m)) continue;
       const Eigen::Vector3i c = grid.cell_of(cloud.point(pixel));
       if (!grid.contains(c.x(), c.y(), c.z())) continue;
       ++points;
       kept += holds(grid, is_something, c);
     }
-  if (points >= kFewPoints && kept < kLeastKept * points)
+  if (points >= config.min_points && kept < config.min_kept_fraction * points)
     return fmt::format("the map of the room is too empty: it holds {:.0f} % of what the camera sees there",
                        1e2 * kept / points);
   return std::nullopt;

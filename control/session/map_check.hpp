@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "control/config/check_config.hpp"
 #include "perception/map/world_map.hpp"
 #include "perception/organised_cloud.hpp"
 
@@ -12,6 +13,7 @@ namespace colift::control {
 /// most of what the camera saw is missing in it. Unset: it can. One sentence with numbers; a plan through
 /// such a map would mean nothing. `cloud`: what the map was made from. Some milliseconds.
 [[nodiscard]] std::optional<std::string> map_trouble(const perception::WorldMap& map,
-                                                     const perception::OrganisedCloud& cloud);
+                                                     const perception::OrganisedCloud& cloud,
+                                                     const MapCheckConfig& config = {});
 
 }  // namespace colift::control

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "control/config/check_config.hpp"
 #include "perception/organised_cloud.hpp"
 #include "perception/scene.hpp"
 
@@ -12,6 +13,7 @@ namespace colift::control {
 /// (sunlight, dark or shiny things). What is left of a large face looks like small ones, and behind a hole
 /// may be anything. Unset: it has few enough. One sentence with numbers.
 [[nodiscard]] std::optional<std::string> picture_trouble(const perception::OrganisedCloud& cloud,
-                                                         const perception::Target& target);
+                                                         const perception::Target& target,
+                                                         const ImageCheckConfig& config = {});
 
 }  // namespace colift::control

@@ -67,8 +67,9 @@ class Watch {
   [[nodiscard]] const Look& look() const;
   [[nodiscard]] const perception::WorldMap& map() const;
 
-  /// Looks for the partner's hands; the tracker turns touches into events. The thesis's method looks at every
-  /// tenth frame; in between its last sighting is returned, and the tracker hears of nothing.
+  /// Looks for the partner's hands; the tracker turns touches into events. A method that is too slow for
+  /// every frame looks at some; in between its last sighting is returned, and the tracker hears of nothing.
+  /// Errors: NotFound before there is an object, and the method's.
   [[nodiscard]] hal::Result<Sight> watch_partner(hal::DepthFrame frame, const RobotPosture& robot);
   /// The camera gave nothing: a silent one must not keep a grasp alive.
   std::optional<perception::PartnerEvent> no_frame(hal::Timestamp now);

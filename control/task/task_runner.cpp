@@ -1,25 +1,282 @@
 #include "control/task/task_runner.hpp"
 
-#include "control/task/job.hpp"
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
 
 namespace colift::control {
+namespace {
 
-struct TaskRunner::Impl {
-  hal::Robot& robot;
-  Job job;
-};
+using namespace std::chrono_literals;
+
+constexpr hal::Duration kReportEvery = 33ms;  // the camera's frame period: nothing new is seen sooner
+
+/// Whether the job goes home without its goal from here on.
+bool is_failure(Task from, Event event, Task to) {
+  return event == Event::LimitReached || event == Event::HangsAskew ||
+         (from == Task::TestLift && to == Task::Lower) || (to == Task::Release && event != Event::OnGround) ||
+         to == Task::BackOff;
+}
+
+}  // namespace
 
 TaskRunner::TaskRunner(hal::Robot& robot, const RigView& rig, const Config& config, const JobOptions& options,
                        const hal::Clock& stopwatch)
-    : impl_(new Impl{robot, Job(robot, rig, config, options, stopwatch)}) {}
-TaskRunner::~TaskRunner() = default;
+    : c_(robot, rig, config, options, stopwatch) {}
 
 hal::Result<RunRecord> TaskRunner::run(const JobHooks& hooks) {
-  if (auto started = impl_->job.start_devices(); !started) return tl::unexpected(started.error());
+  if (auto started = start(); !started) return tl::unexpected(started.error());
   if (hooks.started) hooks.started();
-  while (impl_->job.cycle(hooks)) {
+  while (cycle(hooks)) {
   }
-  return impl_->job.finish();
+  return finish();
+}
+
+hal::Result<> TaskRunner::start() {
+  if (auto started = start_devices(); !started) return started;
+  c_.record.realtime = c_.arm.realtime();
+  c_.began = c_.now = c_.since = c_.robot.clock->now();
+  wall_start_ = c_.stopwatch.now();
+  hand_.start();
+  camera_.start();
+  speed_.start();
+  c_.readings.arm = c_.arm.view().state;
+  retreat_phase_.set_home(c_.readings.arm.q_commanded_rad);
+  reason_ = "starts to look";
+  c_.record.states.push_back({hal::Timestamp(0), c_.state, reason_});
+  return {};
+}
+
+hal::Result<> TaskRunner::start_devices() {
+  // a hand takes seconds to wake and to find its stops, and the arm's controller asks for answers all the
+  // time: an arm with a thread of its own comes first, one that is served between the others' work comes last
+  const bool arm_first = c_.options.drive == Drive::Thread;
+  const auto start_arm = [this]() -> hal::Result<> {
+    if (auto ok = c_.robot.arm->configure(); !ok) return ok;
+    return c_.arm.start();  // activates it, in the thread that answers its cycles
+  };
+  if (arm_first)
+    if (auto started = start_arm(); !started) return started;
+  hal::Device* const others[] = {c_.robot.camera.get(), c_.robot.hand.get()};
+  for (hal::Device* device : others)
+    if (auto ok = device->configure(); !ok) return ok;
+  for (hal::Device* device : others)
+    if (auto ok = device->activate(); !ok) return ok;
+  return arm_first ? hal::Result<>{} : start_arm();
+}
+
+bool TaskRunner::cycle(const JobHooks& hooks) {
+  read_devices();
+  // faults first; where one means nothing, the work continues
+  const auto fault = emergency(hooks);
+  if (fault && next(c_.state, fault->event)) {
+    apply(*fault, hooks);
+  } else if (waits_for_arm()) {
+    c_.doing = "the arm stands until its controller takes commands again";
+  } else {
+    if (arm_.take_restart()) resume_after_restart();
+    if (const auto event = work()) apply(*event, hooks);
+  }
+  c_.arm.end_cycle();
+  if (c_.arm.view().refused_commands > 0 && !refusal_noted_ && !is_end(c_.state)) {
+    refusal_noted_ = true;
+    c_.note_device("arm", c_.arm.view().refusal.str());
+  }
+  if (c_.now - reported_at_ >= kReportEvery) report(hooks);
+  if (hooks.cycle) hooks.cycle(c_.arm.view());
+  return !is_end(c_.state);
+}
+
+void TaskRunner::read_devices() {
+  arm_.read(speed_.reason());
+  hand_.read();
+  camera_.read();
+  speed_.update(hand_.warning());
+}
+
+std::optional<TaskEvent> TaskRunner::emergency(const JobHooks& hooks) const {
+  if (hooks.interrupted && hooks.interrupted()) return TaskEvent{Event::Interrupted, "asked to end"};
+  if (arm_.lost()) return TaskEvent{Event::ArmLost, arm_.fault()};
+  // with nothing held yet the others are opened; later one finger less is a grip that nobody may trust
+  if (hand_.lost() && hand_.silent_puck() && next(c_.state, Event::FingerLost))
+    return TaskEvent{Event::FingerLost, hand_.fault()};
+  if (hand_.lost()) return TaskEvent{Event::HandLost, hand_.fault()};
+  if (c_.readings.camera_lost) return TaskEvent{Event::CameraLost, "the camera gives no picture"};
+  const hal::HandState& hand = c_.readings.hand;
+  if (hand.hot && !is_loaded(c_.state)) return TaskEvent{Event::HandUnfit, hand.warning.str()};
+  return std::nullopt;
+}
+
+bool TaskRunner::waits_for_arm() const {
+  return arm_.interrupted() && c_.state != Task::Observe && c_.state != Task::AwaitPartner;
+}
+
+void TaskRunner::resume_after_restart() {
+  c_.note_device("arm", "goes on from where it stands");
+  // a hand at work continues by itself, and so does a lift: from its height
+  if (c_.state == Task::Approach) approach_phase_.resume_after_restart();
+  if (c_.state == Task::BackOff) back_off_phase_.resume_after_restart();
+  if (c_.state == Task::Retreat) retreat_phase_.resume_after_restart();
+}
+
+std::optional<TaskEvent> TaskRunner::work() {
+  switch (c_.state) {
+    case Task::Observe:
+      return scene_phase_.observe();
+    case Task::AwaitPartner:
+      return partner_phase_.await_partner();
+    case Task::Decide:
+      return plan_phase_.decide();
+    case Task::Plan:
+      return plan_phase_.plan();
+    case Task::Approach:
+      return approach_phase_.approach();
+    case Task::Halt:
+      return approach_phase_.halt();
+    case Task::BackOff:
+      return back_off_phase_.back_off();
+    case Task::Close:
+      return grip_phase_.close();
+    case Task::Verify:
+      return grip_phase_.verify();
+    case Task::AwaitReady:
+      return grip_phase_.await_ready();
+    case Task::TestLift:
+      return test_lift_phase_.test_lift();
+    case Task::Lift:
+      return lift_phase_.lift();
+    case Task::Hold:
+      return lift_phase_.hold();
+    case Task::Lower:
+      return lift_phase_.lower();
+    case Task::Release:
+      return retreat_phase_.release();
+    case Task::Retreat:
+      return retreat_phase_.retreat();
+    case Task::Done:
+    case Task::Refused:
+    case Task::Aborted:
+    case Task::Stopped:
+      break;
+  }
+  return std::nullopt;
+}
+
+void TaskRunner::begin_state(Task from, Event event) {
+  switch (c_.state) {
+    case Task::AwaitPartner:
+      return partner_phase_.begin(from);
+    case Task::Decide:
+      return plan_phase_.begin_decision();
+    case Task::Approach:
+      return approach_phase_.begin();
+    case Task::Halt:
+      return approach_phase_.begin_halt();
+    case Task::BackOff:
+      return back_off_phase_.begin(event, approach_phase_.abandon());
+    case Task::Close:
+      return grip_phase_.begin_close();
+    case Task::AwaitReady:
+      return grip_phase_.begin_await_ready();
+    case Task::TestLift:
+      return test_lift_phase_.begin();
+    case Task::Lift:
+      return lift_phase_.begin_lift(from);
+    case Task::Hold:
+      return lift_phase_.begin_hold();
+    case Task::Lower:
+      return lift_phase_.begin_lower();
+    case Task::Release:
+      return retreat_phase_.begin_release();
+    case Task::Retreat:
+      return retreat_phase_.begin_retreat();
+    case Task::Stopped:
+    case Task::Refused:
+    case Task::Aborted:
+    case Task::Done:
+      return c_.arm.hold();
+    case Task::Observe:
+    case Task::Plan:
+    case Task::Verify:
+      break;
+  }
+}
+
+void TaskRunner::apply(const TaskEvent& event, const JobHooks& hooks) {
+  const auto rule = next(c_.state, event.event);
+  if (!rule) return;
+  const Task from = std::exchange(c_.state, rule->to);
+  c_.since = c_.now;
+  c_.doing.clear();
+  c_.done.reset();
+  reason_ = rule->because;
+  if (!event.detail.empty()) reason_ += ": " + event.detail;
+  c_.record.states.push_back({c_.now - c_.began, c_.state, reason_});
+  if (is_failure(from, event.event, c_.state)) {
+    c_.attempts.failed = true;
+    c_.attempts.failure = reason_;
+  }
+  if (event.event == Event::ArmLost || event.event == Event::HandLost || event.event == Event::FingerLost)
+    c_.record.device_failed = true;
+  if (event.event == Event::FingerLost) hand_.continue_without_puck();
+  if ((event.event == Event::GripBad || event.event == Event::HandEmpty) &&
+      (from == Task::Close || from == Task::Verify))
+    grasps_.refuse_grip("a grip here failed: " + event.detail);
+  begin_state(from, event.event);
+  if (event.event == Event::PartnerAsked && hooks.asked) hooks.asked(requests_.place());
+  if (hooks.changed) hooks.changed(from, c_.state);
+  report(hooks);
+}
+
+void TaskRunner::report(const JobHooks& hooks) {
+  reported_at_ = c_.now;
+  if (!hooks.status) return;
+  JobStatus s;
+  s.now = c_.now - c_.began;
+  s.state = c_.state;
+  s.since = c_.since - c_.began;
+  s.because = reason_;
+  s.doing = c_.doing;
+  s.done = c_.done;
+  if (const auto grasp = c_.session.tracker().grasp()) s.partner_W = grasp->position;
+  s.partner_note = c_.partner_note;
+  s.load_n = c_.arm.view().load_n;
+  if (is_loaded(c_.state) && !c_.record.curve.empty()) {
+    s.height_m = c_.record.curve.back().palm_height_m;
+    if (!std::isnan(object_.tilt_rad())) s.tilt_rad = object_.tilt_rad(), s.slip_m = object_.slip_m();
+  }
+  s.record = &c_.record;
+  if (c_.record.look && c_.record.look->scene.target) s.map = &c_.session.map();
+  hooks.status(s);
+}
+
+RunRecord TaskRunner::finish() {
+  // at rest before it is left alone, whatever it was doing
+  c_.arm.finish();
+  RunRecord& record = c_.record;
+  record.hand_keeps_grip = c_.readings.hand.held;
+  c_.robot.hand->stop();
+  c_.robot.camera->deactivate();
+  using Result = RunRecord::Result;
+  switch (c_.state) {
+    case Task::Done:
+      record.outcome = Result::Lifted;
+      record.because = fmt::format("held {:.1f} cm for {:.0f} s, lowered, released",
+                                   1e2 * (record.lift ? record.lift->height_m : 0.0), c_.config.task.hold_s);
+      break;
+    case Task::Refused:
+      record.outcome = c_.attempts.approaches > 0 ? Result::Aborted : Result::Refused;
+      record.because = reason_;
+      break;
+    default:
+      record.outcome = Result::Aborted;
+      record.because =
+          c_.state == Task::Aborted && !c_.attempts.failure.empty() ? c_.attempts.failure : reason_;
+  }
+  record.timing.sim_s = hal::seconds(c_.robot.clock->now() - c_.began);
+  record.timing.wall_s = hal::seconds(c_.stopwatch.now() - wall_start_);
+  return std::move(record);
 }
 
 }  // namespace colift::control

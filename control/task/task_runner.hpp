@@ -1,75 +1,87 @@
 #pragma once
 
-#include <cstdint>
-#include <functional>
-#include <memory>
-#include <optional>
-#include <string>
-
-#include "control/arm/arm_loop.hpp"
-#include "control/session/watch.hpp"
-#include "control/task/run_record.hpp"
-#include "hal/robot.hpp"
+#include "control/task/grasp_selector.hpp"
+#include "control/task/job_status.hpp"
+#include "control/task/object_monitor.hpp"
+#include "control/task/partner_monitor.hpp"
+#include "control/task/partner_requests.hpp"
+#include "control/task/phases/approach_phase.hpp"
+#include "control/task/phases/back_off_phase.hpp"
+#include "control/task/phases/grip_phase.hpp"
+#include "control/task/phases/lift_phase.hpp"
+#include "control/task/phases/partner_phase.hpp"
+#include "control/task/phases/plan_phase.hpp"
+#include "control/task/phases/retreat_phase.hpp"
+#include "control/task/phases/scene_phase.hpp"
+#include "control/task/phases/test_lift_phase.hpp"
+#include "control/task/supervision/arm_supervisor.hpp"
+#include "control/task/supervision/camera_supervisor.hpp"
+#include "control/task/supervision/hand_supervisor.hpp"
+#include "control/task/supervision/speed_scaling.hpp"
+#include "control/task/task_context.hpp"
 
 namespace colift::control {
 
-/// What a running job tells whoever watches it.
-struct JobStatus {
-  hal::Timestamp now{0};
-  Task state = Task::Observe;
-  hal::Timestamp since{0};     ///< When it came into this state.
-  std::string because;         ///< Why it did.
-  std::string doing;           ///< What it is doing in particular.
-  std::optional<double> done;  ///< Part of the state's work that is done, 0 to 1.
-  std::optional<hal::Vec3> partner_W;
-  std::string partner_note;
-  double load_n = 0.0;
-  std::optional<double> height_m, tilt_rad, slip_m;
-  const RunRecord* record = nullptr;  ///< As far as it is.
-  /// The collision world, made once when the scene is known; null until then. Borrowed for the call.
-  const perception::WorldMap* map = nullptr;
-};
-
-/// What the job calls while it runs; each may be empty.
-struct JobHooks {
-  std::function<void()> started;      ///< All devices are active: the job begins.
-  std::function<bool()> interrupted;  ///< A person wants the program to end.
-  std::function<void(const JobStatus&)>
-      status;                               ///< Every 33 ms of the robot's time, and at each change of state.
-  std::function<void(Task, Task)> changed;  ///< From, to: the moment for whoever keeps a diary.
-  /// The partner is asked to take hold there (W).
-  std::function<void(const hal::Vec3&)> asked;
-  std::function<void(const ArmView&)> cycle;  ///< A cycle of the task is over; the arm as it left it.
-};
-
-struct JobOptions {
-  Method method = Method::Fast;
-  std::uint64_t seed = 0;
-  bool dry_run = false;        ///< Sees, decides and plans, moves nothing.
-  double known_mass_kg = 0.0;  ///< Of the object, when somebody knows it; 0: estimated from the load.
-  Drive drive = Drive::InStep;
-  /// Replay of a run whose arm had a thread of its own: the view of each cycle of the task (ArmLoop::play).
-  std::function<void(ArmView&)> recorded_views = {};
-};
-
-/// Does the whole job once: sees, waits for the partner, decides, plans, approaches, closes, lifts together,
-/// holds, lowers, releases, retreats. The rules stand in task_machine; here is what is done in each state.
-/// Each cycle looks what the arm, the hand and the camera have to say, and asks the arm's loop for what comes
-/// next. The loop runs in the same thread (simulation in lock step) or in its own (Drive).
+/// Does the whole job once: observes, waits for the partner, decides, plans, approaches, closes, lifts
+/// together, holds, lowers, releases, retreats. The rules stand in task_machine; what is done in each state
+/// stands in its phase. Each cycle reads arm, hand and camera, lets the phase of the state work, applies the
+/// event that it reports, and asks the arm for what comes next. The arm's own cycle runs in the same thread
+/// (simulation in lock step) or in a thread of its own (Drive).
 class TaskRunner {
  public:
-  /// Robot, rig and configuration have to outlive the runner; `stopwatch` measures computing time only.
+  /// Robot and rig have to outlive the runner; `stopwatch` measures computing time only.
   TaskRunner(hal::Robot& robot, const RigView& rig, const Config& config, const JobOptions& options,
              const hal::Clock& stopwatch);
-  ~TaskRunner();
 
-  /// Errors: those of devices that cannot be configured or activated at the start; nothing has moved then.
-  /// Everything later ends in a state and a record.
+  /// Once. Errors: those of devices that cannot be configured or activated at the start; nothing has moved
+  /// then. Everything later ends in a state and a record.
   [[nodiscard]] hal::Result<RunRecord> run(const JobHooks& hooks);
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  [[nodiscard]] hal::Result<> start();
+  [[nodiscard]] hal::Result<> start_devices();
+  /// One cycle. False when the job has ended.
+  [[nodiscard]] bool cycle(const JobHooks& hooks);
+  void read_devices();
+  /// What devices or the operator report; it comes before the phase's own work.
+  [[nodiscard]] std::optional<TaskEvent> emergency(const JobHooks& hooks) const;
+  [[nodiscard]] bool waits_for_arm() const;
+  /// The arm's cycle began anew: what was under way is taken up again.
+  void resume_after_restart();
+  /// The work of the state's phase in this cycle.
+  [[nodiscard]] std::optional<TaskEvent> work();
+  void apply(const TaskEvent& event, const JobHooks& hooks);
+  /// Begins the phase of the new state.
+  void begin_state(Task from, Event event);
+  void report(const JobHooks& hooks);
+  /// Lets the devices rest and closes the record.
+  [[nodiscard]] RunRecord finish();
+
+  TaskContext c_;
+
+  ArmSupervisor arm_{c_};
+  HandSupervisor hand_{c_};
+  CameraSupervisor camera_{c_};
+  SpeedScaling speed_{c_};
+
+  PartnerMonitor partner_{c_};
+  ObjectMonitor object_{c_};
+  GraspSelector grasps_{c_};
+  PartnerRequests requests_{c_};
+
+  ScenePhase scene_phase_{c_, grasps_};
+  PartnerPhase partner_phase_{c_, partner_, requests_, grasps_};
+  PlanPhase plan_phase_{c_, partner_, requests_, grasps_};
+  ApproachPhase approach_phase_{c_, partner_};
+  BackOffPhase back_off_phase_{c_, partner_};
+  GripPhase grip_phase_{c_, partner_, object_};
+  TestLiftPhase test_lift_phase_{c_, object_, grasps_};
+  LiftPhase lift_phase_{c_, object_};
+  RetreatPhase retreat_phase_{c_, object_, grasps_, scene_phase_};
+
+  hal::Timestamp reported_at_{0}, wall_start_{0};
+  std::string reason_;  ///< Why the job is in its state.
+  bool refusal_noted_ = false;
 };
 
 }  // namespace colift::control

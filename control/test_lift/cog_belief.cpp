@@ -5,18 +5,18 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::control {
 namespace {
 
 using Vec2 = Eigen::Vector2d;
 
-constexpr double kGravity = 9.80665;                // m/s^2
-constexpr double kLeast_kg = 0.2, kMost_kg = 30.0;  // what two carry by hand
-constexpr double kNearest_m = 0.02;                 // the centre of gravity is not in the partner's hand
+constexpr double kGravity = 9.80665;     // m/s^2, standard
+constexpr double kNearest_m = 0.02;      // the centre of gravity is not in the partner's hand
 constexpr double kFootHeight_m = 0.001;  // feet that differ by less stand together: the camera's resolution
-constexpr double kSureTurn_rad = 0.3 * std::numbers::pi / 180.0;  // below it the camera's noise is the turn
+constexpr double kSureTurn_rad = hal::deg_to_rad(0.3);  // below it the camera's noise is the turn
 
 double cross(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -173,7 +173,7 @@ hal::Result<CogBelief> weigh_cog(const CarriedObject& object, std::span<const Fe
       bool possible = true;
       for (const Reading& reading : readings) {
         const auto fits = fit(reading, place - reading.partner);
-        possible = fits && fits->mass_kg > kLeast_kg && fits->mass_kg < kMost_kg;
+        possible = fits && fits->mass_kg > config.min_mass_kg && fits->mass_kg < config.max_mass_kg;
         if (!possible) break;
         const double sigma = std::hypot(config.place_m, config.partner_nm / (fits->mass_kg * kGravity));
         log_chance -= 0.5 * fits->off_m * fits->off_m / (sigma * sigma);

@@ -10,6 +10,7 @@
 
 namespace colift::control {
 
+/// What is believed of the centre of gravity before a test lift, and how much a test lift can tell.
 struct CogBeliefConfig {
   double density_sigma_m = 0.13;
   double step_m = 0.01;
@@ -19,6 +20,8 @@ struct CogBeliefConfig {
   double grip_nm_rad = 60.0;
   double grip_sigma = 0.4;
   double clear_m = 0.0015;
+  double min_mass_kg = 0.2;
+  double max_mass_kg = 30.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -33,6 +36,8 @@ struct CogBeliefConfig {
     v("grip_nm_rad", grip_nm_rad, hal::kPositive,
       "Torque per turn with which hands hold an object, until test lifts tell it (N m/rad).");
     v("grip_sigma", grip_sigma, hal::Range{0.0, 2.0}, "Relative difference of that from grasp to grasp.");
+    v("min_mass_kg", min_mass_kg, hal::kPositive, "Min mass of an object that two carry by hand (kg).");
+    v("max_mass_kg", max_mass_kg, hal::kPositive, "Max mass of one (kg).");
     v("clear_m", clear_m, hal::Range{0.0, 0.02}, "A foot that has risen by less may still stand (m).");
   }
 };
@@ -59,6 +64,7 @@ struct FeltLift {
 
 /// Where the centre of gravity may be, how heavy the object is then, and how stiffly hands hold it.
 struct CogBelief {
+  /// One hypothesis: where the centre of gravity is and what the object weighs then (m, kg).
   struct Case {
     Eigen::Vector2d cog = Eigen::Vector2d::Zero();  ///< Level part, W.
     double mass_kg = 0.0;

@@ -4,20 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
+
+#include "hal/types/units.hpp"
 
 namespace colift::control {
 namespace {
 
 using Vec2 = Eigen::Vector2d;
 
-constexpr double kAsHigh_m = 0.08;        // as he holds it now: a table is not carried by its legs
-constexpr double kApart_m = 0.30;         // a person and an arm side by side need room
-constexpr double kSamePlace_m = 0.10;     // where he held in vain
 constexpr double kNearlyAPlace_m = 0.03;  // he is told no finer, nor does the hand need finer steps
-constexpr double kNoCase = 1e-3;          // of the likeliest case's weight: less is left out
-constexpr double kWorthSaying_m = 0.05;
+constexpr double kNoCase = 1e-3;  // of the likeliest case's weight: less changes no digit that is shown
+constexpr double kWorthSaying_m = 0.05;  // in a sentence to him: half a hand's width
 
 // of places that are nearly the same the first
 std::vector<hal::Vec3> thinned(std::vector<hal::Vec3> all) {
@@ -62,13 +60,13 @@ std::optional<PartnerPlace> next_place(std::span<const planner::GraspCandidate> 
   if (held.empty() || belief.cases.empty()) return std::nullopt;
   const CogBelief cases = likely(belief);
   const Vec2 mean = cases.mean();
-  const double max_turn_rad = config.good_turn_deg * std::numbers::pi / 180.0;
+  const double max_turn_rad = hal::deg_to_rad(config.good_turn_deg);
   std::vector<hal::Vec3> his, ours;
   for (const planner::GraspCandidate& c : places) {
     const hal::Vec3 p = planner::load_point(c);
-    if (std::abs(p.z() - held.front().z()) <= kAsHigh_m &&
+    if (std::abs(p.z() - held.front().z()) <= config.partner_height_tolerance_m &&
         std::none_of(held.begin(), held.end(),
-                     [&](const hal::Vec3& h) { return (h - p).norm() < kSamePlace_m; }))
+                     [&](const hal::Vec3& h) { return (h - p).norm() < config.tried_partner_radius_m; }))
       his.push_back(p);
   }
   for (const planner::GraspCandidate& c : grasps)
@@ -85,7 +83,7 @@ std::optional<PartnerPlace> next_place(std::span<const planner::GraspCandidate> 
     double single = 0.0;
     PartnerPlace at{place, {}, 0.0, 0.0, {}};
     for (const hal::Vec3& grasp : ours) {
-      if ((grasp - place).head<2>().norm() < kApart_m) continue;
+      if ((grasp - place).head<2>().norm() < config.min_hand_distance_m) continue;
       double chance = 0.0;
       for (std::size_t i = 0; i < some.size(); ++i) {
         const CogBelief::Case& c = cases.cases[i];

@@ -4,19 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::control {
 namespace {
 
-constexpr double kGravity = 9.80665;   // m/s^2
-constexpr double kSameHand_m = 0.05;   // hands nearer to each other hold no object between them
-constexpr double kSameGrip_m = 0.02;   // a place so near to a tried one is the same place
-constexpr double kSamePlace_m = 0.05;  // the partner's, who is seen to some centimetres
-constexpr double kAsGood = 0.05;       // of a chance
-constexpr double kWellClear = 2.0;     // while it is raised: what is left for the measurement at the top
-constexpr double kStill_deg = 0.3;     // one that stands and has turned by less has not moved
-constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kGravity = 9.80665;  // m/s^2, standard
+constexpr double kSameHand_m = 0.05;  // nearer hands, less than a palm apart, hold no object between them
 
 using Vec2 = Eigen::Vector2d;
 
@@ -35,8 +30,8 @@ bool is_finite(const FeltLift& test) {
 }  // namespace
 
 Raise raise_on(const Hanging& now, const TestLiftConfig& config) {
-  const double turn_deg = std::abs(now.turn_rad) / kDegree;
-  if (turn_deg > config.max_turn_deg || now.least_rise_m > kWellClear * config.belief.clear_m)
+  const double turn_deg = hal::rad_to_deg(std::abs(now.turn_rad));
+  if (turn_deg > config.max_turn_deg || now.least_rise_m > config.clear_factor * config.belief.clear_m)
     return Raise::Enough;
   return turn_deg > config.slow_turn_deg ? Raise::Slowly : Raise::On;
 }
@@ -78,15 +73,15 @@ hal::Result<TestLift> understand_test_lift(const CarriedObject& object, std::spa
       "{:.1f} kg, centre of gravity {:.0f} mm from where its shape has it, {:.0f} mm beside the line "
       "between both hands",
       out.mass_kg, 1e3 * (out.cog - object.cog).norm(), 1e3 * out.lever_m);
-  const double drift_deg_s = std::abs(last.drift_rad_s) / kDegree;
-  out.bearable = !out.stands && out.seen.tilt_rad <= config.max_turn_deg * kDegree &&
+  const double drift_deg_s = hal::rad_to_deg(std::abs(last.drift_rad_s));
+  out.bearable = !out.stands && out.seen.tilt_rad <= hal::deg_to_rad(config.max_turn_deg) &&
                  drift_deg_s <= config.max_drift_deg_s;
-  if (out.stands && out.seen.tilt_rad < kStill_deg * kDegree) {
+  if (out.stands && out.seen.tilt_rad < hal::deg_to_rad(config.standing_turn_deg)) {
     out.next = TestLift::Next::Regrasp;
     out.because = fmt::format("the object stands as it stood, so the hand slides on it at {:.0f} N", load_n);
-  } else if (out.stands || out.seen.tilt_rad > config.good_turn_deg * kDegree) {
+  } else if (out.stands || out.seen.tilt_rad > hal::deg_to_rad(config.good_turn_deg)) {
     out.next = TestLift::Next::Regrasp;
-    out.because = fmt::format("turned by {:.1f} deg (limit {:.1f}){}: {}", out.seen.tilt_rad / kDegree,
+    out.because = fmt::format("turned by {:.1f} deg (limit {:.1f}){}: {}", hal::rad_to_deg(out.seen.tilt_rad),
                               config.good_turn_deg, out.stands ? " and stands on a foot" : "", facts);
   } else if (drift_deg_s > config.max_drift_deg_s) {
     out.next = TestLift::Next::Regrasp;
@@ -115,16 +110,17 @@ std::optional<NextGrip> next_grip(std::span<const planner::GraspCandidate> grasp
     const hal::Vec3 grasp = planner::load_point(c);
     if ((grasp - partner).head<2>().norm() < kSameHand_m) continue;
     if (std::any_of(tests.begin(), tests.end(), [&](const FeltLift& t) {
-          return (t.grasp - grasp).norm() < kSameGrip_m && (t.partner - partner).norm() < kSamePlace_m;
+          return (t.grasp - grasp).norm() < config.same_grip_m &&
+                 (t.partner - partner).norm() < config.same_partner_m;
         }))
       continue;
-    const double chance =
-        chance_level(belief, partner, grasp, config.good_turn_deg * kDegree, config.belief.grip_sigma);
+    const double chance = chance_level(belief, partner, grasp, config.good_turn_deg * hal::kRadPerDeg,
+                                       config.belief.grip_sigma);
     possible.push_back({i, chance, lever_share(mean, partner, grasp)});
     best = std::max(best, chance);
   }
   std::optional<NextGrip> next;
-  const double least = std::max(config.least_chance, best - kAsGood);
+  const double least = std::max(config.least_chance, best - config.level_probability_tolerance);
   for (const NextGrip& grip : possible) {
     if (grip.chance < least) continue;
     if (!next || std::abs(grip.share - wanted_share) < std::abs(next->share - wanted_share)) next = grip;

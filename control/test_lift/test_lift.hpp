@@ -33,6 +33,15 @@ struct TestLiftConfig {
   double least_chance_elsewhere = 0.2;
   double least_share = 0.15;
   double most_share = 0.85;
+  int agreeing_frames = 6;
+  double clear_factor = 2.0;
+  double standing_turn_deg = 0.3;
+  double same_grip_m = 0.02;
+  double same_partner_m = 0.05;
+  double level_probability_tolerance = 0.05;
+  double partner_height_tolerance_m = 0.08;
+  double min_hand_distance_m = 0.30;
+  double tried_partner_radius_m = 0.10;
   CogBeliefConfig belief;
 
   template <class Visitor>
@@ -68,6 +77,24 @@ struct TestLiftConfig {
     v("least_share", least_share, hal::kFraction,
       "Least part of the load that the robot should bear where he is asked to.");
     v("most_share", most_share, hal::kFraction, "Greatest part of it: the rest is the partner's.");
+    v("agreeing_frames", agreeing_frames, hal::Range{1, 100},
+      "Frames in a row that have to agree on how the object is raised.");
+    v("clear_factor", clear_factor, hal::Range{1, 20},
+      "A test lift ends when every foot is higher than belief.clear_m by this factor.");
+    v("standing_turn_deg", standing_turn_deg, hal::Range{0, 10},
+      "An object on a foot that has turned by less has not moved: the hand slides on it (deg).");
+    v("same_grip_m", same_grip_m, hal::Range{0, 0.5},
+      "A grasp so near to one that a test lift was made at is the same (m).");
+    v("same_partner_m", same_partner_m, hal::Range{0, 0.5},
+      "A partner's grasp so near to an earlier one is the same: he is seen to some centimetres (m).");
+    v("level_probability_tolerance", level_probability_tolerance, hal::kFraction,
+      "Among grasps within this of the best probability of a level grip, the share decides.");
+    v("partner_height_tolerance_m", partner_height_tolerance_m, hal::Range{0, 1},
+      "Max height difference between the partner's grasp and one that he is asked for (m).");
+    v("min_hand_distance_m", min_hand_distance_m, hal::Range{0, 2},
+      "Min horizontal distance between his hand and the robot's where he is asked to grasp (m).");
+    v("tried_partner_radius_m", tried_partner_radius_m, hal::Range{0, 1},
+      "He is not asked to grasp so near to where he grasped already (m).");
     v("belief", belief, "What is believed of an object before it is lifted.");
   }
 };

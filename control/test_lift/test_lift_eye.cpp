@@ -3,12 +3,6 @@
 #include <utility>
 
 namespace colift::control {
-namespace {
-
-constexpr int kInARow = 6;  // frames that have to agree
-
-}  // namespace
-
 CarriedObject carried_object(const perception::Target& target) {
   CarriedObject object;
   object.cog = target.cog;
@@ -27,7 +21,7 @@ Raise TestLiftEye::rising(const perception::ObjectMotion& motion) {
   const Raise how = raise_on(hanging(object_, partner_, grasp_, motion.X_WTnow_WTref), config_);
   in_a_row_ = how == seen_ ? in_a_row_ + 1 : 1;
   seen_ = how;
-  if (in_a_row_ >= kInARow) said_ = how;
+  if (in_a_row_ >= config_.agreeing_frames) said_ = how;
   return said_;
 }
 

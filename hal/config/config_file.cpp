@@ -72,8 +72,12 @@ std::string unknown_name(const FieldTable& table, std::string_view group, const 
 /// accepted.
 class Change {
  public:
-  Change(const YamlTree& tree, std::string name, bool is_file)
-      : tree_(tree), name_(std::move(name)), is_file_(is_file) {}
+  /// Of a file or text `name`; origins are its lines.
+  Change(const YamlTree& tree, std::string name, UnknownKeys unknown)
+      : tree_(tree), name_(std::move(name)), unknown_(unknown) {}
+  /// Of one value; `name` is where it came from in full, `origin` in short.
+  Change(const YamlTree& tree, std::string name, std::string origin)
+      : tree_(tree), name_(std::move(name)), origin_(std::move(origin)) {}
 
   /// `around` names the list element that the table stands for, "parts[1].", or is empty.
   Result<> read_group(FieldTable& table, const std::string& group, const std::string& around,
@@ -102,23 +106,41 @@ class Change {
         return refuse(key.place, fmt::format("{}{} is given twice, first in line {}", around, quotable(path),
                                              before->second));
       }
-      const bool nested_name = key.text.find('.') != std::string::npos;
-      Field* field = nested_name ? nullptr : table.find(path);
-      Result<> done;
-      if (field) {
-        done = read_field(*field, around, node.children[i + 1], key.place, depth);
-      } else if (!nested_name && table.find_group(path)) {
-        done = read_group(table, path, around, node.children[i + 1], key.place, depth + 1);
-      } else {
-        done = refuse(key.place, unknown_name(table, group, path, around, is_file_));
-      }
-      if (!done) return done;
+      if (auto done = read_key(table, group, path, around, key, node.children[i + 1], depth); !done)
+        return done;
     }
+    return {};
+  }
+
+  /// What stands under one key, which may be an old name.
+  Result<> read_key(FieldTable& table, const std::string& group, const std::string& path,
+                    const std::string& around, const YamlNode& key, std::uint32_t index, int depth) {
+    const bool nested_name = key.text.find('.') != std::string::npos;
+    std::string today = path;
+    const bool known = !nested_name && (table.find(path) || table.find_group(path));
+    if (!known && !nested_name) {
+      if (auto renamed = table.renamed(path)) {
+        today = std::move(*renamed);
+        warn_of_old_name(around + path, around + today, key.place);
+      }
+    }
+    if (nested_name) today.clear();
+    if (Field* field = table.find(today)) return read_field(*field, around, index, key.place, depth);
+    if (table.find_group(today) || (!nested_name && table.has_renamed_below(today)))
+      return read_group(table, today, around, index, key.place, depth + 1);
+    std::string objection = unknown_name(table, group, path, around, is_file());
+    if (unknown_ == UnknownKeys::Refused) return refuse(key.place, std::move(objection));
+    warnings_.push_back(fmt::format("{}: {}; it is left out", place_text(name_, key.place), objection));
     return {};
   }
 
   Result<> read_field(Field& field, const std::string& around, std::uint32_t index, YamlPlace key_place,
                       int depth) {
+    const auto is_it = [&](const auto& written) { return written.field == &field; };
+    if (std::any_of(values_.begin(), values_.end(), is_it) ||
+        std::any_of(lists_.begin(), lists_.end(), is_it))
+      return refuse(key_place,
+                    fmt::format("{}{} is given under its old and its new name", around, field.path));
     if (std::holds_alternative<ListSlot>(field.slot))
       return read_list(field, around, index, key_place, depth);
     auto value = read_value(field, tree_, index);
@@ -141,7 +163,14 @@ class Change {
     return {};
   }
 
-  void commit() {
+  void warn_of_old_name(const std::string& old_path, const std::string& path, YamlPlace place) {
+    warnings_.push_back(fmt::format("{}: {} is called {} now; the old name is still read",
+                                    is_file() ? place_text(name_, place) : name_, quotable(old_path), path));
+  }
+
+  /// Writes what was accepted; warnings go to the table of the whole configuration.
+  void commit(FieldTable& table) {
+    for (std::string& warning : warnings_) table.warnings.push_back(std::move(warning));
     for (auto& [field, value, origin] : values_) {
       write_value(*field, value);
       field->origin = origin;
@@ -166,11 +195,11 @@ class Change {
   };
 
   Result<> refuse(YamlPlace place, std::string because) const {
-    return failure(ErrorCode::BadConfig, is_file_ ? place_text(name_, place) : name_, std::move(because));
+    return failure(ErrorCode::BadConfig, is_file() ? place_text(name_, place) : name_, std::move(because));
   }
 
   [[nodiscard]] std::string origin(YamlPlace place) const {
-    return is_file_ ? fmt::format("{}:{}", name_, place.line) : "--set";
+    return is_file() ? fmt::format("{}:{}", name_, place.line) : origin_;
   }
 
   Result<> read_list(Field& field, const std::string& around, std::uint32_t index, YamlPlace key_place,
@@ -191,12 +220,15 @@ class Change {
       FieldTable table = items->element(i);
       const YamlNode& child = tree_.at(node.children[i]);
       const std::string element = fmt::format("{}[{}].", full, i);
-      Change change(tree_, name_, is_file_);
+      Change change(tree_, name_, unknown_);
+      change.origin_ = origin_;
       change.visited_ = visited_;
+      change.warnings_ = std::move(warnings_);
       if (auto done = change.read_group(table, "", element, node.children[i], child.place, depth + 1); !done)
         return done;
       visited_ = change.visited_;
-      change.commit();
+      warnings_ = std::exchange(change.warnings_, {});
+      change.commit(table);
       for (const Field& each : table.fields()) {
         if (each.presence == Presence::Required && each.origin == kDefaultOrigin) {
           return refuse(child.place,
@@ -209,8 +241,11 @@ class Change {
   }
 
   const YamlTree& tree_;
-  std::string name_;
-  bool is_file_;
+  [[nodiscard]] bool is_file() const { return origin_.empty(); }
+
+  std::string name_, origin_;
+  UnknownKeys unknown_ = UnknownKeys::Refused;
+  std::vector<std::string> warnings_;
   std::size_t visited_ = 0;
   std::vector<NewValue> values_;
   std::vector<NewList> lists_;
@@ -266,8 +301,8 @@ std::optional<std::string> objection_to_fields(const FieldTable& table, const st
   return std::nullopt;
 }
 
-Result<> apply_at(FieldTable& table, const std::string& path, const std::string& around,
-                  std::string_view value, const std::string& where) {
+Result<> apply_at(FieldTable& table, std::string path, const std::string& around, std::string_view value,
+                  const std::string& where, const std::string& origin) {
   const auto refuse = [&](std::string because) {
     return failure(ErrorCode::BadConfig, where, std::move(because));
   };
@@ -285,11 +320,13 @@ Result<> apply_at(FieldTable& table, const std::string& path, const std::string&
     }
     FieldTable element = element_at(**slot, indexed->index);
     auto done = apply_at(element, std::string(indexed->rest),
-                         fmt::format("{}{}[{}].", around, list->path, indexed->index), value, where);
-    if (done) list->origin = "--set";
+                         fmt::format("{}{}[{}].", around, list->path, indexed->index), value, where, origin);
+    if (done) list->origin = origin;
     return done;
   }
 
+  const std::string given = path;
+  if (!table.find(path) && !table.find_group(path)) path = table.renamed(path).value_or(path);
   Field* field = table.find(path);
   if (!field && !table.find_group(path)) {
     for (const Field& list : table.fields()) {
@@ -309,11 +346,12 @@ Result<> apply_at(FieldTable& table, const std::string& path, const std::string&
 
   auto tree = parse_yaml(as_it_stands ? "" : value, where);
   if (!tree) return refuse(tree.error().detail);
-  Change change(*tree, where, /*is_file=*/false);
+  Change change(*tree, where, origin);
+  if (path != given) change.warn_of_old_name(around + given, around + path, {});
   Result<> done = as_it_stands ? change.take_text(*field, around, std::string(value))
                   : field      ? change.read_field(*field, around, tree->root, {}, 0)
                                : change.read_group(table, path, around, tree->root, {}, 0);
-  if (done) change.commit();
+  if (done) change.commit(table);
   return done;
 }
 
@@ -345,14 +383,20 @@ Result<> apply_yaml_file(FieldTable& table, const std::filesystem::path& path) {
   return apply_yaml_text(table, *text, quotable(path.string(), 300));
 }
 
-Result<> apply_yaml_text(FieldTable& table, std::string_view text, const std::string& name) {
+Result<> apply_yaml_text(FieldTable& table, std::string_view text, const std::string& name,
+                         UnknownKeys unknown) {
   const auto tree = parse_yaml(text, name);
   if (!tree) return tl::unexpected(tree.error());
-  Change change(*tree, name, /*is_file=*/true);
+  Change change(*tree, name, unknown);
   if (auto done = change.read_group(table, "", "", tree->root, tree->at(tree->root).place, 0); !done)
     return done;
-  change.commit();
+  change.commit(table);
   return {};
+}
+
+Result<> apply_value(FieldTable& table, const std::string& path, std::string_view value,
+                     const std::string& where, const std::string& origin) {
+  return apply_at(table, path, "", value, where, origin);
 }
 
 Result<> apply_setting(FieldTable& table, std::string_view setting) {
@@ -365,7 +409,7 @@ Result<> apply_setting(FieldTable& table, std::string_view setting) {
   while (path.ends_with(' ')) path.remove_suffix(1);
   while (path.starts_with(' ')) path.remove_prefix(1);
   if (path.empty()) return failure(ErrorCode::BadConfig, where, "there is no name before the \"=\"");
-  return apply_at(table, std::string(path), "", setting.substr(equals + 1), where);
+  return apply_at(table, std::string(path), "", setting.substr(equals + 1), where, "--set");
 }
 
 Result<> check_fields(const FieldTable& table, const std::string& name) {

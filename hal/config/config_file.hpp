@@ -21,7 +21,8 @@ namespace colift::hal {
 //   fmt::print("{}", effective_yaml(table, /*with_help=*/true));
 //
 // Every error is BadConfig; `where` is "FILE:LINE:COLUMN", "FILE", or "--set TEXT", `detail` one sentence
-// that says what was found, what was expected and, for an unknown key, the nearest known name.
+// that says what was found, what was expected and, for an unknown key, the nearest known name. An old name of
+// an entry is accepted; FieldTable::warnings says which, and the caller shows it.
 
 /// The bytes of a file, at most one more than kMaxYamlBytes, so that parse_yaml() can refuse it.
 [[nodiscard]] Result<std::string> read_yaml_file(const std::filesystem::path& path);
@@ -30,7 +31,15 @@ namespace colift::hal {
 [[nodiscard]] Result<> apply_yaml_file(FieldTable& table, const std::filesystem::path& path);
 
 /// The same for a text in memory; `name` stands for the file's name in messages and origins.
-[[nodiscard]] Result<> apply_yaml_text(FieldTable& table, std::string_view text, const std::string& name);
+/// Keys that the table does not know are refused, or left out with a warning in the table (for texts that
+/// another version of the program wrote).
+[[nodiscard]] Result<> apply_yaml_text(FieldTable& table, std::string_view text, const std::string& name,
+                                       UnknownKeys unknown = UnknownKeys::Refused);
+
+/// One value for `path`, written as after the "=" of a setting, for options of a command line that stand for
+/// an entry. `where` is that of an error ("--share 2"), `origin` what the field says afterwards ("--share").
+[[nodiscard]] Result<> apply_value(FieldTable& table, const std::string& path, std::string_view value,
+                                   const std::string& where, const std::string& origin);
 
 /// One "a.b=c" from a command line; c as in YAML, except that a text field takes it as it stands unless it is
 /// quoted. "parts[1].mass=2" changes an element that a list of structs already has.

@@ -29,6 +29,32 @@ std::vector<std::string> split(const std::string& path) {
   return names;
 }
 
+/// The unit that the end of a name says; empty: none.
+std::string_view unit_of(std::string_view name) {
+  constexpr std::pair<std::string_view, std::string_view> kUnits[] = {{"_nm_rad", "N m/rad"},
+                                                                      {"_rad_s3", "rad/s^3"},
+                                                                      {"_rad_s2", "rad/s^2"},
+                                                                      {"_rad_s", "rad/s"},
+                                                                      {"_per_m", "1/m"},
+                                                                      {"_deg_s", "deg/s"},
+                                                                      {"_m_s2", "m/s^2"},
+                                                                      {"_m_s", "m/s"},
+                                                                      {"_nm", "N m"},
+                                                                      {"_deg", "deg"},
+                                                                      {"_rad", "rad"},
+                                                                      {"_kg", "kg"},
+                                                                      {"_px", "px"},
+                                                                      {"_ms", "ms"},
+                                                                      {"_mm", "mm"},
+                                                                      {"_hz", "Hz"},
+                                                                      {"_n", "N"},
+                                                                      {"_m", "m"},
+                                                                      {"_s", "s"}};
+  for (const auto& [ending, unit] : kUnits)
+    if (name.ends_with(ending)) return unit;
+  return {};
+}
+
 class Writer {
  public:
   explicit Writer(Style style) : style_(style) {}
@@ -69,7 +95,9 @@ class Writer {
 
   void write_field(const Field& field, const std::string& leaf, int indent) {
     if (style_.with_help) {
-      line(indent, fmt::format("# {} ({})", quotable(field.help, kWholeText), expectation(field)));
+      const std::string_view unit = unit_of(leaf);
+      line(indent, fmt::format("# {} ({}{}{})", quotable(field.help, kWholeText), expectation(field),
+                               unit.empty() ? "" : "; ", unit));
     }
     const std::string origin = style_.with_origin ? "  # " + quotable(field.origin, kWholeText) : "";
     if (const auto* list = std::get_if<std::shared_ptr<StructList>>(&field.slot)) {

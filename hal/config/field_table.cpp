@@ -72,6 +72,38 @@ void FieldTable::add_group(FieldGroup group) {
   groups_.push_back(std::move(group));
 }
 
+void FieldTable::add_renamed(RenamedField renamed) {
+  if (find(renamed.old_path) || find_group(renamed.old_path))
+    throw std::logic_error("configuration field \"" + renamed.old_path + "\" exists, so it is no old name");
+  if (!find(renamed.path) && !find_group(renamed.path))
+    throw std::logic_error("\"" + renamed.old_path + "\" was renamed to \"" + renamed.path +
+                           "\", which does not exist (it has to be named before)");
+  renamed_.push_back(std::move(renamed));
+}
+
+void TableVisitor::or_infinite(std::string_view name) {
+  Field* field = table_.find(prefix_ + std::string(name));
+  if (field == nullptr) throw std::logic_error("there is no field \"" + std::string(name) + "\"");
+  field->may_be_infinite = true;
+}
+
+std::optional<std::string> FieldTable::renamed(std::string_view old_path) const {
+  for (const RenamedField& each : renamed_) {
+    if (old_path == each.old_path) return each.path;
+    const bool below = old_path.size() > each.old_path.size() && old_path.starts_with(each.old_path) &&
+                       old_path[each.old_path.size()] == '.';
+    if (below) return each.path + std::string(old_path.substr(each.old_path.size()));
+  }
+  return std::nullopt;
+}
+
+bool FieldTable::has_renamed_below(std::string_view group) const {
+  return std::any_of(renamed_.begin(), renamed_.end(), [&](const RenamedField& each) {
+    return each.old_path.size() > group.size() && each.old_path.starts_with(group) &&
+           each.old_path[group.size()] == '.';
+  });
+}
+
 void TableVisitor::add_slot(std::string_view name, FieldSlot slot, Range range,
                             std::vector<std::string> choices, std::string_view help, Presence presence) {
   Field field;

@@ -53,9 +53,11 @@ struct Field {
   std::vector<std::string> choices;  ///< For texts; empty: any text.
   std::string help;
   Presence presence = Presence::Optional;
-  bool may_be_nan = false;                           ///< The default is NaN: unset.
-  bool may_be_infinite = false;                      ///< The default is infinite: no limit.
-  std::string origin = std::string(kDefaultOrigin);  ///< "default", "FILE:LINE" or "--set".
+  bool may_be_nan = false;       ///< The default is NaN: unset.
+  bool may_be_infinite = false;  ///< The default is infinite, no limit, or or_infinite() was said.
+  /// Who said the value: "default", "FILE:LINE", "--set", or what a program writes here (a method, an
+  /// option).
+  std::string origin = std::string(kDefaultOrigin);
 };
 
 /// A nested struct.
@@ -63,6 +65,15 @@ struct FieldGroup {
   std::string path;
   std::string help;
 };
+
+/// A field or group that had another name once; files may still use it.
+struct RenamedField {
+  std::string old_path;  ///< Dotted, as `path`.
+  std::string path;
+};
+
+/// What a file may say about a field that nobody knows.
+enum class UnknownKeys { Refused, LeftOut };
 
 /// All fields of a configuration struct as one flat list in the order of its visit(). The table points into
 /// the struct: the struct has to outlive it and stay where it is. Copies of a table point to the same struct.
@@ -77,16 +88,26 @@ class FieldTable {
   [[nodiscard]] Field* find(std::string_view path);
   [[nodiscard]] const FieldGroup* find_group(std::string_view path) const;
 
+  /// The path of today for one that may be an old name, or stands below one; nothing when it is none.
+  [[nodiscard]] std::optional<std::string> renamed(std::string_view old_path) const;
+  /// Whether an old name begins with this group, which need not exist any more.
+  [[nodiscard]] bool has_renamed_below(std::string_view group) const;
+
   /// For TableVisitor. Throws std::logic_error for a name that is taken, empty, or not of [a-z0-9_] (a
   /// mistake in code).
   void add_field(Field field);
   void add_group(FieldGroup group);
+  void add_renamed(RenamedField renamed);
+
+  /// What was accepted and should be looked at, each with its place: old names, keys that were left out.
+  std::vector<std::string> warnings;
 
  private:
   void check_name(const std::string& path) const;
 
   std::vector<Field> fields_;
   std::vector<FieldGroup> groups_;
+  std::vector<RenamedField> renamed_;
 };
 
 /// The visitor that fills a FieldTable.
@@ -125,6 +146,18 @@ class TableVisitor {
     }
   }
 
+  /// What was named before may be .inf, no limit, although its default is finite.
+  void or_infinite(std::string_view name);
+
+  /// What was named before had another name once. Files with the old one stay readable, with a warning:
+  ///   v("timeout_s", timeout_s, Range{0.1, 3600}, "How long a partner is waited for (s).");
+  ///   v.renamed("patience_s", "timeout_s");
+  /// Both names count from the struct; what moved between groups is renamed by the struct around them,
+  /// v.renamed("task.patience_s", "partner.timeout_s"). A group is renamed like an entry.
+  void renamed(std::string_view old_name, std::string_view name) {
+    table_.add_renamed({prefix_ + std::string(old_name), prefix_ + std::string(name)});
+  }
+
  private:
   template <class T>
   static constexpr bool kIsValue = std::is_constructible_v<FieldSlot, std::in_place_type_t<T*>, T*>;
@@ -160,6 +193,7 @@ template <class T>
 /// The value that a field has now. Not for a list of structs.
 [[nodiscard]] FieldValue value_of(const Field& field);
 
+/// A std::vector of structs as a StructList; borrowed, or its own.
 template <class T>
 class StructVector final : public StructList {
  public:

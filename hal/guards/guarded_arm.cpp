@@ -12,6 +12,7 @@
 #include "hal/guards/cycle_time.hpp"
 #include "hal/types/latest_value.hpp"
 #include "hal/types/short_text.hpp"
+#include "hal/types/units.hpp"
 
 namespace colift::hal {
 
@@ -208,7 +209,7 @@ GuardedArm::GuardedArm(std::unique_ptr<Arm> inner, const RobotModel& model, cons
   impl_->torque_limit = model.effort_nm().cwiseMin(config.max_superposed_nm);
   const JointVector velocity =
       (config.velocity_part * model.velocity_rad_s()).cwiseMin(config.max_velocity_rad_s);
-  const double margin = config.limit_margin_deg * EIGEN_PI / 180.0;
+  const double margin = deg_to_rad(config.limit_margin_deg);
   for (int i = 0; i < kArmJoints; ++i)
     impl_->bounds[static_cast<std::size_t>(i)] = {impl_->hard_lower[i] + margin,
                                                   impl_->hard_upper[i] - margin, velocity[i],

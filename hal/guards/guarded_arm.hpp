@@ -9,6 +9,7 @@
 
 namespace colift::hal {
 
+/// Limits of commands and states at the last gate before the arm.
 struct GuardConfig {
   double limit_margin_deg = 1.0;
   double velocity_part = 1.0;

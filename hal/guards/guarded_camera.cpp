@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "hal/types/units.hpp"
 
 namespace colift::hal {
 
@@ -19,10 +20,9 @@ using std::chrono::milliseconds;
 constexpr float kNearest_m = 0.05f, kFarthest_m = 30.0f;  // of any depth camera; beyond it a unit is wrong
 constexpr double kWrongDepths = 0.001;                    // part of the pixels
 constexpr double kAgeShare = 0.1;                         // of a new age in the mean
-constexpr double kDeg = 180.0 / std::numbers::pi;
 
 double angle_deg(const Vec3& a, const Vec3& b) {
-  return kDeg * std::atan2(a.cross(b).norm(), a.dot(b));
+  return rad_to_deg(std::atan2(a.cross(b).norm(), a.dot(b)));
 }
 
 // bit by bit: pixels that see nothing are NaN

@@ -8,6 +8,7 @@
 
 namespace colift::hal {
 
+/// What a frame needs to pass, and when the camera counts as lost.
 struct CameraGuardConfig {
   double silent_s = 0.2;
   double stuck_s = 0.2;

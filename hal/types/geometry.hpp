@@ -2,6 +2,16 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
+#include <utility>
+
+// Values with Eigen's types go from program to library and back, so both need one layout. A compiler with
+// -march=native or -mavx would align them to 32 bytes, and CoLift (with Debian's PCL) is built for 16.
+static_assert(EIGEN_MAX_ALIGN_BYTES == 16 && EIGEN_MAX_STATIC_ALIGN_BYTES == 16 &&
+                  EIGEN_MALLOC_ALREADY_ALIGNED == 1,
+              "CoLift needs EIGEN_MAX_ALIGN_BYTES=16 and EIGEN_MALLOC_ALREADY_ALIGNED=1 in every file that "
+              "includes it: link CoLift::hal with CMake, which sets both, or add them to the compiler's "
+              "options");
 
 namespace colift::hal {
 

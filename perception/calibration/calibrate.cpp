@@ -16,12 +16,9 @@ namespace colift::perception {
 namespace {
 
 constexpr std::size_t kDraw = 7;  // 9 unknowns, 14 equations
-constexpr int kLeastDraws = 40;   // also where all agree: not every start finds its way
+// bounds of the iterations; they end earlier where they converge
 constexpr int kStartRounds = 12, kDrawSteps = 12, kFinalSteps = 60;
-constexpr double kInlierSigmas = 3.5;
-constexpr double kDepthGate_m = 0.03;                  // how far beside the emitter the depth may be measured
-constexpr double kFarthest_m = 5.0, kLongest_m = 0.5;  // camera from base, emitter from palm
-constexpr std::size_t kLeastPoses = 5;
+constexpr std::size_t kLeastPoses = 5;  // 10 equations for 9 unknowns
 
 using Refusal = tl::unexpected<CalibrationRefusal>;
 
@@ -50,14 +47,15 @@ class Solver {
     if (!found) return std::nullopt;
     Estimate out{*found, {}};
     // twice: with the worst outliers gone, the inliers are told better
-    for (const double sigmas : {2.0 * kInlierSigmas, kInlierSigmas, kInlierSigmas}) {
+    const double least = config_.inlier_sigmas;
+    for (const double sigmas : {2.0 * least, least, least}) {
       out.rows.samples = inliers(out.model, sigmas);
       if (out.rows.samples.size() < kLeastPoses) return out;
       out.rows.huber = true;
       refine(samples_, out.rows, noise_, prior_, kFinalSteps, out.model);
     }
     add_depth(out);
-    out.rows.samples = inliers(out.model, kInlierSigmas);
+    out.rows.samples = inliers(out.model, config_.inlier_sigmas);
     if (out.rows.samples.size() < kLeastPoses) return out;
     out.rows.huber = false;
     refine(samples_, out.rows, noise_, prior_, kFinalSteps, out.model);
@@ -101,25 +99,26 @@ class Solver {
       best_score = score;
       best = model;
       // so many draws that one of them is without outliers, but for one case in ten thousand
-      const double part =
-          static_cast<double>(inliers(model, kInlierSigmas).size()) / static_cast<double>(samples_.size());
+      const double part = static_cast<double>(inliers(model, config_.inlier_sigmas).size()) /
+                          static_cast<double>(samples_.size());
       const double clean = std::pow(part, static_cast<double>(size));
       if (clean > 1e-6)
         needed = std::clamp(static_cast<int>(std::log(1e-4) / std::log1p(-std::min(clean, 0.999))),
-                            std::min(kLeastDraws, config_.draws), config_.draws);
+                            std::min(config_.min_draws, config_.draws), config_.draws);
     }
     return best;
   }
 
   [[nodiscard]] double gate(const EmitterSample& s, const EmitterModel& model, double sigmas) const {
     const double z = model.in_camera(s.X_BH).z();
-    return std::max(sigmas / kInlierSigmas * config_.inlier_px, sigmas * pixel_sigma(s, model, z, noise_));
+    return std::max(sigmas / config_.inlier_sigmas * config_.inlier_px,
+                    sigmas * pixel_sigma(s, model, z, noise_));
   }
 
   [[nodiscard]] double msac(const EmitterModel& model) const {
     double sum = 0.0;
     for (const EmitterSample& s : samples_) {
-      const double cap = gate(s, model, kInlierSigmas);
+      const double cap = gate(s, model, config_.inlier_sigmas);
       sum += std::min(pixel_residual(s, model).squaredNorm(), cap * cap);
     }
     return sum;
@@ -150,7 +149,7 @@ class Solver {
       return count;
     };
     constexpr int kLeastDepths = 6;  // for a scale and an offset of their own
-    if (fits(kDepthGate_m) < kLeastDepths) return;
+    if (fits(config_.depth_gate_m) < kLeastDepths) return;
     e.rows.released = config_.intrinsics ? Released::Intrinsics : Released::DepthTerms;
     e.rows.use_depth = use;
     refine(samples_, e.rows, noise_, prior_, kFinalSteps, e.model);
@@ -185,7 +184,7 @@ std::optional<CalibrationRefusal> objection(std::span<const EmitterSample> sampl
       return CalibrationRefusal{"not-a-number", fmt::format("pose {} holds a number that is none", i), {}};
     shortest = std::min(shortest, s.X_BH.translation().norm());
   }
-  if (shortest > kFarthest_m)
+  if (shortest > config.max_camera_distance_m)
     return CalibrationRefusal{
         "units",
         fmt::format("the palm is never nearer than {:.0f} m to the base: are the arm's positions in mm?",
@@ -341,12 +340,14 @@ tl::expected<Calibration, CalibrationRefusal> calibrate(std::span<const EmitterS
   Calibration c = describe(solver, *estimate, samples, config);
 
   const double share = static_cast<double>(c.inliers) / static_cast<double>(samples.size());
-  if (c.model.t_CB.norm() > kFarthest_m || c.model.p_H.norm() > kLongest_m)
+  if (c.model.t_CB.norm() > config.max_camera_distance_m ||
+      c.model.p_H.norm() > config.max_emitter_distance_m)
     return refuse(
         "implausible",
         fmt::format("the camera would be {:.2f} m from the base and the emitter {:.2f} m from the palm "
                     "(at most {:.0f} and {:.1f}): wrong units, or spots of something else",
-                    c.model.t_CB.norm(), c.model.p_H.norm(), kFarthest_m, kLongest_m),
+                    c.model.t_CB.norm(), c.model.p_H.norm(), config.max_camera_distance_m,
+                    config.max_emitter_distance_m),
         std::move(c));
   if (c.inliers < config.least_inliers)
     return refuse("few-inliers",

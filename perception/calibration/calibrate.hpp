@@ -31,37 +31,52 @@ struct CalibrationConfig {
   double least_rotation_deg = 6.0;
   double least_thickness_m = 0.015;
   double shift_m = 0.002;
+  int min_draws = 40;
+  double inlier_sigmas = 3.5;
+  double depth_gate_m = 0.03;
+  double max_camera_distance_m = 5.0;
+  double max_emitter_distance_m = 0.5;
   Vec3 workspace_center_m{0.65, 0.0, 0.45};
   Vec3 workspace_size_m{0.45, 0.9, 0.7};
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("pixel_px", pixel_px, hal::Range{0.01, 10}, "Noise of a found spot, per axis, at least (px).");
+    v("pixel_px", pixel_px, hal::Range{0.01, 10}, "Min standard deviation of a found spot, per axis (px).");
     v("arm_m", arm_m, hal::Range{1e-6, 0.02}, "Absolute error of the arm's position, per axis (m).");
-    v("emitter_m", emitter_m, hal::Range{-0.5, 0.5}, "Where the emitter about is, in the palm frame (m).");
-    v("emitter_sigma_m", emitter_sigma_m, hal::Range{0.001, 0.5}, "How well that is known (m).");
+    v("emitter_m", emitter_m, hal::Range{-0.5, 0.5},
+      "Approximate position of the emitter in the palm frame (m).");
+    v("emitter_sigma_m", emitter_sigma_m, hal::Range{0.001, 0.5}, "Standard deviation of that position (m).");
     v("use_depth", use_depth, "Whether depths near the emitter count.");
     v("intrinsics", intrinsics, "Estimates the camera's intrinsics too; needs depths.");
     v("inlier_px", inlier_px, hal::Range{0.1, 50},
-      "A spot nearer than this to where it should be is one (px).");
-    v("draws", draws, hal::Range{20, 5000}, "Most random draws of seven poses.");
-    v("least_inliers", least_inliers, hal::Range{8, 1000}, "Fewer agreeing poses are refused.");
-    v("least_inlier_share", least_inlier_share, hal::kFraction,
-      "A smaller part of agreeing poses is refused.");
-    v("max_rms_px", max_rms_px, hal::kPositive, "A larger residual is refused (px).");
+      "Max distance of an inlier from its predicted pixel (px).");
+    v("draws", draws, hal::Range{20, 5000}, "Max number of random draws of seven poses.");
+    v("least_inliers", least_inliers, hal::Range{8, 1000}, "Min number of inlier poses.");
+    v("least_inlier_share", least_inlier_share, hal::kFraction, "Min fraction of inlier poses.");
+    v("max_rms_px", max_rms_px, hal::kPositive, "Max root mean square residual (px).");
     v("max_emitter_sigma_m", max_emitter_sigma_m, hal::kPositive,
-      "A less certain place of the emitter is refused (m).");
+      "Max standard deviation of the emitter's position (m).");
     v("max_error_m", max_error_m, hal::kPositive,
-      "A larger predicted error of a placed point, root mean square over the workspace, is refused (m).");
-    v("max_condition", max_condition, hal::kPositive, "A larger condition number is refused.");
+      "Max predicted error of a point in the workspace, root mean square (m).");
+    v("max_condition", max_condition, hal::kPositive, "Max condition number of the normal equations.");
     v("least_rotation_deg", least_rotation_deg, hal::Range{0, 90},
-      "Poses that turn less about a second axis are refused (deg).");
+      "Min spread of the poses' rotation about a second axis (deg).");
     v("least_thickness_m", least_thickness_m, hal::kNotNegative,
-      "Poses whose emitter stays nearer to one plane are refused (m).");
+      "Min spread of the emitter's positions out of one plane (m).");
     v("shift_m", shift_m, hal::kPositive,
-      "A pose without which points would be placed farther off than this is pointed out (m).");
-    v("workspace_center_m", workspace_center_m, hal::Range{-3, 3}, "Middle of the space that counts (m).");
-    v("workspace_size_m", workspace_size_m, hal::Range{0.05, 3}, "Its size (m).");
+      "Shift of points in the workspace without one pose, above which that pose is reported (m).");
+    v("workspace_center_m", workspace_center_m, hal::Range{-3, 3}, "Middle of the workspace (m).");
+    v("workspace_size_m", workspace_size_m, hal::Range{0.05, 3}, "Size of the workspace (m).");
+    v("min_draws", min_draws, hal::Range{1, 5000},
+      "Min number of random draws, also where all agree: not every start value converges.");
+    v("inlier_sigmas", inlier_sigmas, hal::Range{1, 20},
+      "Max distance of an inlier in standard deviations, where that is more than inlier_px.");
+    v("depth_gate_m", depth_gate_m, hal::Range{0.001, 1},
+      "Max difference between a depth and the emitter's (m).");
+    v("max_camera_distance_m", max_camera_distance_m, hal::kPositive,
+      "Max distance of a plausible camera from the base (m).");
+    v("max_emitter_distance_m", max_emitter_distance_m, hal::kPositive,
+      "Max distance of a plausible emitter from the palm (m).");
   }
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hal/types/units.hpp"
 #include "perception/calibration/calibrate.hpp"
 
 namespace colift::perception {
@@ -45,7 +46,7 @@ PoseDiversity diversity_of(std::span<const EmitterSample> samples, std::span<con
     const EmitterSample& s = samples[static_cast<std::size_t>(i)];
     const Eigen::AngleAxisd turn(mean.inverse() * Eigen::Quaterniond(s.X_BH.linear()));
     const double angle = turn.angle() > std::numbers::pi ? turn.angle() - 2 * std::numbers::pi : turn.angle();
-    turns.push_back(angle * turn.axis() * 180.0 / std::numbers::pi);
+    turns.push_back((angle * turn.axis()).unaryExpr(&hal::rad_to_deg));
     places.push_back(s.X_BH * p_H);
   }
   out.rotation_deg = spread(turns);

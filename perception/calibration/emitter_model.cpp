@@ -9,10 +9,11 @@
 namespace colift::perception {
 namespace {
 
-constexpr double kHuber = 1.5;       // in standard deviations of a sample
+constexpr double kHuber = 1.5;       // in standard deviations of a sample; beyond, it counts linearly (Huber)
 constexpr double kNearest_m = 0.05;  // nothing is seen nearer to the camera
 
-// priors of released parameters
+// Standard deviations of the priors of released intrinsics and depth, about what the camera reports: they
+// keep a solution from few poses from running away.
 constexpr double kFocal_px = 6.0, kCentre_px = 4.0, kScale = 0.01, kOffset_m = 0.01;
 
 Eigen::Matrix3d cross(const Vec3& v) {

@@ -4,15 +4,15 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
+
+#include "hal/types/units.hpp"
 
 namespace colift::perception {
 namespace {
 
-constexpr double kRad = std::numbers::pi / 180.0;
-constexpr int kDrawsPerCandidate = 4000;  // most draws, for a camera that sees little of the workspace
-constexpr int kPosturesPerPlace = 40;
+constexpr double kWristReach_m =
+    0.35;  // beside the workspace; turning the wrist moves the palm less than this
 
 /// Numbers of [0, 1) that are the same everywhere.
 class Random {
@@ -65,14 +65,14 @@ std::vector<ProposedPose> candidate_poses(const hal::RobotModel& robot, const Em
                                           const CalibrationConfig& calibration, const PoseConfig& config,
                                           std::uint64_t seed) {
   Random random(seed);
-  const hal::JointVector margin = hal::JointVector::Constant(config.margin_deg * kRad);
+  const hal::JointVector margin = hal::JointVector::Constant(hal::deg_to_rad(config.margin_deg));
   const hal::JointVector lower = robot.lower_rad() + margin, upper = robot.upper_rad() - margin;
   const Vec3 low = calibration.workspace_center_m - 0.5 * calibration.workspace_size_m;
   const Vec3 high = calibration.workspace_center_m + 0.5 * calibration.workspace_size_m;
   const Pose X_BC = camera.X_BC();
   const auto& k = camera.camera;
-  const double cos_view = std::cos(config.view_angle_deg * kRad);
-  const double cos_roll = std::cos(config.roll_deg * kRad);
+  const double cos_view = std::cos(hal::deg_to_rad(config.view_angle_deg));
+  const double cos_roll = std::cos(hal::deg_to_rad(config.roll_deg));
 
   std::vector<ProposedPose> out;
   std::vector<Pose> X_WL;
@@ -97,12 +97,12 @@ std::vector<ProposedPose> candidate_poses(const hal::RobotModel& robot, const Em
       if (X_WL[static_cast<std::size_t>(robot.arm[i])].translation().z() < config.lowest_m) return false;
     return pose.X_BH.translation().z() > config.lowest_m;
   };
-  const long draws = static_cast<long>(config.candidates) * kDrawsPerCandidate;
+  const long draws = static_cast<long>(config.candidates) * config.max_draws_per_candidate;
   for (long draw = 0; draw < draws && out.size() < static_cast<std::size_t>(config.candidates); ++draw) {
     ProposedPose pose;
     for (int i = 0; i < hal::kArmJoints; ++i) pose.q_rad[i] = random.between(lower[i], upper[i]);
     // the wrist turns the palm without moving its place much: several directions for each place
-    for (int turn = 0; turn < kPosturesPerPlace; ++turn) {
+    for (int turn = 0; turn < config.postures_per_place; ++turn) {
       pose.X_BH = hal::hand_pose(robot, pose.q_rad);
       if (in_view(pose) && above_floor(pose)) {
         out.push_back(pose);
@@ -110,7 +110,7 @@ std::vector<ProposedPose> candidate_poses(const hal::RobotModel& robot, const Em
       }
       const Vec3 wrist = pose.X_BH.translation();
       if (((wrist - calibration.workspace_center_m).cwiseAbs() - 0.5 * calibration.workspace_size_m)
-              .maxCoeff() > 0.35)
+              .maxCoeff() > kWristReach_m)
         break;
       for (int i = 4; i < hal::kArmJoints; ++i) pose.q_rad[i] = random.between(lower[i], upper[i]);
     }

@@ -20,20 +20,27 @@ struct PoseConfig {
   double nearest_m = 0.8;
   double farthest_m = 3.0;
   int candidates = 600;
+  int max_draws_per_candidate = 4000;
+  int postures_per_place = 40;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("margin_deg", margin_deg, hal::Range{0, 40}, "Distance from the joint limits (deg).");
+    v("margin_deg", margin_deg, hal::Range{0, 40}, "Min distance from the joint limits (deg).");
     v("view_angle_deg", view_angle_deg, hal::Range{5, 85},
-      "Greatest angle between the palm's direction and the line to the camera: the emitter shines so far "
+      "Max angle between the palm's direction and the line to the camera, within which the emitter shines "
       "(deg).");
     v("roll_deg", roll_deg, hal::Range{0, 180},
-      "Greatest turn of the palm about its direction, from upright as the camera sees it (deg).");
-    v("lowest_m", lowest_m, hal::Range{0, 2}, "Lowest height of elbow, wrist and palm above the floor (m).");
-    v("border_px", border_px, hal::Range{0, 200}, "Distance of the spot from the image's border (px).");
-    v("nearest_m", nearest_m, hal::Range{0.3, 5}, "Least distance from the camera (m).");
-    v("farthest_m", farthest_m, hal::Range{0.5, 8}, "Greatest distance from the camera (m).");
-    v("candidates", candidates, hal::Range{50, 20000}, "Random postures among which poses are chosen.");
+      "Max turn of the palm about its direction, from upright as the camera sees it (deg).");
+    v("lowest_m", lowest_m, hal::Range{0, 2}, "Min height of elbow, wrist and palm above the floor (m).");
+    v("border_px", border_px, hal::Range{0, 200}, "Min distance of the spot from the image's border (px).");
+    v("nearest_m", nearest_m, hal::Range{0.3, 5}, "Min distance from the camera (m).");
+    v("farthest_m", farthest_m, hal::Range{0.5, 8}, "Max distance from the camera (m).");
+    v("candidates", candidates, hal::Range{50, 20000},
+      "Number of random postures among which poses are chosen.");
+    v("max_draws_per_candidate", max_draws_per_candidate, hal::Range{1, 1e6},
+      "Max number of draws per candidate, for a camera that sees little of the workspace.");
+    v("postures_per_place", postures_per_place, hal::Range{1, 10000},
+      "Number of directions of the palm that are tried for each place of the wrist.");
   }
 };
 

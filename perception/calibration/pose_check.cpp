@@ -6,17 +6,12 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
+
+#include "hal/types/units.hpp"
 
 namespace colift::perception {
 namespace {
-
-constexpr int kStride = 3;  // every ninth pixel is enough
-constexpr int kRounds = 12;
-constexpr double kFloor_m = 0.08;  // what is lower is the floor's, or the base's foot
-constexpr double kHuber_m = 0.01;
-constexpr double kWeak = 0.05;  // of the points' normals along a direction, below which it says nothing
 
 /// A link's solid with its place.
 struct Solid {
@@ -97,34 +92,37 @@ std::vector<Solid> solids_of(const hal::RobotModel& robot, const hal::JointVecto
 
 /// Points that may be the arm's: within reach of its model, above the floor.
 std::vector<Vec3> points_near(const hal::DepthFrame& frame, const Pose& X_BC,
-                              const std::vector<Solid>& solids, const hal::Aabb& around, double reach_m) {
+                              const std::vector<Solid>& solids, const hal::Aabb& around,
+                              const PoseCheckConfig& config) {
   std::vector<Vec3> out;
   const auto& k = frame.intrinsics;
   if (frame.depth_m.size() != static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height))
     return out;
   Vec3 normal;
-  for (int v = 1; v < k.height - 1; v += kStride)
-    for (int u = 1; u < k.width - 1; u += kStride) {
+  for (int v = 1; v < k.height - 1; v += config.stride)
+    for (int u = 1; u < k.width - 1; u += config.stride) {
       const auto at = [&](int x, int y) {
         return static_cast<double>(frame.depth_m[static_cast<std::size_t>(y * k.width + x)]);
       };
       const double z = at(u, v);
       if (!(z > 0.0)) continue;
       const Vec3 p = X_BC * Vec3((u - k.cx) / k.fx * z, (v - k.cy) / k.fy * z, z);
-      if (p.z() < kFloor_m || !around.contains(p)) continue;
+      if (p.z() < config.min_arm_height_m || !around.contains(p)) continue;
       // at a silhouette the depth is neither the arm's nor the background's
       const double jump =
           std::max(std::abs(at(u - 1, v) - at(u + 1, v)), std::abs(at(u, v - 1) - at(u, v + 1)));
-      if (!(jump < 0.05)) continue;
-      if (std::abs(distance_to(solids, p, normal)) < reach_m) out.push_back(p);
+      if (!(jump < config.max_depth_step_m)) continue;
+      if (std::abs(distance_to(solids, p, normal)) < config.reach_m) out.push_back(p);
     }
   return out;
 }
 
 /// The shift of the points that brings them onto the model.
-Vec3 fit_shift(const std::vector<Vec3>& points, const std::vector<Solid>& solids, double reach_m) {
+Vec3 fit_shift(const std::vector<Vec3>& points, const std::vector<Solid>& solids,
+               const PoseCheckConfig& config) {
+  const double reach_m = config.reach_m, robust_m = config.robust_m;
   Vec3 shift = Vec3::Zero();
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < config.iterations; ++round) {
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     Vec3 g = Vec3::Zero();
     Vec3 n;
@@ -132,7 +130,7 @@ Vec3 fit_shift(const std::vector<Vec3>& points, const std::vector<Solid>& solids
     for (const Vec3& p : points) {
       const double d = distance_to(solids, p + shift, n);
       if (std::abs(d) > reach_m) continue;
-      const double w = std::abs(d) > kHuber_m ? kHuber_m / std::abs(d) : 1.0;
+      const double w = std::abs(d) > robust_m ? robust_m / std::abs(d) : 1.0;
       H += w * n * n.transpose();
       g += w * d * n;
       weights += w;
@@ -142,7 +140,7 @@ Vec3 fit_shift(const std::vector<Vec3>& points, const std::vector<Solid>& solids
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(H / weights);
     Vec3 step = Vec3::Zero();
     for (int a = 0; a < 3; ++a) {
-      if (eigen.eigenvalues()[a] < kWeak) continue;
+      if (eigen.eigenvalues()[a] < config.min_direction_fraction) continue;
       const Vec3 axis = eigen.eigenvectors().col(a);
       step -= axis * (axis.dot(g) / weights / eigen.eigenvalues()[a]);
     }
@@ -159,7 +157,6 @@ PoseCheck check_pose(const hal::DepthFrame& frame, const Pose& X_BC,
                      const hal::JointVector& q_rad, const hal::HandPosture& hand,
                      const PoseCheckConfig& config) {
   PoseCheck out;
-  constexpr double kDeg = 180.0 / std::numbers::pi;
   if (ground_B) {
     out.tilt_rad = std::acos(std::clamp(ground_B->normal.z(), -1.0, 1.0));
     // where the arm works, not at the plane's foot under the base
@@ -171,19 +168,21 @@ PoseCheck check_pose(const hal::DepthFrame& frame, const Pose& X_BC,
   for (const Solid& s : solids) around.extend(s.X_SB.inverse().translation());
   around.min() -= Vec3::Constant(0.35);
   around.max() += Vec3::Constant(0.35);
-  const std::vector<Vec3> points = points_near(frame, X_BC, solids, around, config.reach_m);
-  const bool arm_seen = points.size() * kStride * kStride >= static_cast<std::size_t>(config.least_points);
+  const std::vector<Vec3> points = points_near(frame, X_BC, solids, around, config);
+  const bool arm_seen =
+      points.size() * static_cast<std::size_t>(config.stride) * static_cast<std::size_t>(config.stride) >=
+      static_cast<std::size_t>(config.least_points);
   if (arm_seen) {
     out.arm_points = static_cast<int>(points.size());
-    out.arm_off_B = -fit_shift(points, solids, config.reach_m);
+    out.arm_off_B = -fit_shift(points, solids, config);
   }
   const double off = out.arm_off_B.norm();
-  if (ground_B && out.tilt_rad * kDeg > config.max_tilt_deg) {
+  if (ground_B && hal::rad_to_deg(out.tilt_rad) > config.max_tilt_deg) {
     out.good = false;
     out.because = fmt::format(
         "the camera is not where its calibration says: the ground is seen tilted by {:.1f} deg "
         "(at most {:.1f}); calibrate again",
-        out.tilt_rad * kDeg, config.max_tilt_deg);
+        hal::rad_to_deg(out.tilt_rad), config.max_tilt_deg);
   } else if (ground_B && out.height_m < -config.max_height_m) {
     out.good = false;
     out.because = fmt::format(
@@ -200,7 +199,8 @@ PoseCheck check_pose(const hal::DepthFrame& frame, const Pose& X_BC,
   } else {
     out.because = fmt::format(
         "ground {}, {}",
-        ground_B ? fmt::format("{:.1f} deg from level", out.tilt_rad * kDeg) : std::string("not seen"),
+        ground_B ? fmt::format("{:.1f} deg from level", hal::rad_to_deg(out.tilt_rad))
+                 : std::string("not seen"),
         arm_seen ? fmt::format("arm {:.0f} mm from its model", 1e3 * off) : std::string("arm not in view"));
   }
   return out;

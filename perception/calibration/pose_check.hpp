@@ -18,18 +18,34 @@ struct PoseCheckConfig {
   double max_arm_m = 0.025;
   int least_points = 400;
   double reach_m = 0.08;
+  int stride = 3;
+  int iterations = 12;
+  double min_arm_height_m = 0.08;
+  double robust_m = 0.01;
+  double min_direction_fraction = 0.05;
+  double max_depth_step_m = 0.05;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("on", on, "Whether a run looks if ground and arm are where they should be, before anything moves.");
-    v("max_tilt_deg", max_tilt_deg, hal::Range{0.1, 45},
-      "Greatest angle between the ground seen and level (deg).");
+    v("on", on, "Whether a run checks ground and arm against the calibration before anything moves.");
+    v("max_tilt_deg", max_tilt_deg, hal::Range{0.1, 45}, "Max angle between the ground and level (deg).");
     v("max_height_m", max_height_m, hal::Range{0.001, 1},
-      "How far below the robot's floor the ground may be seen (m).");
+      "Max depth of the ground below the robot's floor (m).");
     v("max_arm_m", max_arm_m, hal::Range{0.001, 0.5},
-      "How far beside its model the arm may be seen (m); the model is as coarse as the links' solids are.");
-    v("least_points", least_points, hal::Range{20, 100000}, "Fewer points of the arm in view say nothing.");
-    v("reach_m", reach_m, hal::Range{0.01, 0.3}, "Points so near to the model are taken for the arm's (m).");
+      "Max offset of the arm from its model, which is as coarse as the links' solids (m).");
+    v("least_points", least_points, hal::Range{20, 100000},
+      "Min number of pixels of the arm in view for its offset to be judged.");
+    v("reach_m", reach_m, hal::Range{0.01, 0.3}, "Max distance of the arm's points from the model (m).");
+    v("stride", stride, hal::Range{1, 32}, "Every n-th pixel of every n-th row is used.");
+    v("iterations", iterations, hal::Range{1, 1000}, "Max number of iterations of the fit of the offset.");
+    v("min_arm_height_m", min_arm_height_m, hal::Range{0, 2},
+      "Min height of the arm's points: what is lower is the floor or the base's foot (m).");
+    v("robust_m", robust_m, hal::Range{0.0001, 1},
+      "Residual beyond which a point counts linearly and not squared (m; Huber's weight).");
+    v("min_direction_fraction", min_direction_fraction, hal::kFraction,
+      "Min fraction of the points' normals along a direction for an offset in that direction.");
+    v("max_depth_step_m", max_depth_step_m, hal::Range{0.001, 1},
+      "Max depth difference around a pixel of the arm; at a silhouette it is larger (m).");
   }
 };
 

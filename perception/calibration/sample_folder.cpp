@@ -16,9 +16,10 @@ namespace {
 
 using hal::ErrorCode;
 
+// beyond a joint limit by more than this: not measured on this arm
 constexpr double kLimitMargin_rad = 0.1;
 constexpr double kMillimetre = 0.001;
-constexpr std::size_t kMostSamples = 2000;
+constexpr std::size_t kMostSamples = 2000;  // bounds memory and time of a damaged or hostile file
 
 hal::CameraIntrinsics camera_of(const SampleFile& f) {
   return {f.width, f.height, f.fx, f.fy, f.cx, f.cy};
@@ -89,7 +90,7 @@ hal::Result<std::optional<double>> read_depth(const std::filesystem::path& path,
   auto image = hal::parse_depth_png(*bytes, path.string(), kMillimetre);
   if (!image) return tl::unexpected(image.error());
   hal::DepthFrame frame;
-  frame.intrinsics = depth_of(camera_of(f));
+  frame.intrinsics = hal::depth_of(camera_of(f));
   frame.intrinsics.width = image->width;
   frame.intrinsics.height = image->height;
   frame.depth_m = std::move(image->depth_m);

@@ -16,11 +16,6 @@ using Eigen::Vector2d;
 using Kept = std::vector<const hal::InfraredFrame*>;
 using Found = tl::expected<Spot, SpotRefusal>;
 
-constexpr int kWindow = 2;                                  // pixels around a blob that still hold its light
-constexpr int kBlinkPlaces = 8;                             // that are tried as the emitter's
-constexpr double kFloor_px = 0.08, kFittedFloor_px = 0.15;  // no place is known better
-constexpr double kSpeckleFloor = 0.5;                       // least noise: the readout's own steps
-
 tl::unexpected<SpotRefusal> refuse(const char* kind, std::string because) {
   return tl::unexpected<SpotRefusal>(SpotRefusal{kind, std::move(because)});
 }
@@ -39,7 +34,8 @@ struct Difference {
   double sigma = 0.0;  ///< Of the mean difference.
 };
 
-Difference subtract(const Kept& off, const Kept& on, int saturation) {
+Difference subtract(const Kept& off, const Kept& on, const SpotConfig& config) {
+  const int saturation = config.saturation;
   Difference d;
   d.width = on.front()->width;
   d.height = on.front()->height;
@@ -67,7 +63,7 @@ Difference subtract(const Kept& off, const Kept& on, int saturation) {
   std::vector<float> some;
   for (std::size_t i = 0; i < n; i += 7) some.push_back(std::abs(d.mean[i]));
   std::nth_element(some.begin(), some.begin() + static_cast<std::ptrdiff_t>(some.size() / 2), some.end());
-  d.sigma = std::max(kSpeckleFloor, 1.4826 * static_cast<double>(some[some.size() / 2]));
+  d.sigma = std::max(config.min_noise, 1.4826 * static_cast<double>(some[some.size() / 2]));
   return d;
 }
 
@@ -116,14 +112,14 @@ std::vector<Blob> find_blobs(const Difference& d, float threshold, double steady
 struct Window {
   int u0, v0, u1, v1;
 };
-Window around(const Blob& blob, int width, int height) {
+Window around(const Blob& blob, int width, int height, int margin) {
   Window w{width, height, 0, 0};
   for (const int at : blob.pixels) {
     w.u0 = std::min(w.u0, at % width), w.u1 = std::max(w.u1, at % width);
     w.v0 = std::min(w.v0, at / width), w.v1 = std::max(w.v1, at / width);
   }
-  return {std::max(0, w.u0 - kWindow), std::max(0, w.v0 - kWindow), std::min(width - 1, w.u1 + kWindow),
-          std::min(height - 1, w.v1 + kWindow)};
+  return {std::max(0, w.u0 - margin), std::max(0, w.v0 - margin), std::min(width - 1, w.u1 + margin),
+          std::min(height - 1, w.v1 + margin)};
 }
 
 /// Centre of light in a window.
@@ -194,7 +190,7 @@ double motion(const Kept& off, const Kept& on, const Window& w, const Vector2d& 
 
 Found locate(const Difference& d, const Kept& off, const Kept& on, const Blob& blob,
              const SpotConfig& config) {
-  const Window w = around(blob, d.width, d.height);
+  const Window w = around(blob, d.width, d.height, config.window_px);
   Spot spot;
   spot.peak = blob.peak;
   spot.area_px = static_cast<int>(blob.pixels.size());
@@ -210,14 +206,14 @@ Found locate(const Difference& d, const Kept& off, const Kept& on, const Blob& b
     }
   const double each = d.sigma * d.sigma / (sum * sum);
   spot.covariance << each * uu, each * uv, each * uv, each * vv;
-  double floor_px = kFloor_px;
+  double floor_px = config.min_sigma_px;
   if (spot.saturated) {
     // a cut-off core pulls the centre of light to its own middle
     if (const auto peak = fit_flanks(d, w, 3.0 * d.sigma)) {
       spot.pixel = *peak;
-      floor_px = kFittedFloor_px;
+      floor_px = config.min_fitted_sigma_px;
     } else {
-      floor_px = 2.0 * kFittedFloor_px;
+      floor_px = 2.0 * config.min_fitted_sigma_px;
     }
   }
   spot.covariance += floor_px * floor_px * Matrix2d::Identity();
@@ -237,7 +233,7 @@ Found find(const Kept& off, const Kept& on, const SpotConfig& config) {
   if (off.empty() || on.empty())
     return refuse("images", fmt::format("{} images without and {} with the emitter; one of each is needed",
                                         off.size(), on.size()));
-  const Difference d = subtract(off, on, config.saturation);
+  const Difference d = subtract(off, on, config);
   const double least = config.sigmas * d.sigma;
   // the peak of what is steady: a person who walks by is brighter, but not in every image
   double peak = 0.0, any = 0.0;
@@ -326,7 +322,7 @@ Found find_blinking_spot(std::span<const hal::InfraredFrame> frames, const SpotC
     int change, u, v;
   };
   std::vector<Place> places;
-  constexpr int kBlock = 8;
+  constexpr int kBlock = 8;  // pixels; one place each, so that one bright spot does not take all places
   for (int v0 = 1; v0 + kBlock < height; v0 += kBlock)
     for (int u0 = 1; u0 + kBlock < width; u0 += kBlock) {
       Place best{-1, 0, 0};
@@ -344,7 +340,8 @@ Found find_blinking_spot(std::span<const hal::InfraredFrame> frames, const SpotC
     }
   std::stable_sort(places.begin(), places.end(),
                    [](const Place& a, const Place& b) { return a.change > b.change; });
-  if (places.size() > kBlinkPlaces) places.resize(kBlinkPlaces);
+  const auto most_places = static_cast<std::size_t>(config.blink_places);
+  if (places.size() > most_places) places.resize(most_places);
 
   std::optional<SpotRefusal> first;
   for (const Place& place : places) {
@@ -380,7 +377,7 @@ std::optional<double> depth_near(const hal::DepthFrame& depth, const Eigen::Vect
   if (!pixel.allFinite() || width <= 0 || height <= 0 ||
       depth.depth_m.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height))
     return std::nullopt;
-  const double u0 = pixel.x() - kInfraredColumns, v0 = pixel.y() - kInfraredRows;
+  const double u0 = pixel.x() - hal::kInfraredColumns, v0 = pixel.y() - hal::kInfraredRows;
   if (!(std::abs(u0) < 1e5) || !(std::abs(v0) < 1e5)) return std::nullopt;
   std::vector<float> ring;
   const int reach = static_cast<int>(kOuter_px) + 1;
@@ -396,13 +393,6 @@ std::optional<double> depth_near(const hal::DepthFrame& depth, const Eigen::Vect
   // fingers and floor are in the ring too; the quarter points tell whether the palm fills it
   if (static_cast<double>(ring[3 * ring.size() / 4] - ring[ring.size() / 4]) > kDeep_m) return std::nullopt;
   return static_cast<double>(ring[ring.size() / 2]);
-}
-
-hal::CameraIntrinsics infrared_of(const hal::CameraIntrinsics& k) {
-  return {k.width, k.height + 2 * kInfraredRows, k.fx, k.fy, k.cx + kInfraredColumns, k.cy + kInfraredRows};
-}
-hal::CameraIntrinsics depth_of(const hal::CameraIntrinsics& k) {
-  return {k.width, k.height - 2 * kInfraredRows, k.fx, k.fy, k.cx - kInfraredColumns, k.cy - kInfraredRows};
 }
 
 }  // namespace colift::perception

@@ -12,6 +12,7 @@
 
 namespace colift::perception {
 
+/// What counts as the emitter's spot in an infrared image.
 struct SpotConfig {
   double sigmas = 8.0;
   double peak_part = 0.10;
@@ -21,19 +22,34 @@ struct SpotConfig {
   double rival_part = 0.7;
   double move_px = 0.3;
   int saturation = 1015;
+  int window_px = 2;
+  int blink_places = 8;
+  double min_sigma_px = 0.08;
+  double min_fitted_sigma_px = 0.15;
+  double min_noise = 0.5;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("sigmas", sigmas, hal::Range{3, 50}, "A spot is brighter than the noise by this many deviations.");
-    v("peak_part", peak_part, hal::kFraction, "A spot's pixels have at least this part of its peak.");
+    v("sigmas", sigmas, hal::Range{3, 50}, "Min brightness of a spot, in standard deviations of the noise.");
+    v("peak_part", peak_part, hal::kFraction,
+      "Min brightness of a spot's pixels, as a fraction of its peak.");
     v("steady_part", steady_part, hal::kFraction,
-      "Part of a spot's brightness that every pair of images shows; less is something that moves.");
-    v("least_px", least_px, hal::Range{1, 100}, "Smaller spots are noise (px).");
-    v("most_px", most_px, hal::Range{10, 5000}, "Larger ones are no emitter (px).");
+      "Min fraction of a spot's brightness that every pair of images shows; less is something that moves.");
+    v("least_px", least_px, hal::Range{1, 100}, "Min area of a spot (px).");
+    v("most_px", most_px, hal::Range{10, 5000}, "Max area of a spot (px).");
     v("rival_part", rival_part, hal::kFraction,
-      "A second spot with this part of the first one's light makes the image useless.");
-    v("move_px", move_px, hal::kPositive, "A spot that moves farther between images is not still (px).");
-    v("saturation", saturation, hal::Range{100, 65535}, "Brightness from which a pixel says no more.");
+      "Max light of a second spot, as a fraction of the first one's.");
+    v("move_px", move_px, hal::kPositive, "Max motion of a spot between images (px).");
+    v("saturation", saturation, hal::Range{100, 65535}, "Brightness at which a pixel is saturated.");
+    v("window_px", window_px, hal::Range{0, 50}, "Width around a spot that still holds its light (px).");
+    v("blink_places", blink_places, hal::Range{1, 1000},
+      "Number of places, most changed first, that are tried as a blinking emitter.");
+    v("min_sigma_px", min_sigma_px, hal::kPositive,
+      "Min standard deviation of a spot's centre of light (px).");
+    v("min_fitted_sigma_px", min_fitted_sigma_px, hal::kPositive,
+      "Min standard deviation of a saturated spot, which is fitted on its flanks (px).");
+    v("min_noise", min_noise, hal::kPositive,
+      "Min noise of a brightness difference: the steps of the readout.");
   }
 };
 
@@ -69,11 +85,5 @@ struct SpotRefusal {
 /// of the infrared one at (5, 4). Nothing with fewer than 8 values, or when they lie farther apart than a
 /// palm is deep (4 cm).
 [[nodiscard]] std::optional<double> depth_near(const hal::DepthFrame& depth, const Eigen::Vector2d& pixel);
-
-/// Pixel (u, v) of a Kinect's depth image is pixel (u + 5, v + 4) of its infrared image (freenect_camera).
-inline constexpr int kInfraredColumns = 5, kInfraredRows = 4;
-/// Intrinsics of the infrared image of 640 x 488 that belongs to a depth image, and back.
-[[nodiscard]] hal::CameraIntrinsics infrared_of(const hal::CameraIntrinsics& depth);
-[[nodiscard]] hal::CameraIntrinsics depth_of(const hal::CameraIntrinsics& infrared);
 
 }  // namespace colift::perception

@@ -11,7 +11,6 @@ namespace {
 // every second row carries the same plane at half the cost
 constexpr int kRowStride = 2;
 constexpr int kSamples = kBlockPixels * kBlockPixels / kRowStride;
-constexpr float kSeenFraction = 0.6f;
 
 struct Moments {
   float n = 0, depth = 0;
@@ -60,7 +59,11 @@ Moments moments_of(const OrganisedCloud& cloud, int u0, int v0, const Eigen::Vec
 
 }  // namespace
 
-std::vector<BlockPlane> fit_block_planes(const OrganisedCloud& cloud, const NoiseModel& noise) {
+std::vector<BlockPlane> fit_block_planes(const OrganisedCloud& cloud, const NoiseModel& noise,
+                                         const BlockPlaneConfig& config) {
+  const auto min_seen = static_cast<float>(config.min_seen_fraction);
+  const auto max_misfit = static_cast<float>(config.max_misfit_sigma);
+  const auto min_spread = static_cast<float>(config.min_spread_ratio);
   std::vector<BlockPlane> planes;
   const int columns = cloud.width() / kBlockPixels;
   const int rows = cloud.height() / kBlockPixels;
@@ -77,7 +80,7 @@ std::vector<BlockPlane> fit_block_planes(const OrganisedCloud& cloud, const Nois
       if (!cloud.seen(middle)) continue;
       const Eigen::Vector3f origin(cloud.x[middle], cloud.y[middle], cloud.z[middle]);
       const Moments m = moments_of(cloud, u0, v0, origin);
-      if (m.n < kSeenFraction * kSamples) continue;
+      if (m.n < min_seen * kSamples) continue;
 
       const Eigen::Vector3f mean(m.x / m.n, m.y / m.n, m.z / m.n);
       Eigen::Matrix3f cov;
@@ -96,13 +99,14 @@ std::vector<BlockPlane> fit_block_planes(const OrganisedCloud& cloud, const Nois
       plane.v = bv;
 
       // noise along the ray shows in the plane's residual by the cosine of incidence; quantisation adds its
-      // own part
+      // own part, about 1/sqrt(12) of a step: the standard deviation of an even distribution over one. The
+      // bound of the cosine keeps areas of grazing blocks finite.
       const float cosine = std::max(plane.normal.dot(to_eye), 0.05f);
       const float sigma = static_cast<float>(noise.sigma(plane.depth_m) + 0.3 * noise.step(plane.depth_m));
       const float rms = std::sqrt(std::max(solver.eigenvalues()(0), 0.0f));
-      if (rms > 2.5f * sigma) continue;
+      if (rms > max_misfit * sigma) continue;
       // a block whose points spread as little sideways as along the normal has no plane
-      if (solver.eigenvalues()(1) < 4.0f * std::max(solver.eigenvalues()(0), 1e-10f)) continue;
+      if (solver.eigenvalues()(1) < min_spread * std::max(solver.eigenvalues()(0), 1e-10f)) continue;
       plane.area_m2 = m.n * kRowStride * pixel_area * plane.depth_m * plane.depth_m / cosine;
       planes.push_back(plane);
     }

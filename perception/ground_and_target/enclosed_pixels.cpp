@@ -10,8 +10,6 @@ namespace colift::perception {
 namespace {
 
 constexpr std::size_t kHullStride = 7;  // the hull of every seventh pixel is within a pixel of the whole one
-constexpr double kShrink_m = 0.01;      // the floor just outside the rim is not inside
-constexpr double kBelow_m = 0.01;       // a ground pixel's noise
 
 struct Window {
   int u0, v0, u1, v1;  // one pixel of margin around the object, so that the outside hangs together
@@ -120,7 +118,7 @@ int neighbours_of(const OrganisedCloud& cloud, int u, int v, const DepthJump& ju
 std::vector<std::uint32_t> enclosed_pixels(const OrganisedCloud& cloud, const Ground& ground,
                                            const std::vector<std::uint32_t>& pixels,
                                            const std::vector<std::uint8_t>& barred, const DepthJump& jump,
-                                           int min_neighbours) {
+                                           int min_neighbours, const EnclosedConfig& config) {
   if (pixels.empty()) return {};
   const Window win = window_of(cloud, pixels);
   OpenRuns open(cloud, win, pixels);
@@ -136,8 +134,8 @@ std::vector<std::uint32_t> enclosed_pixels(const OrganisedCloud& cloud, const Gr
   const FlatRectangle r = minimum_area_rectangle(convex_hull(flat));
   const auto over_footprint = [&](const Vec3& p) {
     const Eigen::Vector2d d = Eigen::Vector2d(s.dot(p), t.dot(p)) - r.center;
-    return std::abs(r.u.dot(d)) <= 0.5 * r.size.x() - kShrink_m &&
-           std::abs(r.v().dot(d)) <= 0.5 * r.size.y() - kShrink_m;
+    return std::abs(r.u.dot(d)) <= 0.5 * r.size.x() - config.footprint_inset_m &&
+           std::abs(r.v().dot(d)) <= 0.5 * r.size.y() - config.footprint_inset_m;
   };
 
   std::vector<std::uint32_t> enclosed;
@@ -148,7 +146,7 @@ std::vector<std::uint32_t> enclosed_pixels(const OrganisedCloud& cloud, const Gr
       const std::size_t i = static_cast<std::size_t>((run.row + win.v0) * cloud.width() + u + win.u0);
       if (barred[i]) continue;
       const Vec3 p = cloud.point(i);
-      if (ground.plane.height(p) > -kBelow_m && over_footprint(p) &&
+      if (ground.plane.height(p) > -config.max_below_ground_m && over_footprint(p) &&
           neighbours_of(cloud, u + win.u0, run.row + win.v0, jump) >= min_neighbours)
         enclosed.push_back(static_cast<std::uint32_t>(i));
     }

@@ -10,14 +10,10 @@
 namespace colift::perception {
 namespace {
 
+// Resolution of footprints. It only has to be finer than the overlaps that FragmentConfig asks for.
 constexpr double kCell_m = 0.04;
 constexpr double kCellsPerMeter = 1.0 / kCell_m;
 constexpr std::size_t kFootprintStride = 4;  // every fourth pixel still hits each cell several times
-constexpr double kFloating_m = 0.1;          // a part this far above the ground does not stand on it
-constexpr double kLegSide_m = 0.2;           // a leg is thinner than this, or higher than wide
-constexpr double kOverlap_m = 0.02;          // heights of two parts overlap by their noise
-constexpr double kStandsOn = 0.15;           // part of the smaller footprint over the other one
-constexpr double kSmallPart = 0.3;  // legs and struts: at most this part of the object they belong to
 
 // std::floor is a library call on plain x86-64
 std::int64_t floor_of(double x) {
@@ -173,18 +169,21 @@ bool belong_together(const Fragment& a, const Fragment& b, double gap_m, const N
   // a small part that hangs in the air hangs on its neighbour
   const Fragment& large = a.pixels >= b.pixels ? a : b;
   const Fragment& small = &large == &a ? b : a;
-  const bool minor = static_cast<double>(small.pixels) < kSmallPart * static_cast<double>(large.pixels);
-  if (minor && small.min_height_m > kFloating_m && gap_m <= c.hanging_gap_m) return true;
+  const bool minor =
+      static_cast<double>(small.pixels) < c.max_small_fraction * static_cast<double>(large.pixels);
+  if (minor && small.min_height_m > c.min_hanging_height_m && gap_m <= c.hanging_gap_m) return true;
 
   // one stands on the other
   const Fragment& upper = a.min_height_m > b.min_height_m ? a : b;
   const Fragment& lower = &upper == &a ? b : a;
   const double step = upper.min_height_m - lower.max_height_m;
-  if (step > -kOverlap_m && step < c.standing_gap_m && footprint_overlap(a, b) >= kStandsOn) return true;
+  if (step > -c.height_overlap_m && step < c.standing_gap_m &&
+      footprint_overlap(a, b) >= c.min_standing_overlap)
+    return true;
 
   // a leg under its plate: thin, no higher, and within its footprint
   return minor && small.max_height_m < large.max_height_m &&
-         footprint_span(small) < std::max(kLegSide_m, small.max_height_m - small.min_height_m) &&
+         footprint_span(small) < std::max(c.max_leg_width_m, small.max_height_m - small.min_height_m) &&
          fraction_under(small, footprint_rectangle(large)) >= c.under_fraction;
 }
 

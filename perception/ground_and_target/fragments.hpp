@@ -12,25 +12,43 @@
 
 namespace colift::perception {
 
+/// Which pieces of the image belong to one object.
 struct FragmentConfig {
   int min_pixels = 40;
   double hole_gap_m = 0.015;
   double hanging_gap_m = 0.09;
   double standing_gap_m = 0.07;
   double under_fraction = 0.8;
+  double min_hanging_height_m = 0.1;
+  double max_leg_width_m = 0.2;
+  double height_overlap_m = 0.02;
+  double min_standing_overlap = 0.15;
+  double max_small_fraction = 0.3;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("min_pixels", min_pixels, hal::Range{1, 1e6}, "Smaller regions are speckle.");
+    v("min_pixels", min_pixels, hal::Range{1, 1e6},
+      "Min number of pixels of a region; smaller ones are speckle.");
     v("hole_gap_m", hole_gap_m, hal::kNotNegative,
-      "Regions this near in space, plus one quantisation step, are one object with a hole in its depth.");
+      "Max distance (m), plus one quantisation step, between regions that are one object with a hole in its "
+      "depth.");
     v("hanging_gap_m", hanging_gap_m, hal::kNotNegative,
-      "A small region high above the ground belongs to its neighbour in the image if it is this near to it.");
+      "Max distance between a small region above the ground and the neighbour in the image that it hangs on "
+      "(m).");
     v("standing_gap_m", standing_gap_m, hal::kNotNegative,
-      "A region that floats at most this high over another one, footprints overlapping, stands on it.");
+      "Max gap in height between a region and the one, with overlapping footprint, that it stands on (m).");
     v("under_fraction", under_fraction, hal::kFraction,
-      "A small region belongs to the larger one over it when this part of its footprint lies under that "
-      "one's.");
+      "Min fraction of a small region's footprint under a larger region that it belongs to, like a leg.");
+    v("min_hanging_height_m", min_hanging_height_m, hal::Range{0, 10},
+      "Min height above the ground of a region that does not stand on it (m).");
+    v("max_leg_width_m", max_leg_width_m, hal::Range{0, 10},
+      "Max width of the footprint of a leg that is not higher than wide (m).");
+    v("height_overlap_m", height_overlap_m, hal::Range{0, 1},
+      "Max overlap in height, by noise, of a region with the one that it stands on (m).");
+    v("min_standing_overlap", min_standing_overlap, hal::kFraction,
+      "Min fraction of the smaller footprint that a region shares with the one that it stands on.");
+    v("max_small_fraction", max_small_fraction, hal::kFraction,
+      "Max number of pixels of a leg or strut, as a fraction of the object's that it belongs to.");
   }
 };
 

@@ -6,20 +6,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
+#include "hal/types/units.hpp"
 #include "perception/ground_and_target/plane_vote.hpp"
 
 namespace colift::perception {
 namespace {
 
-constexpr double kRad = std::numbers::pi / 180.0;
-constexpr double kParallelDeg = 8.0;
-constexpr double kSameLevel_m = 0.02;
-constexpr float kWidest = 2.0f;  // first tolerance of the pixel fit, relative to the last
-constexpr int kFitStride = 3;    // every third pixel of every third row: 34 000 are plenty for three numbers
-constexpr std::size_t kLeastInliers = 50;
+// Tolerances of the rounds of the pixel fit, relative to the configured one: wide first, because the start is
+// crooked, never less than the noise.
+constexpr float kWidest = 2.0f;
+constexpr std::array<float, 3> kWidths{kWidest, 1.5f, 1.2f};
+// Guards against a plane through a handful of noisy pixels: three unknowns.
+constexpr std::size_t kMinInliers = 50;
 constexpr std::size_t kLanes = 4;  // floats in a register of plain x86-64
 
 // The pixels that may lie on a plane, kept close together for several rounds of fitting.
@@ -141,20 +141,20 @@ Ground refine(const Plane& start, const OrganisedCloud& cloud, const NoiseModel&
   Eigen::Matrix3f axes;
   axes << es.cast<float>(), et.cast<float>(), start.normal.cast<float>();
   const Samples p = gather(cloud, axes, origin.cast<float>(),
-                           std::max(1e-3f, static_cast<float>(start.height(eye))), noise, c, kFitStride);
+                           std::max(1e-3f, static_cast<float>(start.height(eye))), noise, c, c.fit_stride);
 
   // the plane as a height over the start: h = a + b s + c t
   Eigen::Vector3f height = Eigen::Vector3f::Zero();
   std::size_t inliers = 0;
   double square = 0.0;
-  for (const float width : {kWidest, 1.5f, 1.2f}) {
+  for (const float width : kWidths) {
     const float factor = width * static_cast<float>(c.tolerance_sigma);
     const float base = width * static_cast<float>(c.tolerance_m);
     const FitSums fit = fit_sums(p, height, base, factor);
     const auto& sums = fit.sum;
     inliers = fit.inliers;
     square = fit.square;
-    if (inliers < kLeastInliers) break;
+    if (inliers < kMinInliers) break;
     Eigen::Matrix3d A;
     A << sums[0], sums[1], sums[2], sums[1], sums[3], sums[4], sums[2], sums[4], sums[5];
     const Vec3 solved = A.ldlt().solve(Vec3(sums[6], sums[7], sums[8]));
@@ -163,8 +163,8 @@ Ground refine(const Plane& start, const OrganisedCloud& cloud, const NoiseModel&
   }
   const Vec3 normal = (start.normal - height[1] * es - height[2] * et).normalized();
   const Plane plane{normal, -normal.dot(origin + height[0] * start.normal)};
-  return {plane, inliers * kFitStride * kFitStride,
-          inliers ? std::sqrt(square / static_cast<double>(inliers)) : 0.0};
+  const auto stride = static_cast<std::size_t>(c.fit_stride);
+  return {plane, inliers * stride * stride, inliers ? std::sqrt(square / static_cast<double>(inliers)) : 0.0};
 }
 
 }  // namespace
@@ -175,10 +175,10 @@ GroundResult find_ground(const OrganisedCloud& cloud, const std::vector<BlockPla
   for (const float d : cloud.depth_m) seen += d == d ? 1U : 0U;
   const Vec3 up = up_W.value_or(-cloud.X_WC.linear().col(1));
   const double max_tilt_deg = up_W ? c.max_tilt_deg : c.max_tilt_unknown_deg;
-  const auto faces_up = [&](const Vec3& n) { return n.dot(up) > std::cos(max_tilt_deg * kRad); };
+  const auto faces_up = [&](const Vec3& n) { return n.dot(up) > std::cos(max_tilt_deg * hal::kRadPerDeg); };
 
   const std::vector<VotedPlane> level =
-      vote_planes(blocks, faces_up, noise, {c.tolerance_m, c.tolerance_sigma});
+      vote_planes(blocks, faces_up, noise, {c.tolerance_m, c.tolerance_sigma}, c.vote);
   if (level.empty()) {
     return {std::nullopt,
             fmt::format("no ground: none of {} flat image blocks lie on a plane that faces up within "
@@ -191,8 +191,9 @@ GroundResult find_ground(const OrganisedCloud& cloud, const std::vector<BlockPla
   const VotedPlane* best = &level.front();
   for (const VotedPlane& l : level) {
     if (l.area_m2 < c.min_area_ratio * level.front().area_m2) continue;
-    if (l.plane.normal.dot(level.front().plane.normal) < std::cos(kParallelDeg * kRad)) continue;
-    if (l.plane.height(eye) > best->plane.height(eye) + kSameLevel_m) best = &l;
+    if (l.plane.normal.dot(level.front().plane.normal) < std::cos(c.parallel_tolerance_deg * hal::kRadPerDeg))
+      continue;
+    if (l.plane.height(eye) > best->plane.height(eye) + c.same_level_tolerance_m) best = &l;
   }
 
   const Ground ground = refine(best->plane, cloud, noise, c);

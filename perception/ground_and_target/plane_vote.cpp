@@ -3,20 +3,17 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::perception {
 namespace {
 
-constexpr double kRad = std::numbers::pi / 180.0;
-constexpr std::size_t kProposals = 160;
-constexpr int kRefits = 4;
-constexpr std::size_t kLeastBlocks = 3;
-
 class Voter {
  public:
-  Voter(const std::vector<BlockPlane>& blocks, const NoiseModel& noise, const PlaneTolerance& tolerance)
-      : blocks_(blocks), min_cosine_(std::cos(20.0 * kRad)) {
+  Voter(const std::vector<BlockPlane>& blocks, const NoiseModel& noise, const PlaneTolerance& tolerance,
+        double max_normal_angle_deg)
+      : blocks_(blocks), min_cosine_(std::cos(max_normal_angle_deg * hal::kRadPerDeg)) {
     reach_.reserve(blocks.size());
     weight_.reserve(blocks.size());
     for (const BlockPlane& b : blocks) {
@@ -50,7 +47,8 @@ class Voter {
     mean /= total;
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
     solver.computeDirect(second / total - mean * mean.transpose());
-    if (solver.eigenvalues()(1) < 1e-4) return plane;  // blocks on a line do not define a plane
+    if (solver.eigenvalues()(1) < 1e-4)
+      return plane;  // m^2: blocks on a line (within 1 cm) do not define a plane
     Vec3 n = solver.eigenvectors().col(0);
     if (n.dot(plane.normal) < 0) n = -n;
     return {n, -n.dot(origin + mean)};
@@ -67,14 +65,15 @@ class Voter {
 
 std::vector<VotedPlane> vote_planes(const std::vector<BlockPlane>& blocks,
                                     const std::function<bool(const Vec3&)>& wanted, const NoiseModel& noise,
-                                    const PlaneTolerance& tolerance) {
+                                    const PlaneTolerance& tolerance, const PlaneVoteConfig& config) {
   std::vector<std::size_t> proposers;
   for (std::size_t i = 0; i < blocks.size(); ++i)
     if (wanted(blocks[i].normal.cast<double>())) proposers.push_back(i);
 
-  const Voter voter(blocks, noise, tolerance);
+  const Voter voter(blocks, noise, tolerance, config.max_normal_angle_deg);
   std::vector<VotedPlane> found;
-  const std::size_t stride = std::max<std::size_t>(1, proposers.size() / kProposals);
+  const std::size_t stride =
+      std::max<std::size_t>(1, proposers.size() / static_cast<std::size_t>(config.proposals));
   for (std::size_t k = stride / 2; k < proposers.size(); k += stride) {
     const std::size_t i = proposers[k];
     const bool known =
@@ -84,11 +83,12 @@ std::vector<VotedPlane> vote_planes(const std::vector<BlockPlane>& blocks,
     // one block's normal is a weak proposal: let the blocks near it mend it before the count
     const Vec3 n = blocks[i].normal.cast<double>();
     Plane plane{n, -n.dot(blocks[i].center.cast<double>())};
-    for (int round = 0; round < kRefits; ++round) plane = voter.refit(plane);
+    for (int round = 0; round < config.refits; ++round) plane = voter.refit(plane);
     if (!wanted(plane.normal)) continue;  // a wall that grew out of one crooked block
     const bool again = std::any_of(found.begin(), found.end(), [&](const VotedPlane& f) {
-      return f.plane.normal.dot(plane.normal) > std::cos(2.0 * kRad) &&
-             std::abs(f.plane.height(plane.foot(blocks[i].center.cast<double>()))) < 0.01;
+      return f.plane.normal.dot(plane.normal) > std::cos(config.same_plane_angle_deg * hal::kRadPerDeg) &&
+             std::abs(f.plane.height(plane.foot(blocks[i].center.cast<double>()))) <
+                 config.same_plane_distance_m;
     });
     if (again) continue;
 
@@ -98,7 +98,7 @@ std::vector<VotedPlane> vote_planes(const std::vector<BlockPlane>& blocks,
       voted.area_m2 += blocks[b].area_m2;
       voted.blocks.push_back(&blocks[b]);
     }
-    if (voted.blocks.size() >= kLeastBlocks) found.push_back(std::move(voted));
+    if (voted.blocks.size() >= static_cast<std::size_t>(config.min_blocks)) found.push_back(std::move(voted));
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.area_m2 > b.area_m2; });

@@ -3,6 +3,7 @@
 #include <functional>
 #include <vector>
 
+#include "hal/config/range.hpp"
 #include "perception/ground_and_target/block_planes.hpp"
 #include "perception/noise_model.hpp"
 #include "perception/scene.hpp"
@@ -27,11 +28,37 @@ struct PlaneTolerance {
   }
 };
 
+/// How planes of image blocks are gathered into large planes.
+struct PlaneVoteConfig {
+  int proposals = 160;
+  int refits = 4;
+  int min_blocks = 3;
+  double max_normal_angle_deg = 20.0;
+  double same_plane_angle_deg = 2.0;
+  double same_plane_distance_m = 0.01;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("proposals", proposals, hal::Range{1, 10000},
+      "Image blocks that propose a plane; more cost time and find smaller planes.");
+    v("refits", refits, hal::Range{0, 100},
+      "Least-squares fits of a proposed plane to the blocks that vote for it.");
+    v("min_blocks", min_blocks, hal::Range{1, 10000}, "Min number of image blocks that vote for a plane.");
+    v("max_normal_angle_deg", max_normal_angle_deg, hal::Range{0.1, 90},
+      "Max angle between the normals of a plane and of a block that votes for it (deg).");
+    v("same_plane_angle_deg", same_plane_angle_deg, hal::Range{0, 45},
+      "Max angle between two planes that count as the same one (deg).");
+    v("same_plane_distance_m", same_plane_distance_m, hal::Range{0, 1},
+      "Max distance between two planes that count as the same one (m).");
+  }
+};
+
 /// Planes that the blocks vote for, largest area first, each once. `wanted` decides by the unit normal
 /// (towards the camera) which blocks may propose and which planes may result. Deterministic: no random draws,
 /// every k-th block proposes.
 [[nodiscard]] std::vector<VotedPlane> vote_planes(const std::vector<BlockPlane>& blocks,
                                                   const std::function<bool(const Vec3&)>& wanted,
-                                                  const NoiseModel& noise, const PlaneTolerance& tolerance);
+                                                  const NoiseModel& noise, const PlaneTolerance& tolerance,
+                                                  const PlaneVoteConfig& config = {});
 
 }  // namespace colift::perception

@@ -7,58 +7,51 @@
 namespace colift::perception {
 namespace {
 
-constexpr double kBeside_m = 0.01, kBesideSigmas = 3.0;  // the box leaves out strays
-constexpr double kRaised_m = 0.015;                      // over the ground, at least
-constexpr double kRaisedSigmas = 4.0;                    // ... and over its noise
-constexpr double kLargest_m2 = 0.005;  // visible area: as the smallest object that is carried
-constexpr double kInBox = 0.9;         // of its pixels; some fly off towards the background
-constexpr double kJumpSigmas = 3.0;    // depth difference within one region
-constexpr float kJump_m = 0.012f;
-
-/// Part of the image in which the target lies, and a little around it. What goes on beyond it is no sliver.
-constexpr int kAround_px = 12;
+/// Part of the image in which the target lies, and a little around it. What continues beyond it is no sliver.
 struct Window {
   int u0, v0, u1, v1;
 };
 
-Window window_of(const Target& target, int width, int height) {
+Window window_of(const Target& target, int width, int height, int margin_px) {
   const auto w = static_cast<std::uint32_t>(width);
   Window at{width, height, 0, 0};
   for (const std::uint32_t i : target.pixels) {
     const int u = static_cast<int>(i % w), v = static_cast<int>(i / w);
     at = {std::min(at.u0, u), std::min(at.v0, v), std::max(at.u1, u + 1), std::max(at.v1, v + 1)};
   }
-  return {std::max(0, at.u0 - kAround_px), std::max(0, at.v0 - kAround_px),
-          std::min(width, at.u1 + kAround_px), std::min(height, at.v1 + kAround_px)};
+  return {std::max(0, at.u0 - margin_px), std::max(0, at.v0 - margin_px), std::min(width, at.u1 + margin_px),
+          std::min(height, at.v1 + margin_px)};
 }
 
 }  // namespace
 
 std::vector<std::uint32_t> find_slivers(const OrganisedCloud& cloud, const Target& target,
-                                        const Ground& ground, const NoiseModel& noise) {
+                                        const Ground& ground, const NoiseModel& noise,
+                                        const SliverConfig& config) {
   std::vector<std::uint32_t> slivers;
   if (target.pixels.empty()) return slivers;
   const int width = cloud.width(), height = cloud.height();
-  const Window window = window_of(target, width, height);
+  const Window window = window_of(target, width, height, config.window_margin_px);
   std::vector<std::uint8_t> mask(cloud.size(), 0);
   for (int v = window.v0; v < window.v1; ++v) {
     for (int u = window.u0; u < window.u1; ++u) {
       const auto i = static_cast<std::size_t>(v * width + u);
       if (!cloud.seen(i)) continue;
-      const double least =
-          std::max(kRaised_m, kRaisedSigmas * noise.sigma(static_cast<double>(cloud.depth_m[i])));
+      const double least = std::max(
+          config.min_height_m, config.min_height_sigma * noise.sigma(static_cast<double>(cloud.depth_m[i])));
       mask[i] = ground.plane.height(cloud.point(i)) > least;
     }
   }
   for (const std::uint32_t i : target.pixels) mask[i] = 0;
-  const DepthJump jump{kJump_m + static_cast<float>(kJumpSigmas * noise.sigma0_m),
-                       static_cast<float>(kJumpSigmas * noise.sigma2_per_m + 1.5 * noise.step2_per_m)};
+  const DepthJump jump{
+      static_cast<float>(config.jump_base_m) + static_cast<float>(config.jump_sigma * noise.sigma0_m),
+      static_cast<float>(config.jump_sigma * noise.sigma2_per_m + config.jump_steps * noise.step2_per_m)};
   const Components regions = connected_components(cloud.depth_m, mask, width, height, jump);
 
   const Eigen::Matrix3d axes = target.obb.axes.transpose();
-  const Eigen::Array3d half = 0.5 * target.obb.size.array() + kBeside_m;
+  const Eigen::Array3d half = 0.5 * target.obb.size.array() + config.box_margin_m;
   const auto in_box = [&](std::size_t i) {
-    const double stray = kBesideSigmas * noise.sigma(static_cast<double>(cloud.depth_m[i]));
+    const double stray = config.box_margin_sigma * noise.sigma(static_cast<double>(cloud.depth_m[i]));
     return ((axes * (cloud.point(i) - target.obb.center)).array().abs() <= half + stray).all();
   };
   struct Region {
@@ -82,7 +75,8 @@ std::vector<std::uint32_t> find_slivers(const OrganisedCloud& cloud, const Targe
   });
   each_pixel([&](std::size_t label, std::size_t i) {
     const Region& r = found[label];
-    if (!r.goes_on && r.area_m2 < kLargest_m2 && r.inside >= kInBox * regions.pixels[label] && in_box(i))
+    if (!r.goes_on && r.area_m2 < config.max_area_m2 &&
+        r.inside >= config.min_in_box_fraction * regions.pixels[label] && in_box(i))
       slivers.push_back(static_cast<std::uint32_t>(i));
   });
   return slivers;

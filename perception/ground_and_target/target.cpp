@@ -9,16 +9,13 @@
 #include <limits>
 #include <numeric>
 
-#include "perception/ground_and_target/enclosed_pixels.hpp"
 #include "perception/ground_and_target/image_border.hpp"
 
 namespace colift::perception {
 namespace {
 
-constexpr std::size_t kLeastPixels = 300;
-constexpr double kRoughness = 2.5;  // of the ground's residual
-constexpr double kHeadCut = 0.25;
-constexpr double kTopCutWeight = 0.4;  // a cut at the top takes height, a cut at a side takes the footprint
+// fractions of a side that the view cuts, from which on the result mentions them
+constexpr double kReportedTopCut = 0.1, kReportedSideCut = 0.02;
 
 DepthJump jump_of(const NoiseModel& noise, const TargetConfig& c) {
   return {static_cast<float>(c.jump_base_m + c.jump_sigma * noise.sigma0_m),
@@ -32,7 +29,7 @@ std::vector<std::uint8_t> raised_pixels(const OrganisedCloud& cloud, const Groun
   const float offset = static_cast<float>(ground.plane.offset);
   const float eye_height = static_cast<float>(std::max(1e-3, ground.plane.height(cloud.X_WC.translation())));
   // a floor that is uneven, or looks so through its lens, asks for more room
-  const float base = static_cast<float>(std::max(c.clearance_m, kRoughness * ground.rms_m));
+  const float base = static_cast<float>(std::max(c.clearance_m, c.clearance_rms * ground.rms_m));
   const float k0 = static_cast<float>(c.clearance_sigma * noise.sigma0_m);
   const float k2 = static_cast<float>(c.clearance_sigma * noise.sigma2_per_m);
   std::vector<std::uint8_t> mask(cloud.size());
@@ -132,10 +129,10 @@ std::optional<RejectedObject> objection(const Fragment& f, const TargetConfig& c
   const auto reject = [&](Kind kind, std::string why) {
     return RejectedObject{kind, f.box.center(), f.pixels, std::move(why)};
   };
-  if (f.area_m2 < c.min_area_m2 || f.pixels < kLeastPixels)
+  if (f.area_m2 < c.min_area_m2 || f.pixels < static_cast<std::size_t>(c.min_pixels))
     return reject(Kind::Small,
                   fmt::format("it shows {:.0f} cm2 in {} pixels, {:.0f} cm2 and {} pixels are needed",
-                              1e4 * f.area_m2, f.pixels, 1e4 * c.min_area_m2, kLeastPixels));
+                              1e4 * f.area_m2, f.pixels, 1e4 * c.min_area_m2, c.min_pixels));
   if (f.max_height_m - std::max(0.0, f.min_height_m) < c.min_thickness_m &&
       f.min_height_m < 2 * c.min_thickness_m)
     return reject(Kind::Flat, fmt::format("it rises {:.0f} mm over the ground, {:.0f} are needed",
@@ -150,13 +147,13 @@ std::optional<RejectedObject> objection(const Fragment& f, const TargetConfig& c
         fmt::format("it is {:.2f} m tall, a person or furniture that is not carried (limit {:.2f} m)",
                     f.max_height_m, c.max_height_m));
   const Cut cut = lateral_cut(f);
-  if (cut.fraction + kTopCutWeight * top_cut(f) > c.max_cut)
+  if (cut.fraction + c.top_cut_weight * top_cut(f) > c.max_cut)
     return reject(
         Kind::Cut,
         fmt::format(
             "its {1} side leaves the view by {0:.0f} %, so it is not known to stand free (limit {2:.0f} %)",
             100 * cut.fraction, cut.side, 100 * c.max_cut));
-  if (top_cut(f) > kHeadCut && f.max_height_m > footprint_span(f))
+  if (top_cut(f) > c.max_person_top_cut && f.max_height_m > footprint_span(f))
     return reject(Kind::Person, fmt::format("it leaves the view at the top, {:.2f} m above the ground and "
                                             "taller than wide: a person or furniture that is not carried",
                                             f.max_height_m));
@@ -170,7 +167,7 @@ double rank(const Fragment& f) {
 
 Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Components& components,
                    const Ground& ground, const std::vector<std::uint8_t>& on_wall, const DepthJump& jump,
-                   int min_neighbours) {
+                   const TargetConfig& c) {
   Target t;
   t.pixels.reserve(f.pixels);
   std::vector<std::uint8_t> own_label(components.pixels.size(), 0);
@@ -184,7 +181,7 @@ Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Compone
               row + static_cast<std::uint32_t>(run.first));
   }
   const std::vector<std::uint32_t> inside =
-      enclosed_pixels(cloud, ground, t.pixels, on_wall, jump, min_neighbours);
+      enclosed_pixels(cloud, ground, t.pixels, on_wall, jump, c.min_neighbours, c.enclosed);
   const auto own = static_cast<std::ptrdiff_t>(t.pixels.size());
   t.pixels.insert(t.pixels.end(), inside.begin(), inside.end());
   std::inplace_merge(t.pixels.begin(), t.pixels.begin() + own, t.pixels.end());
@@ -198,7 +195,7 @@ Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Compone
     box.extend(t.points[k]);
   }
   t.aabb = Aabb(box.min().cast<double>(), box.max().cast<double>());
-  t.obb = box_on_plane(t.points, ground.plane, BoxTrim{});
+  t.obb = box_on_plane(t.points, ground.plane, c.box);
   t.shape = t.obb;
   t.cog = t.obb.center;
   return t;
@@ -277,11 +274,11 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
                       1e4 * chosen->area_m2, chosen->mean_depth_m, chosen->max_height_m);
       if (second) result.because += fmt::format("; the next one shows {:.0f} cm2", 1e4 * rank(*second));
       const double top = top_cut(*chosen);
-      if (top > 0.1)
+      if (top > kReportedTopCut)
         result.because +=
             fmt::format("; the view cuts {:.0f} % of its upper side, so its height is not known", 100 * top);
       const Cut cut = lateral_cut(*chosen);
-      if (cut.fraction > 0.02)
+      if (cut.fraction > kReportedSideCut)
         result.because +=
             fmt::format("; {:.0f} % of its {} side touch the rim of the view", 100 * cut.fraction, cut.side);
     } else if (result.rejected.empty()) {
@@ -296,7 +293,7 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
   std::stable_sort(result.rejected.begin(), result.rejected.end(),
                    [](const auto& a, const auto& b) { return a.pixels > b.pixels; });
   if (chosen) {
-    result.target = make_target(*chosen, cloud, components, ground, on_wall, jump, c.min_neighbours);
+    result.target = make_target(*chosen, cloud, components, ground, on_wall, jump, c);
     result.target->because = result.because;
   }
   return result;

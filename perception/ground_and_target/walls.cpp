@@ -10,18 +10,6 @@
 namespace colift::perception {
 namespace {
 
-constexpr double kUpright = 0.17;   // |cosine| between a wall's normal and up: 10 degrees
-constexpr double kLowest_m = 0.05;  // blocks below are the ground's
-constexpr double kCovered =
-    0.15;  // part of its frame that a wall's blocks cover at least; much of it is hidden by things
-
-constexpr int kReach = 2;         // blocks; a wall goes on behind a thing that hides this much of it
-constexpr double kSlack_m = 0.1;  // a wall ends somewhere in its last block
-
-constexpr double kSameWall = 0.966;  // cosine of 15 degrees
-constexpr double kBend_m = 0.15;
-constexpr std::size_t kLeastBlocks = 8;
-
 Vec3 middle(const std::vector<const BlockPlane*>& blocks) {
   Vec3 sum = Vec3::Zero();
   for (const BlockPlane* b : blocks) sum += b->center.cast<double>();
@@ -29,14 +17,14 @@ Vec3 middle(const std::vector<const BlockPlane*>& blocks) {
 }
 
 // the largest group of blocks that hang together in the image
-std::vector<const BlockPlane*> largest_group(std::vector<const BlockPlane*> blocks) {
+std::vector<const BlockPlane*> largest_group(std::vector<const BlockPlane*> blocks, int reach) {
   std::vector<const BlockPlane*> best;
   while (!blocks.empty()) {
     std::vector<const BlockPlane*> group{blocks.back()};
     blocks.pop_back();
     for (std::size_t i = 0; i < group.size(); ++i) {
       const auto near = [&](const BlockPlane* b) {
-        return std::abs(b->u - group[i]->u) <= kReach && std::abs(b->v - group[i]->v) <= kReach;
+        return std::abs(b->u - group[i]->u) <= reach && std::abs(b->v - group[i]->v) <= reach;
       };
       const auto rest =
           std::stable_partition(blocks.begin(), blocks.end(), [&](const auto* b) { return !near(b); });
@@ -56,22 +44,23 @@ std::vector<Wall> find_walls(const OrganisedCloud& cloud, const std::vector<Bloc
   const Vec3 up = ground.plane.normal;
   std::vector<BlockPlane> raised;
   for (const BlockPlane& b : blocks)
-    if (ground.plane.height(b.center.cast<double>()) > kLowest_m) raised.push_back(b);
+    if (ground.plane.height(b.center.cast<double>()) > config.min_block_height_m) raised.push_back(b);
 
-  const auto upright = [&](const Vec3& n) { return std::abs(n.dot(up)) < kUpright; };
+  const auto upright = [&](const Vec3& n) { return std::abs(n.dot(up)) < config.max_lean_sine; };
   std::vector<const BlockPlane*>
       claimed;  // a block belongs to one wall: no plane grows from the rest of another
   std::vector<Wall> walls;
-  for (const VotedPlane& p : vote_planes(raised, upright, noise, {config.tolerance_m, 3.0})) {
+  for (const VotedPlane& p :
+       vote_planes(raised, upright, noise, {config.tolerance_m, config.tolerance_sigma}, config.vote)) {
     // a long wall looks bent through a real lens: nearly the same plane again is more of the same wall
     const bool more = std::any_of(walls.begin(), walls.end(), [&](const Wall& w) {
-      return w.plane.normal.dot(p.plane.normal) > kSameWall &&
-             std::abs(w.plane.height(middle(p.blocks))) < kBend_m;
+      return w.plane.normal.dot(p.plane.normal) > config.same_wall_cosine &&
+             std::abs(w.plane.height(middle(p.blocks))) < config.same_wall_distance_m;
     });
     std::vector<const BlockPlane*> own;
     for (const BlockPlane* b : p.blocks)
       if (more || std::find(claimed.begin(), claimed.end(), b) == claimed.end()) own.push_back(b);
-    const std::vector<const BlockPlane*> core = largest_group(own);
+    const std::vector<const BlockPlane*> core = largest_group(own, config.max_gap_blocks);
 
     const Vec3 along = up.cross(p.plane.normal).normalized();
     double lo = std::numeric_limits<double>::infinity(), hi = -lo, bottom = lo, top = -lo, area = 0.0;
@@ -87,11 +76,11 @@ std::vector<Wall> find_walls(const OrganisedCloud& cloud, const std::vector<Bloc
       const int column = std::min(b->u * kBlockPixels + kBlockPixels / 2, cloud.width() - 1);
       cut_top |= b->v * kBlockPixels <= border.top[static_cast<std::size_t>(column)] + kBlockPixels;
     }
-    if (core.size() < kLeastBlocks) continue;
+    if (core.size() < static_cast<std::size_t>(config.min_blocks)) continue;
     if (!more) {
       if (hi - lo < config.min_width_m) continue;
       if (top < config.min_height_m && !cut_top) continue;
-      if (area < kCovered * (hi - lo) * (top - bottom)) continue;
+      if (area < config.min_covered_fraction * (hi - lo) * (top - bottom)) continue;
     }
     // a thing in front may part a wall in two: it reaches to its last block. The plane of a wall's second
     // part may run through an object, so that one ends where its blocks do.
@@ -99,7 +88,7 @@ std::vector<Wall> find_walls(const OrganisedCloud& cloud, const std::vector<Bloc
       lo = std::min(lo, along.dot(b->center.cast<double>()));
       hi = std::max(hi, along.dot(b->center.cast<double>()));
     }
-    walls.push_back({p.plane, along, lo - kSlack_m, hi + kSlack_m});
+    walls.push_back({p.plane, along, lo - config.end_margin_m, hi + config.end_margin_m});
     claimed.insert(claimed.end(), p.blocks.begin(), p.blocks.end());
   }
   return walls;
@@ -107,8 +96,8 @@ std::vector<Wall> find_walls(const OrganisedCloud& cloud, const std::vector<Bloc
 
 std::size_t clear_walls(const OrganisedCloud& cloud, const std::vector<Wall>& walls, const NoiseModel& noise,
                         const WallConfig& config, std::vector<std::uint8_t>& mask) {
-  const float sigma0 = static_cast<float>(config.tolerance_m + 3.0 * noise.sigma0_m);
-  const float sigma2 = static_cast<float>(3.0 * noise.sigma2_per_m);
+  const float sigma0 = static_cast<float>(config.tolerance_m + config.tolerance_sigma * noise.sigma0_m);
+  const float sigma2 = static_cast<float>(config.tolerance_sigma * noise.sigma2_per_m);
   struct Slab {
     Eigen::Vector3f normal, along;
     float offset, from, to;

@@ -9,7 +9,7 @@
 namespace colift::perception {
 namespace {
 
-constexpr int kDepth = 16;
+constexpr int kDepth = 16;  // levels of an OctoMap tree
 constexpr int kHalf = 1 << (kDepth - 1);
 
 enum class Block : std::uint8_t { Unknown, Free, Occupied, Mixed };

@@ -6,16 +6,13 @@
 namespace colift::perception {
 namespace {
 
-/// A ray has left a cell when it goes on for this part of its edge beyond the middle.
-constexpr float kBeyond = 0.6f;
-/// Cells that cover more pixels than this in a row have to be hit by two: one alone is a flying pixel.
-constexpr double kPixelsForTwoHits = 3.0;
+constexpr float kNearest_m = 0.05f;  // guards the projection against cells beside and behind the camera
 
 /// How often each cell was hit, counted up to 2.
 void count_hits(const CellGrid& grid, const OrganisedCloud& cloud, std::span<const std::uint32_t> not_scene,
-                double max_range_m, std::vector<CellView>& view) {
+                double max_range_m, std::vector<CellView>& view, const CellViewConfig& config) {
   std::vector<std::uint8_t> hits(view.size(), 0);
-  const double far_m = cloud.intrinsics.fx * grid.cell_m / kPixelsForTwoHits;
+  const double far_m = cloud.intrinsics.fx * grid.cell_m / config.two_hit_pixels;
   const auto per_m = static_cast<float>(1.0 / grid.cell_m);
   const Eigen::Vector3f origin = grid.origin.cast<float>();
   const Eigen::Vector3f eye = cloud.X_WC.translation().cast<float>();
@@ -67,14 +64,14 @@ struct RowOfCells {
 }  // namespace
 
 void view_cells(const CellGrid& grid, const OrganisedCloud& cloud, std::span<const std::uint32_t> not_scene,
-                double max_range_m, std::vector<CellView>& view) {
+                double max_range_m, std::vector<CellView>& view, const CellViewConfig& config) {
   view.assign(static_cast<std::size_t>(grid.nx) * static_cast<std::size_t>(grid.ny) *
                   static_cast<std::size_t>(grid.nz),
               CellView::OutOfView);
   if (cloud.size() == 0) return;
   const hal::Pose X_CW = cloud.X_WC.inverse();
   const Eigen::Vector3f step = (grid.cell_m * X_CW.linear().col(0)).cast<float>();
-  const auto beyond = kBeyond * static_cast<float>(grid.cell_m);
+  const auto beyond = static_cast<float>(config.free_beyond_cells) * static_cast<float>(grid.cell_m);
   const float half_cell_px = static_cast<float>(0.5 * grid.cell_m * cloud.intrinsics.fx);
   const int width = cloud.width(), height = cloud.height();
   const float right = static_cast<float>(width), low = static_cast<float>(height);
@@ -87,7 +84,7 @@ void view_cells(const CellGrid& grid, const OrganisedCloud& cloud, std::span<con
       for (int ix = 0; ix < grid.nx; ++ix) {
         const auto i = static_cast<std::size_t>(ix);
         const float d = row.depth[i], u = row.u[i], v = row.v[i];
-        if (!(d > 0.05f && u >= 0.0f && v >= 0.0f && u < right && v < low)) continue;
+        if (!(d > kNearest_m && u >= 0.0f && v >= 0.0f && u < right && v < low)) continue;
         const int pu = static_cast<int>(u), pv = static_cast<int>(v);
         const float measured = depth[pv * width + pu];
         if (measured != measured) continue;
@@ -109,7 +106,7 @@ void view_cells(const CellGrid& grid, const OrganisedCloud& cloud, std::span<con
       }
     }
   }
-  count_hits(grid, cloud, not_scene, max_range_m, view);
+  count_hits(grid, cloud, not_scene, max_range_m, view, config);
 }
 
 }  // namespace colift::perception

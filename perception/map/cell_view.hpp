@@ -19,6 +19,6 @@ enum class CellView : std::uint8_t {
 /// Looks at every cell of a grid (its `cells` are not used) through one frame; `view` gets one entry per
 /// cell. Pixels in `not_scene` (ascending) end rays but hit nothing, those beyond `max_range_m` too.
 void view_cells(const CellGrid& grid, const OrganisedCloud& cloud, std::span<const std::uint32_t> not_scene,
-                double max_range_m, std::vector<CellView>& view);
+                double max_range_m, std::vector<CellView>& view, const CellViewConfig& config = {});
 
 }  // namespace colift::perception

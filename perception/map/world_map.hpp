@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <span>
 #include <vector>
@@ -18,20 +17,38 @@ class OcTree;
 
 namespace colift::perception {
 
+/// When a ray counts as evidence for a cell.
+struct CellViewConfig {
+  double free_beyond_cells = 0.6;
+  double two_hit_pixels = 3.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("free_beyond_cells", free_beyond_cells, hal::Range{0, 10},
+      "Distance beyond a cell's middle at which a ray has passed through the cell, in edges of a cell.");
+    v("two_hit_pixels", two_hit_pixels, hal::Range{0, 1000},
+      "Cells that are wider than this in the image (px) are occupied after two hits: a single one is a "
+      "flying pixel.");
+  }
+};
+
+/// Resolution and extent of the collision world, and the evidence of its cells.
 struct WorldMapConfig {
   double cell_m = 0.02;
   double max_range_m = 3.5;
   double robot_padding_m = 0.03;
   hal::Vec3 min_m{-1.2, -1.2, -0.05}, max_m{1.8, 1.2, 1.5};
+  CellViewConfig view;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v("cell_m", cell_m, hal::Range{0.005, 0.1}, "Edge of the smallest cell (m).");
-    v("max_range_m", max_range_m, hal::Range{0.5, 10}, "Farther measurements are not entered (m).");
+    v("max_range_m", max_range_m, hal::Range{0.5, 10}, "Max distance of measurements that are entered (m).");
     v("robot_padding_m", robot_padding_m, hal::Range{0, 0.2},
-      "Cells this near to the robot are its own (m).");
-    v("min_m", min_m, "Lower corner of the mapped space in W (m).");
-    v("max_m", max_m, "Upper corner of the mapped space in W (m).");
+      "Distance around the robot within which cells are freed as its own (m).");
+    v("min_m", min_m, hal::Range{-100, 100}, "Lower corner of the mapped space in W (m).");
+    v("max_m", max_m, hal::Range{-100, 100}, "Upper corner of the mapped space in W (m).");
+    v("view", view, "How one frame frees and occupies cells.");
   }
 };
 
@@ -102,11 +119,12 @@ class WorldMap {
   [[nodiscard]] const octomap::OcTree& tree() const;
   [[nodiscard]] std::size_t occupied_cells() const;
 
-  /// OctoMap's .bt format. Errors: BadInput with the file (cannot be written, is no .bt, is damaged, has
-  /// cells of another size). What lies outside of the mapped space is left out.
-  [[nodiscard]] hal::Result<> save(const std::filesystem::path& file) const;
-  [[nodiscard]] static hal::Result<WorldMap> load(const std::filesystem::path& file,
-                                                  const WorldMapConfig& config);
+  /// The map that a tree describes, as tree() gave it or as OctoMap read it from a file (writeBinary and
+  /// readBinary; the latter believes what it reads and recurses as deep as a damaged file says: read only
+  /// files that are trusted). What lies outside of the mapped space is left out. Errors: BadInput (cells of
+  /// another size).
+  [[nodiscard]] static hal::Result<WorldMap> from_tree(const octomap::OcTree& tree,
+                                                       const WorldMapConfig& config);
 
  private:
   struct Impl;

@@ -9,9 +9,7 @@ namespace colift::perception {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr int kRim_px = 2;            // about an outline depths of two bodies mix
-constexpr float kSameBody_m = 0.03F;  // neighbours farther apart in depth belong to different bodies
-constexpr int kEnclosed = 5;          // of 8 neighbours: a hole that the sampling left
+constexpr int kEnclosed = 5;  // of 8 neighbours, the majority: a hole that the sampling left
 
 template <class Visit>
 void for_neighbours(int width, int height, std::size_t pixel, int reach, const Visit& visit) {
@@ -26,7 +24,7 @@ void for_neighbours(int width, int height, std::size_t pixel, int reach, const V
 
 // The object alone, where it stands now.
 std::vector<float> draw(const OrganisedCloud& cloud, std::span<const std::uint32_t> object,
-                        const hal::Pose& X) {
+                        const hal::Pose& X, float max_step_m) {
   std::vector<float> depth(cloud.size(), kNan);
   std::vector<std::size_t> drawn;
   for (const std::uint32_t p : object) {
@@ -53,7 +51,7 @@ std::vector<float> draw(const OrganisedCloud& cloud, std::span<const std::uint32
         far = std::max(far, depth[q]);
         ++n;
       });
-      if (n >= kEnclosed && far - near < kSameBody_m) filled[hole] = sum / static_cast<float>(n);
+      if (n >= kEnclosed && far - near < max_step_m) filled[hole] = sum / static_cast<float>(n);
     });
   return filled;
 }
@@ -61,14 +59,15 @@ std::vector<float> draw(const OrganisedCloud& cloud, std::span<const std::uint32
 }  // namespace
 
 hal::DepthFrame move_object(const OrganisedCloud& cloud, std::span<const std::uint32_t> object,
-                            const hal::Pose& X) {
+                            const hal::Pose& X, const MovedObjectConfig& config) {
   hal::DepthFrame out;
   out.intrinsics = cloud.intrinsics;
   out.depth_m = cloud.depth_m;
   for (const std::uint32_t p : object)
-    for_neighbours(cloud.width(), cloud.height(), p, kRim_px, [&](std::size_t q) { out.depth_m[q] = kNan; });
+    for_neighbours(cloud.width(), cloud.height(), p, config.rim_px,
+                   [&](std::size_t q) { out.depth_m[q] = kNan; });
   for (const std::uint32_t p : object) out.depth_m[p] = kNan;
-  const std::vector<float> moved = draw(cloud, object, X);
+  const std::vector<float> moved = draw(cloud, object, X, static_cast<float>(config.max_depth_step_m));
   for (std::size_t p = 0; p < moved.size(); ++p)
     if (moved[p] == moved[p] && !(out.depth_m[p] <= moved[p])) out.depth_m[p] = moved[p];
   return out;

@@ -7,8 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "perception/motion/object_motion_samples.hpp"
-
+#include "hal/types/units.hpp"
 namespace colift::perception {
 namespace {
 
@@ -19,17 +18,10 @@ using hal::Vec3;
 using Twist = Eigen::Matrix<double, 6, 1>;
 using Information = Eigen::Matrix<double, 6, 6>;
 
-constexpr std::size_t kLeastSamples = 60;
-constexpr double kGateSigmas = 3.5;     // a residual beyond is none of the object's
-constexpr double kGateCloses = 0.4;     // from one iteration to the next
-constexpr double kSettled_m = 2e-5;     // a smaller correction ends the iteration
-constexpr int kWidestSearch = 3;        // the gate after missed frames, in steps
-constexpr double kMostMotion_m = 0.35;  // "small": what lies beyond is another object's surface
-constexpr double kMostTurn_rad = 0.6;
+constexpr double kSettled_m = 2e-5;  // far below the noise: a smaller correction ends the iteration
 // A turn of 1 rad weighs as much as this shift. Longer than the objects: where the view cannot tell a turn
 // from a shift (a pipe that rolls or slides), the shift is believed.
 constexpr double kTurn_m = 1.0;
-constexpr double kAlikeNoise = 2.0;  // samples near each other share noise: variance grows by this
 
 Eigen::Matrix3d cross_matrix(const Vec3& a) {
   Eigen::Matrix3d m;
@@ -93,7 +85,7 @@ struct ObjectFollower::Impl {
     const auto cx = static_cast<float>(k.cx) + 0.5f, cy = static_cast<float>(k.cy) + 0.5f;
     const auto gate2 = static_cast<float>(gate_m * gate_m);
     constexpr auto kPerTurn = static_cast<float>(1.0 / kTurn_m);
-    constexpr auto kGate2 = static_cast<float>(kGateSigmas * kGateSigmas);
+    const auto sigmas2 = static_cast<float>(config.gate_sigmas * config.gate_sigmas);
     float h[21] = {}, g[6] = {}, weights = 0.0f, squares = 0.0f;
     Sums sums;
     for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -118,7 +110,7 @@ struct ObjectFollower::Impl {
       }
       const Eigen::Vector3f e = Eigen::Vector3f(ray_x[column] * d, ray_y[row] * d, d) - p;
       const float r = n.dot(e), sigma2 = samples.sigma_m[i] * samples.sigma_m[i];
-      const float limit2 = kGate2 * sigma2 + gate2;
+      const float limit2 = sigmas2 * sigma2 + gate2;
       if (!(r * r < limit2)) {
         r < 0 ? ++sums.nearer : ++sums.farther;
         continue;
@@ -196,7 +188,7 @@ struct ObjectFollower::Impl {
         motion.turn = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() * motion.turn;
       const bool closed = gate_m < 0.002;
       if (closed && step.norm() < kSettled_m) break;
-      gate_m *= kGateCloses;
+      gate_m *= config.gate_ratio;
     }
     return pass(depth_m, motion, 0.0);
   }
@@ -207,7 +199,7 @@ struct ObjectFollower::Impl {
     const Eigen::SelfAdjointEigenSolver<Information> eigen(sure);
     constexpr double kLeast = 1.0 / (ObjectMotion::kUnknown * ObjectMotion::kUnknown);
     const double misfit = sums.squares / static_cast<double>(std::max<std::size_t>(1, sums.found));
-    const double spread = kAlikeNoise * std::max(1.0, misfit);
+    const double spread = config.shared_noise_factor * std::max(1.0, misfit);
     Twist variance;
     for (int i = 0; i < 6; ++i)
       variance[i] = std::min(spread / std::max(eigen.eigenvalues()[i], kLeast), 1.0 / kLeast);
@@ -234,7 +226,7 @@ struct ObjectFollower::Impl {
   std::optional<ObjectMotion> update(const hal::CameraIntrinsics& now, const std::vector<float>& depth_m,
                                      std::string* because) {
     const auto refuse = [&](auto&& reason) -> std::optional<ObjectMotion> {
-      missed = std::min(missed + 1, kWidestSearch);
+      missed = std::min(missed + 1, config.max_search_steps);
       if (because) *because = reason();
       return std::nullopt;
     };
@@ -244,7 +236,7 @@ struct ObjectFollower::Impl {
                            k.width, k.height);
       });
 
-    const double reach_m = config.max_step_m * std::min(1 + missed, kWidestSearch);
+    const double reach_m = config.max_step_m * std::min(1 + missed, config.max_search_steps);
     Motion motion = last;
     const Sums sums = align(depth_m.data(), reach_m, motion);
     if (static_cast<double>(sums.found) < config.min_fraction * static_cast<double>(samples.size()))
@@ -254,12 +246,12 @@ struct ObjectFollower::Impl {
     if (!(stepped <= reach_m) || !(turned * samples.radius_m <= reach_m))
       return refuse([&] {
         return fmt::format("a step of {:.0f} mm and {:.1f} deg since the last frame is no small motion",
-                           1e3 * stepped, turned * 57.29578);
+                           1e3 * stepped, hal::rad_to_deg(turned));
       });
-    if (motion.shift.norm() > kMostMotion_m || rotation_vector(motion.turn).norm() > kMostTurn_rad)
+    if (motion.shift.norm() > config.max_shift_m || rotation_vector(motion.turn).norm() > config.max_turn_rad)
       return refuse([&] {
         return fmt::format("the object would be {:.2f} m and {:.0f} deg from where it stood",
-                           motion.shift.norm(), rotation_vector(motion.turn).norm() * 57.29578);
+                           motion.shift.norm(), hal::rad_to_deg(rotation_vector(motion.turn).norm()));
       });
 
     last = motion;
@@ -293,12 +285,12 @@ hal::Result<ObjectFollower> ObjectFollower::make(const ReferenceImage& reference
   ObjectFollower follower;
   follower.impl_ = std::make_unique<Impl>();
   Impl& impl = *follower.impl_;
-  impl.samples = sample_surface(reference, target, noise, config.samples);
-  if (impl.samples.size() < kLeastSamples)
+  impl.samples = sample_surface(reference, target, noise, config.samples, config.sampling);
+  if (impl.samples.size() < static_cast<std::size_t>(config.min_samples))
     return failure(ErrorCode::NotFound, "object motion",
                    fmt::format("only {} of the target's {} pixels lie on a surface smooth enough to be "
                                "followed, {} are needed",
-                               impl.samples.size(), target.pixels.size(), kLeastSamples));
+                               impl.samples.size(), target.pixels.size(), config.min_samples));
   impl.k = reference.cloud.intrinsics;
   impl.X_WC = reference.cloud.X_WC;
   impl.config = config;

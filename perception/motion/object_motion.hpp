@@ -8,6 +8,8 @@
 #include "hal/config/range.hpp"
 #include "hal/depth_camera.hpp"
 #include "hal/types/result.hpp"
+#include "perception/motion/moved_object.hpp"
+#include "perception/motion/object_motion_samples.hpp"
 #include "perception/noise_model.hpp"
 #include "perception/organised_cloud.hpp"
 #include "perception/reference_image.hpp"
@@ -15,18 +17,45 @@
 
 namespace colift::perception {
 
+/// How a carried object is followed from frame to frame.
 struct MotionConfig {
   int samples = 2000;
   int iterations = 8;
   double max_step_m = 0.03;
   double min_fraction = 0.15;
+  int min_samples = 60;
+  double gate_sigmas = 3.5;
+  double gate_ratio = 0.4;
+  int max_search_steps = 3;
+  double max_shift_m = 0.35;
+  double max_turn_rad = 0.6;
+  double shared_noise_factor = 2.0;
+  SurfaceSamplingConfig sampling;
+  MovedObjectConfig moved;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("samples", samples, hal::Range{100, 20000}, "Points of the object that are followed.");
-    v("iterations", iterations, hal::Range{1, 50}, "Steps of the alignment per frame.");
-    v("max_step_m", max_step_m, hal::Range{0.005, 0.2}, "Largest motion between two frames (m).");
-    v("min_fraction", min_fraction, hal::kFraction, "Least part of the points that has to be seen again.");
+    v("samples", samples, hal::Range{100, 20000}, "Max number of the object's points that are tracked.");
+    v("iterations", iterations, hal::Range{1, 50}, "Max iterations of the alignment per frame.");
+    v("max_step_m", max_step_m, hal::Range{0.005, 0.2}, "Max motion of the object between two frames (m).");
+    v("min_fraction", min_fraction, hal::kFraction,
+      "Min fraction of the tracked points that a frame has to show.");
+    v("min_samples", min_samples, hal::Range{6, 1e6},
+      "Min number of points on smooth surfaces for an object to be tracked.");
+    v("gate_sigmas", gate_sigmas, hal::Range{1, 20},
+      "Max residual of a point that belongs to the object, in standard deviations.");
+    v("gate_ratio", gate_ratio, hal::Range{0.05, 0.95},
+      "Ratio of the outlier gate from one iteration to the next.");
+    v("max_search_steps", max_search_steps, hal::Range{1, 20},
+      "Max search range after missed frames, in units of max_step_m.");
+    v("max_shift_m", max_shift_m, hal::Range{0.01, 10},
+      "Max distance of the object from where the reference shows it (m).");
+    v("max_turn_rad", max_turn_rad, hal::Range{0.01, 3.2},
+      "Max angle of the object against the reference (rad).");
+    v("shared_noise_factor", shared_noise_factor, hal::Range{1, 100},
+      "Factor on the variance of the motion, because points near each other share noise.");
+    v("sampling", sampling, "How the tracked points are chosen.");
+    v("moved", moved, "How the reference image is redrawn for an object that was moved.");
   }
 };
 

@@ -8,15 +8,8 @@
 namespace colift::perception {
 namespace {
 
-constexpr std::size_t kCandidates = 16000;  // pixels whose normal is looked for
-constexpr double kCoverage = 0.7;           // of a window that has to show the object
-constexpr double kMostRoughness = 1.3;      // residual of a flat window, in expected noise
-constexpr double kCorrelatedPixels = 6.0;   // neighbours share their noise: so many count as one
-constexpr double kLeastCosine = 0.17;       // steeper surfaces have ragged depth
-constexpr double kFloor_m = 0.0005;         // what calibration and rounding leave
-constexpr double kCurvedTilt = 2.5;         // slopes at the end of a curved window are less certain
-constexpr int kBinsPerSide = 3;             // of the faces of a cube around the unit sphere
-constexpr int kCentre = 2;                  // half the window whose mean is the sample's point
+constexpr int kBinsPerSide = 3;  // of the faces of a cube around the unit sphere
+constexpr int kCentre = 2;       // half the window whose mean is the sample's point
 
 // half sizes in pixels; the oblong ones are for legs and bars
 struct Window {
@@ -46,8 +39,9 @@ int bin_of(const Vec3& n) {
 
 class ObjectPixels {
  public:
-  ObjectPixels(const ReferenceImage& reference, const Target& target, const NoiseModel& noise)
-      : reference_(reference), noise_(noise), inverse_(reference.cloud.size(), 0.0f) {
+  ObjectPixels(const ReferenceImage& reference, const Target& target, const NoiseModel& noise,
+               const SurfaceSamplingConfig& config)
+      : reference_(reference), noise_(noise), config_(config), inverse_(reference.cloud.size(), 0.0f) {
     for (const std::uint32_t i : target.pixels) {
       const float z = reference.cloud.depth_m[i];
       if (z > 0) inverse_[i] = 1.0f / z;
@@ -109,11 +103,11 @@ class ObjectPixels {
     const auto& k = reference_.cloud.intrinsics;
     const int u0 = static_cast<int>(pixel) % k.width, v0 = static_cast<int>(pixel) / k.width;
     const Fit f = polynomial<kTerms>(u0, v0, window);
-    if (f.n < 3 * kTerms || f.n < kCoverage * f.wanted || !(f.c > 0)) return std::nullopt;
+    if (f.n < 3 * kTerms || f.n < config_.min_window_coverage * f.wanted || !(f.c > 0)) return std::nullopt;
     const double z = 1.0 / f.c;
     // averaging over the reference's frames, as far as they are independent
     const double averaged = noise_.sigma(z) / std::sqrt(std::min(reference_.frames, 20));
-    const double expected = std::hypot(averaged, kFloor_m) * f.c * f.c;
+    const double expected = std::hypot(averaged, config_.noise_floor_m) * f.c * f.c;
 
     const double ray_x = (u0 - k.cx) / k.fx, ray_y = (v0 - k.cy) / k.fy;
     const Vec3 ray(ray_x, ray_y, 1.0);
@@ -122,7 +116,8 @@ class ObjectPixels {
     const double norm = scaled.norm();
     const Vec3 normal = scaled / norm;
     const double cosine = normal.dot(ray) / ray.norm();
-    if (cosine < kLeastCosine || f.rms > kMostRoughness * expected / std::sqrt(cosine)) return std::nullopt;
+    if (cosine < config_.min_view_cosine || f.rms > config_.max_roughness * expected / std::sqrt(cosine))
+      return std::nullopt;
 
     // the point is the mean nearby, so that a round surface does not lie too deep
     const Window centre{std::min(kCentre, window.u), std::min(kCentre, window.v)};
@@ -142,14 +137,14 @@ class ObjectPixels {
     Sample sample;
     sample.point = ray * (n / sum);
     sample.normal = normal;
-    sample.sigma = std::hypot(noise_.sigma(z) * normal.dot(ray), kFloor_m);
+    sample.sigma = std::hypot(noise_.sigma(z) * normal.dot(ray), config_.noise_floor_m);
     const double seen = static_cast<double>(f.n) / f.wanted * (2 * window.u + 1) * (2 * window.v + 1);
-    const double independent = std::max(1.0, seen / kCorrelatedPixels);
+    const double independent = std::max(1.0, seen / config_.correlated_pixels);
     const double per_slope = std::max(f.rms, 0.5 * expected) * std::sqrt(3.0 / independent) / norm;
     sample.tilt =
         std::hypot(per_slope * k.fx / std::max(window.u, 1), per_slope * k.fy / std::max(window.v, 1)) /
         std::sqrt(2.0);
-    if constexpr (kTerms == 6) sample.tilt *= kCurvedTilt;
+    if constexpr (kTerms == 6) sample.tilt *= config_.curved_tilt_factor;
     sample.bin = bin_of(normal);
     return sample;
   }
@@ -161,6 +156,7 @@ class ObjectPixels {
 
   const ReferenceImage& reference_;
   const NoiseModel& noise_;
+  const SurfaceSamplingConfig& config_;
   std::vector<float> inverse_;  // 1 / depth on the object, 0 elsewhere
 };
 
@@ -179,9 +175,10 @@ std::size_t equal_part(std::vector<std::size_t> sizes, std::size_t count) {
 }  // namespace
 
 SurfaceSamples sample_surface(const ReferenceImage& reference, const Target& target, const NoiseModel& noise,
-                              int count) {
-  const ObjectPixels surface(reference, target, noise);
-  const std::size_t stride = std::max<std::size_t>(1, target.pixels.size() / kCandidates);
+                              int count, const SurfaceSamplingConfig& config) {
+  const ObjectPixels surface(reference, target, noise, config);
+  const std::size_t stride =
+      std::max<std::size_t>(1, target.pixels.size() / static_cast<std::size_t>(config.candidates));
   std::vector<std::vector<Sample>> bins(6 * kBinsPerSide * kBinsPerSide);
   for (std::size_t i = 0; i < target.pixels.size(); i += stride)
     if (const auto sample = surface.sample(target.pixels[i]))

@@ -17,16 +17,10 @@ constexpr float kFar = std::numeric_limits<float>::max();
 // Noise is not squared beyond this, to stay finite (m).
 constexpr float kFarSide = 100.0F;
 
-// A depth step within the raggedness of edges that no sloping surface makes (m).
-constexpr double kEdgeStep_m = 0.04;
-
-// Two sides of a hole that differ by more than this are an object and what is behind it (m).
-constexpr float kShadowJump = 0.08F;
-
 // Depth that a pixel without reference must stay before. A hole inside a surface (dark spot, grazing light)
 // gets the nearer of its two sides in the row. The projector's shadow beside an edge gets the farther one: a
 // hand may well come out there behind the object. Nothing on either side: whatever appears is new.
-void fill_row(const float* near, float* filled, int width) {
+void fill_row(const float* near, float* filled, int width, float shadow_step) {
   int u = 0;
   while (u < width) {
     if (near[u] == near[u]) {
@@ -39,7 +33,7 @@ void fill_row(const float* near, float* filled, int width) {
     const float left = u > 0 ? near[u - 1] : kFar;
     const float right = end < width ? near[end] : kFar;
     float fill = std::min(left, right);
-    if (left < kFar && right < kFar && std::abs(left - right) > kShadowJump) fill = std::max(left, right);
+    if (left < kFar && right < kFar && std::abs(left - right) > shadow_step) fill = std::max(left, right);
     std::fill(filled + u, filled + end, fill);
     u = end;
   }
@@ -71,13 +65,14 @@ ChangeImage::ChangeImage(const ReferenceImage& reference, const NoiseModel& nois
   std::vector<float> filled(width * static_cast<std::size_t>(bottom - top));
   for (int v = top; v < bottom; ++v) {
     fill_row(reference.near_m.data() + static_cast<std::size_t>(v) * width,
-             filled.data() + static_cast<std::size_t>(v - top) * width, width_);
+             filled.data() + static_cast<std::size_t>(v - top) * width, width_,
+             static_cast<float>(config.shadow_step_m));
   }
   std::vector<float> down(width + 2 * pad, kFar), nearest(width);
   const auto margin0 = static_cast<float>(config.sigmas * noise.sigma0_m + config.margin_m);
   const auto margin2 =
       static_cast<float>(config.sigmas * noise.sigma2_per_m + config.steps * noise.step2_per_m);
-  const auto slope0 = static_cast<float>(kEdgeStep_m + 4.0 * noise.sigma0_m);
+  const auto slope0 = static_cast<float>(config.edge_step_m + 4.0 * noise.sigma0_m);
   const auto slope2 = static_cast<float>(4.0 * noise.sigma2_per_m);
   for (int v = window.v_begin; v < window.v_end; ++v) {
     std::fill(down.begin(), down.end(), kFar);

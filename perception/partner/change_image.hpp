@@ -17,14 +17,24 @@ struct ChangeConfig {
   double margin_m = 0.002;  ///< ... plus this much: drift and radial distortion of the sensor.
   int edge_px = 2;  ///< Raggedness of edges: a pixel is compared with the nearest depth within this distance.
   double jump_m = 0.03;  ///< Neighbours farther apart in depth than this (plus noise) are different bodies.
+  double edge_step_m = 0.04;  ///< A depth step within the raggedness of edges that no sloping surface makes.
+  double shadow_step_m =
+      0.08;  ///< Two sides of a hole that differ by more are an object and what is behind it.
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("sigmas", sigmas, hal::Range{0.0, 20.0}, "Noise gate of a changed pixel, in standard deviations.");
-    v("steps", steps, hal::Range{0.0, 10.0}, "Noise gate of a changed pixel, in quantisation steps.");
-    v("margin_m", margin_m, hal::Range{0.0, 0.1}, "Constant part of the gate of a changed pixel.");
-    v("edge_px", edge_px, hal::Range{0.0, 5.0}, "How far depth edges may wander between frames.");
-    v("jump_m", jump_m, hal::Range{0.005, 0.5}, "Depth step between neighbours that separates two bodies.");
+    v("sigmas", sigmas, hal::Range{0.0, 20.0},
+      "Min difference of a changed pixel from the reference, in standard deviations of the depth noise.");
+    v("steps", steps, hal::Range{0.0, 10.0}, "The same, in quantisation steps.");
+    v("margin_m", margin_m, hal::Range{0.0, 0.1},
+      "The same, constant part: drift and distortion of the sensor (m).");
+    v("edge_px", edge_px, hal::Range{0.0, 5.0}, "Max shift of depth edges between frames (px).");
+    v("jump_m", jump_m, hal::Range{0.005, 0.5},
+      "Min depth step between neighbours that separates two bodies (m).");
+    v("edge_step_m", edge_step_m, hal::Range{0.0, 1.0},
+      "Min depth step within edge_px that is an edge and not a sloping surface (m).");
+    v("shadow_step_m", shadow_step_m, hal::Range{0.0, 2.0},
+      "Min depth step between the sides of a hole without depth that is the shadow of an edge (m).");
   }
 };
 
@@ -40,6 +50,7 @@ struct ChangedRun {
   std::int32_t component = 0;
 };
 
+/// One connected body that stands before the reference image.
 struct ChangedComponent {
   double area_m2 = 0.0;  ///< As if every pixel faced the camera: a lower bound of the true area.
   std::int32_t pixels = 0;

@@ -11,11 +11,12 @@ namespace {
 using Eigen::Matrix3f;
 using Eigen::Vector3f;
 
-constexpr float kOnFace_m = 0.010F, kOnLine_m = 0.010F;
-constexpr float kRound_m = 0.007F;  // largest root mean square distance from a circle
+// The surface has one point for each patch (PartnerConfig::cell_m, 15 mm): neighbours lie within three
+// patches.
 constexpr float kNeighbours_m = 0.045F;
 constexpr int kFewestBroad =
     14;  // what has fewer points at 3 to 8 cm from its edge is but the side of a board
+// Guards against faces and edges of a few stray points, and bounds of the work per frame.
 constexpr int kFewestOnFace = 15, kFewestOnLine = 8, kMostFaces = 3, kMostRims = 5, kSeeds = 16;
 
 struct Moments {
@@ -43,8 +44,9 @@ struct Moments {
 }  // namespace
 
 LocalShape::LocalShape(std::span<const Vector3f> surface, std::span<const Vector3f> outline,
-                       const Vector3f& eye, const Vector3f& place, float radius_m)
-    : eye_(eye - place), radius_(radius_m), place_(place) {
+                       const Vector3f& eye, const Vector3f& place, float radius_m,
+                       const LocalShapeConfig& config)
+    : config_(config), eye_(eye - place), radius_(radius_m), place_(place) {
   const float squared = radius_m * radius_m;
   std::vector<Vector3f> wider;
   for (const Vector3f& p : surface) {
@@ -62,6 +64,7 @@ LocalShape::LocalShape(std::span<const Vector3f> surface, std::span<const Vector
 }
 
 void LocalShape::find_faces() {
+  const auto on_face = static_cast<float>(config_.face_tolerance_m);
   face_of_.assign(surface_.size(), -1);
   for (int face = 0; face < kMostFaces; ++face) {
     std::vector<std::size_t> left;
@@ -80,7 +83,7 @@ void LocalShape::find_faces() {
       if (m.n < 6 || !m.axes(v, e)) continue;
       const Vector3f n = v.col(0), at = m.mean();
       int count = 0;
-      for (const std::size_t i : left) count += std::abs(n.dot(surface_[i] - at)) < kOnFace_m ? 1 : 0;
+      for (const std::size_t i : left) count += std::abs(n.dot(surface_[i] - at)) < on_face ? 1 : 0;
       if (count <= most) continue;
       most = count;
       normal = n;
@@ -90,7 +93,7 @@ void LocalShape::find_faces() {
     for (int round = 0; round < 2; ++round) {
       Moments m;
       for (const std::size_t i : left)
-        if (std::abs(normal.dot(surface_[i] - point)) < kOnFace_m) m.add(surface_[i]);
+        if (std::abs(normal.dot(surface_[i] - point)) < on_face) m.add(surface_[i]);
       Matrix3f v;
       Vector3f e;
       if (!m.axes(v, e)) break;
@@ -98,11 +101,11 @@ void LocalShape::find_faces() {
       point = m.mean();
     }
     if (normal.dot(eye_ - point) < 0.0F) normal = -normal;
-    Face found{point + place_, normal, 0};
+    LocalFace found{point + place_, normal, 0};
     for (const std::size_t i : left) {
-      if (std::abs(normal.dot(surface_[i] - point)) > 1.5F * kOnFace_m) continue;
+      if (std::abs(normal.dot(surface_[i] - point)) > 1.5F * on_face) continue;
       face_of_[i] = static_cast<std::int8_t>(face);
-      found.points += std::abs(normal.dot(surface_[i] - point)) < kOnFace_m ? 1 : 0;
+      found.points += std::abs(normal.dot(surface_[i] - point)) < on_face ? 1 : 0;
     }
     faces_.push_back(found);
   }
@@ -145,6 +148,7 @@ void LocalShape::find_corners() {
 }
 
 void LocalShape::find_rims() {
+  const auto on_line = static_cast<float>(config_.line_tolerance_m);
   std::vector<Vector3f> left = outline_;
   for (int k = 0; k < kMostRims && left.size() >= kFewestOnLine; ++k) {
     Vector3f point, direction;
@@ -160,7 +164,7 @@ void LocalShape::find_rims() {
       const Vector3f d = v.col(2), at = m.mean();
       int count = 0;
       for (const Vector3f& p : left)
-        count += ((p - at) - d.dot(p - at) * d).squaredNorm() < kOnLine_m * kOnLine_m ? 1 : 0;
+        count += ((p - at) - d.dot(p - at) * d).squaredNorm() < on_line * on_line ? 1 : 0;
       if (count <= most) continue;
       most = count;
       point = at;
@@ -170,8 +174,7 @@ void LocalShape::find_rims() {
     for (int round = 0; round < 2; ++round) {
       Moments m;
       for (const Vector3f& p : left)
-        if (((p - point) - direction.dot(p - point) * direction).squaredNorm() < kOnLine_m * kOnLine_m)
-          m.add(p);
+        if (((p - point) - direction.dot(p - point) * direction).squaredNorm() < on_line * on_line) m.add(p);
       Matrix3f v;
       Vector3f e;
       if (!m.axes(v, e)) break;
@@ -183,7 +186,7 @@ void LocalShape::find_rims() {
     std::vector<Vector3f> rest;
     for (const Vector3f& p : left) {
       const float t = direction.dot(p - point);
-      if (((p - point) - t * direction).squaredNorm() > 2.25F * kOnLine_m * kOnLine_m) {
+      if (((p - point) - t * direction).squaredNorm() > 2.25F * on_line * on_line) {
         rest.push_back(p);
         continue;
       }
@@ -191,12 +194,13 @@ void LocalShape::find_rims() {
       line.end = std::max(line.end, t);
     }
     left.swap(rest);
-    if (line.end - line.begin > 0.05F) edges_.push_back(line);
+    if (line.end - line.begin > static_cast<float>(config_.min_rim_length_m)) edges_.push_back(line);
   }
 }
 
 // A round bar is long, and a circle fits its section clearly better than one or two straight lines could.
 void LocalShape::find_bar(const std::vector<Eigen::Vector3f>& surface) {
+  const auto on_line = static_cast<float>(config_.line_tolerance_m);
   Moments m;
   for (const Vector3f& p : surface) m.add(p);
   Matrix3f v;
@@ -227,7 +231,7 @@ void LocalShape::find_bar(const std::vector<Eigen::Vector3f>& surface) {
       const Vector3f row(x / away, y / away, 1.0F);
       const float error = away - r;
       // ragged edges leave points off the bar
-      const float weight = 1.0F / (1.0F + error * error / (kOnLine_m * kOnLine_m));
+      const float weight = 1.0F / (1.0F + error * error / (on_line * on_line));
       normal += weight * row * row.transpose();
       right += weight * error * row;
       rms += weight * error * error;
@@ -238,8 +242,9 @@ void LocalShape::find_bar(const std::vector<Eigen::Vector3f>& surface) {
     r += step.z();
   }
   rms = std::sqrt(rms / static_cast<float>(m.n));
-  if (!(r > 0.010F && r < 0.10F)) return;
-  if (rms > kRound_m || rms > 0.5F * std::sqrt(e[0])) return;
+  if (!(r > static_cast<float>(config_.min_bar_radius_m) && r < static_cast<float>(config_.max_bar_radius_m)))
+    return;
+  if (rms > static_cast<float>(config_.max_bar_residual_m) || rms > 0.5F * std::sqrt(e[0])) return;
   RoundBar bar{middle + cx * a + cy * b + place_, d, r};
   // its axis lies behind its surface
   if ((bar.point - (middle + place_)).dot(middle - eye_) < 0.0F) return;

@@ -6,7 +6,7 @@
 namespace colift::perception {
 namespace {
 
-constexpr double kMostCells = 2e6;
+constexpr double kMostCells = 2e6;  // bounds memory (8 MB) and the time of a new reference
 
 }  // namespace
 

@@ -7,35 +7,39 @@
 #include <limits>
 #include <numbers>
 
-#include "perception/partner/local_shape.hpp"
-
 namespace colift::perception {
 namespace {
 
-// Breadth of a palm with four fingers (m), as of the synthetic hand.
-constexpr float kHandBreadth_m = 0.082F;
-// Only the camera's side of a finger is seen; its middle lies one radius behind.
-constexpr float kFingerRadius_m = 0.010F;
-constexpr float kLocal_m = 0.16F;
-// How near the middle of a hand comes to the visible end of an edge (m). Ends are read from patches and come
-// out about 15 mm short; the hand may stick out beyond them.
-constexpr float kFromEnd_m = 0.012F;
-constexpr float kClearlyBetter_m = 0.02F;
-constexpr double kAround_rad = 0.25;
-// A palm on a bar, as of the synthetic hand: half its length around the bar, its thickness, and up to which
-// angle from the camera all is seen.
-constexpr float kHalfPalm_m = 0.035F, kPalmThickness_m = 0.028F, kFrontal_rad = 0.3F;
-constexpr float kThickestBoard_m = 0.05F;
-// Skin on a face: its greatest height, the distance of its patch from the face's plane, and how far it may
-// lie beside its patch (m). An edge of a face is no steeper to it than this sine.
-constexpr float kOnFace_m = 0.035F, kOfFace_m = 0.012F, kBesideFace_m = 0.012F, kInFace = 0.3F;
-// Fingers lie on a face when more than this part of the hand does. What does not, lies beyond an edge that it
-// holds, but for this (m). A hand that speaks against a line as a whole makes it this much worse (m).
-constexpr float kFewFingers = 0.1F, kInside_m = -0.005F, kMisplaced_m = 0.25F;
-// How far from the hand a face's end is looked for, and the breadth of what is counted to it (m).
-constexpr float kBesideHand_m = 0.10F, kAlongEnd_m = 0.03F;
-// Half the thickness of a board that people carry (m).
-constexpr float kHalfBoard_m = 0.012F;
+// The configuration in single precision, as all points are.
+struct Figures {
+  explicit Figures(const ContactConfig& c)
+      : hand_breadth_m(static_cast<float>(c.hand_breadth_m)),
+        finger_radius_m(static_cast<float>(c.finger_radius_m)),
+        half_palm_m(static_cast<float>(c.half_palm_m)),
+        palm_thickness_m(static_cast<float>(c.palm_thickness_m)),
+        half_board_m(static_cast<float>(c.half_board_m)),
+        max_board_m(static_cast<float>(c.max_board_m)),
+        neighbourhood_m(static_cast<float>(c.neighbourhood_m)),
+        end_margin_m(static_cast<float>(c.end_margin_m)),
+        clear_advantage_m(static_cast<float>(c.clear_advantage_m)),
+        around_bar_sigma_rad(c.around_bar_sigma_rad),
+        frontal_angle_rad(static_cast<float>(c.frontal_angle_rad)),
+        max_finger_height_m(static_cast<float>(c.max_finger_height_m)),
+        face_tolerance_m(static_cast<float>(c.face_tolerance_m)),
+        max_finger_offset_m(static_cast<float>(c.max_finger_offset_m)),
+        max_edge_sine(static_cast<float>(c.max_edge_sine)),
+        min_finger_fraction(static_cast<float>(c.min_finger_fraction)),
+        inside_tolerance_m(static_cast<float>(c.inside_tolerance_m)),
+        misplaced_cost_m(static_cast<float>(c.misplaced_cost_m)),
+        max_end_distance_m(static_cast<float>(c.max_end_distance_m)),
+        end_width_m(static_cast<float>(c.end_width_m)) {}
+
+  float hand_breadth_m, finger_radius_m, half_palm_m, palm_thickness_m, half_board_m, max_board_m,
+      neighbourhood_m, end_margin_m, clear_advantage_m;
+  double around_bar_sigma_rad;
+  float frontal_angle_rad, max_finger_height_m, face_tolerance_m, max_finger_offset_m, max_edge_sine,
+      min_finger_fraction, inside_tolerance_m, misplaced_cost_m, max_end_distance_m, end_width_m;
+};
 
 struct Along {
   float middle = 0.0F, extent = 0.0F;
@@ -46,8 +50,8 @@ struct Along {
 // out of it. When less than a breadth is seen, the window can be pushed to and fro: its middle place, or,
 // when the line runs away from the camera, the farther one, as the near end of the hand hides the far one.
 Along place_along(std::span<const HandPoint> hand, const EdgeLine& line, const Eigen::Vector3f& eye,
-                  float near_m, float far_m) {
-  constexpr int kBins = 240;
+                  float near_m, float far_m, const Figures& fig) {
+  constexpr int kBins = 240;  // 48 cm: the neighbourhood on both sides, and a hand that sticks out of it
   constexpr float kBin_m = 0.002F;
   std::array<float, kBins> bins{};
   const Eigen::Vector3f d = line.direction;
@@ -55,7 +59,7 @@ Along place_along(std::span<const HandPoint> hand, const EdgeLine& line, const E
   const float origin = d.dot(at - line.point) - 0.5F * kBins * kBin_m;
   float total = 0.0F;
   for (const HandPoint& h : hand) {
-    const Eigen::Vector3f p = h.point + kFingerRadius_m * (h.point - eye).normalized() - line.point;
+    const Eigen::Vector3f p = h.point + fig.finger_radius_m * (h.point - eye).normalized() - line.point;
     const float t = d.dot(p);
     const float off = (p - t * d).norm();
     const float high = (h.point - h.on_object).norm();
@@ -72,33 +76,34 @@ Along place_along(std::span<const HandPoint> hand, const EdgeLine& line, const E
     return along;
   }
   // the side that faces the camera has more pixels, but not more hand: what a bin counts is bounded
-  const float cap = 1.5F * total / (kHandBreadth_m / kBin_m);
+  const float cap = 1.5F * total / (fig.hand_breadth_m / kBin_m);
   std::array<float, kBins + 1> sum{};
   for (std::size_t i = 0; i < kBins; ++i) sum[i + 1] = sum[i] + std::min(bins[i], cap);
-  constexpr int kWindow = static_cast<int>(kHandBreadth_m / kBin_m + 0.25F);
+  const int window = static_cast<int>(fig.hand_breadth_m / kBin_m + 0.25F);
   float best = 0.0F;
-  for (int i = 0; i + kWindow <= kBins; ++i)
-    best = std::max(best, sum[static_cast<std::size_t>(i + kWindow)] - sum[static_cast<std::size_t>(i)]);
+  for (int i = 0; i + window <= kBins; ++i)
+    best = std::max(best, sum[static_cast<std::size_t>(i + window)] - sum[static_cast<std::size_t>(i)]);
   int first = -1, last = -1;
-  for (int i = 0; i + kWindow <= kBins; ++i) {
-    const float in = sum[static_cast<std::size_t>(i + kWindow)] - sum[static_cast<std::size_t>(i)];
+  for (int i = 0; i + window <= kBins; ++i) {
+    const float in = sum[static_cast<std::size_t>(i + window)] - sum[static_cast<std::size_t>(i)];
     if (in < 0.97F * best) continue;
     if (first < 0) first = i;
     last = i;
   }
   const float slack = static_cast<float>(last - first) * kBin_m;
-  along.extent = std::max(0.0F, kHandBreadth_m - slack);
+  along.extent = std::max(0.0F, fig.hand_breadth_m - slack);
   const Eigen::Vector3f sight = (at - eye).normalized();
   const float away = d.dot(sight);
   along.end_on = std::clamp((std::abs(away) - 0.3F) / 0.5F, 0.0F, 1.0F);
-  along.middle = origin + (0.5F * static_cast<float>(first + last) + 0.5F * kWindow) * kBin_m;
+  along.middle =
+      origin + (0.5F * static_cast<float>(first + last) + 0.5F * static_cast<float>(window)) * kBin_m;
   along.middle += 0.5F * slack * along.end_on * (away > 0.0F ? 1.0F : -1.0F);
   return along;
 }
 
 // How tightly a hand encloses a line: mean distance of its points, bounded, in m.
 float tightness(std::span<const HandPoint> hand, const EdgeLine& line) {
-  constexpr float kFar_m = 0.10F;
+  constexpr float kFar_m = 0.10F;  // bounds what a single stray point adds
   float sum = 0.0F, area = 0.0F;
   for (const HandPoint& h : hand) {
     const Eigen::Vector3f p = h.point - line.point;
@@ -110,28 +115,29 @@ float tightness(std::span<const HandPoint> hand, const EdgeLine& line) {
 }
 
 // Whether skin lies right above a face, not beside its end.
-bool lies_on(const HandPoint& h, const Face& face) {
+bool lies_on(const HandPoint& h, const LocalFace& face, const Figures& fig) {
   const Eigen::Vector3f off = h.point - h.on_object;
   const float high = face.normal.dot(off);
-  return high > 0.0F && high < kOnFace_m && std::abs(face.normal.dot(h.on_object - face.point)) < kOfFace_m &&
-         (off - high * face.normal).norm() < kBesideFace_m;
+  return high > 0.0F && high < fig.max_finger_height_m &&
+         std::abs(face.normal.dot(h.on_object - face.point)) < fig.face_tolerance_m &&
+         (off - high * face.normal).norm() < fig.max_finger_offset_m;
 }
 
 // Whether a line is an edge of a face.
-bool borders(const EdgeLine& line, const Face& face) {
-  return std::abs(face.normal.dot(line.direction)) < kInFace &&
-         std::abs(face.normal.dot(line.point - face.point)) < kThickestBoard_m;
+bool borders(const EdgeLine& line, const LocalFace& face, const Figures& fig) {
+  return std::abs(face.normal.dot(line.direction)) < fig.max_edge_sine &&
+         std::abs(face.normal.dot(line.point - face.point)) < fig.max_board_m;
 }
 
 // The face that most of the fingers lie on, if there is one.
-const Face* finger_face(std::span<const HandPoint> hand, const std::vector<Face>& faces) {
-  const Face* best = nullptr;
+const LocalFace* finger_face(std::span<const HandPoint> hand, const std::vector<LocalFace>& faces, const Figures& fig) {
+  const LocalFace* best = nullptr;
   float area = 0.0F, most = 0.0F;
   for (const HandPoint& h : hand) area += h.area_m2;
-  for (const Face& f : faces) {
+  for (const LocalFace& f : faces) {
     float on = 0.0F;
-    for (const HandPoint& h : hand) on += lies_on(h, f) ? h.area_m2 : 0.0F;
-    if (on <= std::max(most, kFewFingers * area)) continue;
+    for (const HandPoint& h : hand) on += lies_on(h, f, fig) ? h.area_m2 : 0.0F;
+    if (on <= std::max(most, fig.min_finger_fraction * area)) continue;
     most = on;
     best = &f;
   }
@@ -140,20 +146,21 @@ const Face* finger_face(std::span<const HandPoint> hand, const std::vector<Face>
 
 // Part of a hand that speaks against a line: what lies on a face that the line does not end; and, of a line
 // that ends the face with the fingers, what is neither on a face nor beyond it.
-float misplaced(std::span<const HandPoint> hand, const EdgeLine& line, const std::vector<Face>& faces,
-                const Face* fingers) {
+float misplaced(std::span<const HandPoint> hand, const EdgeLine& line, const std::vector<LocalFace>& faces,
+                const LocalFace* fingers, const Figures& fig) {
   Eigen::Vector3f out = Eigen::Vector3f::Zero();
-  if (fingers != nullptr && borders(line, *fingers)) {
+  if (fingers != nullptr && borders(line, *fingers, fig)) {
     out = fingers->normal.cross(line.direction).normalized();
     if (out.dot(fingers->point - line.point) > 0.0F) out = -out;
   }
   float wrong = 0.0F, area = 0.0F;
   for (const HandPoint& h : hand) {
     area += h.area_m2;
-    const auto on = std::find_if(faces.begin(), faces.end(), [&h](const Face& f) { return lies_on(h, f); });
+    const auto on =
+        std::find_if(faces.begin(), faces.end(), [&](const LocalFace& f) { return lies_on(h, f, fig); });
     if (on != faces.end())
-      wrong += borders(line, *on) ? 0.0F : h.area_m2;
-    else if (out.dot(h.point - line.point) < kInside_m)
+      wrong += borders(line, *on, fig) ? 0.0F : h.area_m2;
+    else if (out.dot(h.point - line.point) < -fig.inside_tolerance_m)
       wrong += 0.5F * h.area_m2;  // it may be a finger that is bent or the wrist, so it counts half
   }
   return wrong / area;
@@ -161,35 +168,37 @@ float misplaced(std::span<const HandPoint> hand, const EdgeLine& line, const std
 
 // Ends of a face beside the hand that are seen too flat to show in the outline: across each edge of the face,
 // where the face's points end.
-std::vector<EdgeLine> flat_ends(const LocalShape& shape, const Face& face, const GraspedObject& object,
-                                const Eigen::Vector3f& place) {
+std::vector<EdgeLine> flat_ends(const LocalShape& shape, const LocalFace& face, const GraspedObject& object,
+                                const Eigen::Vector3f& place, const Figures& fig) {
   std::vector<EdgeLine> ends;
   for (const EdgeLine& line : shape.edges()) {
-    if (!borders(line, face)) continue;
+    if (!borders(line, face, fig)) continue;
     const Eigen::Vector3f across = face.normal.cross(line.direction).normalized();
     const float at = line.direction.dot(place - line.point);
     float begin = at, end = at;
     for (const Eigen::Vector3f& p : object.surface) {
-      if (std::abs(face.normal.dot(p - face.point)) > kOfFace_m || (p - place).norm() > kLocal_m) continue;
+      if (std::abs(face.normal.dot(p - face.point)) > fig.face_tolerance_m ||
+          (p - place).norm() > fig.neighbourhood_m)
+        continue;
       const float t = line.direction.dot(p - line.point);
       begin = std::min(begin, t);
       end = std::max(end, t);
     }
     for (const float t : {begin, end}) {
-      // what ends farther away may go on outside of the part that is looked at
-      if (std::abs(t - at) > kBesideHand_m) continue;
+      // what ends farther away may continue outside of the neighbourhood
+      if (std::abs(t - at) > fig.max_end_distance_m) continue;
       EdgeLine found{line.point + t * line.direction, across, 0.0F, 0.0F, false};
       for (const Eigen::Vector3f& p : object.surface) {
-        if (std::abs(face.normal.dot(p - face.point)) > kOfFace_m) continue;
-        if (std::abs(line.direction.dot(p - found.point)) > kAlongEnd_m) continue;
+        if (std::abs(face.normal.dot(p - face.point)) > fig.face_tolerance_m) continue;
+        if (std::abs(line.direction.dot(p - found.point)) > fig.end_width_m) continue;
         const float s = across.dot(p - found.point);
-        if (std::abs(s) > kLocal_m) continue;
+        if (std::abs(s) > fig.neighbourhood_m) continue;
         found.begin = std::min(found.begin, s);
         found.end = std::max(found.end, s);
       }
       const auto known = [&](const EdgeLine& other) {
-        return borders(other, face) && std::abs(other.direction.dot(across)) > 0.9F &&
-               std::abs(line.direction.dot(other.point - found.point)) < kAlongEnd_m;
+        return borders(other, face, fig) && std::abs(other.direction.dot(across)) > 0.9F &&
+               std::abs(line.direction.dot(other.point - found.point)) < fig.end_width_m;
       };
       if (std::none_of(shape.edges().begin(), shape.edges().end(), known) &&
           std::none_of(ends.begin(), ends.end(), known))
@@ -206,9 +215,9 @@ Eigen::Matrix3d spread(const Eigen::Vector3f& direction, double along_m, double 
 }
 
 ContactEstimate on_bar(std::span<const HandPoint> hand, const RoundBar& bar, const Eigen::Vector3f& eye,
-                       const ContactNoise& noise) {
+                       const ContactNoise& noise, const Figures& fig) {
   const EdgeLine axis{bar.point, bar.direction, -1.0F, 1.0F};
-  const Along along = place_along(hand, axis, eye, bar.radius + 0.03F, bar.radius + 0.05F);
+  const Along along = place_along(hand, axis, eye, bar.radius + 0.03F, bar.radius + 0.05F, fig);
   // The palm is what stands off farthest; fingers and thumb lie on both sides of it. Angles about the bar are
   // counted from the camera's side.
   const Eigen::Vector3f middle = bar.point + along.middle * bar.direction;
@@ -222,7 +231,7 @@ ContactEstimate on_bar(std::span<const HandPoint> hand, const RoundBar& bar, con
   for (const HandPoint& h : hand) {
     const Eigen::Vector3f p = h.point - bar.point;
     const float t = bar.direction.dot(p);
-    if (std::abs(t - along.middle) > 0.5F * kHandBreadth_m) continue;
+    if (std::abs(t - along.middle) > 0.5F * fig.hand_breadth_m) continue;
     const float x = front.dot(p), y = side.dot(p), high = std::hypot(x, y) - bar.radius;
     if (high < 0.0F || high > 0.042F) continue;
     const float weight = h.area_m2 * std::clamp((high - 0.016F) / 0.010F, 0.005F, 1.0F);
@@ -244,8 +253,9 @@ ContactEstimate on_bar(std::span<const HandPoint> hand, const RoundBar& bar, con
       if (sum <= 0.75F * total) high = at;
     }
     // a palm on the far side shows only its near end
-    const float palm = 2.0F * std::atan(kHalfPalm_m / (bar.radius + kPalmThickness_m));
-    const float aside = std::clamp((std::abs(mean) - kFrontal_rad) / kFrontal_rad, 0.0F, 1.0F);
+    const float palm = 2.0F * std::atan(fig.half_palm_m / (bar.radius + fig.palm_thickness_m));
+    const float aside =
+        std::clamp((std::abs(mean) - fig.frontal_angle_rad) / fig.frontal_angle_rad, 0.0F, 1.0F);
     hidden = aside * std::max(0.0F, palm - std::max(0.0F, high - low));
     angle = mean + (mean > 0.0F ? 0.5F : -0.5F) * hidden;
   }
@@ -254,7 +264,7 @@ ContactEstimate on_bar(std::span<const HandPoint> hand, const RoundBar& bar, con
   e.part = HeldPart::Bar;
   e.position = (middle + bar.radius * palm.normalized()).cast<double>();
   // how far around the bar the palm lies is less certain than where along it
-  const double around = (kAround_rad + 0.5 * static_cast<double>(hidden)) * bar.radius;
+  const double around = (fig.around_bar_sigma_rad + 0.5 * static_cast<double>(hidden)) * bar.radius;
   e.covariance = spread(bar.direction, std::hypot(noise.along_m, noise.depth_m),
                         std::hypot(noise.cross_m, noise.depth_m, around));
   return e;
@@ -262,7 +272,7 @@ ContactEstimate on_bar(std::span<const HandPoint> hand, const RoundBar& bar, con
 
 // Whether nothing but legs is behind a face: the object's visible length at a few cm behind it is short
 // against the face's size.
-bool is_board(const Face& face, std::span<const Eigen::Vector3f> surface) {
+bool is_board(const LocalFace& face, std::span<const Eigen::Vector3f> surface) {
   int on = 0, behind = 0;
   for (const Eigen::Vector3f& p : surface) {
     const float deep = face.normal.dot(face.point - p);
@@ -276,7 +286,8 @@ bool is_board(const Face& face, std::span<const Eigen::Vector3f> surface) {
 }  // namespace
 
 ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedObject& object,
-                                 const ContactNoise& noise) {
+                                 const ContactNoise& noise, const ContactConfig& config) {
+  const Figures fig(config);
   Eigen::Vector3f on_object = Eigen::Vector3f::Zero();
   float area = 0.0F;
   for (const HandPoint& h : hand) {
@@ -285,27 +296,28 @@ ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedO
   }
   on_object /= area;
 
-  LocalShape shape(object.surface, object.outline, object.eye, on_object, kLocal_m);
-  if (const auto& bar = shape.round_bar()) return on_bar(hand, *bar, object.eye, noise);
+  LocalShape shape(object.surface, object.outline, object.eye, on_object, fig.neighbourhood_m, config.shape);
+  if (const auto& bar = shape.round_bar()) return on_bar(hand, *bar, object.eye, noise, fig);
 
   ContactEstimate e;
   const EdgeLine* best = nullptr;
   Along along;
   float tightest = 0.12F, second = 0.12F, displaced = 0.0F;
-  const Face* face = finger_face(hand, shape.faces());
+  const LocalFace* face = finger_face(hand, shape.faces(), fig);
   std::vector<EdgeLine> lines = shape.edges();
   if (face != nullptr)
-    for (const EdgeLine& end : flat_ends(shape, *face, object, on_object)) lines.push_back(end);
+    for (const EdgeLine& end : flat_ends(shape, *face, object, on_object, fig)) lines.push_back(end);
   for (const EdgeLine& line : lines) {
-    const float wrong = misplaced(hand, line, shape.faces(), face);
-    Along here = place_along(hand, line, object.eye, 0.03F, 0.07F);
+    const float wrong = misplaced(hand, line, shape.faces(), face, fig);
+    Along here = place_along(hand, line, object.eye, 0.03F, 0.07F, fig);
     const float wanted = here.middle;
     // half a hand does not fit beside the end of an edge
-    if (line.end - line.begin > 2.0F * kFromEnd_m)
-      here.middle = std::clamp(here.middle, line.begin + kFromEnd_m, line.end - kFromEnd_m);
+    if (line.end - line.begin > 2.0F * fig.end_margin_m)
+      here.middle = std::clamp(here.middle, line.begin + fig.end_margin_m, line.end - fig.end_margin_m);
     else
       here.middle = 0.5F * (line.begin + line.end);
-    const float tight = tightness(hand, line) + 0.7F * std::abs(wanted - here.middle) + kMisplaced_m * wrong;
+    const float tight =
+        tightness(hand, line) + 0.7F * std::abs(wanted - here.middle) + fig.misplaced_cost_m * wrong;
     if (tight >= tightest) {
       second = std::min(second, tight);
       continue;
@@ -324,10 +336,9 @@ ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedO
   e.part = best->corner ? HeldPart::Corner : HeldPart::Rim;
   Eigen::Vector3f place = best->point + along.middle * best->direction;
   if (!best->corner) {
-    const Face* ending = nullptr;
-    for (const Face& f : shape.faces())
-      if (std::abs(f.normal.dot(place - f.point)) < kThickestBoard_m &&
-          (!ending || f.points > ending->points))
+    const LocalFace* ending = nullptr;
+    for (const LocalFace& f : shape.faces())
+      if (std::abs(f.normal.dot(place - f.point)) < fig.max_board_m && (!ending || f.points > ending->points))
         ending = &f;
     if (ending != nullptr) {
       const float below = ending->normal.dot(ending->point - place);
@@ -336,15 +347,15 @@ ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedO
         place += 0.5F * below * ending->normal;
         e.part = HeldPart::Plate;
       } else if (is_board(*ending, object.surface)) {
-        place -= (kHalfBoard_m - std::max(0.0F, below)) * ending->normal;
+        place -= (fig.half_board_m - std::max(0.0F, below)) * ending->normal;
         e.part = HeldPart::Plate;
       }
     }
   }
   e.position = place.cast<double>();
   // a hand that fits nearly as well elsewhere, or that reaches past the end of its edge, may be misread
-  const double doubt = std::max(0.0F, kClearlyBetter_m - (second - tightest)) + 0.5F * displaced;
-  const double hidden = 0.15 * (kHandBreadth_m - along.extent);
+  const double doubt = std::max(0.0F, fig.clear_advantage_m - (second - tightest)) + 0.5F * displaced;
+  const double hidden = 0.15 * (fig.hand_breadth_m - along.extent);
   e.covariance = spread(best->direction, std::hypot(noise.along_m, noise.depth_m, std::hypot(doubt, hidden)),
                         std::hypot(noise.cross_m, noise.depth_m, doubt));
   return e;

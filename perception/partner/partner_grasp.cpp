@@ -8,31 +8,14 @@
 #include <cmath>
 #include <limits>
 
-#include "perception/partner/partner_leg.hpp"
-
 namespace colift::perception {
 namespace {
 
 using hal::ErrorCode;
 using hal::failure;
 
-// A depth step to what is behind that makes an object's pixel part of its outline (m).
-constexpr float kRimStep = 0.04F;
-// Distances of bodies are read from a histogram of such bins, once this area is as near: single pixels say
-// nothing.
+// Distances of bodies are read from a histogram of such bins: the resolution of nearest_m.
 constexpr double kBin_m = 0.005;
-constexpr double kFingertip_m2 = 0.0001;
-// More of the object's visible pixels than this showing what was behind it: it is not there any more.
-constexpr double kMovedPart = 0.25;
-// Placed between the flicker of edges in synthetic frames (0.35 %) and a real camera that moved (0.85 %).
-constexpr double kRecededPart = 0.007;
-constexpr double kReceded_m = 0.02;
-constexpr int kMostHands = 4;
-// A hand's place is read from about so many of its points.
-constexpr std::size_t kEnoughPoints = 400;
-constexpr int kBeside_px = 8;
-// Between the places where both legs of a person touch an object.
-constexpr double kLegs_m = 0.25;
 
 // Pixels in which the object, grown by the reach, can appear.
 PixelWindow window_around(const std::vector<Eigen::Vector3f>& points, double reach_m,
@@ -104,7 +87,7 @@ PartnerFinder::PartnerFinder(const ReferenceImage& reference, const Ground& grou
     object_far_m_.push_back(
         static_cast<float>(z + 4.0 * noise.sigma(z) + 2.0 * noise.step(z) + config.change.jump_m));
   }
-  constexpr int kEvery = 6;
+  constexpr int kEvery = 6;  // a fraction of the view is as well known from every 36th pixel
   for (int v = window.v_begin; v < window.v_end; v += kEvery) {
     for (int u = window.u_begin + v % kEvery; u < window.u_end; u += kEvery) {
       const auto i = static_cast<std::size_t>(v) * static_cast<std::size_t>(reference.cloud.width()) +
@@ -113,7 +96,7 @@ PartnerFinder::PartnerFinder(const ReferenceImage& reference, const Ground& grou
       if (!(z > 0.0)) continue;
       samples_.push_back(static_cast<std::uint32_t>(i));
       sample_far_m_.push_back(
-          static_cast<float>(z + 4.0 * noise.sigma(z) + 2.0 * noise.step(z) + kReceded_m));
+          static_cast<float>(z + 4.0 * noise.sigma(z) + 2.0 * noise.step(z) + config.receded_m));
     }
   }
   find_rim(reference);
@@ -127,6 +110,7 @@ PartnerFinder::PartnerFinder(const ReferenceImage& reference, const Ground& grou
 void PartnerFinder::find_rim(const ReferenceImage& reference) {
   const OrganisedCloud& cloud = reference.cloud;
   const int width = cloud.width(), height = cloud.height();
+  const auto step = static_cast<float>(config_.outline_step_m);
   for (const std::uint32_t i : object_pixels_) {
     const int u = static_cast<int>(i) % width, v = static_cast<int>(i) / width;
     const float z = cloud.depth_m[i];
@@ -134,7 +118,7 @@ void PartnerFinder::find_rim(const ReferenceImage& reference) {
       if (u + du < 0 || u + du >= width || v + dv < 0 || v + dv >= height) return false;
       const float beside = cloud.depth_m[static_cast<std::size_t>(v + dv) * static_cast<std::size_t>(width) +
                                          static_cast<std::size_t>(u + du)];
-      return !(beside <= z + kRimStep);
+      return !(beside <= z + step);
     };
     if ((u + v) % 2 != 0) continue;  // half of them are enough
     if (open(-2, 0) || open(2, 0) || open(0, -2) || open(0, 2))
@@ -152,7 +136,7 @@ bool PartnerFinder::same_camera(const OrganisedCloud& current) const {
 // Part of the object's pixels that now show something behind it.
 double PartnerFinder::moved_part(const OrganisedCloud& current) const {
   if (object_pixels_.empty()) return 0.0;
-  constexpr std::size_t kStride = 7;
+  constexpr std::size_t kStride = 7;  // a fraction of the object is as well known from every 7th pixel
   std::size_t looked = 0, behind = 0;
   for (std::size_t i = 0; i < object_pixels_.size(); i += kStride) {
     ++looked;
@@ -182,9 +166,10 @@ void PartnerFinder::choose_components() {
     const PixelWindow& box = components[i].box;
     for (std::size_t j = 0; j < components.size() && !beside; ++j) {
       const PixelWindow& big = components[j].box;
-      beside = components[j].area_m2 >= config_.smallest_body_m2 && box.u_begin <= big.u_end + kBeside_px &&
-               box.u_end >= big.u_begin - kBeside_px && box.v_begin <= big.v_end + kBeside_px &&
-               box.v_end >= big.v_begin - kBeside_px;
+      beside =
+          components[j].area_m2 >= config_.smallest_body_m2 &&
+          box.u_begin <= big.u_end + config_.body_gap_px && box.u_end >= big.u_begin - config_.body_gap_px &&
+          box.v_begin <= big.v_end + config_.body_gap_px && box.v_end >= big.v_begin - config_.body_gap_px;
     }
     chosen_[i] = beside ? 1 : 0;
   }
@@ -222,7 +207,7 @@ void PartnerFinder::collect_skin(const OrganisedCloud& current, PartnerSighting&
   double area = 0.0;
   for (std::size_t bin = 0; bin < histogram.size(); ++bin) {
     area += histogram[bin];
-    if (area < kFingertip_m2) continue;
+    if (area < config_.fingertip_m2) continue;
     sighting.nearest_m = (static_cast<double>(bin) + 0.5) * kBin_m;
     break;
   }
@@ -244,7 +229,8 @@ std::optional<PartnerContact> PartnerFinder::contact(int hand) {
   hand_.clear();
   const auto of_hand =
       std::count_if(skin_.begin(), skin_.end(), [hand](const Skin& s) { return s.hand == hand; });
-  const auto all = static_cast<std::size_t>(of_hand), stride = 1 + all / kEnoughPoints;
+  const auto all = static_cast<std::size_t>(of_hand),
+             stride = 1 + all / static_cast<std::size_t>(config_.max_hand_points);
   std::size_t count = 0;
   for (const Skin& s : skin_) {
     if (s.hand != hand) continue;
@@ -255,10 +241,10 @@ std::optional<PartnerContact> PartnerFinder::contact(int hand) {
     if (count++ % stride != 0) continue;
     hand_.push_back({s.point, patches[static_cast<std::size_t>(s.patch)], s.area_m2});
   }
-  if (area < config_.smallest_touch_m2 || touching < kFingertip_m2) return std::nullopt;
-  const ContactEstimate found =
-      estimate_contact(hand_, {patches, rim_, X_WC_.translation().cast<float>()},
-                       {config_.along_sigma_m, config_.cross_sigma_m, 0.5 * noise_.sigma(depth / area)});
+  if (area < config_.smallest_touch_m2 || touching < config_.fingertip_m2) return std::nullopt;
+  const ContactEstimate found = estimate_contact(
+      hand_, {patches, rim_, X_WC_.translation().cast<float>()},
+      {config_.along_sigma_m, config_.cross_sigma_m, 0.5 * noise_.sigma(depth / area)}, config_.contact);
   return PartnerContact{found.position, found.covariance, all, skin / area};
 }
 
@@ -268,16 +254,17 @@ std::size_t PartnerFinder::drop_legs(const OrganisedCloud& current, PartnerSight
   for (int hand = 0; hand < hands_; ++hand) {
     const auto found = contact(hand);
     if (!found) continue;
-    if (leg_sign(current, sighting.pixels, found->position, ground_) == LegSign::None)
+    if (leg_sign(current, sighting.pixels, found->position, ground_, false, config_.legs) == LegSign::None)
       sighting.contacts.push_back(*found);
     else
       legs.push_back(found->position);
   }
   // who leans against the object with one leg does so with the other, which the object may hide
   const std::size_t others = std::erase_if(sighting.contacts, [&](const PartnerContact& c) {
-    return std::any_of(legs.begin(), legs.end(),
-                       [&](const Vec3& leg) { return (leg - c.position).norm() < kLegs_m; }) &&
-           leg_sign(current, sighting.pixels, c.position, ground_, true) != LegSign::None;
+    return std::any_of(
+               legs.begin(), legs.end(),
+               [&](const Vec3& leg) { return (leg - c.position).norm() < config_.legs.leg_distance_m; }) &&
+           leg_sign(current, sighting.pixels, c.position, ground_, true, config_.legs) != LegSign::None;
   });
   return legs.size() + others;
 }
@@ -290,21 +277,21 @@ hal::Result<PartnerSighting> PartnerFinder::find(const OrganisedCloud& current) 
                     current.width(), current.height(), intrinsics_.width, intrinsics_.height));
   }
   PartnerSighting sighting;
-  if (const double moved = moved_part(current); moved > kMovedPart) {
+  if (const double moved = moved_part(current); moved > config_.max_uncovered_fraction) {
     sighting.kind = PartnerKind::ObjectMoved;
     sighting.because = fmt::format(
         "{:.0f} % of the object's pixels show what was behind it (at most {:.0f} %): it is no "
         "longer where the reference shows it",
-        100.0 * moved, 100.0 * kMovedPart);
+        100.0 * moved, 100.0 * config_.max_uncovered_fraction);
     return sighting;
   }
-  if (const double receded = receded_part(current); receded > kRecededPart) {
+  if (const double receded = receded_part(current); receded > config_.max_receded_fraction) {
     sighting.kind = PartnerKind::ObjectMoved;
     sighting.because = fmt::format(
         "{:.1f} % of the view lie farther than in the reference (at most {:.1f} %), and nobody uncovers so "
         "much by "
         "coming: the camera or the scene moved",
-        100.0 * receded, 100.0 * kRecededPart);
+        100.0 * receded, 100.0 * config_.max_receded_fraction);
     return sighting;
   }
   change_.compare(current);
@@ -325,7 +312,8 @@ hal::Result<PartnerSighting> PartnerFinder::find(const OrganisedCloud& current) 
   const std::size_t legs = drop_legs(current, sighting);
   std::stable_sort(sighting.contacts.begin(), sighting.contacts.end(),
                    [](const PartnerContact& a, const PartnerContact& b) { return a.points > b.points; });
-  if (sighting.contacts.size() > kMostHands) sighting.contacts.resize(kMostHands);
+  const auto max_hands = static_cast<std::size_t>(config_.max_hands);
+  if (sighting.contacts.size() > max_hands) sighting.contacts.resize(max_hands);
   if (sighting.contacts.empty()) {
     sighting.kind = PartnerKind::Near;
     sighting.because =

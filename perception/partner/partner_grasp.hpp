@@ -12,11 +12,13 @@
 #include "perception/partner/change_image.hpp"
 #include "perception/partner/object_grid.hpp"
 #include "perception/partner/partner_contact.hpp"
+#include "perception/partner/partner_leg.hpp"
 #include "perception/reference_image.hpp"
 #include "perception/scene.hpp"
 
 namespace colift::perception {
 
+/// What counts as a hand on the object.
 struct PartnerConfig {
   ChangeConfig change;
   double reach_m = 0.50;            ///< Changes farther from the object's box than this are not looked at.
@@ -33,23 +35,62 @@ struct PartnerConfig {
       0.005;  ///< Error of a contact along the object's edge, measured on synthetic frames ...
   double cross_sigma_m = 0.005;  ///< ... and across it.
   double cell_m = 0.015;         ///< Size of the patches into which the object's surface is divided.
+  double max_uncovered_fraction = 0.25;
+  /// Placed between the flicker of edges in synthetic frames (0.35 %) and a real camera that moved (0.85 %).
+  double max_receded_fraction = 0.007;
+  double receded_m = 0.02;
+  int max_hands = 4;
+  int max_hand_points = 400;
+  double fingertip_m2 = 0.0001;  ///< Area that has to be as near: single pixels say nothing.
+  double hand_cell_m = 0.04;
+  double outline_step_m = 0.04;
+  int body_gap_px = 8;
+  ReferenceConfig reference;
+  LegConfig legs;
+  ContactConfig contact;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v("change", change, "Which pixels count as changed.");
-    v("reach_m", reach_m, hal::Range{0.1, 5.0}, "How far around the object a partner is looked for.");
+    v("reach_m", reach_m, hal::Range{0.1, 5.0},
+      "Distance around the object within which a partner is searched (m).");
     v("smallest_body_m2", smallest_body_m2, hal::Range{0.0, 1.0},
-      "Smallest area of a partner's hand and forearm.");
+      "Min visible area of a partner's hand and forearm (m^2).");
     v("smallest_part_m2", smallest_part_m2, hal::Range{0.0, 1.0},
-      "Smallest connected part of a partner's body.");
-    v("touch_m", touch_m, hal::Range{0.0, 0.1}, "Largest gap between skin and object that is a touch.");
-    v("hand_thickness_m", hand_thickness_m, hal::Range{0.0, 0.2}, "Thickness of a hand on the object.");
-    v("clear_m", clear_m, hal::Range{0.0, 0.5}, "Distance from the object that makes a person a passer-by.");
+      "Min visible area of a connected part of a partner's body (m^2).");
+    v("touch_m", touch_m, hal::Range{0.0, 0.1}, "Max gap between skin and object that is a touch (m).");
+    v("hand_thickness_m", hand_thickness_m, hal::Range{0.0, 0.2},
+      "Max thickness of a hand on the object (m).");
+    v("clear_m", clear_m, hal::Range{0.0, 0.5}, "Min distance of a passer-by from the object (m).");
     v("smallest_touch_m2", smallest_touch_m2, hal::Range{0.0, 0.1},
-      "Smallest visible area of a touching hand.");
-    v("along_sigma_m", along_sigma_m, hal::Range{0.001, 0.1}, "Contact error along the object's edge.");
-    v("cross_sigma_m", cross_sigma_m, hal::Range{0.001, 0.1}, "Contact error across the object's edge.");
-    v("cell_m", cell_m, hal::Range{0.003, 0.1}, "Grid of the object's surface for distances.");
+      "Min visible area of a touching hand (m^2).");
+    v("along_sigma_m", along_sigma_m, hal::Range{0.001, 0.1},
+      "Standard deviation of a contact along the object's edge (m).");
+    v("cross_sigma_m", cross_sigma_m, hal::Range{0.001, 0.1},
+      "Standard deviation of a contact across the object's edge (m).");
+    v("cell_m", cell_m, hal::Range{0.003, 0.1},
+      "Size of the patches into which the object's surface is divided (m).");
+    v("max_uncovered_fraction", max_uncovered_fraction, hal::kFraction,
+      "Max fraction of the object's pixels that show what was behind it; beyond, the object was moved.");
+    v("max_receded_fraction", max_receded_fraction, hal::kFraction,
+      "Max fraction of the view that lies farther than in the reference; beyond, camera or scene moved.");
+    v("receded_m", receded_m, hal::Range{0.0, 1.0},
+      "Min distance, beyond the noise, by which a pixel lies farther than in the reference (m).");
+    v("max_hands", max_hands, hal::Range{1, 16},
+      "Max number of hands on the object; the largest ones count.");
+    v("max_hand_points", max_hand_points, hal::Range{20, 100000},
+      "Number of a hand's points above which only every n-th one is used.");
+    v("fingertip_m2", fingertip_m2, hal::Range{0.0, 0.01},
+      "Min area of skin that defines a distance or a touch: a fingertip (m^2).");
+    v("hand_cell_m", hand_cell_m, hal::Range{0.005, 0.5},
+      "Max gap in the skin of one hand on the object's surface, about (m).");
+    v("outline_step_m", outline_step_m, hal::Range{0.0, 1.0},
+      "Min depth step to what is behind the object at its outline (m).");
+    v("body_gap_px", body_gap_px, hal::Range{0, 200},
+      "Max gap in the image between a body and a small part of it, such as fingers beyond an edge (px).");
+    v("reference", reference, "When the reference image shows a scene at rest.");
+    v("legs", legs, "How legs that touch the object are told from hands.");
+    v("contact", contact, "Where on the object a hand holds it.");
   }
 };
 
@@ -72,6 +113,7 @@ struct PartnerContact {
   Vec3 skin = Vec3::Zero();  ///< Middle of its visible skin on the object: steadier than the contact.
 };
 
+/// What one frame shows of the partner.
 struct PartnerSighting {
   PartnerKind kind = PartnerKind::None;
   /// Set with kind Grasp. With two hands the position is the middle between the contacts: two hands that

@@ -6,17 +6,11 @@
 // on them.
 
 namespace colift::perception {
-namespace {
-
-// Skin on the object that is interrupted by less than about this belongs to one hand.
-constexpr double kHandCell_m = 0.04;
-
-}  // namespace
 
 void PartnerFinder::number_patch_cells() {
   Eigen::AlignedBox3f box;
   for (const auto& p : grid_.patches()) box.extend(p);
-  const auto cell = static_cast<float>(kHandCell_m);
+  const auto cell = static_cast<float>(config_.hand_cell_m);
   std::size_t cells = 1;
   for (std::size_t a = 0; a < 3; ++a) {
     cells_[a] = static_cast<int>(box.sizes()[static_cast<int>(a)] / cell) + 1;

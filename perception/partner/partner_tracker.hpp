@@ -9,6 +9,7 @@
 
 namespace colift::perception {
 
+/// How long and how steadily a hand has to be seen before it counts as a grasp.
 struct TrackerConfig {
   double dwell_s = 0.3;       ///< A touch becomes a grasp when it stays this long at one place.
   double rest_m = 0.012;      ///< A hand whose skin strays no farther than this from its mean rests.
@@ -21,18 +22,23 @@ struct TrackerConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("dwell_s", dwell_s, hal::Range{0.0, 10.0}, "How long a touch stays at one place to be a grasp.");
+    v("dwell_s", dwell_s, hal::Range{0.0, 10.0},
+      "Min time for which a touch stays in one place to be a grasp (s).");
     v("rest_m", rest_m, hal::Range{0.0, 1.0},
-      "A hand that moves no farther than this is at rest; its dwell counts.");
-    v("let_go_s", let_go_s, hal::Range{0.0, 10.0}, "Longest gap without contact that is not letting go.");
-    v("moved_m", moved_m, hal::Range{0.0, 1.0}, "Smallest distance that counts as a moved hand.");
-    v("moved_sigmas", moved_sigmas, hal::Range{0.0, 20.0}, "The same in standard deviations.");
-    v("moved_frames", moved_frames, hal::Range{1, 100}, "Frames in a row that show the hand elsewhere.");
+      "Max movement of a hand at rest, during which its dwell counts (m).");
+    v("let_go_s", let_go_s, hal::Range{0.0, 10.0},
+      "Timeout without contact after which the partner has let go (s).");
+    v("moved_m", moved_m, hal::Range{0.0, 1.0}, "Min distance of a hand that has moved (m).");
+    v("moved_sigmas", moved_sigmas, hal::Range{0.0, 20.0},
+      "The same, in standard deviations of the difference.");
+    v("moved_frames", moved_frames, hal::Range{1, 100},
+      "Min number of consecutive frames that show the hand elsewhere.");
     v("common_error", common_error, hal::kFraction,
-      "Share of the covariance that is the same in every frame.");
+      "Fraction of the covariance that is common to all frames, so that averaging does not reduce it.");
   }
 };
 
+/// A change of the partner's grasp.
 struct PartnerEvent {
   enum class Kind {
     Grasped,  ///< The partner holds the object; grasp() is where.

@@ -10,9 +10,6 @@
 namespace colift::perception {
 namespace {
 
-constexpr double kCylinderPart = 0.5;  // of the surfaces' area that a cylinder has to make up
-constexpr double kAbovePart = 0.06;    // part of the points that is a back, or a thing that stands there
-
 bool is_seat(const Rectangle& top, const ShapeEvidence& seen, const CompletionConfig& config) {
   const double height = seen.ground().height(top.center);
   return height >= config.seat_low_m && height <= config.seat_high_m &&
@@ -20,9 +17,9 @@ bool is_seat(const Rectangle& top, const ShapeEvidence& seen, const CompletionCo
 }
 
 /// Nobody knows what the things on a plate weigh: up to about as much as makes this part of the whole.
-void doubt_load(CompletedShape& shape, const ShapeEvidence& seen, const Rectangle& top, double above) {
-  constexpr double kLoadSigma = 0.15;
-  const double height = seen.ground().height(top.center), limit = height + ShapeEvidence::kAboveClearance_m;
+void doubt_load(CompletedShape& shape, const ShapeEvidence& seen, const Rectangle& top, double above,
+                const CompletionConfig& config) {
+  const double height = seen.ground().height(top.center), limit = height + config.above_clearance_m;
   Vec3 sum = Vec3::Zero();
   double count = 0;
   for (const Eigen::Vector3f& point : seen.target().points) {
@@ -30,7 +27,7 @@ void doubt_load(CompletedShape& shape, const ShapeEvidence& seen, const Rectangl
     if (seen.ground().height(p) > limit) sum += p, count += 1;
   }
   if (count > 0) {
-    const Vec3 away = kLoadSigma * (sum / count - shape.cog);
+    const Vec3 away = config.load_sigma * (sum / count - shape.cog);
     shape.covariance += away * away.transpose();
   }
   shape.because += fmt::format(
@@ -47,20 +44,21 @@ CompletedShape complete_shape(const OrganisedCloud& cloud, const Target& target,
                               const NoiseModel& noise, const CompletionConfig& config) {
   const ShapeEvidence seen(cloud, target, surfaces, ground, noise, config);
   const Cylinder* cylinder = seen.cylinder();
-  if (cylinder && 2 * cylinder->radius * cylinder->length > kCylinderPart * seen.total_area_m2())
-    return complete_cylinder(seen);
+  if (cylinder &&
+      2 * cylinder->radius * cylinder->length > config.min_cylinder_fraction * seen.total_area_m2())
+    return complete_cylinder(seen, config);
   if (const Rectangle* found = seen.find_top()) {
     ShapeEvidence::Widened top = seen.widened(*found, std::numeric_limits<double>::infinity());
     const double above = seen.part_above(top.top);
-    if (above > kAbovePart) {
+    if (above > config.min_above_fraction) {
       if (is_seat(top.top, seen, config)) return complete_chair(seen, top.top, config);
       // what stands on a plate may stick out over it
-      top = seen.widened(*found, ground.plane.height(found->center) + ShapeEvidence::kAboveClearance_m);
+      top = seen.widened(*found, ground.plane.height(found->center) + config.above_clearance_m);
     }
     const double support = seen.seen_support(top.top);
     CompletedShape shape = support < config.closed_support ? complete_plate(seen, top, support, config)
                                                            : complete_block(seen, top, support);
-    if (above > kAbovePart) doubt_load(shape, seen, top.top, above);
+    if (above > config.min_above_fraction) doubt_load(shape, seen, top.top, above, config);
     return shape;
   }
   if (auto open = complete_open_box(seen, config)) return *open;

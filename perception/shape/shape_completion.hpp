@@ -10,6 +10,7 @@
 
 namespace colift::perception {
 
+/// What is assumed of the parts of an object that the camera does not see.
 struct CompletionConfig {
   double thickness_m = 0.025;
   double wall_m = 0.015;
@@ -23,6 +24,24 @@ struct CompletionConfig {
   double seat_width_m = 0.65;
   double edge_pixels = 0.7;
   double shape_sigma = 0.08;
+  double min_cylinder_fraction = 0.5;
+  double min_above_fraction = 0.06;
+  double above_clearance_m = 0.05;
+  double load_sigma = 0.15;
+  double max_lean_sine = 0.14;
+  double min_top_fraction = 0.12;
+  double same_level_tolerance_m = 0.02;
+  double max_edge_width_m = 0.08;
+  double side_cosine = 0.96;
+  double side_tolerance_m = 0.02;
+  double standing_gap_m = 0.04;
+  double min_back_height_m = 0.03;
+  double max_bottom_height = 0.25;
+  double min_inward_fraction = 0.15;
+  double vertical_sigma_m = 0.002;
+  double stray_fraction = 0.004;
+  int side_columns = 24;
+  int side_rows = 12;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -30,17 +49,51 @@ struct CompletionConfig {
     v("wall_m", wall_m, hal::kPositive, "Thickness (m) of the walls and bottom of an open box.");
     v("leg_m", leg_m, hal::kPositive, "Side (m) of the square legs of tables and chairs.");
     v("plate_height_m", plate_height_m, hal::kPositive,
-      "A level plate lower over the ground than this has no legs (m).");
-    v("min_plate_m", min_plate_m, hal::kPositive, "Short side (m) of the smallest table top or chair seat.");
+      "Min height over the ground of a level plate that has legs (m).");
+    v("min_plate_m", min_plate_m, hal::kPositive, "Min short side (m) of a table top or chair seat.");
     v("closed_support", closed_support, hal::kFraction,
-      "A body is closed below its top when at least this part of what would be its visible sides was seen.");
-    v("level_deg", level_deg, hal::Range{0, 45}, "Largest tilt of a top, a seat or a bottom.");
-    v("seat_low_m", seat_low_m, hal::kPositive, "Lowest seat of a chair, over the ground (m).");
-    v("seat_high_m", seat_high_m, hal::kPositive, "Highest seat of a chair, over the ground (m).");
-    v("seat_width_m", seat_width_m, hal::kPositive, "Long side of the largest seat of a chair (m).");
-    v("edge_pixels", edge_pixels, hal::kNotNegative, "Standard deviation (pixels) of where an edge is.");
+      "Min fraction of a closed body's visible sides that has to be seen; below, it is a plate on legs.");
+    v("level_deg", level_deg, hal::Range{0, 45}, "Max tilt of a top, a seat or a bottom (deg).");
+    v("seat_low_m", seat_low_m, hal::kPositive, "Min height of a chair's seat over the ground (m).");
+    v("seat_high_m", seat_high_m, hal::kPositive, "Max height of a chair's seat over the ground (m).");
+    v("seat_width_m", seat_width_m, hal::kPositive, "Max long side of a chair's seat (m).");
+    v("edge_pixels", edge_pixels, hal::kNotNegative, "Standard deviation of the position of an edge (px).");
     v("shape_sigma", shape_sigma, hal::kFraction,
-      "Standard deviation of what is only inferred, as a part of the size in that direction.");
+      "Standard deviation of what is only inferred, as a fraction of the size in that direction.");
+    v("min_cylinder_fraction", min_cylinder_fraction, hal::kFraction,
+      "Min fraction of the surfaces' area that a cylinder makes up for the object to be one.");
+    v("min_above_fraction", min_above_fraction, hal::kFraction,
+      "Min fraction of the points above a top that is a back, or a thing that stands on it.");
+    v("above_clearance_m", above_clearance_m, hal::Range{0, 1}, "Min height over a top of these points (m).");
+    v("load_sigma", load_sigma, hal::kFraction,
+      "Standard deviation of the mass of things on a plate, as a fraction of the whole.");
+    v("max_lean_sine", max_lean_sine, hal::kFraction,
+      "Max sine of the lean of an upright face (0.14: 8 degrees).");
+    v("min_top_fraction", min_top_fraction, hal::kFraction,
+      "Min fraction of the footprint that a top covers; rims of open boxes cover less.");
+    v("same_level_tolerance_m", same_level_tolerance_m, hal::Range{0, 1},
+      "Max difference in height of the pieces of one top (m).");
+    v("max_edge_width_m", max_edge_width_m, hal::Range{0, 1},
+      "Max width of the edge face of a plate (m); below it the sides of a closed body are searched.");
+    v("side_cosine", side_cosine, hal::kFraction,
+      "Min cosine between the normal of a face and the direction of the side that it is (0.96: 16 degrees).");
+    v("side_tolerance_m", side_tolerance_m, hal::Range{0, 1},
+      "Max distance of what the camera saw from the side of a closed body, beside the noise (m).");
+    v("standing_gap_m", standing_gap_m, hal::Range{0, 1},
+      "Max gap between the ground and an upright cylinder that stands on it, beside the noise (m).");
+    v("min_back_height_m", min_back_height_m, hal::Range{0, 1},
+      "Min height of the middle of a back's faces over the seat (m).");
+    v("max_bottom_height", max_bottom_height, hal::kFraction,
+      "Max height of the bottom of an open box, as a fraction of the object's.");
+    v("min_inward_fraction", min_inward_fraction, hal::kFraction,
+      "Min fraction of an open box's faces that look inwards or are its bottom.");
+    v("vertical_sigma_m", vertical_sigma_m, hal::Range{0, 1},
+      "Standard deviation of heights that a plane of many pixels gives, beside the noise (m).");
+    v("stray_fraction", stray_fraction, hal::Range{0, 0.49},
+      "Fraction of the points at each end of the object's extent that may be strays.");
+    v("side_columns", side_columns, hal::Range{1, 1000},
+      "Number of columns of points at which each side of a closed body is tested.");
+    v("side_rows", side_rows, hal::Range{1, 1000}, "Number of rows of these points.");
   }
 };
 

@@ -5,16 +5,11 @@
 #include <limits>
 #include <numbers>
 
+#include "hal/types/units.hpp"
 #include "perception/footprint.hpp"
 
 namespace colift::perception {
 namespace {
-
-constexpr double kUprightSin = 0.14;  // an upright face may lean by 8 degrees
-constexpr double kTopPart = 0.12;  // of the footprint that a top has to cover; rims of open boxes cover less
-constexpr double kSameLevel_m = 0.02;
-constexpr double kEdgeWidth_m = 0.08;
-constexpr double kVerticalSigma_m = 0.002;
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -37,8 +32,8 @@ ShapeEvidence::ShapeEvidence(const OrganisedCloud& cloud, const Target& target,
     if (const auto* r = std::get_if<Rectangle>(&s)) {
       total_area_ += r->size.prod();
       const double cosine = r->normal.dot(up_);
-      if (cosine > std::cos(config.level_deg * std::numbers::pi / 180)) level_.push_back(r);
-      if (std::abs(cosine) < kUprightSin) upright_.push_back(r);
+      if (cosine > std::cos(hal::deg_to_rad(config.level_deg))) level_.push_back(r);
+      if (std::abs(cosine) < config.max_lean_sine) upright_.push_back(r);
     } else {
       const auto& c = std::get<Cylinder>(s);
       const double area = 2 * c.radius * c.length;
@@ -54,7 +49,7 @@ ShapeEvidence::ShapeEvidence(const OrganisedCloud& cloud, const Target& target,
 }
 
 const Rectangle* ShapeEvidence::find_top() const {
-  const double least = kTopPart * footprint_.size[0] * footprint_.size[1];
+  const double least = config_.min_top_fraction * footprint_.size[0] * footprint_.size[1];
   const Rectangle* best = nullptr;
   double best_area = least;
   for (const Rectangle* r : level_) {
@@ -64,7 +59,8 @@ const Rectangle* ShapeEvidence::find_top() const {
     // a dark top comes in pieces
     double area = 0;
     for (const Rectangle* other : level_)
-      if (std::abs(ground_.height(other->center) - height) < kSameLevel_m) area += other->size.prod();
+      if (std::abs(ground_.height(other->center) - height) < config_.same_level_tolerance_m)
+        area += other->size.prod();
     if (area < least) continue;
     area += 0.01 * r->size.prod();  // of the same pieces the largest stands for all
     if (area > best_area) best = r, best_area = area;
@@ -107,7 +103,7 @@ double ShapeEvidence::outer_face(const Vec3& out, double end) const {
   double best = end, area = 0.01;
   for (const Rectangle* x : upright_) {
     const double place = -out.dot(x->center);
-    if (x->normal.dot(out) < 0.96 || x->size.prod() < area ||
+    if (x->normal.dot(out) < config_.side_cosine || x->size.prod() < area ||
         std::abs(place - end) > 0.03 + 3 * depth_sigma_m_)
       continue;
     best = place, area = x->size.prod();
@@ -116,7 +112,7 @@ double ShapeEvidence::outer_face(const Vec3& out, double end) const {
 }
 
 double ShapeEvidence::part_above(const Rectangle& top) const {
-  const double limit = ground_.height(top.center) + kAboveClearance_m;
+  const double limit = ground_.height(top.center) + config_.above_clearance_m;
   std::size_t above = 0;
   const Eigen::Vector3f up = up_.cast<float>();
   const auto least = static_cast<float>(limit - ground_.offset);
@@ -125,7 +121,8 @@ double ShapeEvidence::part_above(const Rectangle& top) const {
 }
 
 double ShapeEvidence::seen_support(const Rectangle& top) const {
-  constexpr int kAcross = 24, kDown = 12;
+  const int columns = config_.side_columns, rows = config_.side_rows;
+  const double edge_width = config_.max_edge_width_m;
   const double height = ground_.height(top.center);
   int solid = 0, empty = 0;
   for (const double sign : {1.0, -1.0})
@@ -136,12 +133,12 @@ double ShapeEvidence::seen_support(const Rectangle& top) const {
       const Vec3 edge = top.center + reach * out;
       const Vec3 to_eye = cloud_.X_WC.translation() - edge;
       if (out.dot(to_eye) < 0.2 * to_eye.norm()) continue;
-      for (int i = 0; i < kAcross; ++i)
-        for (int j = 0; j < kDown; ++j) {
+      for (int i = 0; i < columns; ++i)
+        for (int j = 0; j < rows; ++j) {
           // below the edge face of a plate and above the dirt on the floor
-          const double down = kEdgeWidth_m + (height - kEdgeWidth_m - 0.02) * (j + 0.5) / kDown;
+          const double down = edge_width + (height - edge_width - 0.02) * (j + 0.5) / rows;
           if (down > height) continue;
-          const Vec3 p = edge + length * ((i + 0.5) / kAcross - 0.5) * along - down * up_;
+          const Vec3 p = edge + length * ((i + 0.5) / columns - 0.5) * along - down * up_;
           const auto pixel = cloud_.project(p);
           if (!cloud_.contains(pixel.u, pixel.v)) continue;
           const auto k =
@@ -149,7 +146,7 @@ double ShapeEvidence::seen_support(const Rectangle& top) const {
               static_cast<std::size_t>(std::lround(pixel.u));
           if (!cloud_.seen(k)) continue;
           const double behind = static_cast<double>(cloud_.depth_m[k]) - pixel.depth_m;
-          const double tolerance = 4 * noise_.sigma(pixel.depth_m) + 0.02;
+          const double tolerance = 4 * noise_.sigma(pixel.depth_m) + config_.side_tolerance_m;
           if (behind > tolerance)
             ++empty;
           else if (behind > -tolerance)
@@ -161,7 +158,6 @@ double ShapeEvidence::seen_support(const Rectangle& top) const {
 }
 
 std::array<double, 2> ShapeEvidence::sides_along(const Vec3& e) const {
-  constexpr double kSame = 0.96;
   std::array<double, 2> sides = points_along(e);
   const double middle = 0.5 * (sides[0] + sides[1]);
   for (const int end : {0, 1}) {
@@ -170,7 +166,7 @@ std::array<double, 2> ShapeEvidence::sides_along(const Vec3& e) const {
     for (const Rectangle* r : upright_) {
       const double cosine = sign * r->normal.dot(e), place = e.dot(r->center);
       // the outermost quarter is where a wall of this side can be
-      if (std::abs(cosine) < kSame ||
+      if (std::abs(cosine) < config_.side_cosine ||
           sign * (place - middle) < 0.5 * sign * (sides[static_cast<std::size_t>(end)] - middle))
         continue;
       if (r->size.prod() <= best_area) continue;
@@ -184,7 +180,6 @@ std::array<double, 2> ShapeEvidence::sides_along(const Vec3& e) const {
 
 std::array<double, 2> ShapeEvidence::points_along(const Vec3& e, double below_m) const {
   constexpr std::size_t kBins = 1024;
-  constexpr double kStrays = 0.004;
   const Eigen::Vector3f ef = e.cast<float>(), up = up_.cast<float>();
   const auto offset = static_cast<float>(ground_.offset);
   const auto most = static_cast<float>(below_m);
@@ -204,7 +199,8 @@ std::array<double, 2> ShapeEvidence::points_along(const Vec3& e, double below_m)
   std::array<std::uint32_t, kBins> count{};
   const float width = std::max(high - low, 1e-6f) / static_cast<float>(kBins), scale = 1.0f / width;
   for (const float x : places) ++count[std::min(static_cast<std::size_t>((x - low) * scale), kBins - 1)];
-  const auto strays = static_cast<std::uint32_t>(kStrays * static_cast<double>(places.size() - 1));
+  const auto strays =
+      static_cast<std::uint32_t>(config_.stray_fraction * static_cast<double>(places.size() - 1));
   std::size_t first = 0, last = kBins - 1;
   for (std::uint32_t n = count[first]; n <= strays && first < last; n += count[first]) ++first;
   for (std::uint32_t n = count[last]; n <= strays && first < last; n += count[last]) --last;
@@ -216,7 +212,7 @@ std::optional<double> ShapeEvidence::edge_of(const Rectangle& top) const {
   const double height = ground_.height(top.center);
   const Rectangle* best = nullptr;
   for (const Rectangle* r : upright_) {
-    if (r->size.y() > kEdgeWidth_m || std::abs(r->u.dot(up_)) > 0.2) continue;
+    if (r->size.y() > config_.max_edge_width_m || std::abs(r->u.dot(up_)) > 0.2) continue;
     if (std::abs(ground_.height(r->center) + 0.5 * r->size.y() - height) > 0.02 + depth_sigma_m_) continue;
     if (r->size.x() < 0.3 * top.size.y()) continue;
     if (!best || r->size.x() > best->size.x()) best = r;
@@ -248,7 +244,7 @@ double ShapeEvidence::side_sigma(const Widened& top, int axis) const {
 }
 
 double ShapeEvidence::level_sigma(double part) const {
-  return part * std::hypot(kVerticalSigma_m, 0.2 * depth_sigma_m_);
+  return part * std::hypot(config_.vertical_sigma_m, 0.2 * depth_sigma_m_);
 }
 
 }  // namespace colift::perception

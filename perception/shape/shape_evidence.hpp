@@ -13,8 +13,6 @@ namespace colift::perception {
 /// the empty places beside them, on which complete_shape() decides. Refers to its arguments.
 class ShapeEvidence {
  public:
-  static constexpr double kAboveClearance_m = 0.05;  ///< What stands higher over a top is something on it.
-
   ShapeEvidence(const OrganisedCloud& cloud, const Target& target, const std::vector<Surface>& surfaces,
                 const Ground& ground, const NoiseModel& noise, const CompletionConfig& config);
 

@@ -47,7 +47,7 @@ void put_up_last(OrientedBox& box, const Vec3& up) {
 
 }  // namespace
 
-CompletedShape complete_cylinder(const ShapeEvidence& seen) {
+CompletedShape complete_cylinder(const ShapeEvidence& seen, const CompletionConfig& config) {
   const Vec3& up = seen.up();
   const hal::Plane& ground = seen.ground();
   CompletedShape s;
@@ -56,7 +56,8 @@ CompletedShape complete_cylinder(const ShapeEvidence& seen) {
   const double steep = std::abs(c.axis.dot(up));
   const double bottom = ground.height(c.center) - 0.5 * c.length * steep;
   // cleaning takes away what is close to the ground
-  const bool stands = steep > 0.98 && bottom > -0.03 && bottom < 0.04 + 3 * seen.depth_sigma_m();
+  const bool stands =
+      steep > 0.98 && bottom > -0.03 && bottom < config.standing_gap_m + 3 * seen.depth_sigma_m();
   if (stands) {
     c.center -= 0.5 * bottom * up;
     c.length += bottom;
@@ -143,19 +144,21 @@ CompletedShape complete_chair(const ShapeEvidence& seen, const Rectangle& seat,
   // the back: upright faces above the seat that look the same way, not both sides of the same post
   const Rectangle* main = nullptr;
   for (const Rectangle* r : seen.upright())
-    if (ground.height(r->center) > height + 0.03 && (!main || r->size.prod() > main->size.prod())) main = r;
+    if (ground.height(r->center) > height + config.min_back_height_m &&
+        (!main || r->size.prod() > main->size.prod()))
+      main = r;
   Mixture m, back;
   Vec3 out = Vec3::Zero();
   if (main) {
     out = (main->normal - up * up.dot(main->normal)).normalized();
     for (const Rectangle* r : seen.upright())
-      if (ground.height(r->center) > height + 0.03 && std::abs(r->normal.dot(out)) > 0.9)
+      if (ground.height(r->center) > height + config.min_back_height_m && std::abs(r->normal.dot(out)) > 0.9)
         back.add(r->size.prod() * config.thickness_m, r->center - 0.5 * config.thickness_m * r->normal);
   } else {
     // too broken up for faces: what is seen of it, as thick as a plate
     for (std::size_t i = 0; i < seen.target().points.size(); ++i) {
       const Vec3 p = seen.target().points[i].cast<double>();
-      if (ground.height(p) > height + ShapeEvidence::kAboveClearance_m)
+      if (ground.height(p) > height + config.above_clearance_m)
         back.add(seen.pixel_m() * seen.pixel_m() * config.thickness_m, p);
     }
   }
@@ -198,8 +201,9 @@ std::optional<CompletedShape> complete_open_box(const ShapeEvidence& seen, const
     (r->normal.dot(r->center - middle) < 0 ? inward : outward) += r->size.prod();
   double bottom = 0;
   for (const Rectangle* r : seen.level())
-    if (ground.height(r->center) < 0.25 * seen.footprint().size[2]) bottom += r->size.prod();
-  if (inward + bottom < 0.15 * (inward + outward + bottom)) return std::nullopt;
+    if (ground.height(r->center) < config.max_bottom_height * seen.footprint().size[2])
+      bottom += r->size.prod();
+  if (inward + bottom < config.min_inward_fraction * (inward + outward + bottom)) return std::nullopt;
 
   const std::array<double, 2> side1 = seen.sides_along(e1), side2 = seen.sides_along(e2);
   std::vector<double> heights;

@@ -7,7 +7,7 @@
 namespace colift::perception {
 
 /// The largest cylinder; an upright one goes down to the ground.
-[[nodiscard]] CompletedShape complete_cylinder(const ShapeEvidence& seen);
+[[nodiscard]] CompletedShape complete_cylinder(const ShapeEvidence& seen, const CompletionConfig& config);
 
 /// A prism from its top to the ground. `support` as ShapeEvidence::seen_support() gives it, NaN included.
 [[nodiscard]] CompletedShape complete_block(const ShapeEvidence& seen, const ShapeEvidence::Widened& widened,

@@ -9,7 +9,7 @@ namespace {
 /// Cost of the box around the covered cells on one side of each cut: how mixed it is, with a little for its
 /// area, so that of two cuts the tighter one wins. Entry i: the first i lines.
 std::vector<double> costs(const CoverGrid& g, bool along_u, bool backwards) {
-  constexpr double kTightness = 0.02;
+  constexpr double kTightness = 0.02;  // a tie-break: small against a cell that is wrongly covered
   const int n = along_u ? g.columns : g.rows, m = along_u ? g.rows : g.columns;
   std::vector<double> result(static_cast<std::size_t>(n + 1), 0.0);
   std::vector<int> empty(static_cast<std::size_t>(m), 0), waiting(static_cast<std::size_t>(m), 0);
@@ -46,7 +46,7 @@ std::vector<double> costs(const CoverGrid& g, bool along_u, bool backwards) {
 
 // for numbers that are not far below zero
 int nearest(double x) {
-  constexpr int kShift = 1 << 20;
+  constexpr int kShift = 1 << 20;  // makes the number positive, so that the cast rounds down
   return static_cast<int>(x + (kShift + 0.5)) - kShift;
 }
 
@@ -108,7 +108,7 @@ CoverCell FaceLook::look(const hal::Vec3& pixel) const {
 }
 
 CoverGrid FaceLook::grid_of(const FaceFrame& f, double pixel_m) const {
-  constexpr int kMostCells = 40;
+  constexpr int kMostCells = 40;  // bounds the time of each look; a ratio needs no more
   const auto count = [&](double length) {
     return std::clamp(static_cast<int>(length / (1.2 * pixel_m)), 3, kMostCells);
   };

@@ -7,17 +7,18 @@
 #include <limits>
 #include <numbers>
 
+#include "hal/types/units.hpp"
+
 namespace colift::perception {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
+// In standard deviations; beyond it a residual is no noise, and counts no more.
 constexpr double kOutlier = 3.0;
 constexpr double kLeastSlant =
     0.35;  // a ray along the surface moves its point sideways, which costs something too
-constexpr std::size_t kQuickPoints = 100;
-constexpr std::size_t kJudgePoints = 250;
 
 double capped(double residual) {
   return std::min(residual * residual, kOutlier * kOutlier);
@@ -117,8 +118,8 @@ bool fit_circle(const std::vector<FlatPoint>& points, Circle& circle) {
 /// Mean cost of two perpendicular lines, whose outer sides the camera sees, or of one, over all directions. A
 /// corner of a box or a leg looks so along its length.
 double corner_cost(const std::vector<FlatPoint>& some, const std::vector<FlatPoint>& all) {
-  constexpr int kDirections = 15;
-  constexpr double kStill_sigma = 0.02;
+  constexpr int kDirections = 15;        // 6 degrees apart; the last line of this function looks between them
+  constexpr double kStill_sigma = 0.02;  // a smaller correction ends the iteration
   double best = std::numeric_limits<double>::infinity();
   Vector2d rays = Vector2d::Zero();
   double mean_sigma = 0;
@@ -272,7 +273,8 @@ std::optional<CylinderFit> fit_cylinder(std::span<const SightedPoint> points, st
   double best_cost = std::numeric_limits<double>::infinity();
   for (const Vec3& axis : axes) {
     const auto [e1, e2] = hal::tangents(axis);
-    const std::vector<FlatPoint> flat = flatten(points, e1, e2, mean, kQuickPoints);
+    const std::vector<FlatPoint> flat =
+        flatten(points, e1, e2, mean, static_cast<std::size_t>(config.cylinders.quick_points));
     Circle circle;
     if (!fit_circle(flat, circle)) continue;
     if (circle.radius < 0.5 * config.cylinder_min_radius_m ||
@@ -298,18 +300,20 @@ std::optional<CylinderFit> fit_cylinder(std::span<const SightedPoint> points, st
   CylinderFit fit;
   fit.cylinder = *best;
   const auto [e1, e2] = hal::tangents(best->axis);
-  const std::vector<FlatPoint> flat = flatten(points, e1, e2, best->center, 2 * kJudgePoints);
+  const std::vector<FlatPoint> flat =
+      flatten(points, e1, e2, best->center, 2 * static_cast<std::size_t>(config.cylinders.judge_points));
   const Circle circle{Vector2d::Zero(), best->radius};
   fit.misfit = std::sqrt(circle_cost(circle, flat));
   fit.arc_rad = covered_arc(flat, circle);
-  if (fit.misfit > config.cylinder_max_misfit ||
-      fit.arc_rad < config.cylinder_min_arc_deg * std::numbers::pi / 180.0)
+  if (fit.misfit > config.cylinder_max_misfit || fit.arc_rad < hal::deg_to_rad(config.cylinder_min_arc_deg))
     return std::nullopt;
   return fit;
 }
 
 Cylinder without_bias(std::span<const SightedPoint> points, const Cylinder& biased,
                       const SurfaceConfig& config) {
+  // Residuals in standard deviations that count as outliers; corrections, in units of the expected bias, that
+  // points of something else must have caused.
   constexpr double kCut = 4.0, kMostBias = 3.0;
   std::vector<SightedPoint> near;
   double square = 0;
@@ -329,10 +333,12 @@ Cylinder without_bias(std::span<const SightedPoint> points, const Cylinder& bias
   return allowed ? c : biased;
 }
 
-double corner_misfit(std::span<const SightedPoint> points, const Cylinder& cylinder) {
+double corner_misfit(std::span<const SightedPoint> points, const Cylinder& cylinder,
+                     const CylinderSearchConfig& config) {
   const auto [e1, e2] = hal::tangents(cylinder.axis);
-  return std::sqrt(corner_cost(flatten(points, e1, e2, cylinder.center, kQuickPoints),
-                               flatten(points, e1, e2, cylinder.center, 2 * kJudgePoints)));
+  return std::sqrt(corner_cost(
+      flatten(points, e1, e2, cylinder.center, static_cast<std::size_t>(config.quick_points)),
+      flatten(points, e1, e2, cylinder.center, 2 * static_cast<std::size_t>(config.judge_points))));
 }
 
 }  // namespace colift::perception

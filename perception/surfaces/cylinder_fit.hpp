@@ -45,6 +45,7 @@ struct MantleDistance {
 
 /// Misfit of the best two perpendicular faces along a cylinder's axis, or of one, to the same points: what
 /// the corner of a box or a square leg leaves.
-[[nodiscard]] double corner_misfit(std::span<const SightedPoint> points, const Cylinder& cylinder);
+[[nodiscard]] double corner_misfit(std::span<const SightedPoint> points, const Cylinder& cylinder,
+                                   const CylinderSearchConfig& config);
 
 }  // namespace colift::perception

@@ -2,16 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::perception {
 namespace {
-
-constexpr double kSnapCos = 0.9986;  // a face within 3 degrees of level is level
-constexpr double kSameFaceCos = 0.9;
-constexpr double kLeastGain = 60;    // sum of squares that an edge face has to explain, in variances
-constexpr double kLeastDepth = 0.8;  // by how much its pixels lie behind the wide face on average, in sigmas
-constexpr double kGate = 4.0;        // sigmas
 
 struct BandPixel {
   std::uint32_t index;
@@ -28,14 +23,13 @@ class EdgeSearch {
   /// Looks along one side: `outward` in the rectangle's plane, `middle` on the side, `length` of the side.
   void side(const FaceRectangle& from, Vec3 outward, const Vec3& middle, double length) {
     Vec3 normal = from.rectangle.normal;
-    if (normal.dot(up_) > kSnapCos) {
+    if (normal.dot(up_) > config_.edge_faces.level_cosine) {
       normal = up_;
       outward = (outward - normal * normal.dot(outward)).normalized();
     }
     const Vec3 along = normal.cross(outward);
     const Vec3 to_eye = image_.geometry.eye() - middle;
-    if (outward.dot(to_eye) < std::sin(config_.min_edge_view_deg * std::numbers::pi / 180) * to_eye.norm())
-      return;
+    if (outward.dot(to_eye) < std::sin(hal::deg_to_rad(config_.min_edge_view_deg)) * to_eye.norm()) return;
     if (wide_face_there(from, outward, middle)) return;
 
     out_ = image_.geometry.linear(outward), along_ = image_.geometry.linear(along);
@@ -55,11 +49,12 @@ class EdgeSearch {
  private:
   [[nodiscard]] bool wide_face_there(const FaceRectangle& from, const Vec3& outward,
                                      const Vec3& middle) const {
-    constexpr double kNear_m = 0.04;
     for (std::size_t k = 0; k < faces_.size(); ++k) {
       if (static_cast<int>(k) == from.face || faces_[k].moments.n < config_.min_pixels) continue;
       const hal::Plane plane = image_.geometry.to_W(faces_[k].plane);
-      if (plane.normal.dot(outward) < kSameFaceCos || std::abs(plane.height(middle)) > kNear_m) continue;
+      if (plane.normal.dot(outward) < config_.edge_faces.same_face_cosine ||
+          std::abs(plane.height(middle)) > config_.edge_faces.same_face_distance_m)
+        continue;
       if (extent_of(faces_[k], image_.geometry).narrow_m > config_.max_edge_m) return true;
     }
     return false;
@@ -117,7 +112,7 @@ class EdgeSearch {
                      q = static_cast<double>(p.q);
         const double edge = alpha * s + beta * t;
         if (edge >= static_cast<double>(p.wide) || static_cast<double>(p.below) > deepest_) continue;
-        if (std::abs(q - edge) > kGate * image_.sigma(q)) continue;
+        if (std::abs(q - edge) > config_.edge_faces.gate_sigma * image_.sigma(q)) continue;
         ss += s * s, st += s * t, tt += t * t, sq += s * q, tq += t * q, n += 1;
       }
       if (n < config_.min_pixels) return false;
@@ -182,7 +177,9 @@ class EdgeSearch {
       mine.push_back(p.index);
     }
     const double n = static_cast<double>(mine.size());
-    if (n < config_.min_pixels || gain < kLeastGain || behind < kLeastDepth * n) return;
+    if (n < config_.min_pixels || gain < config_.edge_faces.min_gain ||
+        behind < config_.edge_faces.min_depth_sigma * n)
+      return;
     const auto label = static_cast<std::int16_t>(faces_.size());
     for (const std::uint32_t k : mine) {
       image_.label[k] = label;

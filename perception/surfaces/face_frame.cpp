@@ -32,7 +32,7 @@ std::array<Side, 2> outermost(const FaceFrame& f, const std::vector<FacePoint>& 
                               double pixel_m) {
   const Vector2d a = along_u ? f.u : f.v(), c = along_u ? f.v() : f.u;
   const double first = along_u ? f.low_u : f.low_v, length = along_u ? f.width() : f.height();
-  constexpr int kMostBins = 400;
+  constexpr int kMostBins = 400;  // room for the lines across a side of 600 pixels
   const int bins = std::clamp(static_cast<int>(length / (1.5 * pixel_m)), 4, kMostBins);
   const double scale = bins / length;
   constexpr double kNone = -std::numeric_limits<double>::infinity();
@@ -120,6 +120,8 @@ std::size_t at_sides(const FaceFrame& f, const std::vector<FacePoint>& points, d
 /// along its arms.
 FaceFrame along_sides(const std::vector<Vector2d>& hull, const std::vector<FacePoint>& points,
                       double pixel_m) {
+  // Ratio of areas, and of points at the sides. These choose between two frames around the same points:
+  // limits that depend on neither camera nor object.
   constexpr double kHardlyMore = 1.15, kClearly = 1.5;
   constexpr double kOtherWay = 0.17;  // sine; a smaller turn is what trimmed() finds
   const FlatRectangle least = minimum_area_rectangle(hull);
@@ -148,7 +150,7 @@ FaceFrame bounding_frame(const std::vector<FacePoint>& points, double pixel_m) {
   // of every row across, only the outermost points can be corners of the hull
   float low = std::numeric_limits<float>::max(), high = -low;
   for (const FacePoint& p : points) low = std::min(low, p.t), high = std::max(high, p.t);
-  constexpr std::size_t kRows = 256;
+  constexpr std::size_t kRows = 256;  // of the 480 rows of an image at most two fall into one
   const float scale = static_cast<float>(kRows - 1) / std::max(high - low, 1e-6f);
   std::array<const FacePoint*, kRows> left{}, right{};
   for (const FacePoint& p : points) {
@@ -165,7 +167,7 @@ FaceFrame bounding_frame(const std::vector<FacePoint>& points, double pixel_m) {
 }
 
 FaceFrame trimmed(const FaceFrame& outer, const std::vector<FacePoint>& points, const PixelStep& step) {
-  constexpr double kMostTurn = 0.12;
+  constexpr double kMostTurn = 0.12;  // rad: a larger slope is a corner or a notch, not a crooked frame
   const double pixel_m = step.longest();
   FaceFrame f = outer;
   // sides turn the rectangle by how long they are: a corner that sticks out decides where the hull's edge

@@ -11,20 +11,6 @@
 namespace colift::perception {
 namespace {
 
-constexpr std::size_t kMostPoints = 500;
-constexpr std::size_t kLeastPart = 150;  // pixels
-constexpr std::size_t kMostParts = 16;   // that are tried, by size
-constexpr double kInlier_sigma = 3.0;
-constexpr double kLeastInliers = 0.7;  // of a part's pixels, without its flat ends
-constexpr double kEndCos = 0.85;       // a face whose normal is the axis is an end of the cylinder
-constexpr double kLeastLength_radii = 1.0;
-constexpr double kSameAxisCos = 0.999;
-// of cylinders that are cut out of larger parts
-constexpr std::size_t kMostStrips = 4;  // of a part that suggest cylinders
-constexpr double kTube_radii = 0.15;    // how far beside the mantle pixels are tried with it
-constexpr double kLeastOfFace = 0.5;
-constexpr double kMostOpenRim = 0.6;  // 0.1 for a pipe on blocks, near 1 for the edge of a box
-
 // Angle of (x, y) as a part of a turn, 0 to 1, within 0.0007
 double turn(double x, double y) {
   const double ax = std::abs(x), ay = std::abs(y), high = std::max(ax, ay);
@@ -43,7 +29,9 @@ class Search {
         faces_(faces),
         up_(ground.plane.normal),
         config_(config),
-        parts_(image),
+        min_part_(static_cast<std::size_t>(config.cylinders.min_part_pixels)),
+        max_points_(static_cast<std::size_t>(config.cylinders.max_points)),
+        parts_(image, config.cylinders),
         corner_(image.geometry.ray_W(0, 0)),
         right_(image.geometry.ray_W(1, 0) - corner_),
         down_(image.geometry.ray_W(0, 1) - corner_) {}
@@ -57,7 +45,8 @@ class Search {
     std::vector<Part> tried = parts(strip);
     std::stable_sort(tried.begin(), tried.end(),
                      [](const Part& a, const Part& b) { return a.size() > b.size(); });
-    if (tried.size() > kMostParts) tried.resize(kMostParts);
+    const auto max_parts = static_cast<std::size_t>(config_.cylinders.max_parts);
+    if (tried.size() > max_parts) tried.resize(max_parts);
     for (const Part& part : tried) {
       if (const auto c = cylinder_of(part))
         found.push_back(*c);
@@ -76,7 +65,7 @@ class Search {
       if (l == ObjectImage::kFree || (l >= 0 && strip[static_cast<std::size_t>(l)])) open.push_back(k);
     }
     parts_.open(open);
-    return parts_.connected(open, kLeastPart);
+    return parts_.connected(open, min_part_);
   }
 
   [[nodiscard]] SightedPoint sighted(std::uint32_t k) const {
@@ -91,9 +80,9 @@ class Search {
     for (const std::uint32_t k : part)
       if (parts_.inner(k)) body.push_back(k);
     count_faces(part);
-    if (body.size() < kLeastPart / 2) return std::nullopt;
+    if (body.size() < min_part_ / 2) return std::nullopt;
     const std::vector<Vec3> axes =
-        known_axis ? std::vector<Vec3>{*known_axis} : axes_of(sample(body, kMostPoints / 3));
+        known_axis ? std::vector<Vec3>{*known_axis} : axes_of(sample(body, max_points_ / 3));
 
     std::optional<CylinderFit> best;
     for (const Vec3& axis : axes) {
@@ -101,20 +90,20 @@ class Search {
       Part rest;
       const Part& mantle = without_ends(body, axis, rest);
       if (mantle.size() < 0.4 * static_cast<double>(body.size())) continue;
-      const std::vector<SightedPoint> some = sample(mantle, kMostPoints);
+      const std::vector<SightedPoint> some = sample(mantle, max_points_);
       const auto fit = fit_cylinder(some, std::span(&axis, 1), image_.geometry.eye(), config_);
       if (fit && (!best || fit->misfit < best->misfit)) best = fit;
     }
     if (!best) return std::nullopt;
     Part rest;
-    const auto points = sample(without_ends(body, best->cylinder.axis, rest), kMostPoints);
+    const auto points = sample(without_ends(body, best->cylinder.axis, rest), max_points_);
     if (!rounder_than_corner(*best, points)) return std::nullopt;
     return claim(part, without_bias(points, best->cylinder, config_));
   }
 
   [[nodiscard]] bool rounder_than_corner(const CylinderFit& fit,
                                          const std::vector<SightedPoint>& points) const {
-    const double corner = corner_misfit(points, fit.cylinder);
+    const double corner = corner_misfit(points, fit.cylinder, config_.cylinders);
     return fit.misfit * fit.misfit <= config_.cylinder_advantage * corner * corner;
   }
 
@@ -123,14 +112,14 @@ class Search {
   void cylinders_within(const Part& part, std::vector<Cylinder>& found) {
     std::vector<std::size_t> strips = largest_faces(part);
     if (strips.size() < 2) return;  // the whole part was tried already
-    const std::vector<SightedPoint> points = sample(part, kMostPoints);
+    const std::vector<SightedPoint> points = sample(part, max_points_);
     for (const std::size_t f : strips) {
       Part strip;
       for (const std::uint32_t k : part)
         if (image_.label[k] == static_cast<std::int16_t>(f)) strip.push_back(k);
-      if (strip.size() < kLeastPart) continue;  // an earlier cylinder has it
+      if (strip.size() < min_part_) continue;  // an earlier cylinder has it
       count_faces(part);
-      const std::vector<SightedPoint> seed = sample(strip, kMostPoints / 3);
+      const std::vector<SightedPoint> seed = sample(strip, max_points_ / 3);
       for (const Vec3& axis : axes_of(seed)) {
         const auto rough = suggested_by(seed, points, axis);
         const auto c = rough ? cylinder_around(*rough, part) : std::nullopt;
@@ -145,10 +134,11 @@ class Search {
     count_faces(part);
     std::vector<std::size_t> faces;
     for (std::size_t k = 0; k < faces_.size(); ++k)
-      if (count_[k] >= static_cast<int>(kLeastPart)) faces.push_back(k);
+      if (count_[k] >= config_.cylinders.min_part_pixels) faces.push_back(k);
     std::stable_sort(faces.begin(), faces.end(),
                      [&](std::size_t a, std::size_t b) { return count_[a] > count_[b]; });
-    if (faces.size() > kMostStrips) faces.resize(kMostStrips);
+    const auto max_strips = static_cast<std::size_t>(config_.cylinders.max_strips);
+    if (faces.size() > max_strips) faces.resize(max_strips);
     return faces;
   }
 
@@ -159,7 +149,7 @@ class Search {
     loose.cylinder_min_arc_deg = 0;  // of one strip
     auto fit = fit_cylinder(strip, std::span(&axis, 1), image_.geometry.eye(), loose);
     std::vector<SightedPoint> near;
-    for (const double band_radii : {0.3, kTube_radii}) {
+    for (const double band_radii : {0.3, config_.cylinders.tube_radii}) {
       if (!fit) return std::nullopt;
       near.clear();
       for (const SightedPoint& s : part)
@@ -173,7 +163,8 @@ class Search {
   }
 
   [[nodiscard]] double band(const Cylinder& c, const SightedPoint& s, double radii) const {
-    return kInlier_sigma * distance_to(c, s).sigma_m + config_.tolerance_m + radii * c.radius;
+    return config_.cylinders.inlier_sigma * distance_to(c, s).sigma_m + config_.tolerance_m +
+           radii * c.radius;
   }
 
   /// Tries what of a part lies in or close around a rough cylinder. The edge of a box looks round too when it
@@ -183,7 +174,7 @@ class Search {
     for (const std::uint32_t k : part) {
       if (image_.label[k] == ObjectImage::kCylinder) continue;
       const SightedPoint s = sighted(k);
-      if (distance_to(rough, s).value_m < band(rough, s, kTube_radii)) tube.push_back(k);
+      if (distance_to(rough, s).value_m < band(rough, s, config_.cylinders.tube_radii)) tube.push_back(k);
     }
     // faces of which most lies elsewhere are of something else
     count_faces(tube);
@@ -191,16 +182,17 @@ class Search {
       const std::int16_t f = image_.label[k];
       if (f < 0) return false;
       const auto face = static_cast<std::size_t>(f);
-      return count_[face] < kLeastOfFace * faces_[face].moments.n;
+      return count_[face] < config_.cylinders.min_face_fraction * faces_[face].moments.n;
     });
     std::vector<std::int32_t> before;
     for (const std::uint32_t k : tube) before.push_back(parts_.number(k));
     parts_.open(tube);
-    const std::vector<Part> bodies = parts_.connected(tube, kLeastPart);
+    const std::vector<Part> bodies = parts_.connected(tube, min_part_);
     const auto body = std::max_element(bodies.begin(), bodies.end(),
                                        [](const Part& a, const Part& b) { return a.size() < b.size(); });
     std::optional<Cylinder> c;
-    if (body != bodies.end() && parts_.open_rim(*body) < kMostOpenRim) c = cylinder_of(*body, rough.axis);
+    if (body != bodies.end() && parts_.open_rim(*body) < config_.cylinders.max_open_rim)
+      c = cylinder_of(*body, rough.axis);
     for (std::size_t i = 0; i < tube.size(); ++i)
       if (image_.label[tube[i]] != ObjectImage::kCylinder) parts_.set_number(tube[i], before[i]);
     return c;
@@ -226,7 +218,8 @@ class Search {
     std::vector<bool> end(faces_.size());
     bool any = false;
     for (std::size_t k = 0; k < faces_.size(); ++k) {
-      end[k] = count_[k] > 0 && std::abs(image_.geometry.to_W(faces_[k].plane).normal.dot(axis)) > kEndCos;
+      end[k] = count_[k] > 0 && std::abs(image_.geometry.to_W(faces_[k].plane).normal.dot(axis)) >
+                                    config_.cylinders.end_cosine;
       any = any || end[k];
     }
     if (!any) return body;
@@ -265,8 +258,9 @@ class Search {
     }
     // what is nearly the same ends up the same
     for (std::size_t k = axes.size(); k-- > 1;)
-      if (std::any_of(axes.begin(), axes.begin() + static_cast<std::ptrdiff_t>(k),
-                      [&](const Vec3& a) { return std::abs(a.dot(axes[k])) > kSameAxisCos; }))
+      if (std::any_of(axes.begin(), axes.begin() + static_cast<std::ptrdiff_t>(k), [&](const Vec3& a) {
+            return std::abs(a.dot(axes[k])) > config_.cylinders.same_axis_cosine;
+          }))
         axes.erase(axes.begin() + static_cast<std::ptrdiff_t>(k));
     return axes;
   }
@@ -276,7 +270,7 @@ class Search {
     const std::size_t mantle = without_ends(part, c.axis, rest).size();
     Part mine;
     const auto [e1, e2] = hal::tangents(c.axis);
-    constexpr int kBins = 48;
+    constexpr int kBins = 48;  // lines along the mantle, 7.5 degrees apart
     double low[kBins], high[kBins];
     int count[kBins] = {};
     std::fill(low, low + kBins, std::numeric_limits<double>::infinity());
@@ -284,7 +278,7 @@ class Search {
     for (const std::uint32_t k : part) {
       const SightedPoint s = sighted(k);
       const MantleDistance d = distance_to(c, s);
-      if (std::abs(d.value_m) > kInlier_sigma * d.sigma_m + config_.tolerance_m) continue;
+      if (std::abs(d.value_m) > config_.cylinders.inlier_sigma * d.sigma_m + config_.tolerance_m) continue;
       mine.push_back(k);
       const Vec3 p = s.p - c.center;
       const int bin = std::clamp(static_cast<int>(turn(e1.dot(p), e2.dot(p)) * kBins), 0, kBins - 1);
@@ -292,7 +286,9 @@ class Search {
       ++count[bin];
       low[bin] = std::min(low[bin], along), high[bin] = std::max(high[bin], along);
     }
-    if (static_cast<double>(mine.size()) < kLeastInliers * static_cast<double>(mantle)) return std::nullopt;
+    if (static_cast<double>(mine.size()) <
+        config_.cylinders.min_inlier_fraction * static_cast<double>(mantle))
+      return std::nullopt;
     // only lines along the cylinder that are well seen tell where it ends
     const int most = *std::max_element(count, count + kBins);
     std::vector<double> lows, highs;
@@ -306,7 +302,7 @@ class Search {
     };
     const double half_pixel = 0.5 * image_.pixel_m(static_cast<double>(image_.q[part[part.size() / 2]]));
     const double first = median(lows) - half_pixel, last = median(highs) + half_pixel;
-    if (last - first < kLeastLength_radii * c.radius) return std::nullopt;
+    if (last - first < config_.cylinders.min_length_radii * c.radius) return std::nullopt;
     c.center += 0.5 * (first + last) * c.axis;
     c.length = last - first;
     // the axis points up, or along the world's axes where it lies
@@ -321,8 +317,7 @@ class Search {
 
   // strips of the mantle that seemed too wide for one, or that ragged rims and shadows have bent away
   void free_faces_on(const Cylinder& c) {
-    constexpr double kNear_sigma = 6.0, kLeastPart_near = 0.7;
-    constexpr std::size_t kStep = 5;  // a part of the pixels tells as well
+    constexpr std::size_t kStep = 5;  // a fraction is as well known from every fifth pixel
     std::vector<int> near(faces_.size(), 0), all(faces_.size(), 0);
     for (std::size_t i = 0; i < image_.pixels.size(); i += kStep) {
       const std::uint32_t k = image_.pixels[i];
@@ -332,12 +327,13 @@ class Search {
       const SightedPoint s = sighted(k);
       if (std::abs(c.axis.dot(s.p - c.center)) > 0.5 * c.length + config_.tolerance_m) continue;
       const MantleDistance d = distance_to(c, s);
-      near[f] += std::abs(d.value_m) < kNear_sigma * d.sigma_m + config_.tolerance_m;
+      near[f] += std::abs(d.value_m) < config_.cylinders.near_sigma * d.sigma_m + config_.tolerance_m;
     }
     std::vector<bool> gone(faces_.size());
     for (std::size_t f = 0; f < gone.size(); ++f)
-      gone[f] = near[f] > kLeastPart_near * all[f] &&
-                std::abs(image_.geometry.to_W(faces_[f].plane).normal.dot(c.axis)) < kEndCos;
+      gone[f] =
+          near[f] > config_.cylinders.min_near_fraction * all[f] &&
+          std::abs(image_.geometry.to_W(faces_[f].plane).normal.dot(c.axis)) < config_.cylinders.end_cosine;
     if (std::find(gone.begin(), gone.end(), true) == gone.end()) return;
     for (const std::uint32_t k : image_.pixels)
       if (image_.label[k] >= 0 && gone[static_cast<std::size_t>(image_.label[k])])
@@ -345,13 +341,12 @@ class Search {
   }
 
   void drop_remains() {
-    constexpr double kLeast = 0.6;
     std::vector<double> before(faces_.size());
     for (std::size_t k = 0; k < faces_.size(); ++k) before[k] = faces_[k].moments.n;
     refit_faces(image_, faces_);
     std::vector<bool> dropped(faces_.size());
     for (std::size_t k = 0; k < faces_.size(); ++k) {
-      dropped[k] = faces_[k].moments.n < kLeast * before[k];
+      dropped[k] = faces_[k].moments.n < config_.cylinders.min_rest_fraction * before[k];
       if (dropped[k]) faces_[k].moments = {};
     }
     for (const std::uint32_t k : image_.pixels)
@@ -363,6 +358,7 @@ class Search {
   std::vector<Face>& faces_;
   Vec3 up_;
   const SurfaceConfig& config_;
+  std::size_t min_part_, max_points_;
   ObjectParts parts_;
   Vec3 corner_, right_, down_;  // ray of the first pixel, and what a step in the image adds to it
   std::vector<int> count_;      // pixels of each face in the present part
@@ -376,8 +372,7 @@ std::vector<Cylinder> find_cylinders(ObjectImage& image, std::vector<Face>& face
 }
 
 double widest_strip(const ObjectImage& image, double inverse_depth, const SurfaceConfig& config) {
-  constexpr double kSag_sigma = 3.0;
-  const double sag = kSag_sigma * image.noise.sigma(1.0 / inverse_depth);
+  const double sag = config.cylinders.strip_sag_sigma * image.noise.sigma(1.0 / inverse_depth);
   return 2.0 * std::sqrt(2.0 * config.cylinder_max_radius_m * sag) + 2.0 * image.pixel_m(inverse_depth);
 }
 

@@ -3,11 +3,6 @@
 #include <cmath>
 
 namespace colift::perception {
-namespace {
-
-constexpr double kJump_sigma = 3.0, kJump_step = 1.5, kJump_m = 0.012;
-
-}  // namespace
 
 std::vector<Part> ObjectParts::connected(std::span<const std::uint32_t> pixels, std::size_t least) {
   std::vector<Part> parts;
@@ -45,10 +40,10 @@ double ObjectParts::open_rim(const Part& part) const {
 
 // a jump of depth by so much is one of inverse depth by so much
 bool ObjectParts::no_jump(std::uint32_t from, std::uint32_t to) const {
-  const auto fixed =
-      static_cast<float>(kJump_sigma * image_.noise.sigma2_per_m + kJump_step * image_.noise.step2_per_m);
+  const auto fixed = static_cast<float>(config_.jump_sigma * image_.noise.sigma2_per_m +
+                                        config_.jump_steps * image_.noise.step2_per_m);
   const float q = image_.q[from];
-  return std::abs(image_.q[to] - q) < fixed + static_cast<float>(kJump_m) * q * q;
+  return std::abs(image_.q[to] - q) < fixed + static_cast<float>(config_.jump_base_m) * q * q;
 }
 
 }  // namespace colift::perception

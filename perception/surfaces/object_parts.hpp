@@ -6,18 +6,20 @@
 #include <vector>
 
 #include "perception/surfaces/object_image.hpp"
+#include "perception/surfaces/surface_config.hpp"
 
 namespace colift::perception {
 
 using Part = std::vector<std::uint32_t>;  ///< Entries of an ObjectImage.
 
 /// Connected parts of the object: sets of neighbouring pixels without a jump of depth between them. Every
-/// part has a number; pixels of no part have 0. Jumps are by more than 3 standard deviations, 1.5 steps of
-/// depth and 12 mm together.
+/// part has a number; pixels of no part have 0. Jumps are by more than CylinderSearchConfig::jump_sigma,
+/// jump_steps and jump_base_m together.
 class ObjectParts {
  public:
-  /// The image is kept by reference; its labels may change between calls.
-  explicit ObjectParts(const ObjectImage& image) : image_(image), number_(image.q.size(), 0) {}
+  /// Image and configuration are kept by reference; the labels may change between calls.
+  ObjectParts(const ObjectImage& image, const CylinderSearchConfig& config)
+      : image_(image), config_(config), number_(image.q.size(), 0) {}
 
   /// Sets these pixels free for connected(); they leave their parts.
   void open(std::span<const std::uint32_t> pixels) {
@@ -46,6 +48,7 @@ class ObjectParts {
   [[nodiscard]] bool no_jump(std::uint32_t from, std::uint32_t to) const;
 
   const ObjectImage& image_;
+  const CylinderSearchConfig& config_;
   std::vector<std::int32_t> number_;
   std::int32_t last_ = 0;
 };

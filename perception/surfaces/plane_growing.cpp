@@ -9,20 +9,13 @@ namespace colift::perception {
 namespace {
 
 constexpr int kCell = ObjectImage::kCell;
-constexpr double kSeedMisfit = 1.7;  // mean square residual of a seed window, in variances
-constexpr double kCellMisfit = 2.6;  // of a cell that joins
-constexpr double kCellOffset = 1.1;  // mean residual of a cell that joins, in standard deviations
-constexpr double kLeastCellPixels = 12;
-constexpr double kMergeMisfit = 1.25;
-constexpr double kBowCos = 0.985;  // pieces of a bowed face differ by less than 10 degrees
-constexpr double kBowWidth_m = 0.04;
-constexpr double kBowTolerance = 1.3;  // root mean square of a bowed face's residual, in tolerances
 
 struct Window {
   int cells;           // side of the seed window
   double seen;         // least part of the window that has free pixels
   std::size_t region;  // least number of cells that a grown region keeps
 };
+// from large faces to the narrowest that a grid of cells can show
 constexpr std::array<Window, 3> kWindows{{{3, 0.75, 8}, {2, 0.6, 4}, {1, 0.75, 2}}};
 
 class Grower {
@@ -124,7 +117,7 @@ class Grower {
         InversePlane plane;
         if (m.n < window.seen * full || !m.fit(plane)) continue;
         const double misfit = m.squares(plane) / (m.n * variance(m.q / m.n));
-        if (misfit < kSeedMisfit) seeds.push_back({misfit, static_cast<int>(at(c, r))});
+        if (misfit < config_.growing.max_seed_misfit) seeds.push_back({misfit, static_cast<int>(at(c, r))});
       }
     std::stable_sort(seeds.begin(), seeds.end(),
                      [](const Seed& a, const Seed& b) { return a.misfit < b.misfit; });
@@ -188,11 +181,11 @@ class Grower {
 
   void join(std::size_t cell, int index, Face& face) {
     const InverseMoments& m = cells_[cell];
-    if (owner_[cell] >= 0 || m.n < kLeastCellPixels) return;
+    if (owner_[cell] >= 0 || m.n < config_.growing.min_cell_pixels) return;
     const double s2 = variance(m.q / m.n);
     const double offset = m.mean_residual(face.plane);
-    if (offset * offset > kCellOffset * kCellOffset * s2) return;
-    if (m.squares(face.plane) > kCellMisfit * m.n * s2) return;
+    if (offset * offset > config_.growing.max_cell_offset * config_.growing.max_cell_offset * s2) return;
+    if (m.squares(face.plane) > config_.growing.max_cell_misfit * m.n * s2) return;
     take(cell, index, face);
   }
 
@@ -267,7 +260,8 @@ class Grower {
         // the smaller piece must not be bent away from where it lies
         const double smaller = std::min(faces_[a].moments.n, faces_[b].moments.n);
         const bool same =
-            both.squares(plane) <= kMergeMisfit * std::max(apart, both.n * s2) && worse <= 0.4 * smaller * s2;
+            both.squares(plane) <= config_.growing.max_merge_misfit * std::max(apart, both.n * s2) &&
+            worse <= 0.4 * smaller * s2;
         if (!same && !bowed(faces_[a], faces_[b], both, plane)) continue;
         if (!touching(static_cast<int>(a), static_cast<int>(b))) continue;
         faces_[a].plane = plane;
@@ -294,15 +288,16 @@ class Grower {
   [[nodiscard]] bool bowed(const Face& a, const Face& b, const InverseMoments& both,
                            const InversePlane& plane) const {
     const ImageGeometry& g = image_.geometry;
-    if (g.to_W(a.plane).normal.dot(g.to_W(b.plane).normal) < kBowCos) return false;
+    if (g.to_W(a.plane).normal.dot(g.to_W(b.plane).normal) < config_.growing.min_bow_cosine) return false;
     const Face joined{plane, both, true};
     const double q = both.q / both.n, slant = slant_of(joined, g);
     const double rms_m = std::sqrt(both.squares(plane) / both.n) / (q * q) * slant;
     const double noise_m = image_.noise.sigma(1.0 / q) * slant;
     // where noise is as large as the bow, pieces do not part because of it; strips of cylinders and edges do
     if (image_.noise.sigma(1.0 / q) > 0.5 * image_.tolerance_m) return false;
-    if (std::min(extent_of(a, g).narrow_m, extent_of(b, g).narrow_m) < kBowWidth_m) return false;
-    return rms_m < std::hypot(noise_m, kBowTolerance * image_.tolerance_m);
+    if (std::min(extent_of(a, g).narrow_m, extent_of(b, g).narrow_m) < config_.growing.min_bow_width_m)
+      return false;
+    return rms_m < std::hypot(noise_m, config_.growing.max_bow_residual * image_.tolerance_m);
   }
 
   [[nodiscard]] bool touching(int a, int b) const {
@@ -365,7 +360,7 @@ void refit_faces(const ObjectImage& image, std::vector<Face>& faces) {
 }
 
 double slant_of(const Face& face, const ImageGeometry& geometry) {
-  constexpr double kLeast = 0.25;
+  constexpr double kLeast = 0.25;  // keeps the tolerance of grazing faces finite
   if (!face.bowed || face.moments.n < 1) return 1.0;
   const hal::Vec3 ray = geometry.ray_W(face.moments.u / face.moments.n, face.moments.v / face.moments.n);
   return std::max(std::abs(geometry.to_W(face.plane).normal.dot(ray)), kLeast);

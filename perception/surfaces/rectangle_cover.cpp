@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <utility>
 
+#include "hal/types/units.hpp"
 #include "perception/surfaces/cover_grid.hpp"
 #include "perception/surfaces/face_frame.hpp"
 
@@ -13,10 +13,6 @@ namespace colift::perception {
 namespace {
 
 using Eigen::Vector2d;
-
-constexpr double kMostOutside = 0.12;  // part of the rim that may lie outside a rectangle
-constexpr double kLeastKnown = 0.35;   // part of a rectangle that has to be covered, whatever is unknown
-constexpr double kLeastPixels = 2.0;   // along the short side of a rectangle, or nobody knows its width
 
 /// A point inside a face; it becomes one of the rim when the face is cut beside it. Every other pixel is one,
 /// as on the dark fields of a chessboard.
@@ -49,7 +45,7 @@ class FaceCover {
     step_.along_row = Vector2d(static_cast<double>(b.s - a.s), static_cast<double>(b.t - a.t));
     step_.along_column = Vector2d(static_cast<double>(c.s - a.s), static_cast<double>(c.t - a.t));
     pixel_m_ = step_.longest();
-    most_lean_ = config.max_normal_sigma_deg * std::numbers::pi / 180.0;
+    most_lean_ = hal::deg_to_rad(config.max_normal_sigma_deg);
     least_pixels_ = std::max(config.min_pixels, static_cast<int>(0.5 * config.min_area_m2 / pixel_area_m2()));
   }
 
@@ -109,10 +105,11 @@ class FaceCover {
     const FaceFrame frame = trimmed(outer, rim, step_);
     const bool sides = frame.width() > 0 && frame.height() > 0;
     const Fill fill = sides ? fill_of(look_.grid_of(frame, pixel_m_)) : Fill{};
-    const bool whole = fill.ratio() >= config_.fill_threshold && outside(frame, rim, inner) <= kMostOutside;
+    const bool whole = fill.ratio() >= config_.fill_threshold &&
+                       outside(frame, rim, inner) <= config_.cover.max_outside_fraction;
     if (whole || depth >= config_.max_splits) {
       if (fill.ratio() >= (whole ? config_.fill_threshold : config_.least_fill) &&
-          fill.known() >= kLeastKnown)
+          fill.known() >= config_.cover.min_known_fraction)
         parts_.push_back({frame, fill.ratio(), pixels});
       return;
     }
@@ -181,7 +178,8 @@ class FaceCover {
         const std::optional<FaceFrame> both = around(parts_[i].frame, parts_[k].frame);
         if (!both) continue;
         const Fill fill = fill_of(look_.grid_of(*both, pixel_m_));
-        if (fill.ratio() < config_.fill_threshold || fill.known() < kLeastKnown) continue;
+        if (fill.ratio() < config_.fill_threshold || fill.known() < config_.cover.min_known_fraction)
+          continue;
         parts_[i] = {*both, fill.ratio(), parts_[i].pixels + parts_[k].pixels};
         parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(k));
         return true;
@@ -192,11 +190,10 @@ class FaceCover {
 
   /// The frame around two that lie side by side and are equally long there; none where they do not.
   [[nodiscard]] std::optional<FaceFrame> around(const FaceFrame& a, const FaceFrame& b) const {
-    constexpr double kSameWay = 0.9986;  // 3 degrees
     const Vector2d v = a.v();
     FaceFrame turned = b;  // with its u along a's
-    if (std::abs(a.u.dot(b.u)) < kSameWay) {
-      if (std::abs(v.dot(b.u)) < kSameWay) return std::nullopt;
+    if (std::abs(a.u.dot(b.u)) < config_.cover.same_direction_cosine) {
+      if (std::abs(v.dot(b.u)) < config_.cover.same_direction_cosine) return std::nullopt;
       turned = {b.v(), b.low_v, b.high_v, -b.high_u, -b.low_u};
     }
     if (a.u.dot(turned.u) < 0)
@@ -229,7 +226,7 @@ class FaceCover {
     const double fill = part.fill;
     const int pixels = part.pixels;
     const double narrow = std::min(f.width(), f.height());
-    if (narrow < config_.min_width_m || narrow < kLeastPixels * across_m(f)) return;
+    if (narrow < config_.min_width_m || narrow < config_.cover.min_width_px * across_m(f)) return;
     if (f.width() * f.height() < config_.min_area_m2 || normal_sigma(narrow, pixels) > most_lean_) return;
     const Vector2d v = f.v(), middle = 0.5 * (f.low_u + f.high_u) * f.u + 0.5 * (f.low_v + f.high_v) * v;
     const auto in_W = [&](const Vector2d& p) { return Vec3(p.x() * axes_.first + p.y() * axes_.second); };

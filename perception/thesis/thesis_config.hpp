@@ -41,56 +41,59 @@ struct ThesisConfig {
   double partner_difference_m = 0.03;
   int partner_points = 100;
   double partner_reach_m = 0.1;
+  double person_cell_m = 0.05;
+  int person_min_points = 5;
 
   int seed = 1;
 
   template <class Visitor>
   void visit(Visitor& v) {
     using hal::Range;
-    v("depth_min_m", depth_min_m, Range{0.0, 20.0},
-      "Nearest depth along the viewing axis that is looked at.");
-    v("depth_max_m", depth_max_m, Range{0.1, 20.0},
-      "Farthest depth along the viewing axis that is looked at.");
-    v("crop_min_m", crop_min_m, Range{-1000.0, 1000.0}, "Lowest corner in W of the space that is looked at.");
-    v("crop_max_m", crop_max_m, Range{-1000.0, 1000.0},
-      "Highest corner in W of the space that is looked at.");
+    v("depth_min_m", depth_min_m, Range{0.0, 20.0}, "Min depth along the viewing axis (m).");
+    v("depth_max_m", depth_max_m, Range{0.1, 20.0}, "Max depth along the viewing axis (m).");
+    v("crop_min_m", crop_min_m, Range{-1000.0, 1000.0},
+      "Lower corner in W of the space in which the object is expected (m).");
+    v("crop_max_m", crop_max_m, Range{-1000.0, 1000.0}, "Upper corner in W of that space (m).");
     v("voxel_leaf_m", voxel_leaf_m, Range{0.0, 0.2},
-      "Side of the voxels that points are averaged in; 0 keeps every point.");
+      "Side of the voxels in which points are averaged; 0 keeps every point (m).");
     v("ground_distance_m", ground_distance_m, Range{0.001, 0.2},
-      "Distance from the ground plane up to which a point is ground.");
+      "Max distance of the ground's points from its plane (m).");
     v("ground_iterations", ground_iterations, Range{10, 100000},
-      "Largest number of RANSAC trials for the ground.");
+      "Max number of RANSAC iterations for the ground.");
     v("ground_refits", ground_refits, Range{0, 100},
-      "Least-squares fits of the ground to its own points; 1 is PCL's usual, 10 leave nothing to the seed.");
+      "Number of least-squares fits of the ground to its inliers; 1 is PCL's usual, 10 leave nothing to the "
+      "seed.");
     v("ground_min_fraction", ground_min_fraction, hal::kFraction,
-      "Smallest part of the points that a ground plane holds.");
+      "Min fraction of the points that lie on the ground.");
     v("outlier_neighbours", outlier_neighbours, Range{0, 500},
-      "Neighbours whose mean distance says whether a point is an outlier; 0 keeps all points.");
+      "Number of neighbours whose mean distance decides whether a point is an outlier; 0 keeps all points.");
     v("outlier_sigmas", outlier_sigmas, Range{0.0, 20.0},
-      "Standard deviations above the average mean distance from which on a point is an outlier.");
+      "Min mean distance of an outlier above the average, in standard deviations.");
     v("cluster_tolerance_m", cluster_tolerance_m, Range{0.002, 0.5},
-      "Gap that separates objects; 0.02 loses the legs of a table seen from above, 0.05 keeps them.");
-    v("cluster_min_points", cluster_min_points, Range{1, 1e6}, "Smallest number of points of an object.");
+      "Min gap that separates objects (m); 0.02 loses the legs of a table seen from above, 0.05 keeps them.");
+    v("cluster_min_points", cluster_min_points, Range{1, 1e6}, "Min number of points of an object.");
     v("surface_distance_m", surface_distance_m, Range{0.001, 0.1},
-      "Distance from a face up to which a point belongs to it.");
+      "Max distance of a face's points from it (m).");
     v("surface_iterations", surface_iterations, Range{10, 100000},
-      "Largest number of RANSAC trials for one face.");
+      "Max number of RANSAC iterations for one face.");
     v("surface_rest_fraction", surface_rest_fraction, hal::kFraction,
-      "Part of the object's points at which the search for faces ends.");
+      "Fraction of the object's points left at which the search for faces ends.");
     v("surface_min_points", surface_min_points, Range{3, 1e6},
-      "Smallest number of points of a face and of a rectangle.");
+      "Min number of points of a face and of a rectangle.");
     v("rectangle_min_fill", rectangle_min_fill, hal::kFraction,
-      "Covered part below which a rectangle is split.");
+      "Covered fraction below which a rectangle is split.");
     v("rectangle_cell_m", rectangle_cell_m, Range{0.002, 0.2},
-      "Side of the cells that measure the covered part; at least two voxels are used.");
-    v("rectangle_min_size_m", rectangle_min_size_m, Range{0.0, 1.0},
-      "Shortest side of a rectangle that is kept.");
+      "Side of the cells that measure the covered fraction; at least two voxels are used (m).");
+    v("rectangle_min_size_m", rectangle_min_size_m, Range{0.0, 1.0}, "Min short side of a rectangle (m).");
     v("partner_difference_m", partner_difference_m, Range{0.001, 0.5},
-      "Distance to the reference cloud from which on a point has changed.");
+      "Min distance of a changed point from the reference cloud (m).");
     v("partner_points", partner_points, Range{1, 1e5},
-      "Changed points nearest to the object whose mean is the partner's grasp.");
+      "Number of changed points nearest to the object whose mean is the partner's grasp.");
     v("partner_reach_m", partner_reach_m, Range{0.001, 1000.0},
-      "Largest mean distance of these points from the object; the thesis has no such limit.");
+      "Max mean distance of these points from the object; the thesis has no such limit (m).");
+    v("person_cell_m", person_cell_m, Range{0.005, 1.0},
+      "Side of the cells that join changed points to a person, of whom the arm keeps away (m).");
+    v("person_min_points", person_min_points, Range{1, 1000}, "Min number of changed points of such a cell.");
     v("seed", seed, Range{0, 2147483647}, "Seed of the random samples; the same seed gives the same bits.");
   }
 };

@@ -91,16 +91,17 @@ std::optional<PartnerGrasp> thesis_grasp(const PclCloud& changed, std::span<cons
   return grasp;
 }
 
-std::vector<Eigen::Vector3f> thesis_person(const PclCloud& changed, const PartnerGrasp& grasp) {
+std::vector<Eigen::Vector3f> thesis_person(const PclCloud& changed, const PartnerGrasp& grasp,
+                                           const ThesisConfig& config) {
   using Cell = std::array<int, 3>;
-  constexpr float kCell_m = 0.05f;
-  constexpr std::size_t kFew = 5;  // points that a cell needs to be a part of him
+  const auto cell_m = static_cast<float>(config.person_cell_m);
+  const auto few = static_cast<std::size_t>(config.person_min_points);
   std::map<Cell, std::vector<Eigen::Vector3f>> cells;
   for (const Eigen::Vector3f& p : changed.to_vector()) {
-    const Eigen::Vector3f at = (p / kCell_m).array().floor();
+    const Eigen::Vector3f at = (p / cell_m).array().floor();
     cells[{static_cast<int>(at.x()), static_cast<int>(at.y()), static_cast<int>(at.z())}].push_back(p);
   }
-  const double reach = kCell_m + 2.0 * std::sqrt(std::max(0.0, grasp.covariance.trace()));
+  const double reach = cell_m + 2.0 * std::sqrt(std::max(0.0, grasp.covariance.trace()));
   const auto at_grasp = [&](const std::vector<Eigen::Vector3f>& points) {
     return std::any_of(points.begin(), points.end(), [&](const Eigen::Vector3f& p) {
       return (p.cast<double>() - grasp.position).norm() < reach;
@@ -108,7 +109,7 @@ std::vector<Eigen::Vector3f> thesis_person(const PclCloud& changed, const Partne
   };
   std::vector<Cell> open;
   for (const auto& [cell, points] : cells)
-    if (points.size() >= kFew && at_grasp(points)) open.push_back(cell);
+    if (points.size() >= few && at_grasp(points)) open.push_back(cell);
   std::set<Cell> person(open.begin(), open.end());
   std::vector<Eigen::Vector3f> out;
   while (!open.empty()) {
@@ -119,7 +120,7 @@ std::vector<Eigen::Vector3f> thesis_person(const PclCloud& changed, const Partne
     for (int n = 0; n < 27; ++n) {
       const Cell next{c[0] + n % 3 - 1, c[1] + n / 3 % 3 - 1, c[2] + n / 9 - 1};
       const auto there = cells.find(next);
-      if (there == cells.end() || there->second.size() < kFew || !person.insert(next).second) continue;
+      if (there == cells.end() || there->second.size() < few || !person.insert(next).second) continue;
       open.push_back(next);
     }
   }

@@ -36,7 +36,8 @@ namespace colift::perception {
 /// The changed points that hang together with those of a grasp: the person's hand, arm and body, without the
 /// ragged pixels that come and go at edges elsewhere. The thesis has no use for them; a planner that keeps
 /// clear of the person has. W (m).
-[[nodiscard]] std::vector<Eigen::Vector3f> thesis_person(const PclCloud& changed, const PartnerGrasp& grasp);
+[[nodiscard]] std::vector<Eigen::Vector3f> thesis_person(const PclCloud& changed, const PartnerGrasp& grasp,
+                                                         const ThesisConfig& config = {});
 
 /// Grasp from both clouds.
 [[nodiscard]] std::optional<PartnerGrasp> thesis_partner(const PclCloud& reference, const PclCloud& current,

@@ -14,9 +14,6 @@ namespace {
 using perception::Rectangle;
 using perception::Scene;
 
-/// Distance between the places along a rim at which the view is tested.
-constexpr double kProbeStep = 0.01;
-
 /// True where the camera looked past the rim into the distance and saw the plate itself on the inner side.
 bool free_rim(const SeenSpace& seen, const Vec3& rim, const Vec3& outward, const CandidateConfig& config) {
   const double beyond = seen.clearance(rim + config.edge_probe_m * outward);
@@ -28,10 +25,9 @@ bool free_rim(const SeenSpace& seen, const Vec3& rim, const Vec3& outward, const
 /// Thickness below a rim from the object's points just outside and just under it: what most places along it
 /// say, so that legs do not count. None where too few places show any.
 std::optional<double> seen_thickness(const Obstacles& obstacles, const Rectangle& plate,
-                                     const RectangleEdge& edge, const SeenSpace& seen,
-                                     const HandModel& hand) {
-  constexpr double kPlace_m = 0.02, kDeepest = 0.95, kLeastPlaces = 1.0 / 3.0;
-  constexpr std::size_t kEnough = 4;
+                                     const RectangleEdge& edge, const SeenSpace& seen, const HandModel& hand,
+                                     const RimConfig& config) {
+  const double place_m = config.place_m;
   const Vec3 along = (edge.to - edge.from).normalized();
   const double length = (edge.to - edge.from).norm();
   const double noise = 3.0 * seen.sigma(edge.from);
@@ -43,7 +39,7 @@ std::optional<double> seen_thickness(const Obstacles& obstacles, const Rectangle
       around.extend(end + side * edge.outward - reach * plate.normal);
     }
   }
-  std::vector<std::vector<double>> depths(static_cast<std::size_t>(length / kPlace_m) + 1);
+  std::vector<std::vector<double>> depths(static_cast<std::size_t>(length / place_m) + 1);
   obstacles.for_each_bucket(around, [&](const Obstacles::Bucket& bucket) {
     for (std::uint32_t i = bucket.begin; i < bucket.end; ++i) {
       if (obstacles.kind(i) != ObstacleKind::Object) continue;
@@ -51,7 +47,7 @@ std::optional<double> seen_thickness(const Obstacles& obstacles, const Rectangle
       const double out = d.dot(edge.outward), below = -d.dot(plate.normal), l = d.dot(along);
       if (std::abs(out) > beside || l < 0.0 || l > length) continue;
       if (below > noise + 0.004 && below < reach)
-        depths[static_cast<std::size_t>(l / kPlace_m)].push_back(below);
+        depths[static_cast<std::size_t>(l / place_m)].push_back(below);
     }
   });
   const auto quantile = [](std::vector<double>& values, double part) {
@@ -61,8 +57,9 @@ std::optional<double> seen_thickness(const Obstacles& obstacles, const Rectangle
   };
   std::vector<double> places;
   for (std::vector<double>& depth : depths)
-    if (depth.size() >= kEnough) places.push_back(quantile(depth, kDeepest));
-  if (static_cast<double>(places.size()) < kLeastPlaces * static_cast<double>(depths.size()))
+    if (depth.size() >= static_cast<std::size_t>(config.min_place_points))
+      places.push_back(quantile(depth, config.depth_quantile));
+  if (static_cast<double>(places.size()) < config.min_place_fraction * static_cast<double>(depths.size()))
     return std::nullopt;
   return quantile(places, 0.5);
 }
@@ -81,12 +78,12 @@ Thickness thickness_at(const Scene& scene, const Obstacles& obstacles, int surfa
     if (solid.a != surface && solid.b != surface) continue;
     const auto& other =
         std::get<Rectangle>(scene.surfaces[static_cast<std::size_t>(solid.a == surface ? solid.b : solid.a)]);
-    if (is_leg_face(other, plate, seen)) continue;
+    if (is_leg_face(other, plate, seen, config.solids.leg)) continue;
     const double length = solid.extent_along(plate.normal.cross(other.normal));
     if (length > longest) longest = length, deep = solid.extent_along(plate.normal);
   }
   if (deep > 0.0) return {deep, ""};
-  if (const auto measured = seen_thickness(obstacles, plate, edge, seen, hand)) {
+  if (const auto measured = seen_thickness(obstacles, plate, edge, seen, hand, config.rim)) {
     return {*measured, fmt::format("thickness {:.0f} mm from points below the rim", 1000 * *measured)};
   }
   return {config.assumed_thickness_m,
@@ -99,6 +96,7 @@ Thickness thickness_at(const Scene& scene, const Obstacles& obstacles, int surfa
 std::vector<GraspLine> edge_lines(const Scene& scene, const SeenSpace& seen, const CompletedSolids& solids,
                                   const Obstacles& obstacles, const HandModel& hand,
                                   const CandidateConfig& config) {
+  const double probe_step = config.rim.probe_step_m;
   std::vector<GraspLine> lines;
   for (std::size_t i = 0; i < scene.surfaces.size(); ++i) {
     const auto* plate = std::get_if<Rectangle>(&scene.surfaces[i]);
@@ -111,14 +109,15 @@ std::vector<GraspLine> edge_lines(const Scene& scene, const SeenSpace& seen, con
       std::vector<const Rectangle*> closing;
       for (const perception::Surface& s : scene.surfaces) {
         const auto* other = std::get_if<Rectangle>(&s);
-        if (other != nullptr && other != plate && faces_out(edge, *other)) closing.push_back(other);
+        if (other != nullptr && other != plate && faces_out(edge, *other, config.solids))
+          closing.push_back(other);
       }
-      const int probes = static_cast<int>(std::floor(length / kProbeStep)) + 1;
+      const int probes = static_cast<int>(std::floor(length / probe_step)) + 1;
 
       std::optional<Thickness> thickness;
       int run = 0;  // free places up to the present one
       for (int k = 0; k <= probes; ++k) {
-        const Vec3 rim = edge.from + std::min(k * kProbeStep, length) * along;
+        const Vec3 rim = edge.from + std::min(k * probe_step, length) * along;
         const bool on_ground =
             scene.ground &&
             scene.ground->plane.height(rim + config.edge_probe_m * edge.outward) < config.edge_probe_m;
@@ -131,7 +130,7 @@ std::vector<GraspLine> edge_lines(const Scene& scene, const SeenSpace& seen, con
           ++run;
           continue;
         }
-        const double run_length = (run - 1) * kProbeStep;
+        const double run_length = (run - 1) * probe_step;
         const int first = k - run;
         run = 0;
         if (run_length < 2.0 * config.end_margin_m) continue;
@@ -148,8 +147,8 @@ std::vector<GraspLine> edge_lines(const Scene& scene, const SeenSpace& seen, con
         line.width = thickness->value;
         line.note = thickness->note;
         const Vec3 middle = -0.5 * thickness->value * plate->normal;
-        line.from = edge.from + (first * kProbeStep + config.end_margin_m) * along + middle;
-        line.to = edge.from + (first * kProbeStep + run_length - config.end_margin_m) * along + middle;
+        line.from = edge.from + (first * probe_step + config.end_margin_m) * along + middle;
+        line.to = edge.from + (first * probe_step + run_length - config.end_margin_m) * along + middle;
         lines.push_back(line);
       }
     }

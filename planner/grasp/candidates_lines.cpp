@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "hal/types/units.hpp"
 #include "planner/grasp/grasp_candidates.hpp"
 #include "planner/grasp/grasp_lines.hpp"
 
@@ -79,7 +79,7 @@ std::vector<GraspLine> wrap_lines(const Scene& scene, const Vec3* camera, const 
     const Vec3 side = axis.cross(front);
     const int steps = static_cast<int>(std::floor(reach_deg / config.wrap_step_deg));
     for (int k = -steps; k <= steps; ++k) {
-      const double angle = k * config.wrap_step_deg * std::numbers::pi / 180.0;
+      const double angle = hal::deg_to_rad(k * config.wrap_step_deg);
       const Vec3 out = std::cos(angle) * front + std::sin(angle) * side;
       GraspLine line;
       line.kind = GraspKind::Wrap;

@@ -13,10 +13,6 @@ using perception::Cylinder;
 using perception::Rectangle;
 using perception::Scene;
 
-constexpr double kLeastHold_m = 0.03;  // pads stay this far behind the face, with which they then still bear
-constexpr double kWorthAnother_m = 0.01;  // of depth, for a candidate of its own
-constexpr double kSameDirection = 0.866;  // 30 degrees
-
 GraspCandidate on_line(const GraspLine& line, const Vec3& position) {
   GraspCandidate c;
   c.kind = line.kind;
@@ -35,10 +31,11 @@ double pad_depth(const GraspCandidate& c, const HandModel& hand) {
 }
 
 /// An edge grasp repeats an Ega5 grasp that takes the same rim from the same side.
-bool repeats_ega5(const GraspCandidate& edge, const std::vector<GraspCandidate>& found, double reach) {
+bool repeats_ega5(const GraspCandidate& edge, const std::vector<GraspCandidate>& found, double reach,
+                  double same_cosine) {
   return std::any_of(found.begin(), found.end(), [&](const GraspCandidate& c) {
     return c.kind == GraspKind::Ega5 && c.verdict != Verdict::TooWide &&
-           c.approach.dot(edge.approach) > kSameDirection && (c.position - edge.position).norm() <= reach;
+           c.approach.dot(edge.approach) > same_cosine && (c.position - edge.position).norm() <= reach;
   });
 }
 
@@ -95,7 +92,7 @@ CandidateFinder::CandidateFinder(const Scene& scene, const perception::Organised
   cog_ = scene.target->cog;
   const CollisionConfig& c = config_.collision;
   if (cloud != nullptr) seen_.emplace(*cloud, c.obstacles.noise, c.sight_sigmas, c.shadow_px);
-  solids_ = complete_solids(scene, seen(), config_.adjoin_m, config_.max_free_of_solid);
+  solids_ = complete_solids(scene, seen(), config_.adjoin_m, config_.max_free_of_solid, config_.solids);
   obstacles_ = gather_obstacles(scene, cloud, c.obstacles);
 
   lines_ = ega5_lines(scene, hand_, config_);
@@ -127,7 +124,9 @@ std::vector<GraspCandidate> CandidateFinder::find() const {
     for (int i = 0; i <= spans; ++i) {
       const double f = spans == 0 ? 0.5 : static_cast<double>(i) / spans;
       GraspCandidate c = on_line(line, line.from + f * (line.to - line.from));
-      if (c.kind == GraspKind::Edge && repeats_ega5(c, found, 0.5 * config_.step_m)) continue;
+      if (c.kind == GraspKind::Edge &&
+          repeats_ega5(c, found, 0.5 * config_.step_m, config_.same_approach_cosine))
+        continue;
       judge(c);
       if (config_.pads_bear) c.depth_m = pad_depth(c, hand_);
       found.push_back(std::move(c));
@@ -175,14 +174,15 @@ std::vector<GraspCandidate> CandidateFinder::near(const Vec3& point,
   for (const Foot& foot : feet) {
     GraspCandidate c = on_line(lines_[foot.line], foot.position);
     if (c.kind == GraspKind::Edge &&
-        (repeats_ega5(c, existing, 0.5 * config_.step_m) || repeats_ega5(c, found, 0.5 * config_.step_m))) {
+        (repeats_ega5(c, existing, 0.5 * config_.step_m, config_.same_approach_cosine) ||
+         repeats_ega5(c, found, 0.5 * config_.step_m, config_.same_approach_cosine))) {
       continue;
     }
     const bool known = is_known(existing, c) || is_known(found, c);
     // the hand usually reaches far behind the face; where the load is wanted nearer, it stays farther out
     const double depth = pad_depth(c, hand_);
-    const double wanted = std::max((point - c.position).dot(c.approach), kLeastHold_m);
-    if (config_.pads_bear && c.kind != GraspKind::Wrap && wanted < depth - kWorthAnother_m) {
+    const double wanted = std::max((point - c.position).dot(c.approach), config_.min_hold_depth_m);
+    if (config_.pads_bear && c.kind != GraspKind::Wrap && wanted < depth - config_.min_depth_gain_m) {
       GraspCandidate shallow = c;
       shallow.gap_m = hand_.gap(c) + depth - wanted;
       const bool had = std::any_of(existing.begin(), existing.end(), [&](const GraspCandidate& other) {
@@ -232,7 +232,6 @@ std::optional<Collision> CandidateFinder::beside(const GraspCandidate& candidate
 
 std::optional<GraspCandidate> CandidateFinder::turned(const GraspCandidate& candidate,
                                                       double angle_rad) const {
-  constexpr double kPalmClear_m = 0.006;
   if (candidate.kind == GraspKind::Wrap) return std::nullopt;
   GraspCandidate c = candidate;
   c.verdict = Verdict::Ok;
@@ -243,7 +242,7 @@ std::optional<GraspCandidate> CandidateFinder::turned(const GraspCandidate& cand
   double corner = 0.0, finger = 0.0;
   if (!hand_.cuboids.empty()) corner = 0.5 * hand_.cuboids.front().size_m.x();
   for (const HandFinger& f : hand_.fingers) finger = std::max(finger, std::abs(f.x_m));
-  c.gap_m = std::max(hand_.gap(candidate), kPalmClear_m + corner * lean);
+  c.gap_m = std::max(hand_.gap(candidate), config_.palm_clearance_m + corner * lean);
   if (*c.gap_m > hand_.largest_gap(c) - finger * lean) return std::nullopt;
   judge(c);
   if (config_.pads_bear) c.depth_m = pad_depth(c, hand_);

@@ -17,7 +17,30 @@
 
 namespace colift::planner {
 
-/// Where grasps are looked for, and what refuses them.
+/// How the thickness of a plate is measured below its rim.
+struct RimConfig {
+  double probe_step_m = 0.01;
+  double place_m = 0.02;
+  double depth_quantile = 0.95;
+  double min_place_fraction = 1.0 / 3.0;
+  int min_place_points = 4;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("probe_step_m", probe_step_m, hal::Range{0.001, 0.5},
+      "Distance between the places along a rim at which the view beyond it is tested (m).");
+    v("place_m", place_m, hal::Range{0.001, 0.5},
+      "Length of the places along a rim at which the thickness is measured (m).");
+    v("depth_quantile", depth_quantile, hal::Range{0, 0.999},
+      "Quantile of the depths below the rim at one place that is the thickness there.");
+    v("min_place_fraction", min_place_fraction, hal::kFraction,
+      "Min fraction of the places with points; with fewer the thickness counts as not seen.");
+    v("min_place_points", min_place_points, hal::Range{1, 1000},
+      "Min number of points of a place that counts.");
+  }
+};
+
+/// Where grasps are searched, and what refuses them.
 struct CandidateConfig {
   double step_m = 0.05;
   double end_margin_m = 0.04;
@@ -37,43 +60,59 @@ struct CandidateConfig {
   int refine_lines = 4;
   double turn_step_deg = 20.0;
   double max_turn_deg = 0.0;
+  double min_hold_depth_m = 0.03;
+  double min_depth_gain_m = 0.01;
+  double same_approach_cosine = 0.866;
+  double palm_clearance_m = 0.006;
+  RimConfig rim;
+  SolidConfig solids;
   CollisionConfig collision;
   StabilityConfig stability;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("step_m", step_m, hal::Range{0.002, 1}, "Largest distance between neighbouring grasps (m).");
+    v("step_m", step_m, hal::Range{0.002, 1}, "Max distance between neighbouring grasps (m).");
     v("end_margin_m", end_margin_m, hal::Range{0, 0.5},
       "Distance of the outermost grasps from a surface's ends (m).");
-    v("min_width_m", min_width_m, hal::Range{0, 0.2}, "Thinner surfaces are not grasped (m).");
-    v("min_length_m", min_length_m, hal::Range{0, 1}, "Shorter surfaces are not grasped (m).");
+    v("min_width_m", min_width_m, hal::Range{0, 0.2}, "Min width of a surface that is grasped (m).");
+    v("min_length_m", min_length_m, hal::Range{0, 1}, "Min length of a surface that is grasped (m).");
     v("pads_bear", pads_bear,
-      "Whether the load is taken to hang where the pads press, behind the face; the thesis takes the face "
-      "itself.");
+      "Whether the load acts where the pads press, behind the face; the thesis takes the face itself.");
     v("edges", edges, "Whether rims of plates are grasped.");
     v("side_clearance_m", side_clearance_m, hal::Range{0, 0.2},
-      "A hand on a rim that would meet the object this far aside is refused: of a leg only the faces towards "
-      "the camera "
-      "are seen (m).");
+      "Distance to both sides along a rim within which the hand must not meet the object either: of a leg "
+      "only "
+      "the faces towards the camera are seen (m).");
     v("assumed_thickness_m", assumed_thickness_m, hal::Range{0.001, 0.5},
-      "Of a plate whose edge was not seen (m).");
-    v("edge_probe_m", edge_probe_m, hal::Range{0.001, 0.2}, "How far beyond a rim the view is tested (m).");
-    v("edge_jump_m", edge_jump_m, hal::Range{0.001, 2},
-      "How far behind a rim the background must be at least (m).");
-    v("adjoin_m", adjoin_m, hal::Range{0, 0.2}, "Faces nearer than this at an edge belong together (m).");
+      "Thickness of a plate whose edge was not seen (m).");
+    v("edge_probe_m", edge_probe_m, hal::Range{0.001, 0.2},
+      "Distance beyond a rim at which the view is tested (m).");
+    v("edge_jump_m", edge_jump_m, hal::Range{0.001, 2}, "Min distance of the background behind a rim (m).");
+    v("adjoin_m", adjoin_m, hal::Range{0, 0.2}, "Max distance between faces that adjoin at an edge (m).");
     v("max_free_of_solid", max_free_of_solid, hal::kFraction,
-      "Part of an implied box that may have been seen free.");
+      "Max fraction of an implied box that may have been seen free.");
     v("wraps", wraps, "Whether cylinders are grasped.");
     v("wrap_step_deg", wrap_step_deg, hal::Range{1, 180},
       "Angle between approaches around a cylinder (deg).");
-    v("try_both_ways", try_both_ways, "Whether the hand is turned by half a turn where it collides.");
+    v("try_both_ways", try_both_ways, "Whether the hand is tried turned by 180 degrees where it collides.");
     v("refine_lines", refine_lines, hal::Range{0, 100},
-      "How many surface lines get a candidate near a given point.");
+      "Number of grasp lines that get a candidate near a given point.");
     v("turn_step_deg", turn_step_deg, hal::Range{1, 90},
-      "Step of the angles at which the hand comes to a face where the arm does not get there straight "
+      "Step of the angles at which the hand approaches a face that the arm does not reach along its normal "
       "(deg).");
     v("max_turn_deg", max_turn_deg, hal::Range{0, 60},
-      "Largest such angle; 0: the hand always comes straight (deg).");
+      "Max such angle; 0: the hand always approaches along the face's normal (deg).");
+    v("min_hold_depth_m", min_hold_depth_m, hal::Range{0, 0.5},
+      "Min depth of the pads behind the face in candidates that grip less deep than the hand can (m).");
+    v("min_depth_gain_m", min_depth_gain_m, hal::Range{0, 0.5},
+      "Min difference in depth to the deepest grip for such a candidate to be added (m).");
+    v("same_approach_cosine", same_approach_cosine, hal::kFraction,
+      "Min cosine between the approaches of an edge grasp and of the face grasp that it repeats (0.866: 30 "
+      "degrees).");
+    v("palm_clearance_m", palm_clearance_m, hal::Range{0, 0.1},
+      "Min distance of the palm from the face where the hand is turned (m).");
+    v("rim", rim, "How the thickness of a plate is measured below its rim.");
+    v("solids", solids, "When two faces imply a solid behind them.");
     v("collision", collision, "When the hand collides.");
     v("stability", stability, "When a grasp slips.");
   }
@@ -124,11 +163,12 @@ class CandidateFinder {
  private:
   /// A gap that keeps the fingers off the ground, if there is one with which they still hold.
   [[nodiscard]] std::optional<double> raised_gap(const GraspCandidate& candidate, const Collision& met) const;
-  /// A palm in the middle of the hand meets the same when the hand is turned by half a turn.
-  /// What a hand on a rim would meet of the object if it stood a little aside.
+  /// Collision of a hand on a rim with the object, with the hand shifted sideways along the rim.
   [[nodiscard]] std::optional<Collision> beside(const GraspCandidate& candidate) const;
+  /// Whether the hand turned by half a turn about the approach has the same collision: a palm in the middle
+  /// does not move then.
   [[nodiscard]] bool same_when_turned(const Collision& met) const;
-  /// What is `enough_m` deep ends the search.
+  /// First collision of the hand at this grasp. Early exit at a penetration depth of `enough_m`.
   [[nodiscard]] std::optional<Collision> collides(const GraspCandidate& candidate, double enough_m) const;
 
   HandModel hand_;

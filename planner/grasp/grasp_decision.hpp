@@ -13,7 +13,9 @@
 
 namespace colift::planner {
 
+/// Weights and limits of the decision, and what is refused before it.
 struct DecisionConfig {
+  std::optional<double> share;  ///< What weights.epsilon was made of, where a person said it so.
   SharingWeights weights;
   SharingLimits limits;
   double mass_kg = 1.0;
@@ -26,35 +28,40 @@ struct DecisionConfig {
   double wrist_to_palm_m = 0.137;
   std::string robust = "nominal";
   double unevenness = 0.05;
+  int what_ifs = 10'000;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("weights", weights, "Price of effort, thesis eq. 4.5.");
+    v("share", share, hal::kFraction,
+      "Share of the load that the robot shall carry, more than 0 and less than 1; sets weights.epsilon. Of the "
+      "two, the one that was set last counts. ~: weights.epsilon.");
+    v("weights", weights, "Cost weights of effort, thesis eq. 4.5.");
     v("limits", limits, "What either agent can exert; without entries there is no limit.");
     v("mass_kg", mass_kg, hal::kPositive,
       "Mass that the limits are checked for; the choice without limits does not depend on it.");
     v("near_partner_m", near_partner_m, hal::kNotNegative,
-      "Least distance between the partner's grasp and the robot's.");
+      "Min distance between the partner's grasp and the robot's (m).");
     v("max_sideways", max_sideways, hal::kNotNegative,
-      "Sideways force that the partner may be asked for, as a part of the weight; a person who lifts does "
-      "not push.");
+      "Max sideways force of the partner, as a fraction of the weight.");
     v("max_lever_m", max_lever_m, hal::kPositive,
-      "Largest distance of the centre of gravity from the vertical plane through both hands (m): beyond it "
-      "the object "
-      "tips about the line between them, whatever they do.");
+      "Max distance of the centre of gravity from the vertical plane through both hands; beyond it the "
+      "object tips about the line between them (m).");
+    v.or_infinite("max_sideways");
+    v.or_infinite("max_lever_m");
     v("check_reach", check_reach,
       "Whether a grasp beyond the arm's reach is refused (needs the camera's pose).");
-    v("shoulder_m", shoulder_m, "Where axes 1 to 3 of the arm meet, in the robot base frame.");
+    v("shoulder_m", shoulder_m, hal::Range{-10, 10}, "Intersection of axes 1 to 3 of the arm, in the robot base frame (m).");
     v("arm_reach_m", arm_reach_m, hal::kPositive,
-      "Largest distance of the wrist from the shoulder: upper arm and forearm in line.");
+      "Max distance of the wrist from the shoulder: upper arm and forearm in line (m).");
     v("wrist_to_palm_m", wrist_to_palm_m, hal::kNotNegative,
-      "From the wrist's centre to the palm along the approach.");
+      "Distance from the wrist's centre to the palm along the approach (m).");
     v("robust", robust, hal::Choices{"nominal", "expected", "worst"},
-      "Which cost the choice minimises: at what is believed, or the expected or the worst over 10 000 "
-      "what-ifs "
-      "of centre of gravity and partner, with mass_kg and with grips that slip.");
+      "Which cost the choice minimises: the nominal one, or the expected or the worst over samples of centre "
+      "of "
+      "gravity and partner, with mass_kg and with grips that slip.");
     v("unevenness", unevenness, hal::kFraction,
-      "Standard deviation of the centre of gravity from uneven density, as a part of the object's size.");
+      "Standard deviation of the centre of gravity from uneven density, as a fraction of the object's size.");
+    v("what_ifs", what_ifs, hal::Range{2, 1e6}, "Number of these samples.");
   }
 };
 
@@ -65,6 +72,7 @@ struct ScoredCandidate {
   AgentWrenches wrenches;  ///< Of both agents at the top of the lift, each about its own grasp point, in W.
 };
 
+/// Which candidate is chosen, and how each one scored.
 struct Decision {
   std::optional<std::size_t> chosen;  ///< Index into the candidates.
   double share = 0.0;                 ///< Of the chosen one.

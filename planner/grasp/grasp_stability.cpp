@@ -11,6 +11,8 @@ namespace colift::planner {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Search for the first factor of a load that slips: bounds and steps, then halvings, which leave 3e-8 of a
+// step. A margin above the largest factor counts as infinite.
 constexpr double kLeastFactor = 0.01, kLargestFactor = 100.0, kStep = 1.25;
 constexpr int kHalvings = 25;
 

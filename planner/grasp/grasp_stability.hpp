@@ -20,8 +20,8 @@ struct StabilityConfig {
     v("enabled", enabled, "Whether the margin is computed; off: every grasp is assumed stable (thesis).");
     v("load_n", load_n, hal::Range{0.1, 1000}, "The hand's share of the object's weight (N).");
     v("cog_lever_m", cog_lever_m, hal::Range{0, 1},
-      "Lever of the share that both partners' line does not balance (m).");
-    v("min_margin", min_margin, hal::Range{0, 100}, "Margin below which a grasp is refused.");
+      "Lever of that share about the line between both grasps (m).");
+    v("min_margin", min_margin, hal::Range{0, 100}, "Min stability margin of a grasp.");
   }
 };
 

@@ -7,8 +7,8 @@
 namespace colift::planner {
 namespace {
 
-constexpr double kGravity = 9.80665;           // m/s^2
-constexpr double kMinimumJerkPeak = 5.773503;  // 10/sqrt(3) d/t^2
+constexpr double kGravity = 9.80665;           // m/s^2, standard
+constexpr double kMinimumJerkPeak = 5.773503;  // 10/sqrt(3): peak acceleration times t^2 / d
 
 bool possible(const GraspCandidate& c) {
   return c.verdict == Verdict::Ok || c.verdict == Verdict::Chosen;

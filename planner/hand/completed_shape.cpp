@@ -3,22 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planner/hand/leg_face.hpp"
-
 namespace colift::planner {
 namespace {
 
 using perception::Rectangle;
 
 /// Whether the camera looked through more than a part of a box.
-bool is_free(const hal::OrientedBox& box, const SeenSpace& seen, double max_free) {
-  constexpr int kN = 6;
-  const double most = max_free * (kN * kN * kN);
+bool is_free(const hal::OrientedBox& box, const SeenSpace& seen, double max_free, int n) {
+  const double most = max_free * (n * n * n);
   int free = 0;
-  for (int k = 0; k < kN; ++k) {
-    for (int j = 0; j < kN; ++j) {
-      for (int i = 0; i < kN; ++i) {
-        const Vec3 f((i + 0.5) / kN - 0.5, (j + 0.5) / kN - 0.5, (k + 0.5) / kN - 0.5);
+  for (int k = 0; k < n; ++k) {
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i < n; ++i) {
+        const Vec3 f((i + 0.5) / n - 0.5, (j + 0.5) / n - 0.5, (k + 0.5) / n - 0.5);
         if (seen.at(box.center + box.axes * f.cwiseProduct(box.size)) == Sight::Free && ++free > most)
           return true;
       }
@@ -44,9 +41,8 @@ double distance_to(const Rectangle& r, const Vec3& p) {
   return (d - u * r.u - v * r.v).norm();
 }
 
-bool faces_out(const RectangleEdge& edge_of_a, const Rectangle& b) {
-  constexpr double kCosTilt = 0.94;  // 20 degrees
-  return b.normal.dot(edge_of_a.outward) > kCosTilt;
+bool faces_out(const RectangleEdge& edge_of_a, const Rectangle& b, const SolidConfig& config) {
+  return b.normal.dot(edge_of_a.outward) > config.perpendicular_cosine;
 }
 
 double CompletedSolid::extent_along(const Vec3& direction) const {
@@ -56,7 +52,7 @@ double CompletedSolid::extent_along(const Vec3& direction) const {
 }
 
 CompletedSolids complete_solids(const perception::Scene& scene, const SeenSpace* seen, double tolerance_m,
-                                double max_free) {
+                                double max_free, const SolidConfig& config) {
   CompletedSolids solids;
   for (std::size_t i = 0; i < scene.surfaces.size(); ++i) {
     const auto* a = std::get_if<Rectangle>(&scene.surfaces[i]);
@@ -65,7 +61,8 @@ CompletedSolids complete_solids(const perception::Scene& scene, const SeenSpace*
     for (std::size_t j = 0; j < scene.surfaces.size(); ++j) {
       const auto* b = std::get_if<Rectangle>(&scene.surfaces[j]);
       if (b == nullptr || j == i) continue;
-      if (std::none_of(edges.begin(), edges.end(), [&](const auto& edge) { return faces_out(edge, *b); })) {
+      if (std::none_of(edges.begin(), edges.end(),
+                       [&](const auto& edge) { return faces_out(edge, *b, config); })) {
         continue;
       }
       const auto same_pair = [&](const CompletedSolid& s) {
@@ -73,7 +70,7 @@ CompletedSolids complete_solids(const perception::Scene& scene, const SeenSpace*
       };
       if (std::any_of(solids.begin(), solids.end(), same_pair)) continue;
       for (const RectangleEdge& edge : edges) {
-        if (!faces_out(edge, *b) || a->normal.dot(b->center - a->center) > 0.0) continue;
+        if (!faces_out(edge, *b, config) || a->normal.dot(b->center - a->center) > 0.0) continue;
         // the other face has to meet this edge somewhere, and lie on the inner side of this one
         bool meets = false;
         for (int k = 0; k <= 20 && !meets; ++k) {
@@ -86,9 +83,9 @@ CompletedSolids complete_solids(const perception::Scene& scene, const SeenSpace*
         const double low = std::max(ea.low, eb.low), high = std::min(ea.high, eb.high);
         Extent in_n{extent_of(*b, n).low, n.dot(a->center)}, in_m{extent_of(*a, m).low, m.dot(b->center)};
         // a leg is about as thick as it is wide
-        if (seen != nullptr && is_leg_face(*b, *a, *seen))
+        if (seen != nullptr && is_leg_face(*b, *a, *seen, config.leg))
           in_m.low = std::max(in_m.low, in_m.high - eb.length());
-        if (seen != nullptr && is_leg_face(*a, *b, *seen))
+        if (seen != nullptr && is_leg_face(*a, *b, *seen, config.leg))
           in_n.low = std::max(in_n.low, in_n.high - ea.length());
         const Vec3 size(high - low, in_m.high - in_m.low, in_n.high - in_n.low);
         if (size.minCoeff() <= 0.0) continue;
@@ -98,7 +95,7 @@ CompletedSolids complete_solids(const perception::Scene& scene, const SeenSpace*
         solid.box.size = size;
         solid.box.center =
             0.5 * ((low + high) * along + (in_m.low + in_m.high) * m + (in_n.low + in_n.high) * n);
-        if (seen != nullptr && is_free(solid.box, *seen, max_free)) continue;
+        if (seen != nullptr && is_free(solid.box, *seen, max_free, config.samples_per_side)) continue;
         solids.push_back(solid);
       }
     }

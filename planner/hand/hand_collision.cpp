@@ -9,8 +9,6 @@
 namespace colift::planner {
 namespace {
 
-constexpr double kSampleStep = 0.015;
-
 /// Of a bucket, with what single precision may add.
 constexpr double kBall = Obstacles::kCellRadius + 2e-5;
 
@@ -209,16 +207,17 @@ std::optional<Collision> HandCollision::check_exact(const HandPlacement& placeme
 }
 
 void HandCollision::sample_volume() {
-  // a point for every 15 mm of the volume, with the first part and step that takes it
+  const double sample_m = config_.unseen_sample_m;
+  // points on a grid in the volume, with the first part and step that takes it
   struct Sample {
     Vec3 p;
     int part, step;
   };
   std::vector<Sample> all;
   const hal::Aabb& b = sweep_.bounds();
-  for (double z = b.min().z(); z <= b.max().z(); z += kSampleStep) {
-    for (double y = b.min().y(); y <= b.max().y(); y += kSampleStep) {
-      for (double x = b.min().x(); x <= b.max().x(); x += kSampleStep) {
+  for (double z = b.min().z(); z <= b.max().z(); z += sample_m) {
+    for (double y = b.min().y(); y <= b.max().y(); y += sample_m) {
+      for (double x = b.min().x(); x <= b.max().x(); x += sample_m) {
         // the body counts as one part
         if (const auto hit = sweep_.quick_hit({x, y, z}, sweep_.steps())) {
           all.push_back({{x, y, z}, hit->part < sweep_.fixed_parts() ? 0 : hit->part, hit->step});

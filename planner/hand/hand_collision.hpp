@@ -29,27 +29,32 @@ struct CollisionConfig {
   double unseen_fraction = 0.2;
   double sight_sigmas = 3.0;
   int shadow_px = 30;
+  double unseen_sample_m = 0.015;
   ObstacleConfig obstacles;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("approach_m", approach_m, hal::Range{0, 1}, "Straight way before the grasp that is checked (m).");
+    v("approach_m", approach_m, hal::Range{0, 1},
+      "Length of the straight approach before the grasp that is checked (m).");
     v("closing_step_deg", closing_step_deg, hal::Range{0.75, 20},
       "Step of the inner joint along the closing (deg).");
     v("feature_margin_m", feature_margin_m, hal::Range{0, 0.1},
       "Allowance for the grasped feature's points (m).");
     v("feature_sigmas", feature_sigmas, hal::Range{0, 10}, "The same in standard deviations of the depth.");
     v("ragged_px", ragged_px, hal::Range{0, 20},
-      "How far edges in the image stray (px); closing fingers may touch the object that much earlier.");
+      "Max error of edges in the image; closing fingers may touch the object that much earlier (px).");
     v("ground_clearance_m", ground_clearance_m, hal::Range{0, 0.2},
       "Distance that the hand keeps from the ground (m).");
     v("refuse_unseen", refuse_unseen, "Whether space that the camera did not see is taken as not free.");
-    v("max_unseen_m", max_unseen_m, hal::Range{0, 1}, "How far fingers may reach into unseen space (m).");
+    v("max_unseen_m", max_unseen_m, hal::Range{0, 1}, "Max reach of the fingers into unseen space (m).");
     v("unseen_fraction", unseen_fraction, hal::kFraction,
-      "Part of a hand part's way that may be unseen before the face.");
-    v("sight_sigmas", sight_sigmas, hal::Range{0, 20}, "Noise of the depth in the test for unseen space.");
+      "Max fraction of the volume that a part of the hand sweeps before the face that may be unseen.");
+    v("sight_sigmas", sight_sigmas, hal::Range{0, 20},
+      "Tolerance in the test for unseen space, in standard deviations of the depth noise.");
     v("shadow_px", shadow_px, hal::Range{0, 640},
-      "Longest row of missing pixels that is closed from its ends.");
+      "Max length of a row of missing pixels that is filled from its ends (px).");
+    v("unseen_sample_m", unseen_sample_m, hal::Range{0.002, 0.1},
+      "Distance between the points of the hand's volume that are tested for unseen space (m).");
     v("obstacles", obstacles, "Which points are obstacles.");
   }
 };

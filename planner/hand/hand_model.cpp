@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::planner {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kClosedRad = 140.0 * kDegree;
 
 /// Links in the plane of the finger: radius from the middle and height above the palm.
 struct PlanarFinger {
@@ -19,7 +17,7 @@ struct PlanarFinger {
 };
 
 PlanarFinger planar(const FingerGeometry& f, double q_rad) {
-  const double bend = q_rad + f.outer_bend_deg * kDegree + f.coupling * q_rad;
+  const double bend = q_rad + hal::deg_to_rad(f.outer_bend_deg) + f.coupling * q_rad;
   const double ci = std::cos(q_rad), si = std::sin(q_rad);
   const double co = std::cos(bend), so = std::sin(bend);
   const double joint_r = f.joint_radius_m + f.inner_length_m * ci, joint_z = f.inner_length_m * si;
@@ -60,13 +58,14 @@ hal::Result<> check_hand(const HandModel& hand) {
     return wrong(
         fmt::format("{} fingers at +Hy and {} at -Hy; closing needs at least one on each side", up, down));
   }
-  const double q_open = hand.finger.open_deg * kDegree;
+  const double q_open = hal::deg_to_rad(hand.finger.open_deg);
   const double widest = 2.0 * half_gap_at(hand, q_open);
   if (widest < hand.opening_m) {
     return wrong(fmt::format("opening_m is {:.3f}, but the open fingers leave only {:.3f} m between them",
                              hand.opening_m, widest));
   }
-  if (2.0 * half_gap_at(hand, kClosedRad) > 0.0) return wrong("the fingers do not meet when they close");
+  if (2.0 * half_gap_at(hand, hand.finger.closed_deg * hal::kRadPerDeg) > 0.0)
+    return wrong("the fingers do not meet when they close");
   return {};
 }
 
@@ -116,7 +115,7 @@ double half_gap_at(const HandModel& hand, double q_rad) {
 
 PadContact contact_at_width(const HandModel& hand, double width_m) {
   // regula falsi, in the form that halves the weight of an end that stays (Illinois)
-  double low = hand.finger.open_deg * kDegree, high = kClosedRad;
+  double low = hand.finger.open_deg * hal::kRadPerDeg, high = hand.finger.closed_deg * hal::kRadPerDeg;
   double at_low = half_gap_at(hand, low) - 0.5 * width_m, at_high = half_gap_at(hand, high) - 0.5 * width_m;
   if (at_low <= 0.0) at_high = 0.0, high = low;
   for (int i = 0, side = 0; i < 60 && high - low > 1e-12 && at_low > 1e-13; ++i) {
@@ -156,15 +155,16 @@ double stopped_angle(const HandModel& hand, const GraspCandidate& candidate) {
     };
     return near(pose.inner) || near(pose.outer);
   };
-  constexpr double kStep_rad = 0.5 * kDegree;
-  double q = hand.finger.open_deg * kDegree;
-  while (q < kClosedRad && !meets(q)) q += kStep_rad;
+  constexpr double kStep_rad = 0.5 * hal::kRadPerDeg;  // resolution of the result
+  double q = hand.finger.open_deg * hal::kRadPerDeg;
+  const double closed = hand.finger.closed_deg * hal::kRadPerDeg;
+  while (q < closed && !meets(q)) q += kStep_rad;
   return q;
 }
 
 double HandModel::largest_gap(const GraspCandidate& c) const {
-  constexpr double kHold = 0.012, kBeforeMiddle = 0.005;
-  const double behind = c.kind == GraspKind::Wrap ? std::max(kHold, 0.5 * c.width - kBeforeMiddle) : kHold;
+  const double behind =
+      c.kind == GraspKind::Wrap ? std::max(min_hold_m, 0.5 * c.width - wrap_margin_m) : min_hold_m;
   return contact_at_width(*this, c.width).height_m - behind;
 }
 

@@ -22,7 +22,7 @@ struct HandCuboid {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("part", part, "What it is called in a refusal.");
+    v("part", part, "Name of the part in messages.");
     v("center_m", center_m, hal::Range{-1, 1}, "Middle in the hand frame H (m).");
     v("size_m", size_m, hal::Range{0, 1}, "Full lengths along Hx, Hy, Hz (m).");
   }
@@ -36,9 +36,9 @@ struct HandFinger {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("part", part, "What it is called in a refusal.");
+    v("part", part, "Name of the part in messages.");
     v("x_m", x_m, hal::Range{-0.5, 0.5}, "Offset of the finger's plane along Hx (m).");
-    v("side", side, hal::Range{-1, 1}, "+1: stands at +Hy, -1: at -Hy.");
+    v("side", side, hal::Range{-1, 1}, "Side of the finger: +1 at +Hy, -1 at -Hy.");
   }
 };
 
@@ -55,6 +55,7 @@ struct FingerGeometry {
   double outer_bend_deg = 42.0;
   double coupling = 1.0 / 3.0;
   double open_deg = 0.0;
+  double closed_deg = 140.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -72,6 +73,7 @@ struct FingerGeometry {
       "Bend of the outer link with the finger open (deg).");
     v("coupling", coupling, hal::Range{0, 3}, "Turn of the outer joint for each turn of the inner one.");
     v("open_deg", open_deg, hal::Range{-30, 90}, "Inner joint in the open pre-shape (deg).");
+    v("closed_deg", closed_deg, hal::Range{1, 180}, "Inner joint at the end of its range (deg).");
   }
 };
 
@@ -91,14 +93,16 @@ struct HandModel {
   double finger_force_n = 15.0;
   double finger_hold_n = 19.6;
   double friction = 0.5;
+  double min_hold_m = 0.012;
+  double wrap_margin_m = 0.005;
 
   /// Distance of the palm plane from the object's face (m).
   [[nodiscard]] double gap(const GraspCandidate& c) const {
     return c.gap_m.value_or(c.kind == GraspKind::Wrap ? wrap_gap_m : palm_gap_m);
   }
 
-  /// Largest distance at which the fingers still hold the object: 12 mm behind the face, or at a cylinder's
-  /// middle.
+  /// Largest distance at which the fingers still hold the object: `min_hold_m` behind the face, or about
+  /// at a cylinder's middle.
   [[nodiscard]] double largest_gap(const GraspCandidate& c) const;
 
   [[nodiscard]] static std::vector<HandCuboid> bh8_282_cuboids();
@@ -107,7 +111,7 @@ struct HandModel {
   template <class Visitor>
   void visit(Visitor& v) {
     v("name", name, "Make and type.");
-    v("opening_m", opening_m, hal::Range{0.001, 1}, "Largest width that parallel pads can hold (m).");
+    v("opening_m", opening_m, hal::Range{0.001, 1}, "Max width that parallel pads can hold (m).");
     v("palm_gap_m", palm_gap_m, hal::Range{0.001, 0.5},
       "Palm plane to the grasped face, Ega5 and edge grasps (m).");
     v("wrap_gap_m", wrap_gap_m, hal::Range{0.001, 0.5},
@@ -121,6 +125,10 @@ struct HandModel {
       "Normal force that a finger presses with (N).");
     v("finger_hold_n", finger_hold_n, hal::Range{0.1, 1000}, "Force that a locked finger bears (N).");
     v("friction", friction, hal::Range{0.01, 3}, "Coefficient of friction between pad and object.");
+    v("min_hold_m", min_hold_m, hal::Range{0, 0.2},
+      "Min distance of the pads behind the grasped face at which they still hold the object (m).");
+    v("wrap_margin_m", wrap_margin_m, hal::Range{0, 0.2},
+      "Max distance of the pads before the middle of a cylinder at which they still hold it (m).");
   }
 };
 

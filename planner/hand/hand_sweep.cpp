@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::planner {
 namespace {
@@ -46,10 +47,9 @@ HandSweep::HandSweep(const HandModel& hand, double approach_m, double step_deg, 
   greatest_depth_ = hand.finger.half_thickness_m;
 
   // the cells of the tables count steps in a byte; a finer step than that is of no use to anybody
-  const double degree = std::numbers::pi / 180.0;
   const double step = std::max(step_deg, 0.75);
   for (int k = 0; k < 200; ++k) {
-    const double q = (hand.finger.open_deg + k * step) * degree;
+    const double q = (hand.finger.open_deg + k * step) * hal::kRadPerDeg;
     const double half_gap = half_gap_at(hand, q);
     if (k > 0 && half_gap < 0.0) break;
     half_gap_m_.push_back(half_gap);

@@ -98,7 +98,8 @@ class HandSweep {
   };
   /// A finger's own plane: across (away from the middle of the hand) and along Hz.
   struct FingerTable {
-    static constexpr double kCell = 0.002;
+    static constexpr double kCell =
+        0.002;  ///< Resolution of the table (m); what it lets pass is tested exactly.
     double y0 = 0.0, z0 = 0.0;
     int ny = 0, nz = 0;
     std::vector<std::uint8_t> step;

@@ -11,23 +11,22 @@ Extent extent_of(const perception::Rectangle& r, const Vec3& direction) {
   return {middle - half, middle + half};
 }
 
-bool is_leg_face(const perception::Rectangle& face, const perception::Rectangle& plate,
-                 const SeenSpace& seen) {
-  constexpr double kSmallPart = 0.5, kMost = 0.5;
-  constexpr double kDown = 0.75;  // of the face: below a rim, above where a leg ends
-  constexpr double kStep_m = 0.02;
+bool is_leg_face(const perception::Rectangle& face, const perception::Rectangle& plate, const SeenSpace& seen,
+                 const LegFaceConfig& config) {
+  const double step_m = config.step_m;
   const Vec3 along = plate.normal.cross(face.normal).normalized(), out = along.cross(plate.normal);
   const Extent leg = extent_of(face, along), edge = extent_of(plate, along);
-  if (leg.length() > kSmallPart * edge.length()) return false;
+  if (leg.length() > config.max_edge_fraction * edge.length()) return false;
   const double top = plate.normal.dot(plate.center), bottom = extent_of(face, plate.normal).low;
-  const Vec3 level = (top + kDown * (bottom - top)) * plate.normal + out.dot(face.center) * out;
+  const Vec3 level =
+      (top + config.level_fraction * (bottom - top)) * plate.normal + out.dot(face.center) * out;
   int looked = 0, free = 0;
-  for (double l = edge.low; l <= edge.high; l += kStep_m) {
-    if (l > leg.low - kStep_m && l < leg.high + kStep_m) continue;
+  for (double l = edge.low; l <= edge.high; l += step_m) {
+    if (l > leg.low - step_m && l < leg.high + step_m) continue;
     ++looked;
     free += seen.at(level + l * along) == Sight::Free;
   }
-  return free > kMost * looked;
+  return free > config.min_free_fraction * looked;
 }
 
 }  // namespace colift::planner

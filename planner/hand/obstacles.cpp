@@ -134,7 +134,7 @@ void Obstacles::build() {
   regions_.clear();
   if (points_.empty()) return;
   sort_by_cube();
-  constexpr std::uint32_t kGroup = 256;
+  constexpr std::uint32_t kGroup = 256;  // points; a layout for speed, no result depends on it
   const auto n = static_cast<std::uint32_t>(points_.size());
   for (std::uint32_t end = std::min(kGroup, n);; end = std::min(end + kGroup, n)) {
     close_group({{end, false, {}, {}}});

@@ -47,6 +47,7 @@ class Obstacles {
   [[nodiscard]] Room make_room(std::size_t points);
   void keep(std::size_t points);
 
+  /// Points `begin` to `end` that lie close together, and the middle of their box.
   struct Bucket {
     std::uint32_t begin, end;
     Eigen::Vector3f center;
@@ -89,7 +90,7 @@ class Obstacles {
              low.z() <= h.z() && high.z() >= l.z();
     }
   };
-  static constexpr std::uint32_t kGroupsInRegion = 16;
+  static constexpr std::uint32_t kGroupsInRegion = 16;  ///< A layout for speed; no result depends on it.
 
   void sort_by_cube();
   void add_bucket(std::uint32_t begin, std::uint32_t end, const Eigen::Vector3f& low,
@@ -115,14 +116,14 @@ struct ObstacleConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("reach_m", reach_m, hal::Range{0, 5},
-      "Points farther than this from the object's box are left out (m).");
+    v("reach_m", reach_m, hal::Range{0, 5}, "Max distance of obstacle points from the object's box (m).");
     v("ground_band_m", ground_band_m, hal::Range{0, 0.2},
-      "Points this near the ground plane are the ground (m).");
+      "Max height of the ground's points over the ground plane (m).");
     v("ground_sigmas", ground_sigmas, hal::Range{0, 20}, "The same in standard deviations of the depth.");
     v("min_support", min_support, hal::Range{0, 8},
-      "Neighbours in the image at a like depth that a point needs.");
-    v("support_sigmas", support_sigmas, hal::Range{0, 50}, "What a like depth is, in standard deviations.");
+      "Min number of neighbours in the image at its own depth of a point that is kept.");
+    v("support_sigmas", support_sigmas, hal::Range{0, 50},
+      "Max depth difference of such neighbours, in standard deviations of the depth noise.");
     v("surroundings", surroundings, "Whether points beside the object count.");
     v("noise", noise, "Depth noise.");
   }

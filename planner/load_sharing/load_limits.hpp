@@ -16,11 +16,12 @@ struct AgentLimits {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("force_n", force_n, hal::kNotNegative, "Largest force along any axis.");
-    v("torque_nm", torque_nm, hal::kNotNegative, "Largest torque about any axis.");
+    v("force_n", force_n, hal::kNotNegative, "Max force along any axis (N).");
+    v("torque_nm", torque_nm, hal::kNotNegative, "Max torque about any axis (Nm).");
   }
 };
 
+/// What both agents can exert.
 struct SharingLimits {
   AgentLimits partner;
   AgentLimits robot;

@@ -30,11 +30,11 @@ struct SharingWeights {
   template <class Visitor>
   void visit(Visitor& v) {
     v("epsilon", epsilon, hal::kPositive,
-      "Price of the robot's effort against the partner's; 1 shares equally.");
+      "Cost of the robot's effort relative to the partner's; 1 shares equally.");
     v("omega1_per_m", omega1_per_m, hal::kNotNegative,
-      "Price of the partner's torque against force; 0 is free.");
+      "Cost of the partner's torque relative to force (1/m); 0 is free.");
     v("omega2_per_m", omega2_per_m, hal::kNotNegative,
-      "Price of the robot's torque against force; 0 is free.");
+      "Cost of the robot's torque relative to force (1/m); 0 is free.");
   }
 };
 

@@ -12,10 +12,6 @@ namespace {
 
 using hal::JointVector;
 
-constexpr double kRadii[] = {0.03, 0.06, 0.12, 0.2, 0.3, 0.45};
-constexpr int kTriesEach = 200;
-constexpr int kExactTriesEach = 8;
-
 bool touches_nothing(ExactChecker& exact, const JointVector& from, const JointVector& to, double step_rad) {
   const int steps = std::max(1, static_cast<int>(std::ceil(joint_distance(from, to) / step_rad)));
   for (int k = 1; k <= steps; ++k) {
@@ -28,7 +24,8 @@ bool touches_nothing(ExactChecker& exact, const JointVector& from, const JointVe
 }  // namespace
 
 tl::expected<Departure, std::string> depart(const JointVector& start, FastChecker& fast, ExactChecker& exact,
-                                            const JointBox& box, double exact_step_rad, std::uint64_t seed) {
+                                            const JointBox& box, double exact_step_rad, std::uint64_t seed,
+                                            const EscapeConfig& config) {
   if (fast.is_free(start)) return Departure{{start}, 0.0, {}};
   const Touch near = fast.what_touches(start);
   if (near.with == Touch::With::Limits) return tl::unexpected(near.text());
@@ -36,8 +33,8 @@ tl::expected<Departure, std::string> depart(const JointVector& start, FastChecke
     return tl::unexpected(touch.text());
   }
   JointRandom random(seed);
-  for (const double radius : kRadii) {
-    for (int i = 0, tried = 0; i < kTriesEach && tried < kExactTriesEach; ++i) {
+  for (const double radius : config.radii_rad) {
+    for (int i = 0, tried = 0; i < config.tries && tried < config.exact_tries; ++i) {
       const JointVector q = random.near(start, radius, box);
       if (!fast.is_free(q)) continue;
       ++tried;
@@ -49,7 +46,7 @@ tl::expected<Departure, std::string> depart(const JointVector& start, FastChecke
     }
   }
   return tl::unexpected(fmt::format("{}, and no free position was found within {:.2f} rad", near.text(),
-                                    kRadii[std::size(kRadii) - 1]));
+                                    config.radii_rad.empty() ? 0.0 : config.radii_rad.back()));
 }
 
 }  // namespace colift::planner

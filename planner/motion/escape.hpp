@@ -5,6 +5,7 @@
 
 #include "planner/motion/collision/collision_scene.hpp"
 #include "planner/motion/joint_path.hpp"
+#include "planner/motion/search_config.hpp"
 
 namespace colift::planner {
 
@@ -20,6 +21,7 @@ struct Departure {
 /// Error: what the start touches.
 [[nodiscard]] tl::expected<Departure, std::string> depart(const hal::JointVector& start, FastChecker& fast,
                                                           ExactChecker& exact, const JointBox& box,
-                                                          double exact_step_rad, std::uint64_t seed);
+                                                          double exact_step_rad, std::uint64_t seed,
+                                                          const EscapeConfig& config = {});
 
 }  // namespace colift::planner

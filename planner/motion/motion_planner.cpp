@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
+#include "hal/types/units.hpp"
 #include "planner/motion/reach.hpp"
 #include "planner/motion/trajectory/timing.hpp"
 #include "planner/motion/transit.hpp"
@@ -17,8 +17,6 @@ namespace {
 using hal::ErrorCode;
 using hal::JointVector;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-
 MotionLimits limits_of(const hal::RobotModel& model, const PlannerConfig& config) {
   MotionLimits limits;
   limits.velocity_rad_s = (config.joint_speed * model.velocity_rad_s()).cwiseMin(config.max_joint_rad_s);
@@ -28,7 +26,7 @@ MotionLimits limits_of(const hal::RobotModel& model, const PlannerConfig& config
 }
 
 hal::HandPosture open_hand(const HandModel& hand) {
-  return hal::coupled_posture(hand.finger.open_deg * kDegree);
+  return hal::coupled_posture(hal::deg_to_rad(hand.finger.open_deg));
 }
 
 }  // namespace
@@ -42,9 +40,9 @@ struct MotionPlanner::Impl {
         seed(first_seed),
         clock(stop_watch),
         arm(arm_geometry(model)),
-        spheres(cover_with_spheres(model)),
+        spheres(cover_with_spheres(model, config.search.sphere_excess_m)),
         limits(limits_of(model, config)) {
-    const JointVector margin = JointVector::Constant(config.limit_margin_deg * kDegree);
+    const JointVector margin = JointVector::Constant(config.limit_margin_deg * hal::kRadPerDeg);
     box = {model.lower_rad() + margin, model.upper_rad() - margin};
   }
 
@@ -131,9 +129,10 @@ hal::Result<> MotionPlanner::Impl::usable(const JointVector& q_rad, const char* 
   const JointVector lower = model.lower_rad(), upper = model.upper_rad();
   for (int i = 0; i < hal::kArmJoints; ++i) {
     if (q_rad[i] >= lower[i] && q_rad[i] <= upper[i]) continue;
-    return hal::failure(ErrorCode::NotFound, fmt::format("plan.{}", what),
-                        fmt::format("A{} is at {:.1f} deg, beyond its limits {:.0f} to {:.0f} deg", i + 1,
-                                    q_rad[i] / kDegree, lower[i] / kDegree, upper[i] / kDegree));
+    return hal::failure(
+        ErrorCode::NotFound, fmt::format("plan.{}", what),
+        fmt::format("A{} is at {:.1f} deg, beyond its limits {:.0f} to {:.0f} deg", i + 1,
+                    hal::rad_to_deg(q_rad[i]), hal::rad_to_deg(lower[i]), hal::rad_to_deg(upper[i])));
   }
   return {};
 }

@@ -13,10 +13,12 @@
 #include "planner/hand/hand_model.hpp"
 #include "planner/motion/collision/collision_scene.hpp"
 #include "planner/motion/inverse_kinematics/arm_ik.hpp"
+#include "planner/motion/search_config.hpp"
 #include "planner/motion/trajectory/trajectory.hpp"
 
 namespace colift::planner {
 
+/// How paths are searched, and how fast they are travelled.
 struct PlannerConfig {
   double pre_grasp_m = 0.10;
   double lift_margin_m = 0.03;
@@ -34,35 +36,41 @@ struct PlannerConfig {
   double max_joint_rad_s = 4.0;
   double acceleration_rad_s2 = 2.0;
   double jerk_rad_s3 = 20.0;
+  SearchConfig search;
   SceneConfig scene;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v("pre_grasp_m", pre_grasp_m, hal::Range{0.02, 0.5},
-      "Straight way along the approach direction before the grasp (m).");
+      "Length of the straight path along the approach direction before the grasp (m).");
     v("lift_margin_m", lift_margin_m, hal::Range{0, 0.3},
-      "Reach above the top of the lift that a grasp needs (m).");
+      "Height above the top of the lift that the arm must reach too, to follow the partner (m).");
     v("limit_margin_deg", limit_margin_deg, hal::Range{0, 20},
       "Distance that plans keep from joint limits (deg).");
     v("step_rad", step_rad, hal::Range{0.005, 0.3},
       "Step of the fast check along a motion (rad in any joint).");
     v("cartesian_step_m", cartesian_step_m, hal::Range{0.001, 0.05},
-      "Step along straight ways of the hand (m).");
-    v("elbow_steps", elbow_steps, hal::Range{4, 360}, "Elbow angles that are tried for a pose.");
-    v("goals", goals, hal::Range{1, 64}, "Joint positions of the pre-grasp that are planned to, best first.");
+      "Step along straight paths of the hand (m).");
+    v("elbow_steps", elbow_steps, hal::Range{4, 360}, "Number of elbow angles that are tried for a pose.");
+    v("goals", goals, hal::Range{1, 64},
+      "Max number of joint positions of the pre-grasp that are planned to, best first.");
     v("plan_s", plan_s, hal::Range{0.01, 30},
-      "Longest search for a way (s, as work at the speed of docs/benchmarks.md: the same on every machine).");
+      "Timeout of the search for a path (s, as work at the speed of docs/benchmarks.md: the same on every "
+      "machine).");
     v("exact_step_rad", exact_step_rad, hal::Range{0.005, 0.3},
       "Step of the exact check of a final path (rad).");
-    v("blend_rad", blend_rad, hal::Range{0, 0.5}, "How far corners of a path are rounded (rad).");
+    v("blend_rad", blend_rad, hal::Range{0, 0.5},
+      "Max deviation of the trajectory from the corners of its path (rad).");
     v("approach_speed_m_s", approach_speed_m_s, hal::Range{0.01, 0.25},
       "Speed of the palm along the approach (m/s).");
     v("transit_speed_m_s", transit_speed_m_s, hal::Range{0.01, 1.0},
-      "Greatest speed of the palm elsewhere (m/s).");
-    v("joint_speed", joint_speed, hal::kFraction, "Part of the joints' own velocity limits that is used.");
-    v("max_joint_rad_s", max_joint_rad_s, hal::kPositive, "No joint is planned faster (rad/s).");
-    v("acceleration_rad_s2", acceleration_rad_s2, hal::kPositive, "Greatest joint acceleration (rad/s^2).");
-    v("jerk_rad_s3", jerk_rad_s3, hal::kPositive, "Greatest joint jerk (rad/s^3).");
+      "Max speed of the palm elsewhere (m/s).");
+    v("joint_speed", joint_speed, hal::kFraction,
+      "Fraction of the joints' own velocity limits that is used.");
+    v("max_joint_rad_s", max_joint_rad_s, hal::kPositive, "Max planned speed of any joint (rad/s).");
+    v("acceleration_rad_s2", acceleration_rad_s2, hal::kPositive, "Max joint acceleration (rad/s^2).");
+    v("jerk_rad_s3", jerk_rad_s3, hal::kPositive, "Max joint jerk (rad/s^3).");
+    v("search", search, "How a collision-free path is searched and shortened.");
     v("scene", scene, "What counts as an obstacle.");
   }
 };

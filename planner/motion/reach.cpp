@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "hal/types/units.hpp"
 #include "planner/motion/straight_line.hpp"
 
 namespace colift::planner {
@@ -16,10 +17,6 @@ namespace {
 using hal::JointVector;
 using hal::Pose;
 using hal::Vec3;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
-/// Postures nearer to each other than this in every joint are one goal (rad).
-constexpr double kSamePosture = 0.3;
 
 double mm(double m) {
   return 1e3 * m;
@@ -45,8 +42,8 @@ std::optional<ReachRefusal> GraspReach::too_far(const Pose& X_WF, const char* wh
                                     std::max(1.0, mm(distance - longest)), where),
                         distance - longest};
   }
-  const double bend =
-      std::max(std::abs(arm_.lower_rad[3]), std::abs(arm_.upper_rad[3])) - config_.limit_margin_deg * kDegree;
+  const double bend = std::max(std::abs(arm_.lower_rad[3]), std::abs(arm_.upper_rad[3])) -
+                      config_.limit_margin_deg * hal::kRadPerDeg;
   const double shortest =
       std::sqrt(arm_.upper_arm_m * arm_.upper_arm_m + arm_.forearm_m * arm_.forearm_m +
                 2.0 * arm_.upper_arm_m * arm_.forearm_m * std::cos(std::min(bend, std::numbers::pi)));
@@ -70,13 +67,14 @@ void GraspReach::ended(Stage stage, JointPath at, Contacts contacts, double foll
 }
 
 bool GraspReach::pass(const ReachQuery& query, const Pose& X_WF, const ScoredIk& ik, GraspPosture& out) {
-  const double margin = config_.limit_margin_deg * kDegree;
+  const double margin = config_.limit_margin_deg * hal::kRadPerDeg;
   checker_.allow(Contacts::FingersOnTarget);
   if (!checker_.is_free(ik.q_rad)) return ended(Stage::Grasp, {ik.q_rad}, Contacts::FingersOnTarget), false;
 
   back_.assign(1, ik.q_rad);
   const Vec3 back = -config_.pre_grasp_m * query.X_WH.linear().col(2);
-  double followed = follow_line(arm_, X_WF, back, config_.cartesian_step_m, margin, back_);
+  double followed = follow_line(arm_, X_WF, back, config_.cartesian_step_m, margin,
+                                config_.search.max_turn_rad_per_m, back_);
   if (followed < back.norm() - 1e-9) {
     return ended(Stage::BackLimits, {}, Contacts::None, followed, back.norm()), false;
   }
@@ -94,11 +92,12 @@ bool GraspReach::pass(const ReachQuery& query, const Pose& X_WF, const ScoredIk&
   const double of = query.lift_m + config_.lift_margin_m;
   Pose X_WF_up = X_WF;
   X_WF_up.translation() += query.lift_m * query.up;
-  followed = follow_line(arm_, X_WF, query.lift_m * query.up, config_.cartesian_step_m, margin, lift_);
+  followed = follow_line(arm_, X_WF, query.lift_m * query.up, config_.cartesian_step_m, margin,
+                         config_.search.max_turn_rad_per_m, lift_);
   const JointVector lifted = lift_.back();
   if (followed >= query.lift_m - 1e-9) {
-    followed +=
-        follow_line(arm_, X_WF_up, config_.lift_margin_m * query.up, config_.cartesian_step_m, margin, lift_);
+    followed += follow_line(arm_, X_WF_up, config_.lift_margin_m * query.up, config_.cartesian_step_m, margin,
+                            config_.search.max_turn_rad_per_m, lift_);
   }
   if (followed < of - 1e-9) return ended(Stage::LiftLimits, {}, Contacts::None, followed, of), false;
   checker_.set_carry_origin(query.X_WH);
@@ -127,7 +126,7 @@ std::vector<GraspPosture> GraspReach::find(const ReachQuery& query, std::size_t 
     }
   }
   const std::vector<ScoredIk> all =
-      all_ik(arm_, X_WF, config_.limit_margin_deg * kDegree, config_.elbow_steps);
+      all_ik(arm_, X_WF, config_.limit_margin_deg * hal::kRadPerDeg, config_.elbow_steps);
   if (all.empty()) {
     why = {fmt::format("no arm posture within the joint limits puts the hand there ({} elbow angles tried)",
                        config_.elbow_steps),
@@ -137,7 +136,7 @@ std::vector<GraspPosture> GraspReach::find(const ReachQuery& query, std::size_t 
   ends_ = {};
   for (const ScoredIk& ik : all) {
     const bool known = std::any_of(found.begin(), found.end(), [&](const GraspPosture& other) {
-      return joint_distance(other.reach.grasp_rad, ik.q_rad) < kSamePosture;
+      return joint_distance(other.reach.grasp_rad, ik.q_rad) < config_.search.same_posture_rad;
     });
     if (known) continue;
     GraspPosture posture;

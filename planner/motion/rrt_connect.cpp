@@ -23,9 +23,6 @@ namespace ob = ompl::base;
 using hal::JointVector;
 using Space = ob::RealVectorStateSpace;
 
-/// Longest edge that a tree grows by (rad, Euclidean).
-constexpr double kRange = 1.0;
-
 Eigen::Map<const JointVector> joints(const ob::State* state) {
   return Eigen::Map<const JointVector>(state->as<Space::StateType>()->values);
 }
@@ -136,7 +133,7 @@ std::optional<FoundPath> rrt_connect(const FreeSpace& space, const JointBox& box
   problem->setGoal(target);
 
   ompl::geometric::RRTConnect planner(si);
-  planner.setRange(kRange);
+  planner.setRange(budget.max_edge_rad);
   planner.setProblemDefinition(problem);
   planner.setup();
   const ob::PlannerTerminationCondition spent([&] { return drawn >= budget.samples; });

@@ -12,6 +12,7 @@ namespace colift::planner {
 /// any machine.
 struct SearchBudget {
   std::size_t samples = 20000;  ///< Joint positions drawn.
+  double max_edge_rad = 1.0;    ///< By which a tree grows (Euclidean).
 };
 
 struct FoundPath {

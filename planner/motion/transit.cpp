@@ -20,8 +20,6 @@ using hal::JointVector;
 
 /// Joint positions that a search draws per second on the machine of docs/benchmarks.md: plan_s in work.
 constexpr double kSamplesPerSecond = 100000.0;
-/// Searches at ever finer steps when the exact check finds a contact between two of the fast one's states.
-constexpr int kAttempts = 3;
 
 hal::Result<FoundPath> search(TransitTools& tools, const FreeSpace& space, const JointBox& box,
                               const JointVector& from, std::span<const JointVector> goals,
@@ -39,7 +37,8 @@ hal::Result<FoundPath> search(TransitTools& tools, const FreeSpace& space, const
                         fmt::format("{} at the goal", tools.checkers.fast.what_touches(goals[0]).text()));
   }
   const SearchBudget budget{
-      std::max<std::size_t>(1, static_cast<std::size_t>(tools.config.plan_s * kSamplesPerSecond))};
+      std::max<std::size_t>(1, static_cast<std::size_t>(tools.config.plan_s * kSamplesPerSecond)),
+      tools.config.search.max_edge_rad};
   std::size_t used = 0;
   auto found = rrt_connect(space, box, from, free_goals, budget, seed, used);
   if (!found) {
@@ -82,11 +81,11 @@ hal::Result<Transit> find_transit(TransitTools tools, const JointBox& limits_box
   fast.allow(Contacts::None);
   exact.allow(Contacts::None);
   const JointBox box = limits_box.with(start);
-  auto departure = depart(start, fast, exact, box, config.exact_step_rad, seed);
+  auto departure = depart(start, fast, exact, box, config.exact_step_rad, seed, config.search.escape);
   if (!departure) return hal::failure(ErrorCode::NotFound, "start", departure.error());
 
   hal::Error last{ErrorCode::NotFound, "transit", {}};
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  for (int attempt = 0; attempt < config.search.attempts; ++attempt) {
     const double step_rad = config.step_rad / (1 << attempt);
     const FreeSpace space{
         [&](const JointVector& q) { return fast.is_free(q); },
@@ -103,12 +102,13 @@ hal::Result<Transit> find_transit(TransitTools tools, const JointBox& limits_box
     }
     {
       const Timed timed(tools.clock, times.shortcut_ms);
-      out.way_points = shortcut(std::move(out.way_points), space, round_seed);
+      out.way_points = shortcut(std::move(out.way_points), space, round_seed, config.search.shortcut);
       if (departure->path.size() > 1) out.way_points.insert(out.way_points.begin(), start);
     }
     {
       const Timed timed(tools.clock, times.trajectory_ms);
       bool free = false;
+      // rounded as configured, less, not at all
       for (const double part : {1.0, 0.4, 0.0}) {
         out.blend_rad = part * config.blend_rad;
         auto made = make_slow_trajectory(tools.model, out.way_points, tools.limits, out.blend_rad,

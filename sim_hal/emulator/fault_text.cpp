@@ -44,6 +44,15 @@ hal::Result<TimedText> read_timed(std::string_view text, std::string_view expect
   return t;
 }
 
+hal::Result<double> read_fault_value(std::string_view text, std::string_view name, double min, double max,
+                                     std::string_view value) {
+  if (!(min < max)) return bad_fault(text, fmt::format("{} takes no value", name));
+  const auto v = read_number(value);
+  if (v && *v >= min && *v <= max) return *v;
+  return bad_fault(text, fmt::format("the value of {} is \"{}\", expected a number from {:g} to {:g}", name,
+                                     value, min, max));
+}
+
 std::string text_of(const DeviceFaultEvent& event) {
   return fmt::format("{:g}:{}:{:g}", event.at_s, event.action, event.for_s);
 }

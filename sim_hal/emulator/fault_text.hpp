@@ -2,16 +2,37 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "hal/types/result.hpp"
 #include "sim_hal/scenario/scenario.hpp"
 
 namespace colift::sim_hal {
 
-// What the words for faults of all emulated devices have in common: "T:WHAT[:DURATION]", times in s.
+// What the faults of all emulated devices have in common: a time, a kind out of the device's table, a value,
+// and the text "T:KIND[=VALUE]...[:DURATION]" (times in s) that they are read from.
+
+/// When something goes wrong, and how much.
+struct TimedFault {
+  double at_s = 0.0, for_s = 0.5;
+  double value = 0.0;
+  std::string text;  ///< As it was asked for.
+
+  [[nodiscard]] bool active(double t_s) const { return t_s >= at_s && t_s < at_s + for_s; }
+};
+
+/// A row of a device's table. Several names may stand for one kind: scenarios have words of their own.
+template <class Kind>
+struct FaultKind {
+  std::string_view name;
+  Kind kind{};
+  double value = 0.0, min = 0.0, max = 0.0;  ///< Default and range; an empty range: it takes no value.
+};
 
 struct TimedText {
   double at_s = 0.0;
@@ -29,6 +50,22 @@ struct TimedText {
 [[nodiscard]] std::optional<std::string_view> cut_after(std::string_view& text, char mark);
 
 [[nodiscard]] tl::unexpected<hal::Error> bad_fault(std::string_view text, std::string because);
+
+/// The value of a kind of fault, in its range. Errors: BadInput.
+[[nodiscard]] hal::Result<double> read_fault_value(std::string_view text, std::string_view name, double min,
+                                                   double max, std::string_view value);
+
+/// The row of a device's table. Errors: BadInput, with all names.
+template <class Table>
+[[nodiscard]] hal::Result<typename Table::value_type> find_fault(std::string_view text, std::string_view name,
+                                                                 const Table& kinds,
+                                                                 std::string_view device) {
+  const auto row = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == name; });
+  if (row != kinds.end()) return *row;
+  std::string all;
+  for (const auto& k : kinds) all += fmt::format("{}{}", all.empty() ? "" : ", ", k.name);
+  return bad_fault(text, fmt::format("\"{}\" is no fault of the {}; there are {}", name, device, all));
+}
 
 /// "T:KIND...[:DURATION]" into a Fault. Errors: BadInput.
 template <class Fault, class ReadKind>
@@ -62,6 +99,28 @@ template <class Fault, class ReadKind>
     return tl::unexpected(std::move(error));
   }
   return f;
+}
+
+/// All faults of one device: those of a scenario, then those of a command line. Errors: those of the two
+/// readers.
+template <class OfEvent, class OfText>
+[[nodiscard]] auto faults_of(std::string_view device, const std::vector<DeviceFaultEvent>& events,
+                             const std::vector<std::string>& texts, OfEvent of_event, OfText of_text) {
+  using Fault = typename decltype(of_text(std::string_view()))::value_type;
+  std::vector<Fault> faults;
+  hal::Result<> done;
+  const auto add = [&](hal::Result<Fault> fault) {
+    if (!done) return;
+    if (fault)
+      faults.push_back(std::move(*fault));
+    else
+      done = tl::unexpected(fault.error());
+  };
+  for (const DeviceFaultEvent& event : events)
+    if (event.device == device) add(of_event(event));
+  for (const std::string& text : texts) add(of_text(text));
+  if (!done) return hal::Result<std::vector<Fault>>(tl::unexpected(done.error()));
+  return hal::Result<std::vector<Fault>>(std::move(faults));
 }
 
 }  // namespace colift::sim_hal

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
+
+#include "hal/types/units.hpp"
 
 namespace colift::sim_hal {
 
@@ -16,7 +17,6 @@ using State = hal::DeviceHealth::State;
 
 namespace {
 
-constexpr double kRad = std::numbers::pi / 180.0;
 constexpr int kLateCycles = 3;
 constexpr double kJump_rad = 0.3;
 
@@ -25,13 +25,13 @@ constexpr double kJump_rad = 0.3;
 JointVector ArmScript::lwr_limit_rad() {
   JointVector limit;
   limit << 170, 120, 170, 120, 170, 120, 170;
-  return limit * kRad;
+  return limit * hal::kRadPerDeg;
 }
 
 JointVector ArmScript::lwr_velocity_rad_s() {
   JointVector velocity;
   velocity << 110, 110, 128, 128, 204, 184, 184;
-  return velocity * kRad;
+  return velocity * hal::kRadPerDeg;
 }
 
 MockArm::MockArm(ArmScript script, hal::ManualClock& clock)

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "hal/types/units.hpp"
+
 namespace colift::sim_hal {
 namespace {
 
@@ -12,8 +14,8 @@ constexpr double kTick_s = 0.001;
 // motor
 constexpr double kGear_nm_rad = 300.0, kGearDamping = 1.0, kGearStrength_nm = 25.0;
 constexpr double kSpread_nm_rad = 100.0, kSpreadDamping = 0.8, kSpreadStrength_nm = 10.0;
-constexpr double kInnerEnd_rad = 140.0 * std::numbers::pi / 180.0;
-constexpr double kOuterEnd_rad = 48.0 * std::numbers::pi / 180.0;
+constexpr double kInnerEnd_rad = hal::deg_to_rad(140.0);
+constexpr double kOuterEnd_rad = hal::deg_to_rad(48.0);
 constexpr double kCoupling = 1.0 / 3.0;
 constexpr double kBrokenAway = 4.0 / 3.0;  // turn of the outer worm alone for a turn of the motor
 // the motor: fastest (maker), closing at half of that so that the tips arrive softly, and how it speeds up

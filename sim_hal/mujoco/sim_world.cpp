@@ -1,11 +1,8 @@
 #include "sim_hal/mujoco/sim_world.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <mutex>
 
 #include "hal/os/inheriting_mutex.hpp"
@@ -14,6 +11,7 @@
 #include "sim_hal/mujoco/physics.hpp"
 #include "sim_hal/mujoco/sim_partner.hpp"
 #include "sim_hal/mujoco/sim_person.hpp"
+#include "sim_hal/mujoco/start_checks.hpp"
 #include "sim_hal/mujoco/support_block.hpp"
 
 namespace colift::sim_hal {
@@ -22,49 +20,6 @@ namespace {
 constexpr hal::Duration kTick = std::chrono::milliseconds(1);
 constexpr double kTick_s = 0.001;
 constexpr double kObserver_s = 0.005;  // time constant of the external torque's observer
-constexpr double kDeepest_m = 0.004;   // what may stand in each other at the start
-constexpr double kGraspOff_m = 0.03;   // how far a partner's grasp may lie off the surface
-
-tl::unexpected<hal::Error> bad(std::string where, std::string detail) {
-  return hal::failure(hal::ErrorCode::BadConfig, std::move(where), std::move(detail));
-}
-
-double distance_to(const ObjectParts& object, const Vec3& p_T) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const ObjectParts::Part& part : object.parts) nearest = std::min(nearest, distance(part.shape, p_T));
-  return nearest;
-}
-
-hal::Result<> check_grasps(const ScenarioPartner& partner, const ObjectParts& object) {
-  if (partner.kind == "none") return {};
-  const auto check = [&](const Vec3& grasp_T, const std::string& where) -> hal::Result<> {
-    const double off = distance_to(object, grasp_T);
-    if (std::abs(off) <= kGraspOff_m) return {};
-    return bad(where, fmt::format("[{:.3f}, {:.3f}, {:.3f}] lies {:.3f} m {} the object; expected a point on "
-                                  "its surface (object frame)",
-                                  grasp_T.x(), grasp_T.y(), grasp_T.z(), std::abs(off),
-                                  off > 0.0 ? "away from" : "inside"));
-  };
-  if (auto done = check(partner.grasp, "partner.grasp"); !done) return done;
-  for (std::size_t i = 0; i < partner.events.size(); ++i) {
-    if (!partner.events[i].to) continue;
-    if (auto done = check(*partner.events[i].to, fmt::format("partner.events[{}].to", i)); !done) return done;
-  }
-  return {};
-}
-
-hal::Result<> check_overlap(const Overlap& overlap) {
-  if (overlap.object_static_m > kDeepest_m)
-    return bad("object.pose", fmt::format("the object starts {:.3f} m inside the floor or the clutter",
-                                          overlap.object_static_m));
-  if (overlap.robot_object_m > kDeepest_m)
-    return bad("object.pose",
-               fmt::format("the object starts {:.3f} m inside the robot", overlap.robot_object_m));
-  if (overlap.robot_static_m > kDeepest_m)
-    return bad("clutter", fmt::format("the robot starts {:.3f} m inside the floor or the clutter",
-                                      overlap.robot_static_m));
-  return {};
-}
 
 double tilt(const Pose& X_WT0, const Pose& X_WT, bool may_roll) {
   if (!may_roll) {
@@ -73,17 +28,6 @@ double tilt(const Pose& X_WT0, const Pose& X_WT, bool may_roll) {
   }
   const auto rise = [](const Pose& X) { return std::asin(std::clamp(X.linear()(2, 0), -1.0, 1.0)); };
   return std::abs(rise(X_WT) - rise(X_WT0));
-}
-
-Shape robot_shape(const hal::LinkShape& s, const Pose& X_WL) {
-  Shape shape;
-  shape.kind = s.kind == hal::LinkShape::Kind::Box        ? Shape::Kind::Box
-               : s.kind == hal::LinkShape::Kind::Cylinder ? Shape::Kind::Cylinder
-                                                          : Shape::Kind::Sphere;
-  shape.X_WS = X_WL * s.X_LS;
-  shape.size = s.size;
-  shape.label = Label::Robot;
-  return shape;
 }
 
 }  // namespace
@@ -252,7 +196,7 @@ void SimWorld::advance(hal::Duration by) {
 bool SimWorld::ask_partner(const Vec3& place_W) {
   const std::scoped_lock lock(impl_->mutex);
   const Vec3 place_T = impl_->physics->object_pose().inverse() * place_W;
-  if (std::abs(distance_to(impl_->object, place_T)) > kGraspOff_m) return false;
+  if (!on_surface(impl_->object, place_T)) return false;
   if (!impl_->partner.ask(place_T, impl_->now_s())) return false;
   impl_->place_partners();
   return true;
@@ -371,7 +315,7 @@ World SimWorld::shapes() const {
   for (int link = 0; link < static_cast<int>(impl_->model.links.size()); ++link) {
     const Pose X_WL = impl_->physics->link_pose(link);
     for (const hal::LinkShape& s : impl_->model.links[static_cast<std::size_t>(link)].shapes)
-      world.shapes.push_back(robot_shape(s, X_WL));
+      world.shapes.push_back(link_shape(s, X_WL));
   }
   // a block under the object is felt and not seen: it stands for the person who is drawn holding it
   const double t = impl_->now_s();

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::sim_hal {
 namespace {
@@ -50,7 +51,7 @@ std::optional<SupportBlock> support_block(const Scenario& scenario, const Object
     block.size = {kSide_m, kSide_m, top_W};
     block.center_W = X_WT * middle;
     block.center_W.z() = 0.5 * top_W;
-    block.yaw_rad = yaw + scenario.object.yaw_deg * std::numbers::pi / 180.0;
+    block.yaw_rad = yaw + hal::deg_to_rad(scenario.object.yaw_deg);
     return block;
   }
   return std::nullopt;

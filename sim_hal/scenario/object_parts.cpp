@@ -4,6 +4,8 @@
 
 #include <numbers>
 
+#include "hal/types/units.hpp"
+
 namespace colift::sim_hal {
 namespace {
 
@@ -74,14 +76,13 @@ Pieces chair(const Vec3& size) {
 }
 
 Shape piece(const ScenarioPart& part) {
-  constexpr double kRad = std::numbers::pi / 180.0;
   Shape s;
   s.kind = part.shape == "cylinder" ? Shape::Kind::Cylinder : Shape::Kind::Box;
   for (std::size_t i = 0; i < part.size.size() && i < 3; ++i)
     s.size[static_cast<Eigen::Index>(i)] = part.size[i];
-  s.X_WS.linear() = (Eigen::AngleAxisd(part.rpy_deg.z() * kRad, Vec3::UnitZ()) *
-                     Eigen::AngleAxisd(part.rpy_deg.y() * kRad, Vec3::UnitY()) *
-                     Eigen::AngleAxisd(part.rpy_deg.x() * kRad, Vec3::UnitX()))
+  s.X_WS.linear() = (Eigen::AngleAxisd(hal::deg_to_rad(part.rpy_deg.z()), Vec3::UnitZ()) *
+                     Eigen::AngleAxisd(hal::deg_to_rad(part.rpy_deg.y()), Vec3::UnitY()) *
+                     Eigen::AngleAxisd(hal::deg_to_rad(part.rpy_deg.x()), Vec3::UnitX()))
                         .toRotationMatrix();
   s.X_WS.translation() = part.xyz;
   s.label = Label::Target;
@@ -181,8 +182,8 @@ std::vector<Shape> clutter_shapes(const Scenario& scenario) {
           cylinder(c.xyz + Vec3(0, 0, 0.5 * c.size[1]), Vec3::UnitZ(), c.size[0], c.size[1], Label::Clutter));
     } else {
       const Vec3 size(c.size[0], c.size[1], c.size[2]);
-      shapes.push_back(box(c.xyz + Vec3(0, 0, 0.5 * size.z()), size, c.yaw_deg * std::numbers::pi / 180.0,
-                           Label::Clutter));
+      shapes.push_back(
+          box(c.xyz + Vec3(0, 0, 0.5 * size.z()), size, hal::deg_to_rad(c.yaw_deg), Label::Clutter));
     }
   }
   return shapes;

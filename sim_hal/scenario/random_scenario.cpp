@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "hal/types/units.hpp"
 #include "sim_hal/synthetic/ray_caster.hpp"
 
 namespace colift::sim_hal {
@@ -14,7 +14,7 @@ namespace {
 void place(ScenarioObject& object, double half_length_m, double near_m, double bearing_rad, double yaw_rad) {
   const double away = near_m + half_length_m * std::cos(yaw_rad - bearing_rad);
   object.xyz = {away * std::cos(bearing_rad), away * std::sin(bearing_rad), 0.0};
-  object.yaw_deg = yaw_rad * 180.0 / std::numbers::pi;
+  object.yaw_deg = hal::rad_to_deg(yaw_rad);
 }
 
 // whether the camera sees all corners of the object and room for a hand at the grasp

@@ -11,6 +11,7 @@
 #include "hal/config/config_file.hpp"
 #include "hal/config/field_value.hpp"
 #include "hal/config/yaml_tree.hpp"
+#include "hal/types/units.hpp"
 #include "sim_hal/scenario/object_parts.hpp"
 #include "sim_hal/scenario/scenario_blocks.hpp"
 
@@ -280,8 +281,7 @@ Scenario built_in_scenario() {
 
 Pose object_pose(const ScenarioObject& object) {
   Pose X_WT = Pose::Identity();
-  X_WT.linear() =
-      Eigen::AngleAxisd(object.yaw_deg * std::numbers::pi / 180.0, Vec3::UnitZ()).toRotationMatrix();
+  X_WT.linear() = Eigen::AngleAxisd(hal::deg_to_rad(object.yaw_deg), Vec3::UnitZ()).toRotationMatrix();
   X_WT.translation() = object.xyz;
   return X_WT;
 }

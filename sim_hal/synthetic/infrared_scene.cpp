@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hal/types/units.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
 
 namespace colift::sim_hal {
@@ -55,8 +56,7 @@ std::optional<Eigen::Vector2d> spot_of(const Rendering& truth, const Emitter& em
   const Vec3 p_C = truth.X_WC.inverse() * emitter.at_W;
   if (p_C.z() < 0.1) return std::nullopt;
   const Vec3 to_camera = (truth.X_WC.translation() - emitter.at_W).normalized();
-  if (emitter.towards_W.dot(to_camera) < std::cos(emitter.view_deg * std::numbers::pi / 180.0))
-    return std::nullopt;
+  if (emitter.towards_W.dot(to_camera) < std::cos(hal::deg_to_rad(emitter.view_deg))) return std::nullopt;
   const Eigen::Vector2d at(k.fx * p_C.x() / p_C.z() + k.cx, k.fy * p_C.y() / p_C.z() + k.cy);
   const long u = std::lround(at.x()), v = std::lround(at.y());
   if (u < 0 || v < 0 || u >= k.width || v >= k.height) return std::nullopt;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "hal/types/units.hpp"
+
 namespace colift::sim_hal {
 namespace {
 
@@ -174,7 +176,7 @@ ObjectModel pipe(Draws& d) {
     }
   Builder b(m);
   for (const double angle_deg : {0.0, 45.0, -45.0}) {
-    const double a = angle_deg * std::numbers::pi / 180.0;
+    const double a = hal::deg_to_rad(angle_deg);
     const Vec3 out(0, std::sin(a), std::cos(a));
     b.graspable_along(center + radius * out - 0.5 * length * Vec3::UnitX(),
                       center + radius * out + 0.5 * length * Vec3::UnitX());

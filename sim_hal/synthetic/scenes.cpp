@@ -4,18 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "hal/types/units.hpp"
 #include "sim_hal/synthetic/scene_objects.hpp"
 
 namespace colift::sim_hal {
 namespace {
 
 constexpr double kClear_m = 0.15;  // clutter stands clear of the object and of other clutter by this
-
-double radians(double deg) {
-  return deg * std::numbers::pi / 180.0;
-}
 
 /// Area that is seen of each of two kinds of surface, square to the rays (m^2).
 struct SeenArea {
@@ -83,7 +79,8 @@ class SceneMaker {
 
  private:
   void place(const ObjectModel& model, SyntheticScene& scene) {
-    X_WT_.linear() = Eigen::AngleAxisd(radians(draws_.between(-180, 180)), Vec3::UnitZ()).toRotationMatrix();
+    X_WT_.linear() =
+        Eigen::AngleAxisd(hal::deg_to_rad(draws_.between(-180, 180)), Vec3::UnitZ()).toRotationMatrix();
     X_WT_.translation() = Vec3(draws_.between(-0.2, 0.2), draws_.between(-0.2, 0.2), 0.0);
     bounds_ = model.bounds();
     const double reflectivity = draws_.between(0.35, 0.9);
@@ -108,8 +105,8 @@ class SceneMaker {
 
   void put_camera(SyntheticScene& scene) {
     close_wall_ = draws_.chance(0.2);
-    const double azimuth = radians(draws_.between(-180, 180));
-    const double down = radians(close_wall_ ? draws_.between(25, 31) : draws_.between(25, 50));
+    const double azimuth = hal::deg_to_rad(draws_.between(-180, 180));
+    const double down = hal::deg_to_rad(close_wall_ ? draws_.between(25, 31) : draws_.between(25, 50));
     const double away = draws_.between(1.2, 2.2);
     towards_camera_ = {std::cos(azimuth), std::sin(azimuth), 0.0};
     const Vec3 middle = X_WT_ * bounds_.center();
@@ -122,7 +119,7 @@ class SceneMaker {
   void put_wall(SyntheticScene& scene) {
     const bool far_wall = draws_.chance(0.45);
     if (!close_wall_ && !far_wall) return;
-    const double turn = radians(draws_.between(-20, 20));
+    const double turn = hal::deg_to_rad(draws_.between(-20, 20));
     const Vec3 normal = Eigen::AngleAxisd(turn, Vec3::UnitZ()) * towards_camera_;
     double behind = 1e9;  // of the object's points, the one that is furthest back
     for (const Shape& s : scene.world.shapes)
@@ -154,10 +151,10 @@ class SceneMaker {
 
   Shape random_clutter(const ObjectModel& model) {
     const Vec3 half = 0.5 * model.bounds().sizes();
-    const double angle = radians(draws_.between(-180, 180));
+    const double angle = hal::deg_to_rad(draws_.between(-180, 180));
     const double away = std::hypot(half.x(), half.y()) * draws_.between(0.4, 1.0) + draws_.between(0.15, 1.2);
     Vec3 p = X_WT_ * Vec3(away * std::cos(angle), away * std::sin(angle), 0.0);
-    const double height = draws_.between(0.08, 0.35), yaw = radians(draws_.between(-180, 180));
+    const double height = draws_.between(0.08, 0.35), yaw = hal::deg_to_rad(draws_.between(-180, 180));
     const double x = draws_.between(0.08, 0.32), y = draws_.between(0.08, 0.32);
     p.z() = 0.5 * height;
     Shape s = draws_.chance(0.6) ? box(p, {x, y, height}, yaw, Label::Clutter)

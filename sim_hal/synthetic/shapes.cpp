@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "hal/robot_model/robot_model.hpp"
+
 namespace colift::sim_hal {
 namespace {
 
@@ -70,6 +72,17 @@ Shape half_space(const Vec3& point, const Vec3& normal, Label label) {
   s.X_WS = along(point, normal);
   s.label = label;
   return s;
+}
+
+Shape link_shape(const hal::LinkShape& s, const Pose& X_WL) {
+  Shape shape;
+  shape.kind = s.kind == hal::LinkShape::Kind::Box        ? Shape::Kind::Box
+               : s.kind == hal::LinkShape::Kind::Cylinder ? Shape::Kind::Cylinder
+                                                          : Shape::Kind::Sphere;
+  shape.X_WS = X_WL * s.X_LS;
+  shape.size = s.size;
+  shape.label = Label::Robot;
+  return shape;
 }
 
 double distance(const Shape& shape, const Vec3& p_W) {

@@ -5,6 +5,10 @@
 
 #include "hal/types/geometry.hpp"
 
+namespace colift::hal {
+struct LinkShape;
+}
+
 namespace colift::sim_hal {
 
 using hal::Pose;
@@ -26,6 +30,7 @@ struct Shape {
       0.6;  ///< In the near infrared, 0 to 1; dark surfaces give no depth at grazing angles.
 };
 
+/// All that a camera can see; what hides what follows from the shapes.
 struct World {
   std::vector<Shape> shapes;
 };
@@ -35,6 +40,9 @@ struct World {
 [[nodiscard]] Shape capsule(const Vec3& from, const Vec3& to, double radius, Label label);
 [[nodiscard]] Shape sphere(const Vec3& center, double radius, Label label);
 [[nodiscard]] Shape half_space(const Vec3& point, const Vec3& normal, Label label);
+
+/// A shape of a robot's link, whose frame L is at X_WL.
+[[nodiscard]] Shape link_shape(const hal::LinkShape& shape, const Pose& X_WL);
 
 /// Signed distance of a point in W to the surface of a shape (m), negative inside.
 [[nodiscard]] double distance(const Shape& shape, const Vec3& p_W);

@@ -1,5 +1,5 @@
-// Ways of the arm around tables, boxes and walls: CoLift's search with shortcuts against stock OMPL with FCL
-// on OctoMap, on the same joint positions in the same collision worlds. Every way is judged by the exact
+// Paths of the arm around tables, boxes and walls: CoLift's search with shortcuts against stock OMPL with FCL
+// on OctoMap, on the same joint positions in the same collision worlds. Every path is checked by the exact
 // checker.
 
 #include <fmt/format.h>
@@ -350,13 +350,14 @@ int run() {
   fmt::print(
       "{} problems in {} worlds; a straight line in joint space solves {}. Their starts and goals are free "
       "by "
-      "all three checkers. Of the {} places that were tried, the spheres alone refuse {}, stock alone {}, "
+      "all three checkers. Of the {} configurations that were tried, the spheres alone refuse {}, stock "
+      "alone {}, "
       "the "
       "exact check {} that both allow.\n\n",
       count, settings.size(), straight_all, agreement.places, agreement.only_spheres_refuse,
       agreement.only_stock_refuses, agreement.exact_refuses_what_both_allow);
   fmt::print(
-      "| up to {} tries | way found | free by the exact check | of it at once | plan ms, median / 95 % | "
+      "| up to {} tries | path found | free by the exact check | of these at once | plan ms, median / 95 % | "
       "shortcut ms "
       "| together | length rad |\n"
       "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",
@@ -375,18 +376,20 @@ int run() {
              median(coarse.times()) / median(ours.times()), median(fine.times()) / median(ours.times()));
   const auto to_coarse = ratios(ours, coarse), to_fine = ratios(ours, fine);
   fmt::print(
-      "Problem by problem, where both have an exactly free way: median {:.0f} times ({} problems) and {:.0f} "
+      "Problem by problem, where both have an exactly free path: median {:.0f} times ({} problems) and "
+      "{:.0f} "
       "times "
-      "({}), least tenth below {:.0f} and {:.0f}. ",
+      "({}), lowest tenth below {:.0f} and {:.0f}. ",
       median(to_coarse), to_coarse.size(), median(to_fine), to_fine.size(), percentile(to_coarse, 0.1),
       percentile(to_fine, 0.1));
   fmt::print(
-      "After that CoLift takes {:.1f} / {:.1f} ms to round and time the way and {:.1f} / {:.1f} ms for the "
+      "After that CoLift takes {:.1f} / {:.1f} ms to round and time the path and {:.1f} / {:.1f} ms for the "
       "exact check.\n\n",
       median(trajectory_ms), percentile(trajectory_ms, 0.95), median(exact_ms), percentile(exact_ms, 0.95));
 
   fmt::print(
-      "Judging one grasp (grasp, pre-grasp, straight way, lift; every posture): {:.0f} / {:.0f} us for {} "
+      "Judging one grasp (grasp, pre-grasp, straight approach, lift; every posture): {:.0f} / {:.0f} us for "
+      "{} "
       "reachable ones, {:.0f} / {:.0f} us for {} refused ones.\n\n",
       median(reach_times.reachable), percentile(reach_times.reachable, 0.95), reach_times.reachable.size(),
       median(reach_times.refused), percentile(reach_times.refused, 0.95), reach_times.refused.size());

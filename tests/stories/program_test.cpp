@@ -1,7 +1,5 @@
 // The program as a user starts it: exit codes, one JSON document on stdout, one sentence on stderr.
 
-#include <sys/wait.h>
-#include <unistd.h>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -11,39 +9,16 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/stories/run_program.hpp"
+
 namespace {
 
 using Json = nlohmann::json;
 
-struct Run {
-  int code = -1;
-  std::string out, err;
-};
-
-std::filesystem::path scratch() {
-  static const std::filesystem::path dir = [] {
-    auto d = std::filesystem::temp_directory_path() / ("colift-program-" + std::to_string(::getpid()));
-    std::filesystem::create_directories(d);
-    return d;
-  }();
-  return dir;
-}
-
-std::string slurp(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-Run run(const std::filesystem::path& program, const std::string& arguments) {
-  const auto out = scratch() / "out", err = scratch() / "err";
-  const std::string command = program.string() + " " + arguments + " >" + out.string() + " 2>" + err.string();
-  const int status = std::system(command.c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), slurp(out), slurp(err)};
-}
-
-Run colift(const std::string& arguments) {
-  return run(COLIFT_PROGRAM, arguments);
-}
+using story::colift;
+using story::scratch;
+using story::slurp;
+using Run = story::ProgramRun;
 
 const std::string kReal = std::string(COLIFT_TEST_DATA) + "/real/";
 const std::string kCan = kReal + "05_can_on_table/depth.png";
@@ -287,10 +262,10 @@ TEST_CASE("a command whose program was not built yet says which and who builds i
   std::filesystem::create_directories(alone);
   std::filesystem::copy_file(COLIFT_PROGRAM, alone / "colift",
                              std::filesystem::copy_options::overwrite_existing);
-  const Run r = run(alone / "colift", "log info some.mcap");
+  const Run r = story::run_program(alone / "colift", "log info some.mcap");
   CHECK(r.code == 4);
   CHECK_THAT(r.err, Catch::Contains("colift-log is not there yet; tools/build builds it"));
-  CHECK(run(alone / "colift", "run --help").code == 0);
+  CHECK(story::run_program(alone / "colift", "run --help").code == 0);
 }
 
 TEST_CASE("a file behind --view is the recording, a number is the port", "[program]") {

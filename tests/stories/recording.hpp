@@ -39,7 +39,9 @@ struct Recording {
     control::LookInput input;
     input.frame = frame(image);
     input.at_W = at;
-    auto seen = control::look(std::move(input), method, {}, {}, hal::ManualClock());
+    control::Config config;
+    control::set_method_defaults(method, config);
+    auto seen = control::look(std::move(input), method, config, {}, hal::ManualClock());
     REQUIRE(seen);
     return std::move(*seen);
   }

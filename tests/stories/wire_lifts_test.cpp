@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "control/arm/arm_mode.hpp"
+#include "control/config/arm_mode.hpp"
 #include "hal/guards/t1_profile.hpp"
 #include "tests/support/forked_lifts.hpp"
 #include "tests/support/thorough.hpp"

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "control/session/method.hpp"
+#include "control/config/method.hpp"
 #include "control/task/task_runner.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_hand.hpp"
@@ -87,8 +87,7 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
 
   config.task.lift_height_m = scenario.task.height;
   config.task.hold_s = scenario.task.hold_s;
-  control::set_thesis_defaults(config);
-  control::use_method(method, config);
+  control::set_method_defaults(method, config);
   const planner::HandModel hand;
   const auto tables = std::make_shared<planner::HandCollision>(hand, config.candidates.collision);
   const hal::SteadyClock wall;

@@ -5,9 +5,9 @@
 #include "tools/analyse/decide_why.hpp"
 #include "tools/analyse/look_json.hpp"
 #include "tools/analyse/show.hpp"
-#include "tools/analyse/weights.hpp"
 #include "tools/analyse/words.hpp"
 #include "tools/cli/commands.hpp"
+#include "tools/cli/config_of.hpp"
 #include "tools/cli/numbers.hpp"
 
 namespace colift::tools {
@@ -34,14 +34,13 @@ hal::Result<control::PartnerInput> read_partner(const DecideOptions& options) {
 }  // namespace
 
 int cmd_decide(const CommonOptions& common, const DecideOptions& options) {
-  auto setup = load_setup(common);
+  const auto setup = load_setup(config_of_decide(common, options));
   if (!setup) return report_error("decide", setup.error());
+  show_warnings("decide", common, *setup);
   const auto partner = read_partner(options);
   if (!partner) return report_error("decide", partner.error());
   const auto seen = look_at_file(options.look, *setup);
   if (!seen) return report_error("decide", seen.error());
-  if (auto set = set_weights(seen->look.method, options.share, options.epsilon, setup->config); !set)
-    return report_error("decide", set.error());
   const auto outcome = control::decide(seen->look, *partner, setup->config, hal::SteadyClock());
   if (!outcome) return report_error("decide", outcome.error());
 
@@ -65,7 +64,7 @@ int cmd_decide(const CommonOptions& common, const DecideOptions& options) {
     std::fputs((why ? text + "\n" + why->text : text).c_str(), stdout);
   }
   std::fflush(stdout);
-  if (auto shown = show(*seen, &*outcome, options.look, common, setup->hand); !shown)
+  if (auto shown = show(*seen, &*outcome, options.look, common, *setup); !shown)
     return report_error("decide", shown.error());
   return outcome->decision.chosen ? kDone : kNoGoal;
 }

@@ -60,7 +60,7 @@ Json surface(const perception::Surface& s) {
 Json look(const Seen& seen, const char* schema, Json candidates) {
   const control::Look& l = seen.look;
   Json j = {{"schema", schema},
-            {"method", l.method == control::Method::Fast ? "fast" : "thesis"},
+            {"method", control::to_string(l.method)},
             {"points", seen.file.points},
             {"valid_points", seen.file.valid_points},
             {"organised", seen.file.organised},

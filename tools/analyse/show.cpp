@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "hal/config/config_file.hpp"
 #include "tools/analyse/grasp_rows.hpp"
 #include "tools/analyse/words.hpp"
 #include "tools/visualization/report/report.hpp"
@@ -22,7 +21,7 @@ picture::ScenePicture picture_of(const Seen& seen, const control::Outcome* outco
   p.hand_opening_m = hand.opening_m;
   p.palm_gap_m = hand.palm_gap_m;
   p.because = outcome ? outcome->decision.because : l.because;
-  p.figures.emplace_back("method", l.method == control::Method::Fast ? "fast" : "thesis");
+  p.figures.emplace_back("method", control::to_string(l.method));
   p.figures.emplace_back("look", fmt::format("{:.1f} ms", l.ms.total));
   if (outcome) {
     p.figures.emplace_back("decision", fmt::format("{:.2f} ms", outcome->decision_ms));
@@ -40,7 +39,7 @@ picture::ScenePicture picture_of(const Seen& seen, const control::Outcome* outco
 }
 
 picture::Report report_of(const Seen& seen, const control::Outcome* outcome, const CommonOptions& common,
-                          const picture::ScenePicture& picture) {
+                          const Setup& setup, const picture::ScenePicture& picture) {
   const control::Look& l = seen.look;
   picture::Report r;
   r.title = picture.title;
@@ -63,28 +62,24 @@ picture::Report report_of(const Seen& seen, const control::Outcome* outcome, con
   r.facts.emplace_back("points seen", fmt::format("{} of {}", seen.file.valid_points, seen.file.points));
   r.command = common.command;
 
-  control::Config config;
-  hal::FieldTable table = hal::table_of(config);
-  if (hal::apply_command_line(table, common.config_files, common.settings)) {
-    for (const auto& field : table.fields())
-      if (field.origin != hal::kDefaultOrigin) r.config.emplace_back(field.path, field.origin);
-  }
+  r.config.assign(setup.origins.begin(), setup.origins.end());
   return r;
 }
 
 }  // namespace
 
 hal::Result<> show(const Seen& seen, const control::Outcome* outcome, const LookOptions& options,
-                   const CommonOptions& common, const planner::HandModel& hand) {
+                   const CommonOptions& common, const Setup& setup) {
   if (!options.png && !options.report) return {};
-  picture::ScenePicture picture = picture_of(seen, outcome, hand);
+  picture::ScenePicture picture = picture_of(seen, outcome, setup.hand);
   picture.title = options.cloud.parent_path().filename().string() + "/" + options.cloud.filename().string();
   if (options.png) {
     if (auto written = picture::write_scene_picture(*options.png, picture); !written) return written;
     if (!common.quiet) fmt::print(stderr, "picture: {}\n", options.png->string());
   }
   if (options.report) {
-    if (auto written = picture::write_report(*options.report, report_of(seen, outcome, common, picture));
+    if (auto written =
+            picture::write_report(*options.report, report_of(seen, outcome, common, setup, picture));
         !written)
       return written;
     if (!common.quiet) fmt::print(stderr, "report: {}\n", options.report->string());

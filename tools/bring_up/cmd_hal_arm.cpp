@@ -3,26 +3,22 @@
 #include <cmath>
 #include <cstdio>
 #include <future>
-#include <numbers>
 
-#include "control/arm/arm_mode.hpp"
-#include "hal/config/config_file.hpp"
 #include "hal/guards/guarded_arm.hpp"
-#include "tools/bring_up/cmd_hal.hpp"
+#include "hal/types/units.hpp"
+#include "tools/bring_up/bring_up.hpp"
 #include "tools/bring_up/hal_arm_json.hpp"
 #include "tools/bring_up/hal_arm_obstacles.hpp"
 #include "tools/bring_up/hal_arm_task.hpp"
-#include "tools/bring_up/hal_screen.hpp"
 #include "tools/cli/session.hpp"
 #include "tools/emulate/emulate.hpp"
-#include "tools/rig/robot_file.hpp"
+#include "tools/rig/rig_world.hpp"
 
 namespace colift::tools {
 namespace {
 
 using How = ArmTaskEnd::How;
 
-constexpr double kDeg = 180.0 / std::numbers::pi;
 constexpr double kCareful_deg = 30.0, kCarefulStiffness = 50.0;
 constexpr double kImpatient_s = 2.0;  // of a person who waits for command mode
 constexpr auto kLook = std::chrono::milliseconds(50);
@@ -35,33 +31,19 @@ struct Bench {
 };
 
 hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& options) {
-  Bench bench;
-  control::Config config;
-  hal::FieldTable table = hal::table_of(config);
-  if (auto done = hal::apply_command_line(table, common.config_files, common.settings); !done)
-    return tl::unexpected(done.error());
-  bench.guard = control::for_arm_mode(config).guard_arm;
-  auto file = read_robot_file(options.robot);
+  const auto config = read_config("hal arm", common);
+  if (!config) return tl::unexpected(config.error());
+  const auto file = read_wired(options, kWiredArm);
   if (!file) return tl::unexpected(file.error());
-  if (options.robot && file->arm != "fri")
-    return hal::failure(
-        hal::ErrorCode::BadConfig, options.robot->string(),
-        fmt::format("its arm is {}; bring-up is for a device on a wire, expected arm: fri", file->arm));
   if (file->emulator == "always" && !common.quiet)
     std::fputs(
         "the file's own emulator belongs to \"colift run\"; here \"colift emulate krc\" in another terminal "
         "is "
         "the far end\n",
         stderr);
-  bench.fri = file->fri;
-  if (file->model.empty()) {
-    bench.model = std::make_shared<hal::RobotModel>(hal::built_in_robot());
-  } else {
-    auto model = hal::load_robot(file->model);
-    if (!model) return tl::unexpected(model.error());
-    bench.model = std::make_shared<hal::RobotModel>(std::move(*model));
-  }
-  return bench;
+  auto model = read_model(file->model);
+  if (!model) return tl::unexpected(model.error());
+  return Bench{file->fri, config->guard_arm, std::move(*model)};
 }
 
 hal::Result<ArmTask> move_task(const HalOptions& o, const Bench& bench) {
@@ -85,8 +67,9 @@ hal::Result<ArmTask> move_task(const HalOptions& o, const Bench& bench) {
                                   kCareful_deg));
   if (!std::isfinite(o.speed_deg_s) || o.speed_deg_s <= 0.0)
     return bad("--speed", "expected more than 0 deg/s");
-  const double careful = kDeg * kT1Velocity_rad_s;
-  const double most = 0.5 * kDeg * bench.guard.velocity_part * bench.model->velocity_rad_s()[task.joint];
+  const double careful = hal::rad_to_deg(kT1Velocity_rad_s);
+  const double most =
+      hal::rad_to_deg(0.5 * bench.guard.velocity_part * bench.model->velocity_rad_s()[task.joint]);
   if (o.speed_deg_s > careful && !o.yes)
     return bad("--speed",
                fmt::format("{:.1f} deg/s is more than T1 grants ({:.1f}); in another mode say --yes",
@@ -94,14 +77,13 @@ hal::Result<ArmTask> move_task(const HalOptions& o, const Bench& bench) {
   if (o.speed_deg_s > most)
     return bad("--speed", fmt::format("{:.1f} deg/s is more than half of what A{} may do ({:.1f})",
                                       o.speed_deg_s, task.joint + 1, most));
-  task.by_rad = o.degrees / kDeg;
-  task.speed_rad_s = o.speed_deg_s / kDeg;
+  task.by_rad = hal::deg_to_rad(o.degrees);
+  task.speed_rad_s = hal::deg_to_rad(o.speed_deg_s);
   return task;
 }
 
 hal::Result<ArmTask> task_of(const HalOptions& o, const Bench& bench) {
-  if (o.for_s && !(*o.for_s > 0.0))
-    return hal::failure(hal::ErrorCode::BadInput, "--for", "expected more than 0 s");
+  if (auto done = check_time(o); !done) return tl::unexpected(done.error());
   ArmTask task;
   if (o.verb == "move-joint") {
     auto move = move_task(o, bench);
@@ -142,7 +124,7 @@ std::string progress_line(const ArmProgress& p, const ArmTask& task, double at_s
            ? fmt::format(" {:3.0f} %, measured minus commanded (deg)", 100 * p.done)
            : std::string(", measured minus commanded (deg)");
   for (std::size_t i = 0; i < p.measured_rad.size(); ++i)
-    t += fmt::format(" {:+.3f}", kDeg * (p.measured_rad[i] - p.commanded_rad[i]));
+    t += fmt::format(" {:+.3f}", hal::rad_to_deg(p.measured_rad[i] - p.commanded_rad[i]));
   return t;
 }
 
@@ -151,9 +133,7 @@ class Teller {
  public:
   Teller(const CommonOptions& common, const HalOptions& options, const ArmTask& task,
          const hal::RobotModel& model)
-      : screen_(common.json ? stderr : stdout, common.json, common.quiet || options.verb == "state"),
-        task_(task),
-        model_(model) {}
+      : screen_(progress_screen(common, options, "state")), task_(task), model_(model) {}
 
   /// The last screen still stands there.
   [[nodiscard]] bool shown() const { return screen_.live(); }
@@ -185,23 +165,6 @@ class Teller {
   std::optional<ArmProgress::Phase> said_;
 };
 
-int exit_code(How how) {
-  switch (how) {
-    case How::Done:
-      return kDone;
-    case How::Interrupted:
-      return kInterrupted;
-    case How::BadRequest:
-      return kBadInput;
-    case How::Stopped:
-      return kNoGoal;
-    case How::Refused:
-    case How::Lost:
-      return kDeviceFailed;
-  }
-  return kInternal;
-}
-
 /// The obstacles that refuse, with what to do; empty when there are none.
 std::string refusing(const ArmView& view, const hal::RobotModel& model) {
   std::string text;
@@ -210,20 +173,12 @@ std::string refusing(const ArmView& view, const hal::RobotModel& model) {
   return text;
 }
 
-void report_trouble(const std::string& verb, const ArmView& view, const hal::RobotModel& model,
-                    const ArmTaskEnd& end) {
-  std::string text = fmt::format("colift hal arm {}: {}\n", verb, end.because);
-  if (end.how == How::Refused || end.how == How::Lost) {
-    if (end.because.find("port is in use") != std::string::npos) {
-      text += fmt::format("next: \"ss -lunp sport = :{}\" says who has it; end that one\n", view.config.port);
-    } else if (view.status.received == 0) {
-      text += fmt::format("next: {}\n", silence_advice(view.config));
-    } else {
-      text += refusing(view, model);
-    }
-    text += "docs/bring-up.md says more\n";
-  }
-  std::fputs(text.c_str(), stderr);
+/// What to do about an arm that was not there, refused, or went away.
+std::string advice(const ArmView& view, const hal::RobotModel& model, const ArmTaskEnd& end) {
+  if (end.because.find("port is in use") != std::string::npos)
+    return fmt::format("next: \"ss -lunp sport = :{}\" says who has it; end that one\n", view.config.port);
+  if (view.status.received == 0) return fmt::format("next: {}\n", silence_advice(view.config));
+  return refusing(view, model);
 }
 
 /// One call: the cycle in a thread of its own, words and interrupts in this one.
@@ -288,7 +243,9 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
   }
   std::fflush(stdout);
   if (end.how != How::Done && end.how != How::Interrupted)
-    report_trouble(options.verb, view, *bench.model, end);
+    report_failure(
+        "arm", options.verb, end.because,
+        exit_code(end.how) == kDeviceFailed ? std::optional(advice(view, *bench.model, end)) : std::nullopt);
   if (end.how == How::Done && view.status.session == hal::FriSession::Silent) {
     std::fprintf(stderr, "colift hal arm %s: %s\n", options.verb.c_str(),
                  why_not(view.status, view.config).c_str());

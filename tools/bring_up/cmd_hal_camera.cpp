@@ -9,15 +9,14 @@
 #include <thread>
 #include <vector>
 
-#include "hal/config/config_file.hpp"
 #include "hal/drivers/kinect/fakenect_writer.hpp"
 #include "hal/drivers/kinect/kinect_camera.hpp"
 #include "perception/calibration/grey_png.hpp"
+#include "tools/bring_up/bring_up.hpp"
 #include "tools/bring_up/hal_camera_view.hpp"
-#include "tools/bring_up/hal_screen.hpp"
+#include "tools/cli/config_of.hpp"
 #include "tools/cli/session.hpp"
 #include "tools/emulate/emulate.hpp"
-#include "tools/rig/robot_file.hpp"
 #include "tools/visualization/file_output.hpp"
 
 namespace colift::tools {
@@ -26,13 +25,8 @@ namespace {
 using namespace std::chrono_literals;
 
 hal::Result<hal::KinectConfig> load_kinect(const HalCameraOptions& o) {
-  auto file = read_robot_file(o.hal.robot);
+  const auto file = read_wired(o.hal, kWiredCamera);
   if (!file) return tl::unexpected(file.error());
-  if (o.hal.robot && file->camera != "kinect")
-    return hal::failure(
-        hal::ErrorCode::BadConfig, o.hal.robot->string(),
-        fmt::format("its camera is {}; bring-up is for a device on a wire, expected camera: kinect",
-                    file->camera));
   hal::KinectConfig kinect = file->kinect;
   if (!o.source.empty()) kinect.source = o.source;
   kinect.motor = kinect.motor || o.hal.verb == "tilt";
@@ -40,8 +34,7 @@ hal::Result<hal::KinectConfig> load_kinect(const HalCameraOptions& o) {
 }
 
 hal::Result<double> time_of(const HalCameraOptions& o) {
-  if (o.hal.for_s && !(*o.hal.for_s > 0.0))
-    return hal::failure(hal::ErrorCode::BadInput, "--for", "expected more than 0 s");
+  if (auto done = check_time(o.hal); !done) return tl::unexpected(done.error());
   if (o.hal.verb == "tilt" && !(std::abs(o.tilt_deg) <= 31.0))
     return hal::failure(hal::ErrorCode::BadInput, "DEG",
                         fmt::format("a tilt of {}, expected -31 to 31 degrees", o.tilt_deg));
@@ -65,10 +58,7 @@ class Session {
  public:
   Session(const CommonOptions& common, const HalCameraOptions& o, const hal::KinectConfig& kinect,
           double for_s)
-      : o_(o),
-        for_s_(for_s),
-        camera_(kinect, clock_),
-        screen_(common.json ? stderr : stdout, common.json, common.quiet || o.hal.verb == "info") {
+      : o_(o), for_s_(for_s), camera_(kinect, clock_), screen_(progress_screen(common, o.hal, "info")) {
     view_.source = kinect.source;
   }
 
@@ -195,6 +185,10 @@ int cmd_hal_camera(const CommonOptions& common, const HalCameraOptions& options)
   if (!kinect) return report_error(where.c_str(), kinect.error());
   const auto for_s = time_of(options);
   if (!for_s) return report_error(where.c_str(), for_s.error());
+  // the camera alone needs nothing of it, but what is wrong in it is said
+  const auto resolved = config_of(common, control::Command::Hal);
+  if (!resolved) return report_error(where.c_str(), resolved.error());
+  show_warnings(where.c_str(), common, *resolved);
 
   const InterruptGuard signals;
   Session session(common, options, *kinect, *for_s);
@@ -222,12 +216,12 @@ int cmd_hal_camera(const CommonOptions& common, const HalCameraOptions& options)
     std::fputs(camera_screen(view).c_str(), stdout);
   if (!session.recorded().empty() && !common.json) std::printf("recorded   %s\n", session.recorded().c_str());
   std::fflush(stdout);
-  if (end.code == kDone || end.code == kInterrupted) return end.code;
-  std::string text = fmt::format("colift {}: {}\n", where, end.because);
-  if (end.code == kDeviceFailed || !session.last())
-    text +=
-        fmt::format("next: {}\ndocs/bring-up.md says more\n", camera_advice(session.code(), kinect->source));
-  std::fputs(text.c_str(), stderr);
+  if (end.code != kDone && end.code != kInterrupted)
+    report_failure(
+        "camera", options.hal.verb, end.because,
+        end.code == kDeviceFailed || !session.last()
+            ? std::optional(fmt::format("next: {}\n", camera_advice(session.code(), kinect->source)))
+            : std::nullopt);
   return end.code;
 }
 

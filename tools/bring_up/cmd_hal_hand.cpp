@@ -2,26 +2,21 @@
 
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <thread>
 
-#include "control/config/config.hpp"
-#include "hal/config/config_file.hpp"
 #include "hal/guards/guarded_hand.hpp"
 #include "hal/os/make_can_bus.hpp"
-#include "tools/bring_up/cmd_hal.hpp"
+#include "hal/types/units.hpp"
+#include "tools/bring_up/bring_up.hpp"
 #include "tools/bring_up/hal_hand_task.hpp"
-#include "tools/bring_up/hal_screen.hpp"
 #include "tools/cli/session.hpp"
 #include "tools/emulate/emulate.hpp"
-#include "tools/rig/robot_file.hpp"
 
 namespace colift::tools {
 namespace {
 
 using How = HandTaskEnd::How;
 
-constexpr double kDeg = 180.0 / std::numbers::pi;
 constexpr auto kPause = std::chrono::milliseconds(2);
 
 struct Bench {
@@ -30,30 +25,22 @@ struct Bench {
 };
 
 hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& options) {
-  control::Config config;
-  hal::FieldTable table = hal::table_of(config);
-  if (auto done = hal::apply_command_line(table, common.config_files, common.settings); !done)
-    return tl::unexpected(done.error());
-  auto file = read_robot_file(options.robot);
+  const auto config = read_config("hal hand", common);
+  if (!config) return tl::unexpected(config.error());
+  const auto file = read_wired(options, kWiredHand);
   if (!file) return tl::unexpected(file.error());
-  if (options.robot && file->hand != "barrett")
-    return hal::failure(
-        hal::ErrorCode::BadConfig, options.robot->string(),
-        fmt::format("its hand is {}; bring-up is for a device on a wire, expected hand: barrett",
-                    file->hand));
-  Bench bench{file->barrett, config.guard_hand};
+  Bench bench{file->barrett, config->guard_hand};
   // nothing moves but on the verb that says so
   bench.barrett.initialise = options.verb == "init" ? "always" : "never";
   return bench;
 }
 
 hal::Result<HandTask> task_of(const HalOptions& o, const Bench& bench) {
-  if (o.for_s && !(*o.for_s > 0.0))
-    return hal::failure(hal::ErrorCode::BadInput, "--for", "expected more than 0 s");
+  if (auto done = check_time(o); !done) return tl::unexpected(done.error());
   HandTask task;
   task.although_loaded = o.yes;
   task.torque_nm = o.torque_nm;
-  task.spread_rad = o.spread_deg / kDeg;
+  task.spread_rad = hal::deg_to_rad(o.spread_deg);
   if (o.verb == "watch" || o.verb == "tactile") {
     if (o.for_s) task.for_s = *o.for_s;
   } else if (o.verb == "init" || o.verb == "state") {
@@ -75,23 +62,6 @@ hal::Result<HandTask> task_of(const HalOptions& o, const Bench& bench) {
           fmt::format("{} N m at the fingertips, expected more than 0 and at most {}", o.torque_nm, most));
   }
   return task;
-}
-
-int exit_code(How how) {
-  switch (how) {
-    case How::Done:
-      return kDone;
-    case How::Interrupted:
-      return kInterrupted;
-    case How::BadRequest:
-      return kBadInput;
-    case How::NoGrip:
-      return kNoGoal;
-    case How::Refused:
-    case How::Failed:
-      return kDeviceFailed;
-  }
-  return kInternal;
 }
 
 /// Whether the hand knows its zeros and has its fingers closed: it may hold something then.
@@ -119,7 +89,7 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
   hal::GuardedHand hand(std::move(barrett), bench.guard, &clock);
 
   const InterruptGuard signals;
-  LiveScreen screen(common.json ? stderr : stdout, common.json, common.quiet || options.verb == "state");
+  LiveScreen screen = progress_screen(common, options, "state");
   const hal::Timestamp began = clock.now();
   const auto at_s = [&] { return hal::seconds(clock.now() - began); };
   HandView view;
@@ -165,11 +135,11 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
     std::fputs(text.c_str(), stdout);
   }
   std::fflush(stdout);
-  if (end.how == How::Done || end.how == How::Interrupted) return exit_code(end.how);
-  std::string text = fmt::format("colift hal hand {}: {}\n", options.verb, end.because);
-  if (end.how == How::Refused || end.how == How::Failed)
-    text += fmt::format("next: {}\ndocs/bring-up.md says more\n", hand_advice(end.code, bench.barrett.can));
-  std::fputs(text.c_str(), stderr);
+  if (end.how != How::Done && end.how != How::Interrupted)
+    report_failure("hand", options.verb, end.because,
+                   exit_code(end.how) == kDeviceFailed
+                       ? std::optional(fmt::format("next: {}\n", hand_advice(end.code, bench.barrett.can)))
+                       : std::nullopt);
   return exit_code(end.how);
 }
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/os/udp_link.hpp"
+#include "hal/types/units.hpp"
 #include "tools/bring_up/hal_arm_obstacles.hpp"
 
 namespace colift::tools {
@@ -127,11 +128,10 @@ std::string arm_document(const std::string& verb, const ArmView& v, const hal::R
 }
 
 std::string limits_document(const hal::RobotModel& model, const hal::GuardConfig& guard) {
-  constexpr double kRad = static_cast<double>(EIGEN_PI) / 180.0;
   Json j = {{"schema", kSchema}, {"verb", "limits"}, {"joints", Json::array()}};
   for (int i = 0; i < hal::kArmJoints; ++i) {
     const double low = model.lower_rad()[i], high = model.upper_rad()[i], speed = model.velocity_rad_s()[i];
-    const double margin = guard.limit_margin_deg * kRad;
+    const double margin = hal::deg_to_rad(guard.limit_margin_deg);
     j["joints"].push_back(
         {{"name", fmt::format("A{}", i + 1)},
          {"krl", krl_name(i)},

@@ -3,16 +3,15 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "hal/drivers/kuka_fri/wire/krl_channels.hpp"
+#include "hal/types/units.hpp"
 
 namespace colift::tools {
 namespace {
 
 using hal::FriQuality;
 
-constexpr double kDeg = 180.0 / std::numbers::pi;
 constexpr double kMismatch_rad = 0.02;  // as the driver's own words
 constexpr double kBeatWatch_s = 0.6;    // several heartbeats and rounds of the program
 constexpr double kStraight_deg = 15.0;
@@ -178,7 +177,7 @@ class Finder {
     const auto& s = v_.status;
     if (s.pose_mismatch_rad <= kMismatch_rad) return;
     const std::string what = fmt::format("A{} is measured {:.1f} deg away from where the KRC commands it",
-                                         s.mismatch_joint + 1, kDeg * s.pose_mismatch_rad);
+                                         s.mismatch_joint + 1, hal::rad_to_deg(s.pose_mismatch_rad));
     const std::string next =
         "check the tool number and its load data in the KRL program (hand 1.2 kg), that nobody holds the "
         "arm, and "
@@ -203,17 +202,18 @@ class Finder {
   void joints() {
     const hal::JointVector q = measured_rad(v_.m);
     for (int i = 0; i < hal::kArmJoints; ++i) {
-      const double left = kDeg * to_limit_rad(model_, i, q[i]);
+      const double left = hal::rad_to_deg(to_limit_rad(model_, i, q[i]));
       if (left < v_.limit_margin_deg)
         remark("joint-limit",
                fmt::format("A{} is {:.1f} deg from its limit, inside the guard's margin of {:.1f}", i + 1,
                            left, v_.limit_margin_deg),
                "it may only move away from it: jog it back at the panel");
     }
-    if (std::abs(kDeg * q[1]) < kStraight_deg && std::abs(kDeg * q[3]) < kStraight_deg)
+    if (std::abs(hal::rad_to_deg(q[1])) < kStraight_deg && std::abs(hal::rad_to_deg(q[3])) < kStraight_deg)
       remark(
           "straight",
-          fmt::format("the arm stands nearly straight (A2 {:.0f}, A4 {:.0f} deg)", kDeg * q[1], kDeg * q[3]),
+          fmt::format("the arm stands nearly straight (A2 {:.0f}, A4 {:.0f} deg)", hal::rad_to_deg(q[1]),
+                      hal::rad_to_deg(q[3])),
           "bend A2 and A4 by 45 deg or more at the panel: near the upright pose the KRC tends to refuse, and "
           "the "
           "estimate of the wrench means nothing");

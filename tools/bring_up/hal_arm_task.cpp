@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <optional>
 
-#include "control/arm/arm_cycle.hpp"
+#include "control/arm/setpoint_generator.hpp"
+#include "hal/types/units.hpp"
 
 namespace colift::tools {
 namespace {
@@ -18,7 +18,6 @@ using hal::ErrorCode;
 using How = ArmTaskEnd::How;
 using Phase = ArmProgress::Phase;
 
-constexpr double kDeg = 180.0 / std::numbers::pi;
 constexpr int kMostBadCycles = 500;  // in a row: a link that brings nothing usable
 constexpr int kStatesToStart = 20;   // after the arm was opened, for a first good one
 constexpr double kHeldUp_s = 1.0;    // commands may be held up that long: packets lost, quality
@@ -31,8 +30,8 @@ control::TaskConfig task_config() {
   return c;
 }
 
-control::CycleLimits cycle_limits(const ArmTask& task, const hal::GuardConfig& guard) {
-  control::CycleLimits l;
+control::SetpointLimits setpoint_limits(const ArmTask& task, const hal::GuardConfig& guard) {
+  control::SetpointLimits l;
   l.velocity_part = std::min(l.velocity_part, 0.9 * guard.velocity_part);
   l.velocity_rad_s = 0.9 * guard.max_velocity_rad_s;
   l.acceleration_rad_s2 = std::min(std::max(1.0, task.acceleration_rad_s2), 0.9 * guard.acceleration_rad_s2);
@@ -50,7 +49,7 @@ class Runner {
         task_(task),
         clock_(clock),
         hooks_(hooks),
-        cycle_(model, task_config(), cycle_limits(task, guard)) {}
+        setpoints_(model, task_config(), setpoint_limits(task, guard)) {}
 
   ArmTaskEnd run() {
     go_on(Phase::Opening);
@@ -84,9 +83,9 @@ class Runner {
     ArmProgress p;
     p.phase = phase_;
     p.in_phase_s = in_phase();
-    p.done = cycle_.progress();
+    p.done = setpoints_.progress();
     for (int i = 0; i < hal::kArmJoints; ++i) {
-      p.commanded_rad[static_cast<std::size_t>(i)] = cycle_.commanded()[i];
+      p.commanded_rad[static_cast<std::size_t>(i)] = setpoints_.commanded()[i];
       p.measured_rad[static_cast<std::size_t>(i)] = state_.q_rad[i];
     }
     hooks_.progress.write(p);
@@ -163,8 +162,8 @@ class Runner {
 
   void answer() {
     const double t = hal::seconds(state_.measured_at);
-    const std::uint32_t starts = cycle_.starts();
-    const hal::ImpedanceCommand wished = with_damping(cycle_.step(state_));
+    const std::uint32_t starts = setpoints_.starts();
+    const hal::ImpedanceCommand wished = with_damping(setpoints_.step(state_));
     if (!state_.may_command) {
       if (!held_since_s_) {
         held_since_s_ = t;
@@ -189,7 +188,7 @@ class Runner {
       return;
     }
     if (!end_.commanded) begin(t);
-    if (cycle_.starts() != starts && starts > 0) {
+    if (setpoints_.starts() != starts && starts > 0) {
       ++end_.restarts;
       if (task_.kind == ArmTask::Kind::Move && !ending_)
         bring_to_rest(How::Stopped,
@@ -210,9 +209,9 @@ class Runner {
     end_.commanded = true;
     end_.start_rad = state_.q_rad;
     began_s_ = t;
-    cycle_.set_stiffness(task_.stiffness_nm_rad);
+    setpoints_.set_stiffness(task_.stiffness_nm_rad);
     if (task_.kind != ArmTask::Kind::Move) return;
-    const hal::JointVector from = cycle_.commanded();
+    const hal::JointVector from = setpoints_.commanded();
     hal::JointVector to = from;
     to[task_.joint] += task_.by_rad;
     planner::MotionLimits limits;
@@ -222,7 +221,8 @@ class Runner {
     const std::array<hal::JointVector, 2> path{from, to};
     auto way = planner::make_trajectory(path, limits, 0.0);
     if (!way) return bring_to_rest(How::Stopped, way.error().text(), t);
-    if (auto follows = cycle_.follow(std::make_shared<const planner::Trajectory>(std::move(*way))); !follows)
+    if (auto follows = setpoints_.follow(std::make_shared<const planner::Trajectory>(std::move(*way)));
+        !follows)
       bring_to_rest(How::Stopped, follows.error().text(), t);
   }
 
@@ -239,13 +239,13 @@ class Runner {
     ending_since_s_ = t;
     how_ = how;
     because_ = std::move(because);
-    cycle_.hold();
+    setpoints_.hold();
     go_on(Phase::Stopping);
   }
 
   void steer(double t) {
     if (ending_) {
-      over_ = cycle_.at_rest() || t - ending_since_s_ > kMostRest_s;
+      over_ = setpoints_.at_rest() || t - ending_since_s_ > kMostRest_s;
       return;
     }
     if (hooks_.interrupted) return bring_to_rest(How::Interrupted, "asked to end", t);
@@ -253,9 +253,9 @@ class Runner {
       over_ = t - began_s_ >= task_.for_s;
       return;
     }
-    if (cycle_.blocked()) return bring_to_rest(How::Stopped, describe(cycle_.blockage()), t);
-    if (!cycle_.done()) arrived_s_.reset();
-    if (cycle_.done() && !arrived_s_) arrived_s_ = t;
+    if (setpoints_.blocked()) return bring_to_rest(How::Stopped, describe(setpoints_.blockage()), t);
+    if (!setpoints_.done()) arrived_s_.reset();
+    if (setpoints_.done() && !arrived_s_) arrived_s_ = t;
     over_ = arrived_s_ && t - *arrived_s_ >= kSettle_s;
   }
 
@@ -265,7 +265,7 @@ class Runner {
   const ArmTask& task_;
   const hal::Clock& clock_;
   const ArmTaskHooks& hooks_;
-  control::ArmCycle cycle_;
+  control::SetpointGenerator setpoints_;
   hal::ArmState state_;
   ArmTaskEnd end_;
   Phase phase_ = Phase::Opening;
@@ -300,24 +300,6 @@ std::string_view to_string(ArmProgress::Phase phase) {
   return "";
 }
 
-std::string_view to_string(ArmTaskEnd::How how) {
-  switch (how) {
-    case How::Done:
-      return "done";
-    case How::Interrupted:
-      return "interrupted";
-    case How::BadRequest:
-      return "bad-request";
-    case How::Refused:
-      return "refused";
-    case How::Stopped:
-      return "stopped";
-    case How::Lost:
-      return "lost";
-  }
-  return "";
-}
-
 ArmTaskEnd run_arm_task(hal::Arm& arm, const hal::RobotModel& model, const hal::GuardConfig& guard,
                         const ArmTask& task, const hal::Clock& clock, const ArmTaskHooks& hooks) {
   return Runner(arm, model, guard, task, clock, hooks).run();
@@ -325,7 +307,7 @@ ArmTaskEnd run_arm_task(hal::Arm& arm, const hal::RobotModel& model, const hal::
 
 std::string beyond_limits(const hal::RobotModel& model, const hal::GuardConfig& guard, int joint,
                           double q_rad, double by_rad) {
-  const double margin = guard.limit_margin_deg / kDeg;
+  const double margin = hal::deg_to_rad(guard.limit_margin_deg);
   const double low = model.lower_rad()[joint] + margin, high = model.upper_rad()[joint] - margin;
   const double to = q_rad + by_rad;
   if ((to >= low && to <= high) || (by_rad > 0 && q_rad < low && to <= high) ||
@@ -335,8 +317,9 @@ std::string beyond_limits(const hal::RobotModel& model, const hal::GuardConfig& 
       "A{} stands at {:.1f} deg; by {:+.1f} deg it would come to {:.1f}, allowed is {:.1f} to {:.1f} (at "
       "most {:+.1f} "
       "this way)",
-      joint + 1, kDeg * q_rad, kDeg * by_rad, kDeg * to, kDeg * low, kDeg * high,
-      kDeg * (by_rad > 0 ? std::max(0.0, high - q_rad) : std::min(0.0, low - q_rad)));
+      joint + 1, hal::rad_to_deg(q_rad), hal::rad_to_deg(by_rad), hal::rad_to_deg(to), hal::rad_to_deg(low),
+      hal::rad_to_deg(high),
+      hal::rad_to_deg(by_rad > 0 ? std::max(0.0, high - q_rad) : std::min(0.0, low - q_rad)));
 }
 
 std::string task_summary(const ArmTask& task, const ArmTaskEnd& e) {
@@ -348,20 +331,21 @@ std::string task_summary(const ArmTask& task, const ArmTaskEnd& e) {
       t += fmt::format(
           "A{} moved by {:+.2f} deg (asked for {:+.2f}) in {:.1f} s, {:.3f} deg from where it was "
           "commanded\n",
-          task.joint + 1, kDeg * (e.end_rad[task.joint] - e.start_rad[task.joint]), kDeg * task.by_rad,
-          e.commanded_s, kDeg * std::abs(e.end_rad[task.joint] - e.goal_rad[task.joint]));
+          task.joint + 1, hal::rad_to_deg(e.end_rad[task.joint] - e.start_rad[task.joint]),
+          hal::rad_to_deg(task.by_rad), e.commanded_s,
+          hal::rad_to_deg(std::abs(e.end_rad[task.joint] - e.goal_rad[task.joint])));
     } else {
       Eigen::Index moved = 0;
       const double most = (e.end_rad - e.start_rad).cwiseAbs().maxCoeff(&moved);
       t += fmt::format(
           "held the measured pose for {:.1f} s with {:.0f} N m/rad; it ended {:.3f} deg from its start "
           "(A{})\n",
-          e.commanded_s, task.stiffness_nm_rad, kDeg * most, moved + 1);
+          e.commanded_s, task.stiffness_nm_rad, hal::rad_to_deg(most), moved + 1);
     }
     t += fmt::format(
         "greatest distance from the command {:.3f} deg (A{}), greatest outside torque {:.1f} N m (A{}); "
         "{} cycles, {} without a state, {} restarts from the measured pose\n",
-        kDeg * drift, worst + 1, external, felt + 1, e.cycles, e.bad_cycles, e.restarts);
+        hal::rad_to_deg(drift), worst + 1, external, felt + 1, e.cycles, e.bad_cycles, e.restarts);
   }
   if (e.how == How::Interrupted) t += fmt::format("interrupted: {}\n", e.because);
   return t;

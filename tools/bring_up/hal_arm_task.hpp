@@ -12,6 +12,7 @@
 #include "hal/robot_model/robot_model.hpp"
 #include "hal/types/latest_value.hpp"
 #include "tools/bring_up/hal_arm_view.hpp"
+#include "tools/bring_up/task_outcome.hpp"
 
 namespace colift::tools {
 
@@ -43,14 +44,7 @@ struct ArmProgress {
 
 /// How it ended.
 struct ArmTaskEnd {
-  enum class How {
-    Done,
-    Interrupted,  ///< Asked to end; came to rest and left.
-    BadRequest,   ///< The request cannot be: nothing was asked of the arm.
-    Refused,      ///< Not there, or no command mode; nothing moved.
-    Stopped,      ///< Something was in the way: came to rest and left.
-    Lost,         ///< Command mode or the link went away while commanding.
-  };
+  using How = TaskOutcome;
   How how = How::Done;
   std::string because;  ///< Empty when done.
   bool commanded = false;
@@ -62,7 +56,6 @@ struct ArmTaskEnd {
   hal::JointVector external_nm = hal::JointVector::Zero();  ///< Greatest magnitude.
   std::uint64_t cycles = 0, bad_cycles = 0, restarts = 0;
 };
-[[nodiscard]] std::string_view to_string(ArmTaskEnd::How how);
 
 /// Runs the task in the calling thread, which is then the arm's: opens the arm, for all but watching gets
 /// command mode, commands one set point per cycle, comes to rest and leaves. `arm` is the guarded one.

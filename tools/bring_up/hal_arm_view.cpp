@@ -4,16 +4,14 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
 
 #include "hal/drivers/kuka_fri/wire/krl_channels.hpp"
 #include "hal/os/udp_link.hpp"
+#include "hal/types/units.hpp"
 #include "tools/bring_up/hal_arm_obstacles.hpp"
 
 namespace colift::tools {
 namespace {
-
-constexpr double kDeg = 180.0 / std::numbers::pi;
 
 double ms(float s) {
   return 1e3 * static_cast<double>(s);
@@ -218,11 +216,11 @@ std::string arm_screen(const ArmView& v, const hal::RobotModel& model) {
   for (int i = 0; i < hal::kArmJoints; ++i) {
     const auto j = static_cast<std::size_t>(i);
     const auto on = [&](std::uint16_t bits) { return (bits >> i & 1) != 0; };
-    t +=
-        fmt::format("A{}     {}    {:>8.2f}   {:>8.2f}  {:>8.1f}  {:>6.1f}  {:>8.1f}  {:>5.0f} {}{}{}\n",
-                    i + 1, krl_name(i), kDeg * q[i], kDeg * cmd[i], kDeg * to_limit_rad(model, i, q[i]),
-                    m.tau_measured_nm[j], m.tau_external_nm[j], m.temperature_c[j],
-                    on(m.power) ? "on" : "off", on(m.error) ? " ERROR" : "", on(m.warning) ? " warning" : "");
+    t += fmt::format("A{}     {}    {:>8.2f}   {:>8.2f}  {:>8.1f}  {:>6.1f}  {:>8.1f}  {:>5.0f} {}{}{}\n",
+                     i + 1, krl_name(i), hal::rad_to_deg(q[i]), hal::rad_to_deg(cmd[i]),
+                     hal::rad_to_deg(to_limit_rad(model, i, q[i])), m.tau_measured_nm[j],
+                     m.tau_external_nm[j], m.temperature_c[j], on(m.power) ? "on" : "off",
+                     on(m.error) ? " ERROR" : "", on(m.warning) ? " warning" : "");
   }
   const hal::Vec3 palm = hal::hand_pose(model, q).translation();
   t += fmt::format(
@@ -268,14 +266,15 @@ std::string limits_table(const hal::RobotModel& model, const hal::GuardConfig& g
       "joint  KRL      limits        guarded    speed  guarded    in T1   torque\n"
       "                   deg            deg    deg/s    deg/s    deg/s      N m\n";
   for (int i = 0; i < hal::kArmJoints; ++i) {
-    const double low = kDeg * model.lower_rad()[i], high = kDeg * model.upper_rad()[i];
+    const double low = hal::rad_to_deg(model.lower_rad()[i]), high = hal::rad_to_deg(model.upper_rad()[i]);
     const double speed = model.velocity_rad_s()[i];
     t += fmt::format(
         "A{}     {}    {:>5.0f} .. {:<4.0f}  {:>5.1f} .. {:<6.1f} {:>5.0f}    {:>5.0f}    {:>5.1f}    "
         "{:>5.0f}\n",
         i + 1, krl_name(i), low, high, low + guard.limit_margin_deg, high - guard.limit_margin_deg,
-        kDeg * speed, kDeg * std::min(guard.velocity_part * speed, guard.max_velocity_rad_s),
-        kDeg * std::min(kT1Velocity_rad_s, speed), model.effort_nm()[i]);
+        hal::rad_to_deg(speed),
+        hal::rad_to_deg(std::min(guard.velocity_part * speed, guard.max_velocity_rad_s)),
+        hal::rad_to_deg(std::min(kT1Velocity_rad_s, speed)), model.effort_nm()[i]);
   }
   t += fmt::format(
       "acceleration: guarded {:.1f} rad/s^2, in T1 {:.1f} rad/s^2; stiffness up to {:.0f} N m/rad, "

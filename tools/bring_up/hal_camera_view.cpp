@@ -5,40 +5,21 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <vector>
 
+#include "hal/health_text.hpp"
+#include "hal/types/units.hpp"
 #include "perception/organised_cloud.hpp"
 #include "tools/visualization/scene/scene_picture.hpp"
 
 namespace colift::tools {
 namespace {
 
-using State = hal::DeviceHealth::State;
-
-constexpr double kDeg = 180.0 / std::numbers::pi;
-
-const char* word(State s) {
-  switch (s) {
-    case State::Absent:
-      return "absent";
-    case State::Opening:
-      return "opening";
-    case State::Streaming:
-      return "streaming";
-    case State::Stalled:
-      return "stalled";
-    case State::Lost:
-      return "lost";
-    case State::Failed:
-      return "failed";
-  }
-  return "";
-}
 
 /// How far the camera looks down, and leans to its right (deg).
 std::pair<double, double> attitude_deg(const hal::Vec3& up_C) {
-  return {kDeg * std::asin(std::clamp(-up_C.z(), -1.0, 1.0)), kDeg * std::atan2(up_C.x(), -up_C.y())};
+  return {hal::rad_to_deg(std::asin(std::clamp(-up_C.z(), -1.0, 1.0))),
+          hal::rad_to_deg(std::atan2(up_C.x(), -up_C.y()))};
 }
 
 std::string hangs(const CameraView& v) {
@@ -70,7 +51,8 @@ void look_at_frame(const hal::DepthFrame& frame, CameraView& view) {
 
 std::string camera_line(const CameraView& v) {
   const hal::KinectReport& r = v.report;
-  if (v.health.state == State::Lost) return fmt::format("{:8.1f} s  lost: {}", v.at_s, v.health.last_error);
+  if (v.health.state == hal::DeviceHealth::State::Lost)
+    return fmt::format("{:8.1f} s  lost: {}", v.at_s, v.health.last_error);
   return fmt::format(
       "{:8.1f} s  {:.1f} Hz, {} frames, {} missed, {} suspect, {:.0f} % seen, {:.2f} to {:.2f} m", v.at_s,
       r.rate_hz, r.frames, r.missed, r.suspect, 1e2 * r.seen, v.near_m, v.far_m);
@@ -80,7 +62,7 @@ std::string camera_screen(const CameraView& v) {
   const hal::KinectReport& r = v.report;
   std::string t;
   t += fmt::format("Kinect     {}{}, {}\n", v.source, r.serial.empty() ? "" : ", serial " + r.serial,
-                   word(v.health.state));
+                   to_string(v.health.state));
   t += fmt::format("process    {}, started {} time{}, killed {}\n",
                    r.pid > 0 ? fmt::format("pid {}", r.pid) : "none", r.starts, r.starts == 1 ? "" : "s",
                    r.kills);
@@ -110,7 +92,7 @@ std::string camera_document(const std::string& verb, const CameraView& v, const 
             {"end", end},
             {"because", because},
             {"source", v.source},
-            {"state", word(v.health.state)},
+            {"state", to_string(v.health.state)},
             {"serial", r.serial},
             {"process", {{"pid", r.pid}, {"starts", r.starts}, {"kills", r.kills}}},
             {"frames",

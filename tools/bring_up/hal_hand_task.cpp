@@ -4,14 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::tools {
 namespace {
 
 using How = HandTaskEnd::How;
 
-constexpr double kDeg = 180.0 / std::numbers::pi;
 constexpr double kFirstState_s = 1.0;
 constexpr double kMove_s = 12.0;    // the driver gives up before
 constexpr double kStart_s = 0.3;    // until a motion that was asked for shows
@@ -185,24 +185,6 @@ class Runner {
 
 }  // namespace
 
-std::string_view to_string(HandTaskEnd::How how) {
-  switch (how) {
-    case How::Done:
-      return "done";
-    case How::Interrupted:
-      return "interrupted";
-    case How::BadRequest:
-      return "bad-request";
-    case How::Refused:
-      return "refused";
-    case How::NoGrip:
-      return "no-grip";
-    case How::Failed:
-      return "failed";
-  }
-  return "";
-}
-
 HandTaskEnd run_hand_task(hal::Hand& hand, const HandTask& task, const hal::Clock& clock,
                           const HandTaskHooks& hooks) {
   return Runner(hand, task, clock, hooks).run();
@@ -215,9 +197,10 @@ std::string hand_summary(const HandTask& task, const HandTaskEnd& e) {
         "took {:.1f} s: fingers from {:.0f}, {:.0f}, {:.0f} to {:.0f}, {:.0f}, {:.0f} deg, spread from "
         "{:.0f} "
         "to {:.0f} deg\n",
-        e.took_s, kDeg * e.before.finger_rad[0], kDeg * e.before.finger_rad[1], kDeg * e.before.finger_rad[2],
-        kDeg * e.after.finger_rad[0], kDeg * e.after.finger_rad[1], kDeg * e.after.finger_rad[2],
-        kDeg * e.before.spread_rad, kDeg * e.after.spread_rad);
+        e.took_s, hal::rad_to_deg(e.before.finger_rad[0]), hal::rad_to_deg(e.before.finger_rad[1]),
+        hal::rad_to_deg(e.before.finger_rad[2]), hal::rad_to_deg(e.after.finger_rad[0]),
+        hal::rad_to_deg(e.after.finger_rad[1]), hal::rad_to_deg(e.after.finger_rad[2]),
+        hal::rad_to_deg(e.before.spread_rad), hal::rad_to_deg(e.after.spread_rad));
     if (task.kind == HandTask::Kind::Close || task.kind == HandTask::Kind::Grip)
       t += fmt::format("{}; strain {:.2f}, {:.2f}, {:.2f} N m, pads {:.1f}, {:.1f}, {:.1f} N\n",
                        e.after.held ? "it holds something" : "it holds nothing", e.after.torque_nm[0],

@@ -9,6 +9,7 @@
 
 #include "hal/drivers/barrett_can/barrett_hand.hpp"
 #include "hal/hand.hpp"
+#include "tools/bring_up/task_outcome.hpp"
 
 namespace colift::tools {
 
@@ -29,14 +30,7 @@ struct HandTask {
 
 /// How it ended.
 struct HandTaskEnd {
-  enum class How {
-    Done,
-    Interrupted,
-    BadRequest,  ///< Out of range, or a loaded hand that should open without a word.
-    Refused,     ///< Not there, not initialised, too hot: nothing moved.
-    NoGrip,      ///< It closed on nothing, or the grip did not hold.
-    Failed,      ///< Trouble while it moved; fingers stay where they are.
-  };
+  using How = TaskOutcome;
   How how = How::Done;
   std::string because;
   hal::ErrorCode code = hal::ErrorCode::Timeout;  ///< Of what refused or failed.
@@ -46,7 +40,6 @@ struct HandTaskEnd {
   double least_force_n = std::numeric_limits<double>::quiet_NaN();  ///< Sum over the pads while gripping.
   std::uint64_t states = 0, bad_states = 0;
 };
-[[nodiscard]] std::string_view to_string(HandTaskEnd::How how);
 
 /// What leaves the task while it goes on.
 struct HandTaskHooks {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
+#include "hal/types/units.hpp"
 #include "tools/bring_up/hal_hand_task.hpp"
 
 namespace colift::tools {
@@ -12,7 +12,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kDeg = 180.0 / std::numbers::pi;
 constexpr std::size_t kSpread = 3;
 
 const char* word(hal::CanHealth::State state) {
@@ -86,8 +85,8 @@ std::string hand_screen(const HandView& v) {
       t += std::isnan(last) ? "\n" : fmt::format("{}\n", cell(scale * last, digits));
     };
     const double none = std::nan("");
-    row("inner     deg", s.finger_rad, kDeg, 1, s.spread_rad);
-    row("outer     deg", s.outer_rad, kDeg, 1, none);
+    row("inner     deg", s.finger_rad, hal::kDegPerRad, 1, s.spread_rad);
+    row("outer     deg", s.outer_rad, hal::kDegPerRad, 1, none);
     row("strain    N m", s.torque_nm, 1.0, 2, none);
     row("pad       N", s.tip_force_n, 1.0, 1, none);
   }
@@ -117,9 +116,9 @@ std::string hand_line(const HandView& v) {
   return fmt::format(
       "{:8.1f} s  fingers {:.1f} {:.1f} {:.1f}, spread {:.1f} deg; strain {:.2f} {:.2f} {:.2f} N m; pads "
       "{:.1f} {:.1f} {:.1f} N; {}; bus {}",
-      v.at_s, kDeg * s.finger_rad[0], kDeg * s.finger_rad[1], kDeg * s.finger_rad[2], kDeg * s.spread_rad,
-      s.torque_nm[0], s.torque_nm[1], s.torque_nm[2], s.tip_force_n[0], s.tip_force_n[1], s.tip_force_n[2],
-      doing(v), word(v.report.bus));
+      v.at_s, hal::rad_to_deg(s.finger_rad[0]), hal::rad_to_deg(s.finger_rad[1]),
+      hal::rad_to_deg(s.finger_rad[2]), hal::rad_to_deg(s.spread_rad), s.torque_nm[0], s.torque_nm[1],
+      s.torque_nm[2], s.tip_force_n[0], s.tip_force_n[1], s.tip_force_n[2], doing(v), word(v.report.bus));
 }
 
 std::string tactile_text(const HandView& v) {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "control/arm/arm_loop.hpp"
+#include "control/arm/arm_commander.hpp"
 #include "planner/motion/collision/collision_scene.hpp"
 #include "planner/motion/motion_planner.hpp"
 #include "tools/calibrate/calibrate.hpp"
@@ -34,12 +34,13 @@ class Session {
         geometry_(planner::arm_geometry(*rig.model).value()),
         map_(config.map),
         planner_(*rig.model, hand, config.motion, setting.seed),
-        loop_(*rig.robot.arm, *rig.model, geometry_, config.task, config.load, rig.drive) {}
+        commander_(*rig.robot.arm, *rig.model, geometry_, config.task, config.load, rig.drive,
+                   config.setpoints) {}
 
   hal::Result<perception::SampleSet> run() {
     if (auto done = open(); !done) return tl::unexpected(done.error());
     auto set = go_through();
-    loop_.finish();
+    commander_.finish();
     (void)infrared_.want_infrared(false);
     rig_.robot.camera->deactivate();
     rig_.robot.hand->deactivate();
@@ -56,7 +57,7 @@ class Session {
     if (auto done = robot.camera->activate(); !done) return done;
     if (auto done = robot.hand->activate(); !done) return done;
     if (auto done = infrared_.want_infrared(true); !done) return done;
-    if (auto done = loop_.start(); !done) return done;
+    if (auto done = commander_.start(); !done) return done;
     if (rig_.begin) rig_.begin();
     planner_.set_scene(std::make_shared<planner::CollisionScene>(planner::make_collision_scene(
                            map_, hal::Plane{hal::Vec3::UnitZ(), 0.0}, {}, config_.motion.scene)),
@@ -95,7 +96,7 @@ class Session {
       }
       const std::size_t number = out.read.size();
       out.read.push_back({static_cast<int>(number), std::nullopt, ""});
-      auto way = planner_.plan_to(loop_.commanded(), proposed[next].q_rad);
+      auto way = planner_.plan_to(commander_.commanded(), proposed[next].q_rad);
       if (!way) {
         last = out.read.back().refused = way.error().detail;
         say(number, "no way: " + last);
@@ -144,29 +145,29 @@ class Session {
   }
 
   hal::Result<> cycle() {
-    loop_.begin_cycle();
-    loop_.end_cycle();
-    const control::ArmView& view = loop_.view();
+    commander_.begin_cycle();
+    commander_.end_cycle();
+    const control::ArmView& view = commander_.view();
     if (view.link_lost || view.misses >= kArmMisses)
       return hal::failure(ErrorCode::LinkLost, "calibrate", "the arm: " + std::string(view.trouble.str()));
     return {};
   }
 
   hal::Result<> drive(const planner::Trajectory& way) {
-    if (auto done = loop_.follow(way); !done) return done;
-    const std::uint32_t starts = loop_.starts();
+    if (auto done = commander_.follow(way); !done) return done;
+    const std::uint32_t starts = commander_.starts();
     const hal::Timestamp began = rig_.robot.clock->now();
-    while (!loop_.done()) {
+    while (!commander_.done()) {
       if (auto done = cycle(); !done) return done;
       const double waited = hal::seconds(rig_.robot.clock->now() - began);
       std::string why;
-      if (loop_.blocked()) why = "the arm met something: " + loop_.why_blocked();
-      if (loop_.starts() > starts + 1) why = "the arm's controller interrupted the motion";
+      if (commander_.blocked()) why = "the arm met something: " + commander_.why_blocked();
+      if (commander_.starts() > starts + 1) why = "the arm's controller interrupted the motion";
       if (waited > kWayPatience_s + way.duration_s()) why = "a way takes too long";
       if (InterruptGuard::asked()) why = "interrupted";
       if (why.empty()) continue;
-      loop_.hold();
-      for (int i = 0; i < 400 && !loop_.at_rest(); ++i)
+      commander_.hold();
+      for (int i = 0; i < 400 && !commander_.at_rest(); ++i)
         if (auto done = cycle(); !done) return done;
       return hal::failure(ErrorCode::NotFound, "calibrate", why);
     }
@@ -197,7 +198,7 @@ class Session {
                             fmt::format("{} of {} infrared images within {:.0f} s: {}", out.frames.size(),
                                         images, hal::seconds(kPatience), trouble));
       if (auto done = cycle(); !done) return tl::unexpected(done.error());
-      out.q_rad += loop_.view().state.q_rad;
+      out.q_rad += commander_.view().state.q_rad;
       ++cycles;
       auto frame = infrared_.next_infrared(0ms);
       if (frame)
@@ -223,7 +224,7 @@ class Session {
   planner::ArmGeometry geometry_;
   perception::WorldMap map_;
   planner::MotionPlanner planner_;
-  control::ArmLoop loop_;
+  control::ArmCommander commander_;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "perception/calibration/calibration_file.hpp"
 #include "tools/calibrate/calibrate.hpp"
+#include "tools/cli/config_of.hpp"
 #include "tools/cli/numbers.hpp"
 #include "tools/cli/session.hpp"
 #include "tools/emulate/emulate.hpp"
@@ -118,8 +119,9 @@ int cmd_calibrate(const CommonOptions& common, const CalibrateOptions& o) {
   if (o.poses < 5 || o.poses > 200)
     return report_error(
         "calibrate", {ErrorCode::BadInput, "--poses", fmt::format("found {}; expected 5 to 200", o.poses)});
-  auto setup = load_setup(common);
+  const auto setup = load_setup(config_of(common, control::Command::Calibrate));
   if (!setup) return report_error("calibrate", setup.error());
+  show_warnings("calibrate", common, *setup);
 
   const InterruptGuard signals;
   const std::string date = o.date.empty() ? today() : o.date;

@@ -7,14 +7,13 @@
 #include <cstdio>
 #include <ctime>
 #include <limits>
-#include <numbers>
 
+#include "hal/types/units.hpp"
 #include "perception/calibration/spot_finder.hpp"
 
 namespace colift::tools {
 namespace {
 
-constexpr double kDeg = 180.0 / std::numbers::pi;
 constexpr double kLowest_m = 0.1, kHighest_m = 4.0;
 constexpr double kNear_m = 0.8, kFar_m = 3.5;  // of the workspace's middle: where a Kinect is good
 constexpr double kFocalPart = 0.003;  // docs/calibration.md: more costs millimetres that no residual shows
@@ -35,7 +34,7 @@ std::optional<std::string> wrong_pose(const hal::Pose& X_BC, const hal::Vec3& wo
         "the camera would look past the workspace: its middle ({:.2f}, {:.2f}, {:.2f}) is {:.0f} deg "
         "off the image's",
         workspace_B.x(), workspace_B.y(), workspace_B.z(),
-        kDeg * std::acos(std::clamp(p.z() / std::max(p.norm(), 1e-9), -1.0, 1.0)));
+        hal::rad_to_deg(std::acos(std::clamp(p.z() / std::max(p.norm(), 1e-9), -1.0, 1.0))));
   return std::nullopt;
 }
 
@@ -61,7 +60,7 @@ CalibrationCheck check_calibration(const perception::CalibrationFile& file,
   const hal::Pose X_BC = file.X_BC();
   const hal::Vec3 at = X_BC.translation(), forward = X_BC.linear().col(2), down = X_BC.linear().col(1);
   out.height_m = at.z();
-  out.down_deg = -kDeg * std::asin(std::clamp(forward.z(), -1.0, 1.0));
+  out.down_deg = -hal::rad_to_deg(std::asin(std::clamp(forward.z(), -1.0, 1.0)));
   std::string age = "of an unknown day";
   if (const auto then = seconds_of_date(file.date)) {
     out.age_days = static_cast<double>(now_s - *then) / 86400.0;
@@ -94,7 +93,7 @@ CalibrationCheck check_calibration(const perception::CalibrationFile& file,
                     "{:.0f} mm off, {:.1f} m "
                     "away; kinect: {{fx: {:.1f}, fy: {:.1f}}}",
                     file.fx, file.fy, kinect.fx, kinect.fy, 1e3 * focal * away, away, file.fx, file.fy));
-  const double cx = file.cx - perception::kInfraredColumns, cy = file.cy - perception::kInfraredRows;
+  const double cx = file.cx - hal::kInfraredColumns, cy = file.cy - hal::kInfraredRows;
   if (std::hypot(kinect.cx - cx, kinect.cy - cy) > kCentre_px)
     out.warnings.push_back(fmt::format(
         "it was made with the principal point ({:.1f}, {:.1f}) px of the depth image, and the driver has "
@@ -106,7 +105,7 @@ CalibrationCheck check_calibration(const perception::CalibrationFile& file,
 GroundCheck check_ground(const hal::DepthFrame& frame, const hal::Pose& X_BC, const control::Config& config) {
   GroundCheck out;
   const perception::OrganisedCloud cloud = perception::deproject(frame, X_BC);
-  const auto blocks = perception::fit_block_planes(cloud, config.noise);
+  const auto blocks = perception::fit_block_planes(cloud, config.noise, config.ground.blocks);
   auto found = perception::find_ground(cloud, blocks, hal::Vec3::UnitZ(), config.noise, config.ground);
   // tilted by more than a ground may be: say by how much
   if (!found.ground) {
@@ -122,7 +121,7 @@ GroundCheck check_ground(const hal::DepthFrame& frame, const hal::Pose& X_BC, co
   ground_only.least_points = std::numeric_limits<int>::max();
   const auto seen = perception::check_pose(frame, X_BC, found.ground->plane, hal::built_in_robot(),
                                            hal::JointVector::Zero(), hal::HandPosture{}, ground_only);
-  out.tilt_deg = kDeg * seen.tilt_rad;
+  out.tilt_deg = hal::rad_to_deg(seen.tilt_rad);
   out.height_m = seen.height_m;
   out.good = seen.good;
   out.because =

@@ -5,11 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "control/task/task_machine.hpp"
-#include "hal/config/config_file.hpp"
-#include "hal/config/effective_yaml.hpp"
 #include "hal/drivers/recorded/frame_file.hpp"
 #include "tools/calibrate/cmd_check_calibration.hpp"
 #include "tools/cli/commands.hpp"
+#include "tools/cli/config_of.hpp"
 #include "tools/cli/session.hpp"
 #include "tools/rig/robot_file.hpp"
 
@@ -105,32 +104,32 @@ void say(const CameraFindings& found) {
 
 }  // namespace
 
-int cmd_check(const CommonOptions& common, const CheckOptions& options, const CheckedCamera& checked) {
+int cmd_check(const CommonOptions& common, const CheckOptions& options, const CheckedCamera& checked,
+              const std::function<hal::Result<control::ResolvedConfig>()>& config) {
   if (options.graph) return show_rules(common.json);
-  control::Config config;
-  hal::FieldTable table = hal::table_of(config);
-  if (auto done = hal::apply_command_line(table, common.config_files, common.settings); !done)
-    return report_error("check", done.error());
-  const auto setup = load_setup(common);
+  const auto setup = load_setup(config());
   if (!setup) return report_error("check", setup.error());
+  show_warnings("check", common, *setup);
 
   const auto camera = look_at_camera(*setup, checked);
   if (!camera) return report_error("check", camera.error());
   const bool ground_off = camera->ground && !camera->ground->good;
-  const std::string yaml = hal::effective_yaml(table, options.explain);
+  const std::string yaml = control::yaml_of(*setup, options.explain);
   if (common.json) {
-    nlohmann::ordered_json j = {
-        {"schema", "colift.check/1"}, {"ok", !ground_off}, {"hand", setup->hand.name}};
+    nlohmann::ordered_json j = {{"schema", "colift.check/1"},
+                                {"ok", !ground_off},
+                                {"for", options.command},
+                                {"hand", setup->hand.name}};
     j["changed"] = nlohmann::ordered_json::object();
-    for (const auto& field : table.fields())
-      if (field.origin != hal::kDefaultOrigin) j["changed"][field.path] = field.origin;
+    for (const auto& [path, origin] : setup->origins) j["changed"][path] = origin;
+    j["warnings"] = setup->warnings;
     j["calibration"] = json_of(*camera);
     j["config"] = yaml;
     std::puts(j.dump().c_str());
     return ground_off ? kNoGoal : kDone;
   }
   if (!common.quiet) std::fputs(yaml.c_str(), stdout);
-  fmt::print(stderr, "the configuration is usable; hand: {}\n", setup->hand.name);
+  fmt::print(stderr, "colift {} can use this configuration; hand: {}\n", options.command, setup->hand.name);
   say(*camera);
   return ground_off ? kNoGoal : kDone;
 }

@@ -5,6 +5,7 @@
 #include "tools/calibrate/calibrate.hpp"
 #include "tools/cli/command_line.hpp"
 #include "tools/cli/commands.hpp"
+#include "tools/cli/config_of.hpp"
 
 namespace colift::tools {
 namespace {
@@ -142,20 +143,25 @@ void add_device_commands(CommandLine& line) {
   const auto arm = std::make_shared<HalOptions>();
   add_hal_arm(line, arm_command, *arm);
   line.when(arm_command, [&common, arm] { return cmd_hal_arm(common, *arm); });
+  const auto hal_config = [&common] { return config_of(common, control::Command::Hal); };
+  line.configured(arm_command, {hal_config});
   CLI::App& hand_command = *hal.add_subcommand("hand", "The BarrettHand over CAN");
   const auto hand = std::make_shared<HalOptions>();
   add_hal_hand(line, hand_command, *hand);
   line.when(hand_command, [&common, hand] { return cmd_hal_hand(common, *hand); });
+  line.configured(hand_command, {hal_config});
   CLI::App& camera_command = *hal.add_subcommand("camera", "The Kinect v1 over libfreenect");
   const auto camera = std::make_shared<HalCameraOptions>();
   add_hal_camera(line, camera_command, *camera);
   line.when(camera_command, [&common, camera] { return cmd_hal_camera(common, *camera); });
+  line.configured(camera_command, {hal_config});
 
   CLI::App& calibrate_command = line.command("calibrate");
   const auto calibrate = std::make_shared<CalibrateOptions>();
   add_calibrate(calibrate_command, *calibrate);
   line.add_common(calibrate_command);
   line.when(calibrate_command, [&common, calibrate] { return cmd_calibrate(common, *calibrate); });
+  line.configured(calibrate_command, {[&common] { return config_of(common, control::Command::Calibrate); }});
 
   CLI::App& doctor_command = line.command("doctor");
   const auto doctor = std::make_shared<DoctorOptions>();

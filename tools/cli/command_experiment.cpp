@@ -34,6 +34,7 @@ void add_experiment_commands(CommandLine& line) {
   add_experiment(experiment_command, *experiment);
   line.add_output(experiment_command);
   line.when(experiment_command, [&common, experiment] { return cmd_experiment(common, *experiment); });
+  line.configured(experiment_command, {[experiment] { return config_of_experiment(*experiment); }});
 }
 
 }  // namespace colift::tools

@@ -2,6 +2,7 @@
 
 #include "tools/cli/command_line.hpp"
 #include "tools/cli/commands.hpp"
+#include "tools/cli/config_of.hpp"
 
 namespace colift::tools {
 namespace {
@@ -39,6 +40,8 @@ void add_job_commands(CommandLine& line) {
   add_run(run_command, *run);
   line.add_common(run_command);
   line.when(run_command, [&common, run] { return cmd_run(common, *run); });
+  line.configured(run_command,
+                  {[&common, run] { return config_of_run(common, *run); }, [run] { return run->robot; }});
 }
 
 }  // namespace colift::tools

@@ -7,8 +7,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <sstream>
 #include <stdexcept>
+#include <string_view>
 
+#include "tools/cli/commands.hpp"
 #include "tools/cli/programs.hpp"
 #include "tools/live/live_server.hpp"
 
@@ -21,14 +24,52 @@ bool is_port(const std::string& text) {
 
 // As CLI11's parse() takes them. In `log replay --view FILE` the file is no port: an option with a value that
 // may be left out would take it.
-std::vector<std::string> last_first(int argc, char** argv) {
-  std::vector<std::string> words;
-  for (int i = argc - 1; i > 0; --i) {
-    const std::string word = argv[i];
-    const bool no_port = word == "--view" && !words.empty() && !is_port(words.back());
-    words.push_back(no_port ? fmt::format("--view={}", live::ServerConfig{}.port) : word);
+std::vector<std::string> last_first(const std::vector<std::string>& words) {
+  std::vector<std::string> out;
+  for (auto word = words.rbegin(); word != words.rend(); ++word) {
+    const bool no_port = *word == "--view" && !out.empty() && !is_port(out.back());
+    out.push_back(no_port ? fmt::format("--view={}", live::ServerConfig{}.port) : *word);
   }
-  return words;
+  return out;
+}
+
+constexpr std::string_view kFor = "--for";
+constexpr const char* kConfiguredCommands =
+    "run, look, decide, experiment, log replay, calibrate, hal arm, hal hand, hal camera";
+
+bool says_for(const std::string& word) {
+  return word == kFor || word.starts_with("--for=");
+}
+
+// "run --share 0.3 --json" of "check --json --for run --share 0.3": the command first, then everything else.
+std::vector<std::string> words_of_command(const std::vector<std::string>& words) {
+  std::vector<std::string> before, command;
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    if (!says_for(words[i])) {
+      before.push_back(words[i]);
+      continue;
+    }
+    std::string name = words[i] == kFor ? "" : words[i].substr(kFor.size() + 1);
+    if (words[i] == kFor && i + 1 < words.size()) name = words[++i];
+    std::istringstream parts(name);  // "log replay" in one word
+    for (std::string part; parts >> part;) command.push_back(part);
+    command.insert(command.end(), words.begin() + static_cast<std::ptrdiff_t>(i) + 1, words.end());
+    break;
+  }
+  command.insert(command.end(), before.begin(), before.end());
+  return command;
+}
+
+// Whose configuration is asked for, does not need what it works on.
+void require_nothing(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) option->required(false);
+  for (CLI::App* below : app.get_subcommands([](CLI::App*) { return true; })) require_nothing(*below);
+}
+
+std::string full_name(const CLI::App& app) {
+  const CLI::App* parent = app.get_parent();
+  return parent == nullptr || parent->get_parent() == nullptr ? app.get_name()
+                                                              : full_name(*parent) + " " + app.get_name();
 }
 
 }  // namespace
@@ -80,17 +121,48 @@ void CommandLine::add_common(CLI::App& parser) {
   add_output(parser);
 }
 
-int CommandLine::run(int argc, char** argv) {
+std::optional<int> CommandLine::parse(std::vector<std::string> words) {
+  const std::string first = words.empty() ? "-" : words.front();
   try {
-    app_.parse(last_first(argc, argv));
+    app_.parse(last_first(words));
   } catch (const CLI::Success& e) {
     return app_.exit(e);  // --help, --version
   } catch (const CLI::ParseError& e) {
-    return refuse(e, argc > 1 ? argv[1] : "-");
+    return refuse(e, first);
   }
+  return std::nullopt;
+}
+
+int CommandLine::run(int argc, char** argv) {
+  const std::vector<std::string> words(argv + 1, argv + std::max(argc, 1));
+  if (!words.empty() && words.front() == "check" && std::any_of(words.begin(), words.end(), says_for))
+    return check_for(words_of_command(words));
+  if (const auto ended = parse(words)) return *ended;
   const auto called =
       std::find_if(runs_.begin(), runs_.end(), [](const Run& r) { return r.parser->parsed(); });
   return called != runs_.end() ? called->run() : static_cast<int>(kInternal);
+}
+
+int CommandLine::check_for(std::vector<std::string> words) {
+  CheckOptions options;
+  options.explain = std::erase(words, "--explain") > 0;
+  require_nothing(app_);
+  if (const auto ended = parse(std::move(words))) return *ended;
+  const CLI::App* asked = &app_;
+  while (!asked->get_subcommands().empty()) asked = asked->get_subcommands().front();
+  options.command = full_name(*asked);
+  const auto found =
+      std::find_if(configured_.begin(), configured_.end(), [](const auto& c) { return c.first->parsed(); });
+  if (found == configured_.end()) {
+    std::fputs(fmt::format("colift check: --for: {} takes no configuration; these do: {}\n", options.command,
+                           kConfiguredCommands)
+                   .c_str(),
+               stderr);
+    return kBadInput;
+  }
+  CheckedCamera camera;
+  if (found->second.robot) camera.robot = found->second.robot();
+  return cmd_check(common, options, camera, found->second.config);
 }
 
 int CommandLine::refuse(const CLI::ParseError& error, const std::string& first) const {

@@ -1,11 +1,15 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "control/config/resolve_config.hpp"
 #include "tools/cli/options.hpp"
 
 namespace colift::tools {
@@ -23,6 +27,13 @@ class CommandLine {
   /// `run` gives the exit code when `parser` was what the user called.
   void when(CLI::App& parser, std::function<int()> run) { runs_.push_back({&parser, std::move(run)}); }
 
+  /// What `check --for` shows of a command: its configuration, and the robot whose calibration belongs to it.
+  struct Configured {
+    std::function<hal::Result<control::ResolvedConfig>()> config;
+    std::function<std::optional<std::filesystem::path>()> robot = {};
+  };
+  void configured(CLI::App& parser, Configured what) { configured_.emplace_back(&parser, std::move(what)); }
+
   /// --json and --quiet.
   void add_output(CLI::App& parser);
   /// Also --config and --set.
@@ -38,10 +49,14 @@ class CommandLine {
     CLI::App* parser;
     std::function<int()> run;
   };
+  [[nodiscard]] std::optional<int> parse(std::vector<std::string> words);
+  /// `check --for COMMAND ...`: `words` without "check" and "--for".
+  [[nodiscard]] int check_for(std::vector<std::string> words);
   [[nodiscard]] int refuse(const CLI::ParseError& error, const std::string& first) const;
 
   CLI::App app_;
   std::vector<Run> runs_;
+  std::vector<std::pair<CLI::App*, Configured>> configured_;
 };
 
 void add_job_commands(CommandLine& line);         ///< run

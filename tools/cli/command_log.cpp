@@ -53,6 +53,8 @@ void add_log_commands(CommandLine& line) {
   const auto log = std::make_shared<LogOptions>();
   add_log(line, log_command, *log);
   line.when(log_command, [&common, log] { return cmd_log(common, *log); });
+  line.configured(*log_command.get_subcommand("replay"),
+                  {[&common, log] { return config_of_replay(common, *log); }});
 }
 
 }  // namespace colift::tools

@@ -3,6 +3,7 @@
 #include "tools/analyse/cmd_rank.hpp"
 #include "tools/cli/command_line.hpp"
 #include "tools/cli/commands.hpp"
+#include "tools/cli/config_of.hpp"
 
 namespace colift::tools {
 namespace {
@@ -43,7 +44,12 @@ void add_decide(CLI::App& command, DecideOptions& o) {
 }
 
 void add_check(CLI::App& command, CheckOptions& o, CheckedCamera& camera) {
-  command.add_flag("--explain", o.explain, "With what each entry means and what it may be");
+  command
+      .add_option("--for", o.command,
+                  "Whose configuration (default: run); behind it stand that command's own options, as in "
+                  "check --for decide --method thesis --share 0.3")
+      ->type_name("COMMAND ...");
+  command.add_flag("--explain", o.explain, "With what each entry means, its unit and what it may be");
   command.add_flag(
       "--graph", o.graph,
       "Prints the states of the job and what leads from one to the other, as a Graphviz drawing; "
@@ -66,12 +72,14 @@ void add_sight_commands(CommandLine& line) {
   add_look(look_command, *look);
   line.add_common(look_command);
   line.when(look_command, [&common, look] { return cmd_look(common, *look); });
+  line.configured(look_command, {[&common, look] { return config_of_look(common, *look); }});
 
   CLI::App& decide_command = line.command("decide");
   const auto decide = std::make_shared<DecideOptions>();
   add_decide(decide_command, *decide);
   line.add_common(decide_command);
   line.when(decide_command, [&common, decide] { return cmd_decide(common, *decide); });
+  line.configured(decide_command, {[&common, decide] { return config_of_decide(common, *decide); }});
 
   CLI::App& rank_command = line.command("rank");
   const auto problem = std::make_shared<std::string>();
@@ -84,7 +92,10 @@ void add_sight_commands(CommandLine& line) {
   const auto camera = std::make_shared<CheckedCamera>();
   add_check(check_command, *check, *camera);
   line.add_common(check_command);
-  line.when(check_command, [&common, check, camera] { return cmd_check(common, *check, *camera); });
+  line.when(check_command, [&common, check, camera] {
+    check->command = "run";
+    return cmd_check(common, *check, *camera, [&common] { return config_of_run(common, {}); });
+  });
 }
 
 }  // namespace colift::tools

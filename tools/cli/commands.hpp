@@ -1,5 +1,10 @@
 #pragma once
 
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+#include "control/config/resolve_config.hpp"
 #include "tools/cli/options.hpp"
 
 namespace colift::tools {
@@ -22,9 +27,10 @@ struct CheckedCamera {
   std::optional<std::filesystem::path> frame;   ///< Depth image, PCD or PLY.
   std::optional<std::filesystem::path> camera;  ///< camera.json of a PNG; unset: beside it.
 };
-/// Reads configuration, hand and calibration and prints what would be used, or draws the rules of the job. 0
-/// usable, 1 the ground of `frame` is not where the calibration has it, 2 not usable.
+/// Reads the configuration that `config` makes, hand and calibration, and prints what would be used, or draws
+/// the rules of the job. 0 usable, 1 the ground of `frame` is not where the calibration has it, 2 not usable.
 [[nodiscard]] int cmd_check(const CommonOptions& common, const CheckOptions& options,
-                            const CheckedCamera& camera);
+                            const CheckedCamera& camera,
+                            const std::function<hal::Result<control::ResolvedConfig>()>& config);
 
 }  // namespace colift::tools

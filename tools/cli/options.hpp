@@ -49,6 +49,7 @@ struct DecideOptions {
 };
 
 struct CheckOptions {
+  std::string command;  ///< Whose configuration is shown, "log replay".
   bool explain = false;
   bool graph = false;  ///< The rules of the job instead of the configuration.
 };

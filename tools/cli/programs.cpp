@@ -22,7 +22,7 @@ constexpr CommandEntry kCommands[] = {
      "Perception of one recorded frame: ground, target, surfaces, grasp candidates"},
     {"decide", "colift-analyse", "look, then which grasp the robot takes for a partner's grasp, and why"},
     {"rank", "colift-analyse", "Only the load-sharing decision, on numbers"},
-    {"check", "colift-analyse", "Reads configuration and hand, touches no device, prints what would be used"},
+    {"check", "colift-analyse", "Prints the configuration that a command would use; touches no device"},
     {"hal", "colift-bring-up", "Bring-up of one device at a time"},
     {"calibrate", "colift-bring-up",
      "Where the camera is: a blinking emitter on the palm, seen at many poses of the arm"},
@@ -34,6 +34,22 @@ constexpr CommandEntry kCommands[] = {
 
 std::span<const CommandEntry> command_table() {
   return kCommands;
+}
+
+std::string_view command_asked_for(std::span<const std::string> words) {
+  if (words.empty()) return {};
+  if (words.front() != "check") return words.front();
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    std::string_view name = words[i];
+    if (name == "--for" && i + 1 < words.size())
+      name = words[i + 1];
+    else if (name.starts_with("--for="))
+      name.remove_prefix(std::string_view("--for=").size());
+    else
+      continue;
+    return name.substr(0, name.find(' '));  // "log replay" in one word
+  }
+  return words.front();
 }
 
 const CommandEntry* find_command(std::string_view name) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace colift::tools {
@@ -15,6 +16,10 @@ struct CommandEntry {
 
 /// Every command, in the order of `colift --help`.
 [[nodiscard]] std::span<const CommandEntry> command_table();
+
+/// The command whose program answers: the first word, but for `check --for COMMAND` that COMMAND, whose options
+/// only its own program knows. `words` without the program's name; empty when there is none.
+[[nodiscard]] std::string_view command_asked_for(std::span<const std::string> words);
 
 /// nullptr: there is no such command.
 [[nodiscard]] const CommandEntry* find_command(std::string_view name);

@@ -4,18 +4,13 @@
 
 #include <cstdio>
 
-#include "hal/config/config_file.hpp"
-#include "tools/analyse/weights.hpp"
 #include "tools/cli/numbers.hpp"
 
 namespace colift::tools {
 
-hal::Result<Setup> load_setup(const CommonOptions& common, const control::Config& defaults) {
-  Setup setup;
-  setup.config = defaults;
-  hal::FieldTable table = hal::table_of(setup.config);
-  if (auto done = hal::apply_command_line(table, common.config_files, common.settings); !done)
-    return tl::unexpected(done.error());
+hal::Result<Setup> load_setup(const hal::Result<control::ResolvedConfig>& resolved) {
+  if (!resolved) return tl::unexpected(resolved.error());
+  Setup setup{*resolved, {}, {}, {}};
   if (!setup.config.hand_file.empty()) {
     auto hand = planner::load_hand(setup.config.hand_file);
     if (!hand) return tl::unexpected(hand.error());
@@ -31,9 +26,6 @@ hal::Result<Setup> load_setup(const CommonOptions& common, const control::Config
 }
 
 hal::Result<Seen> look_at_file(const LookOptions& options, const Setup& setup) {
-  const auto method = parse_method(options.method, setup.config);
-  if (!method) return tl::unexpected(method.error());
-
   Seen seen;
   control::LookInput input;
   if (!options.camera_pose.empty()) {
@@ -46,7 +38,7 @@ hal::Result<Seen> look_at_file(const LookOptions& options, const Setup& setup) {
     input.base_frame_known = true;
   }
   if (!options.at.empty()) {
-    if (*method == control::Method::Thesis)
+    if (setup.method == control::Method::Thesis)
       return hal::failure(hal::ErrorCode::BadInput, "--at",
                           "goes with --method fast: the thesis takes the largest cluster");
     const auto at = parse_point(options.at, "--at");
@@ -59,7 +51,7 @@ hal::Result<Seen> look_at_file(const LookOptions& options, const Setup& setup) {
   input.X_WC = seen.X_WF * seen.file.X_FC;
   input.frame = std::move(seen.file.frame);
 
-  auto look = control::look(std::move(input), *method, setup.config, setup.hand, hal::SteadyClock(),
+  auto look = control::look(std::move(input), setup.method, setup.config, setup.hand, hal::SteadyClock(),
                             setup.hand_tables);
   if (!look) return tl::unexpected(look.error());
   seen.look = std::move(*look);

@@ -3,7 +3,7 @@
 #include <memory>
 #include <optional>
 
-#include "control/config/config.hpp"
+#include "control/config/resolve_config.hpp"
 #include "control/session/decide.hpp"
 #include "control/session/look.hpp"
 #include "hal/drivers/recorded/frame_file.hpp"
@@ -14,16 +14,14 @@
 
 namespace colift::tools {
 
-/// Configuration and hand of one call of the program: files and --set over `defaults`. Errors: BadConfig,
-/// with the place.
-struct Setup {
-  control::Config config;
+/// Configuration of one call of the program, and what it names: hand and calibration.
+struct Setup : control::ResolvedConfig {
   planner::HandModel hand;
   std::optional<perception::CalibrationFile> calibration;     ///< When the configuration names one.
   std::shared_ptr<const planner::HandCollision> hand_tables;  ///< Made once, for every look.
 };
-[[nodiscard]] hal::Result<Setup> load_setup(const CommonOptions& common,
-                                            const control::Config& defaults = {});
+/// Reads the files that a configuration names. Errors: BadConfig, with the place.
+[[nodiscard]] hal::Result<Setup> load_setup(const hal::Result<control::ResolvedConfig>& resolved);
 
 /// A frame that was looked at.
 struct Seen {

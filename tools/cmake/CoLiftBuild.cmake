@@ -23,7 +23,9 @@ if(COLIFT_SANITIZE)
 endif()
 
 # Debian's PCL was built with plain malloc: Eigen must not switch to its own aligned one, neither for AVX nor for ASan.
-add_compile_definitions(EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MALLOC_ALREADY_ALIGNED=1)
+# Layouts depend on it, so colift_hal hands it on to every program that links the library; geometry.hpp checks.
+set(COLIFT_EIGEN_LAYOUT EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MALLOC_ALREADY_ALIGNED=1)
+add_compile_definitions(${COLIFT_EIGEN_LAYOUT})
 
 # colift_library(NAME SOURCES... LINK ...): a static library of this repository with its include root and warnings.
 function(colift_library name)

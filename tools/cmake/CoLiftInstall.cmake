@@ -1,10 +1,24 @@
 # Install, and the package that find_package(CoLift) finds.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/CoLift)
-foreach(folder hal perception planner control sim_hal)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/colift
-          FILES_MATCHING PATTERN "*.hpp")
+include(PublicHeaders)
+foreach(header ${COLIFT_PUBLIC_HEADERS})
+  get_filename_component(folder ${header} DIRECTORY)
+  install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/colift/${folder})
 endforeach()
+
+# the suites that a back end has to pass, as headers: <colift/contract/arm_contract.hpp>
+set(contract_include ${PROJECT_SOURCE_DIR}/tests/contract/include)
+add_library(colift_contract INTERFACE)
+add_library(CoLift::contract ALIAS colift_contract)
+set_target_properties(colift_contract PROPERTIES EXPORT_NAME contract)
+target_include_directories(colift_contract INTERFACE $<BUILD_INTERFACE:${contract_include}>
+                                                     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+target_link_libraries(colift_contract INTERFACE colift_hal)
+install(TARGETS colift_contract EXPORT CoLiftTargets)
+list(TRANSFORM COLIFT_CONTRACT_HEADERS PREPEND ${contract_include}/colift/contract/ OUTPUT_VARIABLE contract_headers)
+install(FILES ${contract_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/colift/contract)
+
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/config/ DESTINATION ${CMAKE_INSTALL_DATADIR}/colift/config)
 install(EXPORT CoLiftTargets NAMESPACE CoLift:: DESTINATION ${package_dir})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/CoLiftConfig.cmake.in
@@ -12,3 +26,4 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/CoLiftConfig.cmake.in
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/CoLiftConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/CoLiftConfig.cmake ${CMAKE_BINARY_DIR}/CoLiftConfigVersion.cmake
         DESTINATION ${package_dir})
+include(ApiDocs)

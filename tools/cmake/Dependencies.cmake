@@ -8,6 +8,7 @@ find_package(fmt 9 REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
+pkg_check_modules(LZF REQUIRED liblzf)
 find_package(ZLIB REQUIRED)
 find_package(Threads REQUIRED)
 

@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 
 #include <atomic>
+#include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <thread>
+#include <utility>
 
 namespace colift::tools {
 namespace {
@@ -49,8 +53,32 @@ void EmulateLines::event(double t_s, const std::string& what) const {
   if (!common_.quiet) line(common_, fmt::format("t={:.3f} {}", t_s, what));
 }
 
-void EmulateLines::say(const std::string& what) const {
-  line(common_, what);
+void EmulateLines::result(const std::string& what) const {
+  std::fputs((what + "\n").c_str(), stdout);
+  std::fflush(stdout);
+}
+
+tl::unexpected<hal::Error> bad_option(const char* option, std::string because) {
+  return hal::failure(hal::ErrorCode::BadInput, option, std::move(because));
+}
+
+hal::Result<> check_seconds(const char* option, const std::optional<double>& value_s, double least) {
+  if (!value_s || (*value_s >= least && std::isfinite(*value_s))) return {};
+  return bad_option(option, fmt::format("{} is no time; expected seconds from {:g}", *value_s, least));
+}
+
+std::string watch_emulator(const EmulateOptions& options, const EmulatorWatch& watch) {
+  for (;;) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    watch.print();
+    std::optional<std::string> because = watch.ended ? watch.ended() : std::nullopt;
+    if (!because && InterruptGuard::asked()) because = "interrupted";
+    if (!because && options.for_s && watch.elapsed_s() >= *options.for_s) because = "the time is over";
+    if (!because) continue;
+    watch.stop();
+    watch.print();
+    return *because;
+  }
 }
 
 }  // namespace colift::tools

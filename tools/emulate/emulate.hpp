@@ -2,10 +2,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "hal/types/result.hpp"
 #include "tools/cli/options.hpp"
 
 namespace colift::tools {
@@ -54,10 +57,38 @@ class EmulateLines {
   explicit EmulateLines(const CommonOptions& common) : common_(common) {}
   void ready(const std::string& what) const;
   void event(double t_s, const std::string& what) const;  ///< Not with --quiet.
-  void say(const std::string& what) const;
+  /// The end: a summary, or a document with --json; to stdout.
+  void result(const std::string& what) const;
 
  private:
   const CommonOptions& common_;
 };
+
+/// A command line option that cannot be. BadInput.
+[[nodiscard]] tl::unexpected<hal::Error> bad_option(const char* option, std::string because);
+/// Errors: BadInput (a time that is not finite, or below `least`).
+[[nodiscard]] hal::Result<> check_seconds(const char* option, const std::optional<double>& value_s,
+                                          double least = 0.0);
+
+/// Running emulators, as the loop that waits for their end sees them.
+struct EmulatorWatch {
+  std::function<void()> print;        ///< What has happened since the last call, and whatever is due.
+  std::function<double()> elapsed_s;  ///< The device's time.
+  std::function<void()> stop;
+  std::function<std::optional<std::string>()> ended = {};  ///< A reason of the device's own, if there is one.
+};
+/// Watches until the emulators are over, stops them, and says why it was.
+[[nodiscard]] std::string watch_emulator(const EmulateOptions& options, const EmulatorWatch& watch);
+
+/// The same for one server, whose events are printed as they are.
+template <class Server>
+[[nodiscard]] std::string watch_server(Server& server, const EmulateOptions& options,
+                                       const EmulateLines& lines, std::function<double()> elapsed_s,
+                                       std::function<std::optional<std::string>()> ended = {}) {
+  return watch_emulator(options, {[&] {
+                                    for (const auto& e : server.take_events()) lines.event(e.t_s, e.text);
+                                  },
+                                  std::move(elapsed_s), [&] { server.stop(); }, std::move(ended)});
+}
 
 }  // namespace colift::tools

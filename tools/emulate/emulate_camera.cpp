@@ -14,7 +14,7 @@
 #include "sim_hal/emulator/camera/camera_server.hpp"
 #include "sim_hal/emulator/mujoco/camera_world_eye.hpp"
 #include "tools/cli/session.hpp"
-#include "tools/emulate/emulate_watch.hpp"
+#include "tools/rig/rig_world.hpp"
 
 namespace colift::tools {
 namespace {
@@ -26,35 +26,14 @@ using sim_hal::CameraServerReport;
 constexpr double kRecord_s = 2.0;
 constexpr double kTicks_per_ns = 60e6 / 1e9;
 
-tl::unexpected<hal::Error> bad(const char* option, std::string because) {
-  return hal::failure(hal::ErrorCode::BadInput, option, std::move(because));
-}
-
 hal::Result<> check_options(const EmulateCameraOptions& o) {
-  if (o.common.plant != "mujoco") return bad("--plant", "a camera looks at a world; expected mujoco");
-  if (o.common.speed != 1.0) return bad("--speed", "a camera lives in real time; expected 1");
-  if (o.common.for_s && !(*o.common.for_s >= 0.0 && std::isfinite(*o.common.for_s)))
-    return bad("--for", fmt::format("{} is no time; expected seconds from 0", *o.common.for_s));
-  if (o.live && o.fakenect) return bad("--live", "goes without --fakenect");
-  if (o.fakenect && !o.common.faults.empty()) return bad("--fault", "a recording has none; expected --live");
+  if (o.common.plant != "mujoco") return bad_option("--plant", "a camera looks at a world; expected mujoco");
+  if (o.common.speed != 1.0) return bad_option("--speed", "a camera lives in real time; expected 1");
+  if (auto done = check_seconds("--for", o.common.for_s); !done) return done;
+  if (o.live && o.fakenect) return bad_option("--live", "goes without --fakenect");
+  if (o.fakenect && !o.common.faults.empty())
+    return bad_option("--fault", "a recording has none; expected --live");
   return {};
-}
-
-hal::Result<std::vector<sim_hal::CameraFault>> faults_of(const EmulateCameraOptions& o,
-                                                         const sim_hal::Scenario& scenario) {
-  std::vector<sim_hal::CameraFault> faults;
-  for (const sim_hal::DeviceFaultEvent& event : scenario.faults) {
-    if (event.device != "camera") continue;
-    auto fault = sim_hal::camera_fault(event);
-    if (!fault) return tl::unexpected(fault.error());
-    faults.push_back(std::move(*fault));
-  }
-  for (const std::string& text : o.common.faults) {
-    auto fault = sim_hal::parse_camera_fault(text);
-    if (!fault) return tl::unexpected(fault.error());
-    faults.push_back(std::move(*fault));
-  }
-  return faults;
 }
 
 /// The world's first seconds as fakenect plays them, as quickly as they can be computed.
@@ -78,20 +57,17 @@ hal::Result<int> record(const CommonOptions& common, const EmulateCameraOptions&
     raw.stamp.accel[2] = static_cast<std::int32_t>(std::lround(-819.0 * e.up_C.z()));
     if (auto done = writer->write(raw, world.elapsed()); !done) return tl::unexpected(done.error());
   }
-  const EmulateLines lines(common);
-  if (common.json)
-    std::puts(nlohmann::ordered_json({{"schema", "colift.emulate/1"},
-                                      {"device", "camera"},
-                                      {"fakenect", o.fakenect->string()},
-                                      {"frames", writer->frames()},
-                                      {"bytes", writer->bytes()}})
-                  .dump()
-                  .c_str());
-  else
-    lines.say(
-        fmt::format("{} frames, {:.1f} MB in {}; play them: colift hal camera watch --source fakenect:{}",
-                    writer->frames(), static_cast<double>(writer->bytes()) / 1e6, o.fakenect->string(),
-                    o.fakenect->string()));
+  EmulateLines(common).result(
+      common.json
+          ? nlohmann::ordered_json({{"schema", "colift.emulate/1"},
+                                    {"device", "camera"},
+                                    {"fakenect", o.fakenect->string()},
+                                    {"frames", writer->frames()},
+                                    {"bytes", writer->bytes()}})
+                .dump()
+          : fmt::format("{} frames, {:.1f} MB in {}; play them: colift hal camera watch --source fakenect:{}",
+                        writer->frames(), static_cast<double>(writer->bytes()) / 1e6, o.fakenect->string(),
+                        o.fakenect->string()));
   return InterruptGuard::asked() ? kInterrupted : kDone;
 }
 
@@ -146,7 +122,8 @@ class WorldPace {
 
 hal::Result<int> serve(const CommonOptions& common, const EmulateCameraOptions& o,
                        const sim_hal::Scenario& scenario, sim_hal::SimWorld& world) {
-  auto faults = faults_of(o, scenario);
+  auto faults = sim_hal::faults_of("camera", scenario.faults, o.common.faults, sim_hal::camera_fault,
+                                   sim_hal::parse_camera_fault);
   if (!faults) return tl::unexpected(faults.error());
   sim_hal::CameraServerConfig config;
   config.address = o.address;
@@ -161,41 +138,33 @@ hal::Result<int> serve(const CommonOptions& common, const EmulateCameraOptions& 
       fmt::format("camera on emulated:{}; any program for libfreenect: COLIFT_KINECT_EMULATOR={} "
                   "LD_PRELOAD={}/libcolift-freenect.so PROGRAM",
                   o.address, o.address, hal::kinect::own_folder()));
-  const std::string because = watch_emulator(
-      server, o.common, lines, [] { return std::optional<std::string>(); },
-      [&] { return server.elapsed_s(); });
+  const std::string because = watch_server(server, o.common, lines, [&] { return server.elapsed_s(); });
   const CameraServerReport r = server.report();
-  if (common.json)
-    std::puts(to_json(o, r, server.elapsed_s(), because).c_str());
-  else
-    lines.say(
-        fmt::format("{}: {} clients, {} frames sent, {} not taken, {} infrared; slowest picture {:.1f} ms",
-                    because, r.clients, r.sent, r.not_taken, r.infrared, r.worst_render_ms));
-  std::fflush(stdout);
+  lines.result(
+      common.json
+          ? to_json(o, r, server.elapsed_s(), because)
+          : fmt::format(
+                "{}: {} clients, {} frames sent, {} not taken, {} infrared; slowest picture {:.1f} ms",
+                because, r.clients, r.sent, r.not_taken, r.infrared, r.worst_render_ms));
   return kDone;
 }
 
 hal::Result<int> run(const CommonOptions& common, const EmulateCameraOptions& o) {
   if (auto done = check_options(o); !done) return tl::unexpected(done.error());
-  sim_hal::Scenario scenario = sim_hal::built_in_scenario();
-  if (o.common.scenario) {
-    auto read = sim_hal::load_scenario(*o.common.scenario);
-    if (!read) return tl::unexpected(read.error());
-    scenario = std::move(*read);
-  }
-  auto world = sim_hal::SimWorld::make(scenario, hal::built_in_robot(), o.common.seed, {});
+  const auto scenario = read_scenario(o.common.scenario);
+  if (!scenario) return tl::unexpected(scenario.error());
+  auto world = sim_hal::SimWorld::make(*scenario, hal::built_in_robot(), o.common.seed, {});
   if (!world) return tl::unexpected(world.error());
   const InterruptGuard guard;
   if (o.fakenect) return record(common, o, **world);
-  return serve(common, o, scenario, **world);
+  return serve(common, o, *scenario, **world);
 }
 
 }  // namespace
 
 int cmd_emulate_camera(const CommonOptions& common, const EmulateCameraOptions& options) {
   const auto code = run(common, options);
-  if (code) return *code;
-  return report_error("emulate camera", code.error());
+  return code ? *code : report_error("emulate camera", code.error());
 }
 
 }  // namespace colift::tools

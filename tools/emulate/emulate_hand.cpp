@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -13,7 +11,7 @@
 #include "sim_hal/emulator/hand/hand_server.hpp"
 #include "sim_hal/emulator/mujoco/hand_world_plant.hpp"
 #include "tools/cli/session.hpp"
-#include "tools/emulate/emulate_watch.hpp"
+#include "tools/rig/rig_world.hpp"
 
 namespace colift::tools {
 namespace {
@@ -22,24 +20,19 @@ using sim_hal::HandEmulatorReport;
 using sim_hal::HandServer;
 using sim_hal::HandServerTiming;
 
-tl::unexpected<hal::Error> bad(const char* option, std::string because) {
-  return hal::failure(hal::ErrorCode::BadInput, option, std::move(because));
-}
-
 hal::Result<> check_options(const EmulateHandOptions& o) {
   if (o.common.plant != "mujoco" && o.common.plant != "light")
-    return bad("--plant", fmt::format("\"{}\" is no plant; expected mujoco or light", o.common.plant));
-  if (o.common.speed != 1.0) return bad("--speed", "a hand's pucks live in real time; expected 1");
-  if (o.common.for_s && !(*o.common.for_s >= 0.0 && std::isfinite(*o.common.for_s)))
-    return bad("--for", fmt::format("{} is no time; expected seconds from 0", *o.common.for_s));
+    return bad_option("--plant", fmt::format("\"{}\" is no plant; expected mujoco or light", o.common.plant));
+  if (o.common.speed != 1.0) return bad_option("--speed", "a hand's pucks live in real time; expected 1");
+  if (auto done = check_seconds("--for", o.common.for_s); !done) return done;
   if (o.width_m && !(*o.width_m > 0.0 && *o.width_m <= 0.3))
-    return bad("--width", fmt::format("{} is no width; expected metres up to 0.3", *o.width_m));
+    return bad_option("--width", fmt::format("{} is no width; expected metres up to 0.3", *o.width_m));
   if (o.width_m && o.common.plant != "light")
-    return bad("--width", "a simulated world has its own object; expected --plant light");
+    return bad_option("--width", "a simulated world has its own object; expected --plant light");
   if (o.firmware < 132 || o.firmware > 999)
-    return bad("--firmware", fmt::format("{} is not emulated; expected 132 to 999", o.firmware));
+    return bad_option("--firmware", fmt::format("{} is not emulated; expected 132 to 999", o.firmware));
   if (o.group < 0 || o.group > 31)
-    return bad("--group", fmt::format("{} is no group; expected 0 to 31", o.group));
+    return bad_option("--group", fmt::format("{} is no group; expected 0 to 31", o.group));
   return {};
 }
 
@@ -50,17 +43,10 @@ hal::Result<sim_hal::HandEmulatorConfig> emulator_config(const EmulateHandOption
   config.puck.firmware = o.firmware;
   config.puck.group_c = o.group;
   config.seed = o.common.seed;
-  for (const sim_hal::DeviceFaultEvent& event : scenario.faults) {
-    if (event.device != "hand") continue;
-    auto fault = sim_hal::hand_fault(event);
-    if (!fault) return tl::unexpected(fault.error());
-    config.faults.push_back(std::move(*fault));
-  }
-  for (const std::string& text : o.common.faults) {
-    auto fault = sim_hal::parse_hand_fault(text);
-    if (!fault) return tl::unexpected(fault.error());
-    config.faults.push_back(std::move(*fault));
-  }
+  auto faults = sim_hal::faults_of("hand", scenario.faults, o.common.faults, sim_hal::hand_fault,
+                                   sim_hal::parse_hand_fault);
+  if (!faults) return tl::unexpected(faults.error());
+  config.faults = std::move(*faults);
   return config;
 }
 
@@ -72,13 +58,9 @@ std::uint64_t rules_broken(const HandEmulatorReport& r) {
 
 hal::Result<int> run(const CommonOptions& common, const EmulateHandOptions& o) {
   if (auto done = check_options(o); !done) return tl::unexpected(done.error());
-  sim_hal::Scenario scenario = sim_hal::built_in_scenario();
-  if (o.common.scenario) {
-    auto read = sim_hal::load_scenario(*o.common.scenario);
-    if (!read) return tl::unexpected(read.error());
-    scenario = std::move(*read);
-  }
-  auto config = emulator_config(o, scenario);
+  const auto scenario = read_scenario(o.common.scenario);
+  if (!scenario) return tl::unexpected(scenario.error());
+  auto config = emulator_config(o, *scenario);
   if (!config) return tl::unexpected(config.error());
 
   std::unique_ptr<sim_hal::SimWorld> world;  // outlives its plant
@@ -86,19 +68,19 @@ hal::Result<int> run(const CommonOptions& common, const EmulateHandOptions& o) {
   const sim_hal::HandGateway* gate = nullptr;
   constexpr std::string_view kGateway = "socketcand:";
   if (o.bus.starts_with(kGateway)) {
-    auto gateway = gateway_config(o.bus);
-    if (!gateway) return tl::unexpected(gateway.error());
+    auto gateway = sim_hal::gateway_config(o.bus);
+    if (!gateway) return bad_option("--bus", gateway.error().detail);
     auto made = std::make_unique<sim_hal::HandGateway>(*gateway);
     gate = made.get();
     bus = std::move(made);
   } else {
     auto made = hal::make_can_bus(o.bus);
-    if (!made) return bad("--bus", made.error().detail);
+    if (!made) return bad_option("--bus", made.error().detail);
     bus = std::move(*made);
   }
   std::unique_ptr<sim_hal::HandPlant> plant;
   if (o.common.plant == "mujoco") {
-    auto made = sim_hal::SimWorld::make(scenario, hal::built_in_robot(), o.common.seed, {});
+    auto made = sim_hal::SimWorld::make(*scenario, hal::built_in_robot(), o.common.seed, {});
     if (!made) return tl::unexpected(made.error());
     world = std::move(*made);
     sim_hal::HandWorldConfig moves;
@@ -116,43 +98,20 @@ hal::Result<int> run(const CommonOptions& common, const EmulateHandOptions& o) {
   if (auto done = server.start(); !done) return tl::unexpected(done.error());
   lines.ready(
       fmt::format("hand on {}", gate == nullptr ? o.bus : fmt::format("{} (port {})", o.bus, gate->port())));
-  const std::string because = watch_emulator(
-      server, o.common, lines, [] { return std::optional<std::string>(); },
-      [&] { return server.elapsed_s(); });
+  const std::string because = watch_server(server, o.common, lines, [&] { return server.elapsed_s(); });
   const HandEmulatorReport report = server.report();
   const std::uint64_t broken = rules_broken(report);
-  if (common.json)
-    std::puts(emulate_hand_json(o, report, server.timing(), server.elapsed_s(), because).c_str());
-  else
-    lines.say(
-        fmt::format("{}: {} questions, {} settings, {} answers, {} rule{} broken; {} times late (worst "
-                    "{:.1f} ms)",
-                    because, report.questions, report.settings, report.answers, broken,
-                    broken == 1 ? "" : "s", server.timing().late, server.timing().worst_late_ms));
-  std::fflush(stdout);
+  lines.result(
+      common.json
+          ? emulate_hand_json(o, report, server.timing(), server.elapsed_s(), because)
+          : fmt::format("{}: {} questions, {} settings, {} answers, {} rule{} broken; {} times late (worst "
+                        "{:.1f} ms)",
+                        because, report.questions, report.settings, report.answers, broken,
+                        broken == 1 ? "" : "s", server.timing().late, server.timing().worst_late_ms));
   return broken == 0 ? kDone : kNoGoal;
 }
 
 }  // namespace
-
-hal::Result<sim_hal::HandGatewayConfig> gateway_config(const std::string& bus) {
-  constexpr std::string_view kKind = "socketcand:";
-  const std::string_view text =
-      bus.starts_with(kKind) ? std::string_view(bus).substr(kKind.size()) : std::string_view();
-  const auto refuse = [&] {
-    return bad("--bus",
-               fmt::format("\"{}\" is no bus; expected socketcand:IPV4:PORT/NAME or socketcan:IF", bus));
-  };
-  const std::size_t colon = text.find(':'), slash = text.find('/');
-  if (colon == std::string_view::npos || slash == std::string_view::npos || slash < colon) return refuse();
-  sim_hal::HandGatewayConfig config;
-  config.address = std::string(text.substr(0, colon));
-  config.bus = std::string(text.substr(slash + 1));
-  const std::string_view port = text.substr(colon + 1, slash - colon - 1);
-  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), config.port);
-  if (error != std::errc{} || end != port.data() + port.size() || config.bus.empty()) return refuse();
-  return config;
-}
 
 std::string emulate_hand_json(const EmulateHandOptions& o, const HandEmulatorReport& r,
                               const HandServerTiming& timing, double duration_s, const std::string& because) {
@@ -188,8 +147,7 @@ std::string emulate_hand_json(const EmulateHandOptions& o, const HandEmulatorRep
 
 int cmd_emulate_hand(const CommonOptions& common, const EmulateHandOptions& options) {
   const auto code = run(common, options);
-  if (code) return *code;
-  return report_error("emulate hand", code.error());
+  return code ? *code : report_error("emulate hand", code.error());
 }
 
 }  // namespace colift::tools

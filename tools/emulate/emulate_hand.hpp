@@ -3,7 +3,6 @@
 #include <optional>
 #include <string>
 
-#include "sim_hal/emulator/hand/hand_gateway.hpp"
 #include "sim_hal/emulator/hand/hand_server.hpp"
 #include "tools/emulate/emulate.hpp"
 
@@ -18,9 +17,6 @@ struct EmulateHandOptions {
   int firmware = 200;
   int group = 5;  ///< Third group of every puck; 8 in hands of 2010.
 };
-
-/// Where a gateway "socketcand:ADDRESS:PORT/BUS" is to listen. Errors: BadInput, with what was expected.
-[[nodiscard]] hal::Result<sim_hal::HandGatewayConfig> gateway_config(const std::string& bus);
 
 /// The document colift.emulate/1 of a hand.
 [[nodiscard]] std::string emulate_hand_json(const EmulateHandOptions& options,

@@ -9,7 +9,7 @@
 #include "sim_hal/emulator/mujoco/krc_world_plant.hpp"
 #include "tools/cli/session.hpp"
 #include "tools/emulate/emulate_krc_json.hpp"
-#include "tools/emulate/emulate_watch.hpp"
+#include "tools/rig/rig_world.hpp"
 
 namespace colift::tools {
 namespace {
@@ -18,37 +18,26 @@ using sim_hal::KrcReport;
 using sim_hal::KrcServer;
 using sim_hal::KrcServerTiming;
 
-tl::unexpected<hal::Error> bad(const char* option, std::string because) {
-  return hal::failure(hal::ErrorCode::BadInput, option, std::move(because));
-}
-
-hal::Result<> check_seconds(const char* option, double value, double least) {
-  if (value >= least && std::isfinite(value)) return {};
-  return bad(option, fmt::format("{} is no time; expected seconds from {:g}", value, least));
-}
-
 hal::Result<> check_options(const EmulateKrcOptions& o) {
   if (!(o.cycle_ms >= 1.0 && o.cycle_ms <= 100.0) || o.cycle_ms != std::floor(o.cycle_ms))
-    return bad("--cycle-ms",
-               fmt::format("{} is no cycle; expected whole milliseconds from 1 to 100", o.cycle_ms));
+    return bad_option("--cycle-ms",
+                      fmt::format("{} is no cycle; expected whole milliseconds from 1 to 100", o.cycle_ms));
   if (o.from_port < 0 || o.from_port > 65535)
-    return bad("--from", fmt::format("{} is no port; expected 0 (any) to 65535", o.from_port));
+    return bad_option("--from", fmt::format("{} is no port; expected 0 (any) to 65535", o.from_port));
   if (o.common.plant != "mujoco" && o.common.plant != "light")
-    return bad("--plant", fmt::format("\"{}\" is no plant; expected mujoco or light", o.common.plant));
+    return bad_option("--plant", fmt::format("\"{}\" is no plant; expected mujoco or light", o.common.plant));
   if (o.strategy && *o.strategy != 10 && *o.strategy != 20 && *o.strategy != 30)
-    return bad("--strategy",
-               fmt::format("{} is no strategy; expected 10 (position), 20 (Cartesian impedance) or "
-                           "30 (joint impedance)",
-                           *o.strategy));
+    return bad_option("--strategy",
+                      fmt::format("{} is no strategy; expected 10 (position), 20 (Cartesian impedance) or "
+                                  "30 (joint impedance)",
+                                  *o.strategy));
   if (!(o.common.speed >= 0.0 && o.common.speed <= 1000.0))
-    return bad("--speed",
-               fmt::format("{} is no speed; expected 0 (as fast as answers come) to 1000", o.common.speed));
-  if (auto done = check_seconds("--linger-s", o.linger_s, 0.0); !done) return done;
-  if (auto done = check_seconds("--session-s", o.session_s, 0.0); !done) return done;
-  if (o.common.for_s)
-    if (auto done = check_seconds("--for", *o.common.for_s, 0.0); !done) return done;
-  if (o.restart_s)
-    if (auto done = check_seconds("--restart-s", *o.restart_s, 0.0); !done) return done;
+    return bad_option("--speed", fmt::format("{} is no speed; expected 0 (as fast as answers come) to 1000",
+                                             o.common.speed));
+  if (auto done = check_seconds("--linger-s", o.linger_s); !done) return done;
+  if (auto done = check_seconds("--session-s", o.session_s); !done) return done;
+  if (auto done = check_seconds("--for", o.common.for_s); !done) return done;
+  if (auto done = check_seconds("--restart-s", o.restart_s); !done) return done;
   return {};
 }
 
@@ -56,9 +45,9 @@ hal::Result<sim_hal::KrcServerConfig> server_config(const EmulateKrcOptions& o,
                                                     const sim_hal::Scenario& scenario) {
   sim_hal::KrcServerConfig config;
   const auto to = hal::parse_endpoint(o.to);
-  if (!to) return bad("--to", to.error().detail);
+  if (!to) return bad_option("--to", to.error().detail);
   if (to->address == 0 || to->port == 0)
-    return bad("--to", fmt::format("\"{}\" names nobody; expected IPV4:PORT of the client", o.to));
+    return bad_option("--to", fmt::format("\"{}\" names nobody; expected IPV4:PORT of the client", o.to));
   config.krc.to = *to;
   config.krc.cycle = std::chrono::milliseconds(std::lround(o.cycle_ms));
   config.krc.script = o.script;
@@ -68,17 +57,10 @@ hal::Result<sim_hal::KrcServerConfig> server_config(const EmulateKrcOptions& o,
   config.krc.restart_s = o.restart_s;
   config.krc.strict = o.strict;
   config.krc.seed = o.common.seed;
-  for (const sim_hal::DeviceFaultEvent& event : scenario.faults) {
-    if (event.device != "arm") continue;
-    auto fault = sim_hal::krc_fault(event);
-    if (!fault) return tl::unexpected(fault.error());
-    config.krc.faults.push_back(std::move(*fault));
-  }
-  for (const std::string& text : o.common.faults) {
-    auto fault = sim_hal::parse_krc_fault(text);
-    if (!fault) return tl::unexpected(fault.error());
-    config.krc.faults.push_back(std::move(*fault));
-  }
+  auto faults = sim_hal::faults_of("arm", scenario.faults, o.common.faults, sim_hal::krc_fault,
+                                   sim_hal::parse_krc_fault);
+  if (!faults) return tl::unexpected(faults.error());
+  config.krc.faults = std::move(*faults);
   config.from_port = static_cast<std::uint16_t>(o.from_port);
   config.speed = o.common.speed;
   return config;
@@ -96,13 +78,9 @@ std::string summary(const KrcReport& r, const KrcServerTiming& timing, const std
 
 hal::Result<int> run(const CommonOptions& common, const EmulateKrcOptions& o) {
   if (auto done = check_options(o); !done) return tl::unexpected(done.error());
-  sim_hal::Scenario scenario = sim_hal::built_in_scenario();
-  if (o.common.scenario) {
-    auto read = sim_hal::load_scenario(*o.common.scenario);
-    if (!read) return tl::unexpected(read.error());
-    scenario = std::move(*read);
-  }
-  auto config = server_config(o, scenario);
+  const auto scenario = read_scenario(o.common.scenario);
+  if (!scenario) return tl::unexpected(scenario.error());
+  auto config = server_config(o, *scenario);
   if (!config) return tl::unexpected(config.error());
 
   const hal::ArmDynamics dynamics(hal::built_in_robot(), hal::ArmDynamics::Load::Hand);
@@ -111,7 +89,7 @@ hal::Result<int> run(const CommonOptions& common, const EmulateKrcOptions& o) {
   if (o.common.plant == "mujoco") {
     sim_hal::SimConfig sim;
     sim.arm_period = config->krc.cycle;
-    auto made = sim_hal::SimWorld::make(scenario, hal::built_in_robot(), o.common.seed, sim);
+    auto made = sim_hal::SimWorld::make(*scenario, hal::built_in_robot(), o.common.seed, sim);
     if (!made) return tl::unexpected(made.error());
     world = std::move(*made);
     plant = std::make_unique<sim_hal::KrcWorldPlant>(*world, dynamics);
@@ -126,19 +104,15 @@ hal::Result<int> run(const CommonOptions& common, const EmulateKrcOptions& o) {
   if (auto done = server.start(); !done) return tl::unexpected(done.error());
   lines.ready(fmt::format("krc, program {}, {:g} ms, plant {}, port {} to {}", o.script, o.cycle_ms,
                           o.common.plant, o.from_port > 0 ? std::to_string(o.from_port) : "any", o.to));
-  const std::string because = watch_emulator(
-      server, o.common, lines,
+  const std::string because = watch_server(
+      server, o.common, lines, [&] { return server.report().duration_s; },
       [&] {
         return server.ended() ? std::optional(server.report().closed.value_or("the port broke"))
                               : std::nullopt;
-      },
-      [&] { return server.report().duration_s; });
+      });
   const KrcReport report = server.report();
-  if (common.json)
-    std::puts(emulate_krc_json(o, report, server.timing(), because).c_str());
-  else
-    lines.say(summary(report, server.timing(), because));
-  std::fflush(stdout);
+  lines.result(common.json ? emulate_krc_json(o, report, server.timing(), because)
+                           : summary(report, server.timing(), because));
   return report.broken_rules_in_all == 0 ? kDone : kNoGoal;
 }
 

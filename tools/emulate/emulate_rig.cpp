@@ -3,11 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "tools/cli/session.hpp"
 #include "tools/emulate/emulate_hand.hpp"
@@ -49,16 +45,11 @@ hal::Result<RobotFile> robot_of(const EmulateRigOptions& o) {
 }
 
 hal::Result<> check_options(const EmulateRigOptions& o) {
-  const auto bad = [](const char* option, std::string because) {
-    return hal::failure(hal::ErrorCode::BadInput, option, std::move(because));
-  };
-  if (o.common.plant != "mujoco") return bad("--plant", "a rig stands in a world; expected mujoco");
-  if (o.common.speed != 1.0) return bad("--speed", "pucks and camera live in real time; expected 1");
+  if (o.common.plant != "mujoco") return bad_option("--plant", "a rig stands in a world; expected mujoco");
+  if (o.common.speed != 1.0) return bad_option("--speed", "pucks and camera live in real time; expected 1");
   if (!o.common.faults.empty())
-    return bad("--fault", "expected in the scenario's faults, which name the device");
-  if (o.common.for_s && !(*o.common.for_s >= 0.0 && std::isfinite(*o.common.for_s)))
-    return bad("--for", fmt::format("{} is no time; expected seconds from 0", *o.common.for_s));
-  return {};
+    return bad_option("--fault", "expected in the scenario's faults, which name the device");
+  return check_seconds("--for", o.common.for_s);
 }
 
 /// The client's devices have been started: the arm took commands, every puck found its stop.
@@ -132,30 +123,28 @@ hal::Result<int> run(const CommonOptions& common, const EmulateRigOptions& o) {
     for (const auto& e : server.take_events()) lines.event(e.t_s, fmt::format("{:6} {}", device, e.text));
   };
   bool began = false;
-  std::string because;
-  while (because.empty()) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  const auto elapsed_s = [&] { return (*rig)->krc().report().duration_s; };
+  const auto print_all = [&] {
     print("arm", (*rig)->krc());
     print("hand", *(*rig)->pucks());
     print("camera", *(*rig)->camera());
-    const double t_s = (*rig)->krc().report().duration_s;
-    if (!began && client_is_ready(**rig)) {
-      began = true;
-      (*rig)->begin();
-      lines.event(t_s, "the client's devices are ready: the scenario begins");
-    }
-    if (InterruptGuard::asked()) because = "interrupted";
-    if (o.common.for_s && t_s >= *o.common.for_s) because = "the time is over";
-    if ((*rig)->krc().ended()) because = (*rig)->krc().report().closed.value_or("the arm's port broke");
-  }
-  (*rig)->stop();
-  if (common.json)
-    std::puts(document(o, *file, **rig, began, because).c_str());
-  else
-    lines.say(fmt::format("{}: {} rule{} broken by the client", because, rules_broken(**rig),
-                          rules_broken(**rig) == 1 ? "" : "s"));
-  std::fflush(stdout);
-  return rules_broken(**rig) == 0 ? kDone : kNoGoal;
+    if (began || !client_is_ready(**rig)) return;
+    began = true;
+    (*rig)->begin();
+    lines.event(elapsed_s(), "the client's devices are ready: the scenario begins");
+  };
+  const std::string because = watch_emulator(
+      o.common, {print_all, elapsed_s, [&] { (*rig)->stop(); },
+                 [&] {
+                   const auto& krc = (*rig)->krc();
+                   return krc.ended() ? std::optional(krc.report().closed.value_or("the arm's port broke"))
+                                      : std::nullopt;
+                 }});
+  const std::uint64_t broken = rules_broken(**rig);
+  lines.result(common.json ? document(o, *file, **rig, began, because)
+                           : fmt::format("{}: {} rule{} broken by the client", because, broken,
+                                         broken == 1 ? "" : "s"));
+  return broken == 0 ? kDone : kNoGoal;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <set>
 #include <thread>
 
+#include "control/session/pipeline.hpp"
 #include "hal/types/time.hpp"
 #include "tools/visualization/file_output.hpp"
 
@@ -77,10 +78,6 @@ hal::Result<Campaign> kept_from(const Experiment& e, const CampaignOptions& o, c
   return there;
 }
 
-std::string words_of(control::Method method) {
-  return method == control::Method::Fast ? "fast" : "thesis";
-}
-
 std::vector<control::Method> list(Methods methods) {
   using control::Method;
   if (methods == Methods::Both) return {Method::Fast, Method::Thesis};
@@ -146,11 +143,9 @@ hal::Result<Campaign> run_campaign(const Experiment& e, const CampaignOptions& o
   if (o.shards < 1 || o.shard < 1 || o.shard > o.shards)
     return hal::failure(ErrorCode::BadInput, "--shard",
                         fmt::format("is {}/{}, expected I/N with I from 1 to N", o.shard, o.shards));
-#ifndef COLIFT_THESIS
-  if (o.methods != Methods::Fast)
-    return hal::failure(ErrorCode::BadConfig, "--method",
-                        "this build has no thesis method (COLIFT_THESIS=OFF)");
-#endif
+  for (const control::Method method : list(o.methods))
+    if (const auto made = control::make_pipeline(method); !made)
+      return hal::failure(ErrorCode::BadConfig, "--method", made.error().detail);
   const std::string header = fmt::format("# colift.experiment/1 {} seed={} method={}{}", e.name, o.seed,
                                          word(o.methods), o.view == View::Side ? " camera=side" : "");
   auto kept = kept_from(e, o, header);
@@ -179,7 +174,7 @@ hal::Result<Campaign> run_campaign(const Experiment& e, const CampaignOptions& o
       std::string words;
       for (const control::Method method : list(o.methods)) {
         TrialRows result = e.run({o.seed, to_do[mine], method, o.view});
-        const Row key{std::to_string(to_do[mine]), words_of(method)};
+        const Row key{std::to_string(to_do[mine]), control::to_string(method)};
         result.row.insert(result.row.begin(), key.begin(), key.end());
         rows.push_back(std::move(result.row));
         for (Row& row : result.details) {
@@ -187,7 +182,8 @@ hal::Result<Campaign> run_campaign(const Experiment& e, const CampaignOptions& o
           details.push_back(std::move(row));
         }
         if (!words.empty()) words += "; ";
-        words += o.methods == Methods::Both ? words_of(method) + ": " + result.words : result.words;
+        words += o.methods == Methods::Both ? fmt::format("{}: {}", control::to_string(method), result.words)
+                                            : result.words;
       }
       const std::lock_guard lock(mutex);
       if (!file.add(rows, details)) disk_full = stop = true;

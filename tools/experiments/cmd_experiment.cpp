@@ -8,6 +8,7 @@
 #include "tools/cli/session.hpp"
 #include "tools/emulate/emulate.hpp"
 #include "tools/experiments/outcome.hpp"
+#include "tools/experiments/trials/sighting.hpp"
 
 namespace colift::tools {
 namespace {
@@ -132,6 +133,20 @@ int merge(const CommonOptions& common, const ExperimentOptions& options) {
 }
 
 }  // namespace
+
+hal::Result<control::ResolvedConfig> config_of_experiment(const ExperimentOptions& o) {
+  const auto campaign = campaign_options(o);
+  if (!campaign) return tl::unexpected(campaign.error());
+  if (campaign->methods == Methods::Both)
+    return hal::failure(ErrorCode::BadInput, "--method",
+                        "both are two configurations; expected fast or thesis");
+  const Experiment* e = o.words.size() == 1 ? find_experiment(o.words.front()) : nullptr;
+  if (e == nullptr)
+    return hal::failure(ErrorCode::BadInput, "NAME",
+                        "each experiment has a configuration of its own; expected one of them");
+  const bool fast = campaign->methods == Methods::Fast;
+  return resolved_for(fast ? control::Method::Fast : control::Method::Thesis, e->task);
+}
 
 int cmd_experiment(const CommonOptions& common, const ExperimentOptions& options) {
   if (options.words.front() == "merge") return merge(common, options);

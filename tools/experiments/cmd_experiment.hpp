@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "control/config/resolve_config.hpp"
 #include "tools/cli/options.hpp"
 
 namespace colift::tools {
@@ -22,5 +23,9 @@ struct ExperimentOptions {
 /// Repeats experiments of the thesis in simulation, or joins shards. 0 done, 2 bad input, 130 interrupted
 /// (what was done is kept, and the same command goes on from there).
 [[nodiscard]] int cmd_experiment(const CommonOptions& common, const ExperimentOptions& options);
+
+/// What the trials of one experiment work with; those whose point it is change mass or weights from trial to
+/// trial. Errors: BadInput (no such experiment, both methods at once).
+[[nodiscard]] hal::Result<control::ResolvedConfig> config_of_experiment(const ExperimentOptions& options);
 
 }  // namespace colift::tools

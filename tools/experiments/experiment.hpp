@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "control/session/look.hpp"
+#include "control/config/resolve_config.hpp"
 #include "tools/experiments/statistics.hpp"
 #include "tools/experiments/trial_table.hpp"
 #include "tools/visualization/canvas.hpp"
@@ -67,6 +67,7 @@ struct Experiment {
   bool times_computing = false;  ///< One trial at a time, so that they do not slow each other.
   std::vector<std::string> columns, detail_columns;  ///< After trial and method.
   std::function<TrialRows(const Trial&)> run;
+  std::optional<control::TaskSaid> task;  ///< What it says about its lifts, where all are alike.
   std::function<std::vector<Figure>(const Results&)> figures;
   std::function<picture::Canvas(const Results&)> plot;
 };

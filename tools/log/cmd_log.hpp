@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "control/config/resolve_config.hpp"
 #include "tools/cli/options.hpp"
 
 namespace colift::tools {
@@ -28,5 +29,10 @@ struct LogOptions {
 [[nodiscard]] int log_export(const CommonOptions& common, const LogOptions& options);
 [[nodiscard]] int log_recover(const CommonOptions& common, const LogOptions& options);
 [[nodiscard]] int log_replay(const CommonOptions& common, const LogOptions& options);
+
+/// What a replay works with: the recorded configuration, with --config and --set over it. Errors: BadInput
+/// (no usable recording), BadConfig with the place.
+[[nodiscard]] hal::Result<control::ResolvedConfig> config_of_replay(const CommonOptions& common,
+                                                                    const LogOptions& options);
 
 }  // namespace colift::tools

@@ -3,8 +3,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "control/config/resolve_config.hpp"
 #include "hal/config/config_file.hpp"
-#include "tools/analyse/weights.hpp"
+#include "tools/cli/config_of.hpp"
 #include "tools/cli/session.hpp"
 #include "tools/emulate/emulate.hpp"
 #include "tools/log/cmd_log.hpp"
@@ -31,23 +32,40 @@ hal::Result<planner::HandModel> recorded_hand(const std::string& yaml) {
   return hand;
 }
 
-/// The recorded setting, with the files and settings of the command line over it.
-hal::Result<telemetry::ReplaySetting> setting_of(const CommonOptions& common,
-                                                 telemetry::RunDescription& run) {
+/// The recorded configuration, with the files and settings of the command line over it.
+hal::Result<control::ResolvedConfig> config_of_replay(const CommonOptions& common,
+                                                      const telemetry::RunDescription& run) {
+  control::ConfigRequest request;
+  request.command = control::Command::Replay;
+  request.recorded = {run.config_yaml, run.method, run.config_complete};
+  request.files = common.config_files;
+  request.settings = common.settings;
+  return control::resolve_config(request);
+}
+
+/// A recording, opened, and what it says about its run.
+struct Opened {
+  telemetry::McapReader reader;
+  telemetry::RunDescription run;
+};
+hal::Result<Opened> open_recording(const std::filesystem::path& file) {
+  auto source = telemetry::open_file(file);
+  if (!source) return tl::unexpected(source.error());
+  auto reader = telemetry::McapReader::open(std::move(*source), file.string());
+  if (!reader) return tl::unexpected(reader.error());
+  auto run = telemetry::description_of(*reader, file.string());
+  if (!run) return tl::unexpected(run.error());
+  return Opened{std::move(*reader), std::move(*run)};
+}
+
+/// What the replay of a run works with.
+hal::Result<telemetry::ReplaySetting> setting_of(const control::ResolvedConfig& resolved,
+                                                 const telemetry::RunDescription& run) {
   telemetry::ReplaySetting s;
-  s.config = control::run_defaults();
-  hal::FieldTable table = hal::table_of(s.config);
-  if (auto done = hal::apply_yaml_text(table, run.config_yaml, "recorded config.yaml"); !done)
-    return tl::unexpected(done.error());
-  const std::string method = s.config.method, hand_file = s.config.hand_file;
-  if (auto done = hal::apply_command_line(table, common.config_files, common.settings); !done)
-    return tl::unexpected(done.error());
-  if (s.config.method != method) {
-    const auto other = parse_method("", s.config);
-    if (!other) return tl::unexpected(other.error());
-    run.method = *other;
-  }
-  if (s.config.hand_file != hand_file) {
+  s.config = resolved.config;
+  const auto origin = resolved.origins.find("hand_file");
+  const bool other_hand = origin != resolved.origins.end() && !origin->second.starts_with("recorded");
+  if (other_hand && !s.config.hand_file.empty()) {
     auto hand = planner::load_hand(s.config.hand_file);
     if (!hand) return tl::unexpected(hand.error());
     s.hand = std::move(*hand);
@@ -165,21 +183,30 @@ std::string text(const Json& j) {
 
 }  // namespace
 
+hal::Result<control::ResolvedConfig> config_of_replay(const CommonOptions& common,
+                                                      const LogOptions& options) {
+  const auto opened = open_recording(options.file);
+  if (!opened) return tl::unexpected(opened.error());
+  return config_of_replay(common, opened->run);
+}
+
 int log_replay(const CommonOptions& common, const LogOptions& options) {
   constexpr const char* kCommand = "log replay";
-  auto source = telemetry::open_file(options.file);
-  if (!source) return report_error(kCommand, source.error());
-  const auto reader = telemetry::McapReader::open(std::move(*source), options.file.string());
-  if (!reader) return report_error(kCommand, reader.error());
-  auto run = telemetry::description_of(*reader, options.file.string());
-  if (!run) return report_error(kCommand, run.error());
-  auto setting = setting_of(common, *run);
+  auto opened = open_recording(options.file);
+  if (!opened) return report_error(kCommand, opened.error());
+  const telemetry::McapReader& reader = opened->reader;
+  telemetry::RunDescription& run = opened->run;
+  const auto resolved = config_of_replay(common, run);
+  if (!resolved) return report_error(kCommand, resolved.error());
+  show_warnings(kCommand, common, *resolved);
+  run.method = resolved->method;
+  auto setting = setting_of(*resolved, run);
   if (!setting) return report_error(kCommand, setting.error());
   const auto speed = speed_of(options.live, control::Drive::InStep);
   if (!speed) return report_error(kCommand, speed.error());
   const auto live =
       RunLive::open(options.live, fmt::format("CoLift, recording {}", options.file.filename().string()),
-                    run->robot_urdf.empty() ? telemetry::built_in_robot_urdf() : run->robot_urdf);
+                    run.robot_urdf.empty() ? telemetry::built_in_robot_urdf() : run.robot_urdf);
   if (!live) return report_error(kCommand, live.error());
   const InterruptGuard signals;
   const auto enough = [&] { return InterruptGuard::asked() || (*live && (*live)->stopped()); };
@@ -196,17 +223,17 @@ int log_replay(const CommonOptions& common, const LogOptions& options) {
 
   std::string said;
   int ended_with = kDone;
-  const auto whole = telemetry::can_replay(*reader, options.file.string());
+  const auto whole = telemetry::can_replay(reader, options.file.string());
   if (!whole && *live) {
     // the flight recorder's last seconds, say: nothing to decide, but something to see
-    telemetry::play_recording(*reader, *setting);
+    telemetry::play_recording(reader, *setting);
     const std::string note = whole.error().text() + "; it was shown as it was recorded";
-    said = common.json ? shown_document(options, *run, note) : note + "\n";
+    said = common.json ? shown_document(options, run, note) : note + "\n";
   } else {
-    const auto report = telemetry::replay(*reader, options.file.string(), *run, *setting);
+    const auto report = telemetry::replay(reader, options.file.string(), run, *setting);
     if (enough()) return kInterrupted;
     if (!report) return report_error(kCommand, report.error());
-    const Json j = document(options, *run, *report);
+    const Json j = document(options, run, *report);
     said = common.json ? dumped(j) : text(j);
     ended_with = report->same() ? kDone : kNoGoal;
   }

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "control/arm/arm_loop.hpp"
+#include "control/arm/arm_commander.hpp"
 #include "control/config/config.hpp"
 #include "hal/infrared_camera.hpp"
 #include "hal/robot.hpp"

@@ -14,7 +14,6 @@
 #include "sim_hal/emulator/mujoco/camera_world_eye.hpp"
 #include "sim_hal/emulator/mujoco/hand_world_plant.hpp"
 #include "sim_hal/emulator/mujoco/krc_world_plant.hpp"
-#include "tools/emulate/emulate_hand.hpp"
 
 namespace colift::tools {
 namespace {
@@ -22,7 +21,7 @@ namespace {
 /// Behind a gateway as a robot's file names it, or on an interface of this machine.
 hal::Result<std::unique_ptr<hal::CanBus>> far_end_of(const std::string& can) {
   if (can.starts_with("socketcan:")) return hal::make_can_bus(can);
-  const auto gateway = gateway_config(can);
+  const auto gateway = sim_hal::gateway_config(can);
   if (!gateway) return tl::unexpected(gateway.error());
   return std::make_unique<sim_hal::HandGateway>(*gateway);
 }
@@ -55,20 +54,14 @@ EmulatedRig::~EmulatedRig() {
 }
 
 hal::Result<EmulatedRig::Faults> EmulatedRig::faults_of(const sim_hal::Scenario& scenario) {
-  Faults faults;
-  const auto add = [](auto& list, auto fault) -> hal::Result<> {
-    if (!fault) return tl::unexpected(fault.error());
-    list.push_back(std::move(*fault));
-    return {};
-  };
-  for (const sim_hal::DeviceFaultEvent& event : scenario.faults) {
-    hal::Result<> done;
-    if (event.device == "arm") done = add(faults.arm, sim_hal::krc_fault(event));
-    if (event.device == "hand") done = add(faults.hand, sim_hal::hand_fault(event));
-    if (event.device == "camera") done = add(faults.camera, sim_hal::camera_fault(event));
-    if (!done) return tl::unexpected(done.error());
-  }
-  return faults;
+  auto arm = sim_hal::faults_of("arm", scenario.faults, {}, sim_hal::krc_fault, sim_hal::parse_krc_fault);
+  if (!arm) return tl::unexpected(arm.error());
+  auto hand = sim_hal::faults_of("hand", scenario.faults, {}, sim_hal::hand_fault, sim_hal::parse_hand_fault);
+  if (!hand) return tl::unexpected(hand.error());
+  auto camera =
+      sim_hal::faults_of("camera", scenario.faults, {}, sim_hal::camera_fault, sim_hal::parse_camera_fault);
+  if (!camera) return tl::unexpected(camera.error());
+  return Faults{std::move(*arm), std::move(*hand), std::move(*camera)};
 }
 
 hal::Result<std::shared_ptr<EmulatedRig>> EmulatedRig::start(const EmulatedRigConfig& config,

@@ -1,13 +1,11 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <numbers>
 
-#include "control/arm/arm_mode.hpp"
-#include "control/session/method.hpp"
 #include "control/task/task_runner.hpp"
-#include "tools/analyse/weights.hpp"
+#include "hal/types/units.hpp"
 #include "tools/cli/commands.hpp"
+#include "tools/cli/config_of.hpp"
 #include "tools/cli/session.hpp"
 #include "tools/emulate/emulate.hpp"
 #include "tools/rig/back_ends.hpp"
@@ -21,13 +19,14 @@ namespace colift::tools {
 namespace {
 
 RunSetting setting_of(const CommonOptions& common, const RunOptions& options, const RunTask& task,
-                      const Rig& rig, control::Method method, const control::Config& config) {
+                      const Rig& rig, const control::ResolvedConfig& resolved) {
+  const control::Config& config = resolved.config;
   RunSetting s;
   s.scenario = rig.truth ? task.scenario : "";
   s.robot = rig.name;
-  s.method = method == control::Method::Fast ? "fast" : "thesis";
+  s.method = control::to_string(resolved.method);
   s.seed = options.seed;
-  if (!options.share.empty()) s.share = 1.0 / (1.0 + std::pow(config.decision.weights.epsilon, 2));
+  s.share = config.decision.share;
   s.command = common.command;
   s.simulated = rig.truth.has_value();
   s.dry_run = options.dry_run;
@@ -38,7 +37,7 @@ RunSetting setting_of(const CommonOptions& common, const RunOptions& options, co
   for (const std::string& setting : common.settings) s.config.emplace_back(setting, "--set");
   s.lift_height_m = config.task.lift_height_m;
   s.hold_s = config.task.hold_s;
-  s.max_tilt_rad = config.task.max_tilt_deg * std::numbers::pi / 180.0;
+  s.max_tilt_rad = hal::deg_to_rad(config.task.max_tilt_deg);
   s.max_slip_m = config.task.max_slip_m;
   return s;
 }
@@ -100,31 +99,23 @@ int exit_code(const control::RunRecord& record, const RunOptions& options) {
 int cmd_run(const CommonOptions& common, const RunOptions& options) {
   const auto task = read_task(options.scenario);
   if (!task) return report_error("run", task.error());
-  control::Config defaults = control::run_defaults();
-  control::set_thesis_defaults(defaults);
-  defaults.task.lift_height_m = task->lift_height_m;
-  defaults.task.hold_s = task->hold_s;
-  auto setup = load_setup(common, defaults);
+  auto setup = load_setup(config_of_run(common, options));
   if (!setup) return report_error("run", setup.error());
-  const auto method = parse_method(options.method, setup->config);
-  if (!method) return report_error("run", method.error());
-  if (auto set = set_weights(*method, options.share, "", setup->config); !set)
-    return report_error("run", set.error());
-  setup->config = control::for_arm_mode(setup->config);
+  show_warnings("run", common, *setup);
   std::optional<hal::Pose> X_WC;
   if (setup->calibration) X_WC = setup->calibration->X_BC();
   auto rig = open_rig({options.robot, options.scenario, options.seed, X_WC}, setup->config);
   if (!rig) return report_error("run", rig.error());
 
-  const RunSetting setting = setting_of(common, options, *task, *rig, *method, setup->config);
+  const RunSetting setting = setting_of(common, options, *task, *rig, *setup);
   const hal::SteadyClock wall;
   Diary diary;
   if (rig->truth) {
     diary.truth.mass_kg = rig->truth->mass_kg;
     diary.truth.cog = rig->truth->cog;
   }
-  control::JobOptions job{*method, options.seed, options.dry_run, rig->truth ? rig->truth->mass_kg : 0.0,
-                          rig->drive};
+  control::JobOptions job{setup->method, options.seed, options.dry_run,
+                          rig->truth ? rig->truth->mass_kg : 0.0, rig->drive};
   const auto urdf = robot_urdf(options.robot);
   if (!urdf) return report_error("run", urdf.error());
   const auto speed = speed_of(options.live, rig->drive);

@@ -2,16 +2,14 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
+#include "hal/types/units.hpp"
 #include "tools/analyse/grasp_json.hpp"
 
 namespace colift::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 // What is not finite did not happen or was not seen.
 Json number(double value) {
@@ -41,7 +39,7 @@ Json partner(const RunView& view) {
 Json lift(const control::RunRecord& record) {
   if (!record.lift) return nullptr;
   const control::LiftSummary& l = *record.lift;
-  return {{"height_m", number(l.height_m)},       {"tilt_deg", number(kDegrees * l.tilt_rad)},
+  return {{"height_m", number(l.height_m)},       {"tilt_deg", number(hal::kDegPerRad * l.tilt_rad)},
           {"share_robot", number(l.share_robot)}, {"share_predicted", number(l.share_predicted)},
           {"slip_m", number(l.slip_m)},           {"mass_kg", number(l.mass_kg)}};
 }
@@ -55,7 +53,7 @@ Json test_lifts(const control::RunRecord& record) {
               {"level", t.known && t.known->next != control::TestLift::Next::Regrasp},
               {"because", t.because}};
     if (t.known) {
-      j["tilt_deg"] = number(kDegrees * t.known->seen.tilt_rad);
+      j["tilt_deg"] = number(hal::kDegPerRad * t.known->seen.tilt_rad);
       j["mass_kg"] = number(t.known->mass_kg);
       j["cog"] = json_array(t.known->cog);
       j["lever_m"] = number(t.known->lever_m);
@@ -89,7 +87,7 @@ Json truth(const RunView& view) {
             {"lift", nullptr}};
   if (const auto top = true_lift(view))
     j["lift"] = {{"height_m", number(top->height_m)},
-                 {"tilt_deg", number(kDegrees * top->tilt_rad)},
+                 {"tilt_deg", number(hal::kDegPerRad * top->tilt_rad)},
                  {"share_robot", number(top->share_robot)},
                  {"slip_m", number(top->slip_m)}};
   return j;
@@ -143,7 +141,7 @@ Json curve(const control::RunRecord& record) {
     j["state"].push_back(control::word(s.state));
     j["palm_height_m"].push_back(number(s.palm_height_m));
     j["rise_m"].push_back(number(s.object_rise_m));
-    j["tilt_deg"].push_back(number(kDegrees * s.tilt_rad));
+    j["tilt_deg"].push_back(number(hal::kDegPerRad * s.tilt_rad));
     j["slip_m"].push_back(number(s.slip_m));
     j["load_n"].push_back(number(s.load_n));
   }

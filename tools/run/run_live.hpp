@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "control/arm/arm_loop.hpp"
+#include "control/arm/arm_commander.hpp"
 #include "hal/types/result.hpp"
 #include "hal/types/time.hpp"
 #include "tools/cli/options.hpp"

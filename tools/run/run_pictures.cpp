@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "hal/types/units.hpp"
 #include "tools/run/run_text.hpp"
 #include "tools/visualization/palette.hpp"
 #include "tools/visualization/scene/side_view.hpp"
@@ -22,7 +22,6 @@ using picture::Solid;
 using picture::SolidRole;
 using picture::SolidScene;
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kGravity = 9.81;
 constexpr Colour kLimit = picture::rgb(0xD55E00);
 constexpr Colour kFloor = picture::rgb(0x8A949E);
@@ -41,15 +40,7 @@ std::optional<Vec3> partner(const RunView& view) {
 }
 
 Solid capsule(const Vec3& from, const Vec3& to, double radius, SolidRole role) {
-  Solid s;
-  s.kind = Solid::Kind::Capsule;
-  s.X_WS.translation() = 0.5 * (from + to);
-  const Vec3 z = (to - from).normalized();
-  const auto [u, v] = hal::tangents(z);
-  s.X_WS.linear() << u, v, z;
-  s.size = {radius, (to - from).norm(), 0};
-  s.role = role;
-  return s;
+  return {sim_hal::capsule(from, to, radius, sim_hal::Label::Nothing), role};
 }
 
 // What was seen and planned, raised by `rise_m`.
@@ -57,14 +48,10 @@ SolidScene scene_as_seen(const RunView& view, const hal::JointVector& q_rad, dou
   SolidScene scene;
   const control::RunRecord& r = view.record;
   if (r.look && r.look->scene.ground) {
-    Solid ground;
-    ground.kind = Solid::Kind::Ground;
-    ground.role = SolidRole::Ground;
-    const Vec3 n = r.look->scene.ground->plane.normal;
-    const auto [u, v] = hal::tangents(n);
-    ground.X_WS.linear() << u, v, n;
-    ground.X_WS.translation() = -r.look->scene.ground->plane.offset * n;
-    scene.solids.push_back(ground);
+    const hal::Plane& plane = r.look->scene.ground->plane;
+    scene.solids.push_back(
+        {sim_hal::half_space(-plane.offset * plane.normal, plane.normal, sim_hal::Label::Ground),
+         SolidRole::Ground});
   }
   const Vec3 rise = rise_m * Vec3::UnitZ();
   Vec3 outwards = Vec3::UnitX();
@@ -247,10 +234,10 @@ std::optional<picture::LinePlot> curves_plot(const RunView& view) {
 
   PlotPanel tilt{.title = "Tilt (°)", .lines = {}, .levels = {}, .y_low = 0};
   tilt.lines.push_back(
-      line("seen", picture::kRobot, values(seen, [](const auto& s) { return kDegrees * s.tilt_rad; })));
-  true_line(tilt, "true", dark, [](const auto& s) { return kDegrees * s.tilt_rad; });
+      line("seen", picture::kRobot, values(seen, [](const auto& s) { return hal::rad_to_deg(s.tilt_rad); })));
+  true_line(tilt, "true", dark, [](const auto& s) { return hal::rad_to_deg(s.tilt_rad); });
   tilt.levels.push_back({fmt::format("limit {}", degrees_text(view.setting.max_tilt_rad)),
-                         kDegrees * view.setting.max_tilt_rad, kLimit});
+                         hal::rad_to_deg(view.setting.max_tilt_rad), kLimit});
 
   PlotPanel height{.title = "Height (cm)", .lines = {}, .levels = {}};
   height.lines.push_back(line("object, seen", picture::kRobot,

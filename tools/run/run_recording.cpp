@@ -6,7 +6,6 @@
 
 #include <ctime>
 
-#include "hal/config/config_file.hpp"
 #include "hal/drivers/recorded/file_bytes.hpp"
 #include "tools/rig/robot_file.hpp"
 #include "tools/telemetry/channels/built_in_texts.hpp"
@@ -31,7 +30,7 @@ hal::Result<telemetry::RunDescription> describe(const CommonOptions& common, con
   run.version = telemetry::program_version();
   run.command = common.command;
   run.started = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-  run.config_yaml = hal::effective_yaml(hal::table_of(setup.config), false);
+  run.config_yaml = control::yaml_of(setup);
   run.X_WC = rig.X_WC;
   run.method = job.method;
   run.seed = job.seed;

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 #include <span>
 
+#include "hal/types/units.hpp"
 #include "tools/analyse/grasp_rows.hpp"
 #include "tools/run/run_pictures.hpp"
 #include "tools/run/run_text.hpp"
@@ -17,8 +17,6 @@ namespace {
 
 using control::Task;
 using picture::ReportTone;
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 ReportTone tone_of(control::RunRecord::Result outcome) {
   return outcome == control::RunRecord::Result::Lifted ? ReportTone::Good : ReportTone::Bad;
@@ -123,7 +121,7 @@ picture::ReportTable truth_table(const RunView& view) {
       row("robot's share at the top", 100 * r.lift->share_robot, 100 * top->share_robot, "{:.1f} %");
       row("predicted share", 100 * r.lift->share_predicted, 100 * top->share_robot, "{:.1f} %");
       row("height", 100 * r.lift->height_m, 100 * top->height_m, "{:.2f} cm");
-      row("tilt", kDegrees * r.lift->tilt_rad, kDegrees * top->tilt_rad, "{:.2f}°");
+      row("tilt", hal::rad_to_deg(r.lift->tilt_rad), hal::rad_to_deg(top->tilt_rad), "{:.2f}°");
       row("slip", 1e3 * r.lift->slip_m, 1e3 * top->slip_m, "{:.1f} mm");
     }
   }

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
+#include "hal/types/units.hpp"
 #include "tools/visualization/utf8.hpp"
 
 namespace colift::tools {
@@ -107,7 +107,7 @@ std::string metres_text(double m) {
 }
 
 std::string degrees_text(double rad) {
-  return std::isfinite(rad) ? fmt::format("{:.1f}°", 180 / std::numbers::pi * rad) : "unknown";
+  return std::isfinite(rad) ? fmt::format("{:.1f}°", hal::rad_to_deg(rad)) : "unknown";
 }
 
 std::string percent_text(double part) {

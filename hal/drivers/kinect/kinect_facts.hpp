@@ -14,7 +14,5 @@ inline constexpr std::uint16_t kMostInfrared = 1023;  ///< Ten bits.
 inline constexpr double kTicksPerSecond = 60e6;       ///< Of the device's 32-bit counter: wraps after 71.6 s.
 inline constexpr double kCountsPerG = 819.0;          ///< Of the accelerometer.
 inline constexpr double kTilt_deg = 31.0;             ///< The motor's way to either side.
-/// Depth pixel (u, v) looks where infrared pixel (u + 5, v + 4) looks: half a correlation window.
-inline constexpr double kInfraredOffsetU = 5.0, kInfraredOffsetV = 4.0;
 
 }  // namespace colift::hal::kinect

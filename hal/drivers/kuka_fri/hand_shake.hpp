@@ -23,7 +23,7 @@ enum class ScriptSign : std::uint8_t {
 };
 
 /// The client's side of one KRL program: one step for each measurement, in the packets' time. The tables are
-/// in README.md. Real-time safe.
+/// in docs/krl-hand-shakes.md. Real-time safe.
 class HandShake {
  public:
   virtual ~HandShake() = default;

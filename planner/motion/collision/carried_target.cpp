@@ -10,9 +10,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-/// What counts as only risen: this far down or a cell's edge aside at most.
-constexpr float kMayFall_m = 0.005f;
-constexpr int kAtOnce = 64;
+constexpr int kAtOnce = 64;  // cells of one batch; no result depends on it
 
 }  // namespace
 
@@ -32,6 +30,8 @@ float CarriedTarget::depth_m(const Eigen::Isometry3f& X_WH) const {
   const auto offset = static_cast<float>(scene_.ground.offset);
   const std::int16_t enough = scene_.obstacles.enough(cover_m_);
   const auto& cells = scene_.carried_W;
+  // what counts as only risen: this far down, or a cell's edge aside, at most
+  const auto may_fall_m = static_cast<float>(scene_.config.max_carried_fall_m);
   float worst = 0.0f;
   std::array<float, kAtOnce> x, y, z;
   std::array<std::int16_t, kAtOnce> squared;
@@ -50,9 +50,9 @@ float CarriedTarget::depth_m(const Eigen::Isometry3f& X_WH) const {
       const Vector3f p(x[at], y[at], z[at]);
       const Vector3f moved = p - cells[first + at];
       const float risen = up.dot(moved);
-      if (risen < -kMayFall_m && up.dot(p) + offset < cover_m_) worst = std::max(worst, -risen);
+      if (risen < -may_fall_m && up.dot(p) + offset < cover_m_) worst = std::max(worst, -risen);
       if (squared[at] >= enough || scene_.obstacles.clear(p, cover_m_)) continue;
-      const bool only_risen = risen >= -kMayFall_m && (moved - risen * up).norm() <= scene_.carried_cell_m;
+      const bool only_risen = risen >= -may_fall_m && (moved - risen * up).norm() <= scene_.carried_cell_m;
       if (touching_[first + at] && only_risen) continue;
       worst = std::max(worst, cover_m_ - scene_.obstacles.distance(p));
     }

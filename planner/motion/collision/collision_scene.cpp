@@ -12,7 +12,6 @@ using perception::CellGrid;
 using perception::CellState;
 
 /// How far the fields reach beyond the margin: the largest group of spheres that is asked for at once (m).
-constexpr double kInHisHands = 0.17;  // beyond the partner clearance (m)
 constexpr double kReach = 0.28;
 
 using Cell = std::array<int, 3>;
@@ -59,10 +58,9 @@ void mark_around(const CellGrid& grid, std::span<const Eigen::Vector3f> points, 
 
 /// Frees what a depth image strews around the edges of the target: lone groups of a few cells right beside
 /// it. Larger groups, and small ones elsewhere, are things.
-void drop_specks(const CellGrid& grid, std::span<const hal::Vec3> target_cells,
+void drop_specks(const CellGrid& grid, std::span<const hal::Vec3> target_cells, const SceneConfig& config,
                  std::vector<std::uint8_t>& occupied) {
-  constexpr int kBeside = 4;
-  constexpr std::size_t kFew = 6;
+  const auto few = static_cast<std::size_t>(config.min_obstacle_cells);
   std::vector<std::uint8_t> done(occupied.size(), 0);
   std::vector<Cell> group;
   const auto inside = [&](const Cell& c) {
@@ -77,7 +75,7 @@ void drop_specks(const CellGrid& grid, std::span<const hal::Vec3> target_cells,
         }
   };
   for (const hal::Vec3& middle : target_cells) {
-    each_around(cell_of(grid, middle), kBeside, [&](const Cell& seed, std::size_t at) {
+    each_around(cell_of(grid, middle), config.speck_distance_cells, [&](const Cell& seed, std::size_t at) {
       if (!occupied[at] || done[at]) return;
       group.assign(1, seed);
       done[at] = 1;
@@ -89,7 +87,7 @@ void drop_specks(const CellGrid& grid, std::span<const hal::Vec3> target_cells,
           group.push_back(n);
         });
       }
-      if (group.size() >= kFew) return;
+      if (group.size() >= few) return;
       for (const Cell& c : group) occupied[index_of(grid, c[0], c[1], c[2])] = 0;
     });
   }
@@ -120,7 +118,7 @@ CollisionScene make_collision_scene(const perception::WorldMap& map, const hal::
       }
     }
   }
-  drop_specks(grid, map.target_cells(), measured);
+  drop_specks(grid, map.target_cells(), config, measured);
   const double partner = config.partner_clearance_m - config.margin_m;
   if (partner >= 0.0) {
     mark_around(grid, partner_points, partner, measured);
@@ -128,7 +126,7 @@ CollisionScene make_collision_scene(const perception::WorldMap& map, const hal::
   }
   // where he holds it, the object touches him, and goes on doing so while both lift
   std::vector<std::uint8_t> in_his_hands(grid.cells.size(), 0);
-  mark_around(grid, partner_points, std::max(0.0, partner) + kInHisHands, in_his_hands);
+  mark_around(grid, partner_points, std::max(0.0, partner) + config.partner_contact_m, in_his_hands);
   std::vector<std::uint8_t> target(grid.cells.size(), 0);
   CollisionScene scene;
   for (const hal::Vec3& middle : map.target_cells()) {

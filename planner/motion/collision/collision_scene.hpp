@@ -11,6 +11,7 @@
 
 namespace colift::planner {
 
+/// What counts as an obstacle, and how far the arm keeps away from it.
 struct SceneConfig {
   double margin_m = 0.01;
   bool hidden_is_obstacle = true;
@@ -18,22 +19,32 @@ struct SceneConfig {
   double own_space_m = 0.5;
   double ground_clearance_m = 0.005;
   double partner_clearance_m = 0.12;
+  double partner_contact_m = 0.17;
+  int speck_distance_cells = 4;
+  int min_obstacle_cells = 6;
+  double max_carried_fall_m = 0.005;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("margin_m", margin_m, hal::Range{0, 0.2}, "Distance that the arm keeps from obstacles (m).");
+    v("margin_m", margin_m, hal::Range{0, 0.2}, "Min distance of the arm from obstacles (m).");
     v("hidden_is_obstacle", hidden_is_obstacle,
-      "Whether the arm keeps out of space behind what was seen; the hand has a rule of its own for it.");
-    v("out_of_view_is_obstacle", out_of_view_is_obstacle,
-      "The same for space at which the camera does not look.");
+      "Whether space hidden behind what was seen is an obstacle to the arm; the hand has limits of its own.");
+    v("out_of_view_is_obstacle", out_of_view_is_obstacle, "The same for space outside of the camera's view.");
     v("own_space_m", own_space_m, hal::Range{0, 2},
-      "Horizontal distance from the robot's axis within which unseen space counts as free: whoever sets the "
-      "robot up "
-      "keeps it clear (m).");
+      "Horizontal distance from the robot's axis within which unseen space counts as free; keep it clear "
+      "(m).");
     v("ground_clearance_m", ground_clearance_m, hal::Range{0, 0.2},
-      "Distance that links keep from the ground (m).");
+      "Min distance of links from the ground (m).");
     v("partner_clearance_m", partner_clearance_m, hal::Range{0, 1},
-      "Distance that arm and hand keep from the partner's hands and body (m).");
+      "Min distance of arm and hand from the partner's hands and body (m).");
+    v("partner_contact_m", partner_contact_m, hal::Range{0, 1},
+      "Distance beyond the partner clearance within which the carried object may touch the partner (m).");
+    v("speck_distance_cells", speck_distance_cells, hal::Range{0, 20},
+      "Max distance from the target of occupied cells that may be specks of its edges, in cells.");
+    v("min_obstacle_cells", min_obstacle_cells, hal::Range{1, 1000},
+      "Min number of connected cells of an obstacle so near to the target; fewer are specks.");
+    v("max_carried_fall_m", max_carried_fall_m, hal::Range{0, 0.1},
+      "Max downward motion of the carried object where it touches what it stands on (m).");
   }
 };
 
@@ -49,7 +60,8 @@ struct CollisionScene {
   SceneConfig config;
 };
 
-/// Cells with their middle nearer to the ground than this many cells, or below it, are the ground's.
+/// Keeps the ground's own measurements from being obstacles: they fill its cells and, by noise, the layer
+/// above. Cells with their middle nearer to the ground than this many cells, or below it, are the ground's.
 inline constexpr double kGroundCells = 1.5;
 
 /// `partner_points` keep the robot away from him; may be empty.

@@ -10,7 +10,7 @@ namespace {
 using hal::LinkShape;
 using hal::Vec3;
 
-constexpr int kMostPerShape = 32;
+constexpr int kMostPerShape = 32;  // bounds the time of each check; see cover_with_spheres()
 /// Against rounding: a sphere is larger by this (m).
 constexpr double kHair = 1e-6;
 
@@ -110,7 +110,7 @@ class Postures {
     return q;
   }
   hal::HandPosture hand() {
-    constexpr double kClosed = 2.44, kHalfTurn = 3.1416;
+    constexpr double kClosed = 2.44, kHalfTurn = 3.1416;  // ranges of finger (140 deg) and spread (180 deg)
     const double inner = kClosed * unit();
     return hal::coupled_posture(inner, kHalfTurn * unit());
   }
@@ -124,6 +124,8 @@ class Postures {
 
 std::vector<std::pair<int, int>> find_self_pairs(const hal::RobotModel& model,
                                                  const std::vector<LinkCover>& cover) {
+  // Drawn once per robot model, with the ends of the joints' ranges drawn more often; margins stand for what
+  // lies between the draws.
   constexpr int kPostures = 10000;
   constexpr double kGap = 0.03;  // what was never nearer than this in any posture does not meet
   // Links with one body between them have two joints to move against each other: the samples are dense, and

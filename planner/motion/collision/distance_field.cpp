@@ -158,7 +158,7 @@ void DistanceField::look_up(const float* x, const float* y, const float* z, int 
     std::fill_n(squared, count, std::int16_t{32767});
     return;
   }
-  constexpr int kAtOnce = 16;
+  constexpr int kAtOnce = 16;  // points of one batch; no result depends on it
   const float ox = 0.5f - origin_.x() * per_m_, oy = 0.5f - origin_.y() * per_m_,
               oz = 0.5f - origin_.z() * per_m_;
   const float lx = static_cast<float>(nx_) - 0.5f, ly = static_cast<float>(ny_) - 0.5f,

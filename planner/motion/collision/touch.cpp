@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::planner {
 
@@ -12,7 +13,7 @@ std::string Touch::text() const {
   std::string name = part;
   std::replace(name.begin(), name.end(), '_', ' ');
   if (with == With::Limits) {
-    return fmt::format("{} is {:.1f} deg beyond its limit", name, depth_m * 180.0 / std::numbers::pi);
+    return fmt::format("{} is {:.1f} deg beyond its limit", name, hal::rad_to_deg(depth_m));
   }
   const char* to = "an obstacle";
   if (with == With::Target) to = "the object";

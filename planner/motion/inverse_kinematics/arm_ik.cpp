@@ -39,7 +39,7 @@ hal::Result<ArmGeometry> arm_geometry(const hal::RobotModel& model) {
   const auto refuse = [&](std::string text) {
     return hal::failure(hal::ErrorCode::BadConfig, model.name, std::move(text));
   };
-  constexpr double kSame = 1e-6;
+  constexpr double kSame = 1e-6;  // rounding of a model file (m, and components of unit vectors)
   const Vec3 y = Vec3::UnitY(), z = Vec3::UnitZ();
   const std::array<Vec3, hal::kArmJoints> axes{z, -y, z, y, z, -y, z};
   std::vector<Pose> X_WL;
@@ -141,7 +141,7 @@ std::optional<JointVector> follow_ik(const ArmGeometry& arm, const Pose& X_WF, c
   if (!circle || !near_rad.allFinite()) return std::nullopt;
   const JointRange range(arm, margin_rad);
   // near the vertical the angle against "up" turns fast: there the elbow keeps its direction instead
-  constexpr double kNearVertical = 0.05;
+  constexpr double kNearVertical = 0.05;  // sine: 3 degrees
   const Vec3 n_near = shoulder_to_wrist(arm, flange_pose(arm, near_rad));
   const bool vertical = std::min(n_near.head<2>().norm(), circle->n.head<2>().norm()) < kNearVertical;
   const double kept = angle_on_circle(vertical ? circle->n : n_near, elbow_direction(arm, near_rad));
@@ -159,6 +159,7 @@ std::optional<JointVector> follow_ik(const ArmGeometry& arm, const Pose& X_WF, c
     return best ? std::optional(best->q_rad) : std::nullopt;
   };
   if (auto q = nearest(kept)) return q;
+  // elbow angles up to max_step_rad to either side, and halvings towards the one that was kept
   constexpr int kTries = 8, kHalvings = 8;
   for (int i = 1; i <= kTries; ++i) {
     for (const double side : {1.0, -1.0}) {

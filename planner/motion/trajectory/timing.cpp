@@ -7,6 +7,7 @@
 namespace colift::planner {
 namespace {
 
+/// Between samples the speed rises by no more than the limit of the acceleration allows.
 constexpr double kSampleS = 0.01;
 
 /// A trajectory does not scale exactly with its velocity limits: a few rounds, each a little more careful.

@@ -129,6 +129,7 @@ hal::Result<Trajectory> make_trajectory_along(std::span<const JointVector> path,
   if (points.size() < 2) return std::move(maker).finish(path.back());
   points.back() = path.back();
 
+  // pieces of the trajectory: enough that each way point has several, few enough to stay quick
   constexpr std::size_t kStepsPerPoint = 4, kFewest = 100, kMost = 1000;
   const std::size_t steps = std::clamp(kStepsPerPoint * points.size(), kFewest, kMost);
   const Curve curve(std::move(s), std::move(points));

@@ -32,7 +32,7 @@ struct Corner {
 
 /// Straight ways between turns of the path; points that lie on a straight way are left out.
 std::vector<Leg> legs_of(std::span<const JointVector> path, const MotionLimits& limits) {
-  constexpr double kSameDirection = 1e-9;
+  constexpr double kSameDirection = 1e-9;  // rounding
   std::vector<Leg> legs;
   const auto leg = [&](const JointVector& from, const JointVector& to) {
     Leg out;
@@ -78,7 +78,7 @@ Corner corner_between(const Leg& before, const Leg& after, const MotionLimits& l
     const double missed = (t * t / 6.0 + t * c / 4.0 + c * c / 8.0) / (t + c);
     return speed * missed * turn.maxCoeff() <= blend_rad && 0.5 * speed * r.duration_s() <= room_s;
   });
-  constexpr double kStop = 1e-6;
+  constexpr double kStop = 1e-6;  // slower than this is standstill: it guards the division by the speed
   if (corner.speed < kStop) corner.speed = 0.0;
   return corner;
 }

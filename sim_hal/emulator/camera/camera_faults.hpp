@@ -4,12 +4,12 @@
 #include <string_view>
 
 #include "hal/types/result.hpp"
-#include "sim_hal/scenario/scenario.hpp"
+#include "sim_hal/emulator/fault_text.hpp"
 
 namespace colift::sim_hal {
 
 /// Something that goes wrong with the camera at a time.
-struct CameraFault {
+struct CameraFault : TimedFault {
   enum class Kind {
     // of the device
     Unplug,   ///< Gone from the bus; afterwards back.
@@ -32,12 +32,7 @@ struct CameraFault {
     Crash,  ///< Once, at the beginning.
   };
 
-  double at_s = 0.0, for_s = 0.5;
   Kind kind = Kind::Silent;
-  double value = 0.0;
-  std::string text;  ///< As it was asked for.
-
-  [[nodiscard]] bool active(double t_s) const { return t_s >= at_s && t_s < at_s + for_s; }
 };
 
 /// Reads "T:KIND[=VALUE][:DURATION]", times in s; 0.5 s. Errors: BadInput, with what was expected.
@@ -45,8 +40,5 @@ struct CameraFault {
 
 /// One entry of a scenario's `faults` for the camera. Errors: BadConfig.
 [[nodiscard]] hal::Result<CameraFault> camera_fault(const DeviceFaultEvent& event);
-
-/// The names of all kinds, for people.
-[[nodiscard]] std::string camera_fault_names();
 
 }  // namespace colift::sim_hal

@@ -11,9 +11,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
-#include <numbers>
 #include <utility>
 
+#include "hal/types/units.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
 
 namespace colift::sim_hal {
@@ -214,7 +214,7 @@ void CameraServer::follow_faults() {
     if (f.kind == Kind::Freeze) frozen_ = last_codes_;
     if (f.kind == Kind::Restamp) same_ticks_.reset();
     if (f.kind == Kind::Moved && active) {
-      eye_->turn(f.value * std::numbers::pi / 180.0);
+      eye_->turn(hal::deg_to_rad(f.value));
       turned_deg_ = f.value;
     }
     if (!active) continue;

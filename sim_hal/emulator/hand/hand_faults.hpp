@@ -5,13 +5,13 @@
 #include <string_view>
 
 #include "hal/types/result.hpp"
+#include "sim_hal/emulator/fault_text.hpp"
 #include "sim_hal/emulator/hand/hand_gear.hpp"
-#include "sim_hal/scenario/scenario.hpp"
 
 namespace colift::sim_hal {
 
 /// Something that goes wrong with the hand at a time.
-struct HandFault {
+struct HandFault : TimedFault {
   enum class Kind {
     // of answers
     Silent,     ///< The puck neither hears nor answers; its motor goes on.
@@ -39,13 +39,9 @@ struct HandFault {
     Passive,  ///< Its controller is error passive.
   };
 
-  double at_s = 0.0, for_s = 0.5;
   Kind kind = Kind::Silent;
-  double value = 0.0;
   std::optional<std::size_t> puck;  ///< 0 to 3; unset: all.
-  std::string text;                 ///< As it was asked for.
 
-  [[nodiscard]] bool active(double t_s) const { return t_s >= at_s && t_s < at_s + for_s; }
   [[nodiscard]] bool hits(std::size_t p) const { return !puck || *puck == p; }
 };
 
@@ -55,8 +51,5 @@ struct HandFault {
 
 /// One entry of a scenario's `faults` for the hand. Errors: BadConfig.
 [[nodiscard]] hal::Result<HandFault> hand_fault(const DeviceFaultEvent& event);
-
-/// The names of all kinds, for people.
-[[nodiscard]] std::string hand_fault_names();
 
 }  // namespace colift::sim_hal

@@ -57,6 +57,26 @@ std::string frame_text(const hal::CanFrame& frame, hal::Timestamp at) {
 
 }  // namespace
 
+hal::Result<HandGatewayConfig> gateway_config(const std::string& bus) {
+  constexpr std::string_view kKind = "socketcand:";
+  const std::string_view text =
+      bus.starts_with(kKind) ? std::string_view(bus).substr(kKind.size()) : std::string_view();
+  const auto refuse = [&] {
+    return hal::failure(
+        hal::ErrorCode::BadInput, "bus",
+        fmt::format("\"{}\" is no bus; expected socketcand:IPV4:PORT/NAME or socketcan:IF", bus));
+  };
+  const std::size_t colon = text.find(':'), slash = text.find('/');
+  if (colon == std::string_view::npos || slash == std::string_view::npos || slash < colon) return refuse();
+  HandGatewayConfig config;
+  config.address = std::string(text.substr(0, colon));
+  config.bus = std::string(text.substr(slash + 1));
+  const std::string_view port = text.substr(colon + 1, slash - colon - 1);
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), config.port);
+  if (error != std::errc{} || end != port.data() + port.size() || config.bus.empty()) return refuse();
+  return config;
+}
+
 HandGateway::~HandGateway() {
   close();
 }

@@ -15,6 +15,9 @@ struct HandGatewayConfig {
   std::string bus = "can0";
 };
 
+/// Where a gateway "socketcand:ADDRESS:PORT/BUS" is to listen. Errors: BadInput, with what was expected.
+[[nodiscard]] hal::Result<HandGatewayConfig> gateway_config(const std::string& bus);
+
 /// A socketcand gateway with a bus of its own: TCP clients, as many as come, and one node here. What one
 /// sends, all others receive. Greetings and answers have no newline, for python-can compares them whole;
 /// frames have one. One thread.

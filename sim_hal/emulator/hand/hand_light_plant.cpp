@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
 
 namespace colift::sim_hal {
 namespace {
@@ -18,7 +19,7 @@ double stop_of(std::size_t puck) {
 
 // Distance of a pad from the middle of the hand before breakaway (maker's Denavit-Hartenberg table).
 double pad_radius_m(double inner_rad) {
-  const double bent = inner_rad * 4.0 / 3.0 + 42.0 * std::numbers::pi / 180.0;
+  const double bent = inner_rad * 4.0 / 3.0 + hal::deg_to_rad(42.0);
   return 0.050 + 0.070 * std::cos(inner_rad) + 0.050 * std::cos(bent) - 0.0095 * std::sin(bent);
 }
 

@@ -7,41 +7,34 @@
 #include <cmath>
 #include <optional>
 
-#include "sim_hal/emulator/fault_text.hpp"
-
 namespace colift::sim_hal {
 namespace {
 
 using Kind = KrcFault::Kind;
 
-struct Row {
-  std::string_view name;
-  Kind kind;
-  double value, least, most;  // default and range
-};
+using Row = FaultKind<Kind>;
 
-// several names for one kind: scenarios have words of their own
-constexpr std::array kRows{
+constexpr std::array kKinds{
     Row{"loss", Kind::Loss, 0, 1, 1e6},
     Row{"delay", Kind::Delay, 5, 0, 10000},
-    Row{"reorder", Kind::Reorder, 0, 0, 0},
-    Row{"duplicate", Kind::Duplicate, 0, 0, 0},
+    Row{"reorder", Kind::Reorder},
+    Row{"duplicate", Kind::Duplicate},
     Row{"corrupt", Kind::Corrupt, 100, 0, 100},
     Row{"burst", Kind::Burst, 5, 2, 1000},
     Row{"quality", Kind::Quality, 0, 0, 3},
-    Row{"monitor", Kind::Monitor, 0, 0, 0},
-    Row{"emergency-stop", Kind::EmergencyStop, 0, 0, 0},
-    Row{"estop", Kind::EmergencyStop, 0, 0, 0},
-    Row{"drive-error", Kind::DriveError, 0, 0, 0},
-    Row{"drive-warning", Kind::DriveWarning, 0, 0, 0},
-    Row{"drives-off", Kind::DrivesOff, 0, 0, 0},
+    Row{"monitor", Kind::Monitor},
+    Row{"emergency-stop", Kind::EmergencyStop},
+    Row{"estop", Kind::EmergencyStop},
+    Row{"drive-error", Kind::DriveError},
+    Row{"drive-warning", Kind::DriveWarning},
+    Row{"drives-off", Kind::DrivesOff},
     Row{"temperature", Kind::Temperature, 90, -50, 200},
-    Row{"freeze", Kind::Freeze, 0, 0, 0},
+    Row{"freeze", Kind::Freeze},
     Row{"jump", Kind::Jump, 0.3, -6.3, 6.3},
-    Row{"nan", Kind::NotANumber, 0, 0, 0},
+    Row{"nan", Kind::NotANumber},
     Row{"torque-offset", Kind::TorqueOffset, 5, -200, 200},
     Row{"contact", Kind::Contact, 30, -500, 500},
-    Row{"unplug", Kind::Unplug, 0, 0, 0},
+    Row{"unplug", Kind::Unplug},
     Row{"drop", Kind::Loss, 0, 1, 1e6},
     Row{"silent", Kind::Loss, 0, 1, 1e6},
     Row{"late", Kind::Delay, 15, 0, 10000},
@@ -54,18 +47,15 @@ hal::Result<> read_value(std::string_view text, std::string_view value, const Ro
     f.value = static_cast<double>(quality - kQualities.begin());
     return {};
   }
-  if (row.least == row.most) return bad_fault(text, fmt::format("{} takes no value", row.name));
-  if (!value.empty() && value.back() == '%') {
+  if (value.ends_with('%') && row.min < row.max) {
     if (f.kind != Kind::Loss && f.kind != Kind::Corrupt)
       return bad_fault(text, fmt::format("{} takes no percentage", row.name));
     value.remove_suffix(1);
     f.percent = true;
   }
-  const auto v = read_number(value);
-  const double least = f.percent ? 0.0 : row.least, most = f.percent ? 100.0 : row.most;
-  if (!v || *v < least || *v > most)
-    return bad_fault(text, fmt::format("the value of {} is \"{}\", expected a number from {:g} to {:g}",
-                                       row.name, value, least, most));
+  const auto v =
+      read_fault_value(text, row.name, f.percent ? 0.0 : row.min, f.percent ? 100.0 : row.max, value);
+  if (!v) return tl::unexpected(v.error());
   f.value = *v;
   f.counted = f.kind == Kind::Loss && !f.percent;
   return {};
@@ -87,10 +77,8 @@ hal::Result<> read_kind(std::string_view text, std::string_view what, KrcFault& 
     f.way = KrcFault::Way::ToClient;
     what.remove_suffix(4);
   }
-  const auto* row = std::find_if(kRows.begin(), kRows.end(), [&](const Row& r) { return r.name == what; });
-  if (row == kRows.end())
-    return bad_fault(text,
-                     fmt::format("\"{}\" is no fault of the arm; there are {}", what, krc_fault_names()));
+  const auto row = find_fault(text, what, kKinds, "arm");
+  if (!row) return tl::unexpected(row.error());
   f.kind = row->kind;
   f.value = row->value;
   if (what == "silent") f.way = KrcFault::Way::ToClient;
@@ -104,12 +92,6 @@ hal::Result<> read_kind(std::string_view text, std::string_view what, KrcFault& 
 }
 
 }  // namespace
-
-std::string krc_fault_names() {
-  std::string all;
-  for (const Row& row : kRows) all += fmt::format("{}{}", all.empty() ? "" : ", ", row.name);
-  return all;
-}
 
 hal::Result<KrcFault> parse_krc_fault(std::string_view text) {
   return parse_fault<KrcFault>(text, "T:KIND[.in|.out][=VALUE][@JOINT][:DURATION], as in 4.0:loss=3",

@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "hal/types/result.hpp"
-#include "sim_hal/scenario/scenario.hpp"
+#include "sim_hal/emulator/fault_text.hpp"
 
 namespace colift::sim_hal {
 
 /// Something that goes wrong at a time.
-struct KrcFault {
+struct KrcFault : TimedFault {
   enum class Kind {
     // of the wire
     Loss,       ///< All; `value` in a row; or `value` percent.
@@ -36,17 +36,13 @@ struct KrcFault {
   };
   enum class Way { Both, ToKrc, ToClient };
 
-  double at_s = 0.0, for_s = 0.5;
   Kind kind = Kind::Loss;
   Way way = Way::Both;
-  double value = 0.0;
   bool percent = false;  ///< Of `value`.
   bool counted = false;  ///< Ends after `value` datagrams and not after a time.
   int joint = 3;         ///< From 0.
-  std::string text;      ///< As it was asked for.
 
   [[nodiscard]] bool on_wire() const { return kind <= Kind::Burst; }
-  [[nodiscard]] bool active(double t_s) const { return t_s >= at_s && t_s < at_s + for_s; }
 };
 
 /// Reads "T:KIND[.in|.out][=VALUE[%]][@JOINT][:DURATION]", times in s; .in is what the controller receives,
@@ -56,8 +52,5 @@ struct KrcFault {
 
 /// One entry of a scenario's `faults` for the arm. Errors: BadConfig.
 [[nodiscard]] hal::Result<KrcFault> krc_fault(const DeviceFaultEvent& event);
-
-/// The names of all kinds, for people.
-[[nodiscard]] std::string krc_fault_names();
 
 }  // namespace colift::sim_hal

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "hal/types/units.hpp"
 #include "sim_hal/emulator/krc/plant/krc_control_law.hpp"
 
 namespace colift::sim_hal {
@@ -172,14 +172,13 @@ std::optional<KrcBreach> check_flags_fit(const KrcCommand& c, FriControl control
 }  // namespace
 
 KrcLimits::KrcLimits() {
-  constexpr double kRad = std::numbers::pi / 180.0;
   position_rad << 170, 120, 170, 120, 170, 120, 170;
   velocity_rad_s << 120, 120, 160, 160, 250, 220, 220;
   acceleration_rad_s2 << 1200, 1200, 1600, 1600, 2500, 4400, 4400;
   torque_nm << 176, 176, 100, 100, 100, 38, 38;
-  position_rad *= kRad;
-  velocity_rad_s *= kRad;
-  acceleration_rad_s2 *= kRad;
+  position_rad *= hal::kRadPerDeg;
+  velocity_rad_s *= hal::kRadPerDeg;
+  acceleration_rad_s2 *= hal::kRadPerDeg;
 }
 
 std::string_view name(KrcRule rule) {

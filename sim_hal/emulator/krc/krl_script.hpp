@@ -42,7 +42,7 @@ struct KrlScriptConfig {
   double runs_s = 10.0;                ///< How long the vendor's program commands before it ends the session.
 };
 
-/// A KRL program that talks with a client. Which programs there are: README.md.
+/// A KRL program that talks with a client. Which programs there are: docs/krl-hand-shakes.md.
 class KrlScript {
  public:
   virtual ~KrlScript() = default;

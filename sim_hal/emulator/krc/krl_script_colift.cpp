@@ -8,7 +8,7 @@
 namespace colift::sim_hal {
 namespace {
 
-// The channels of config/krl/colift.src; hal/drivers/kuka_fri/README.md has the table.
+// The channels of config/krl/colift.src; docs/krl-hand-shakes.md has the table.
 constexpr std::int32_t kVersion = 10001;
 enum Request : std::int32_t { kNone = 0, kStart = 1, kStop = 2, kClose = 3 };
 enum State : std::int32_t { kBegins = 0, kWaits = 1, kStarts = 2, kCommands = 3, kStops = 4, kCloses = 5 };

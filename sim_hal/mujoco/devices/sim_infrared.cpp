@@ -18,13 +18,6 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::uint64_t kFramesPerSecond = 30, kNoiseStream = 91, kArmStream = 92;
-constexpr int kMoreColumns = 5, kMoreRows = 4;  // the depth image is cut out of the infrared one here
-
-hal::CameraIntrinsics infrared_intrinsics() {
-  const hal::CameraIntrinsics depth;
-  return {depth.width, depth.height + 2 * kMoreRows, depth.fx,
-          depth.fy,    depth.cx + kMoreColumns,      depth.cy + kMoreRows};
-}
 
 class SimInfrared final : public hal::InfraredCamera {
  public:
@@ -65,7 +58,7 @@ class SimInfrared final : public hal::InfraredCamera {
 }  // namespace
 
 SimInfraredEye::SimInfraredEye(const SimWorld& world, const SimEmitter& emitter)
-    : world_(world), emitter_(emitter), caster_(infrared_intrinsics(), camera_pose(world.scenario().camera)) {
+    : world_(world), emitter_(emitter), caster_(hal::infrared_of({}), camera_pose(world.scenario().camera)) {
   // a smooth error of the kinematics: one wave over the joints for each axis
   Draws draws(world.seed(), kArmStream);
   for (int a = 0; a < 3; ++a) {
@@ -75,7 +68,7 @@ SimInfraredEye::SimInfraredEye(const SimWorld& world, const SimEmitter& emitter)
 }
 
 void SimInfraredEye::move_to(const Pose& X_WC) {
-  caster_ = RayCaster(infrared_intrinsics(), X_WC);
+  caster_ = RayCaster(hal::infrared_of({}), X_WC);
 }
 
 hal::InfraredFrame SimInfraredEye::expose(std::uint64_t frame) {

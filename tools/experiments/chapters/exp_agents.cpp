@@ -19,6 +19,10 @@ namespace {
 using planner::CarryingAgent;
 
 constexpr double kHeight_m = 0.05, kHold_s = 1.0;
+
+control::TaskSaid task() {
+  return {"experiment agents", kHeight_m, kHold_s};
+}
 constexpr double kSidePart = 0.6;        // of the table's length, from the far end
 constexpr double kInside = 0.9;          // a hand is not at the very corner
 constexpr double kApart_m = 0.3;         // two people
@@ -57,9 +61,7 @@ hal::Result<Lifted> decide_and_lift(const sim_hal::Scenario& scenario, const Tri
                                     std::uint64_t seed) {
   auto sighting = Sighting::make(scenario, trial.method, seed, kHeight_m);
   if (!sighting) return tl::unexpected(sighting.error());
-  control::Config config = config_for(trial.method);
-  config.task.lift_height_m = kHeight_m;
-  config.task.hold_s = kHold_s;
+  control::Config config = config_for(trial.method, task());
   auto outcome = (*sighting)->decide(config);
   if (!outcome) return tl::unexpected(outcome.error());
   const auto sharing = planner::LoadSharing::create(config.decision.weights);
@@ -157,7 +159,7 @@ TrialRows run(const Trial& trial) {
     }
     because = after ? after->lift.because : after.error().text();
   }
-  const Knowing saved = value_of_knowing(*before, config_for(trial.method), seed);
+  const Knowing saved = value_of_knowing(*before, config_for(trial.method, task()), seed);
   return {{scenario.name, cell(scenario.object.mass), cell(before->possible()),
            cell(before->suggestion.has_value()), cell(moved_m),
            cell(before->suggestion ? before->suggestion->gain.value_or(NAN) : NAN), cell(realised),
@@ -248,6 +250,7 @@ Experiment agents_experiment() {
                "lifted_after", "tilt_after_deg", "two_partners_saved", "weak_robot_saved",
                "because"};
   e.run = run;
+  e.task = task();
   e.figures = figures;
   e.plot = plot;
   return e;

@@ -15,6 +15,10 @@ namespace {
 
 constexpr std::size_t kGrasps = 12;  // thesis: at least ten
 constexpr double kHeight_m = 0.05, kHold_s = 0.5;
+
+control::TaskSaid task() {
+  return {"experiment grasps", kHeight_m, kHold_s};
+}
 constexpr std::array<const char*, 4> kObjects{"table", "box", "pipe", "chair"};
 
 // in the thesis's proportion: two poses of table and box, one of pipe and chair
@@ -52,9 +56,7 @@ TrialRows run(const Trial& trial) {
     possible[i] = candidates[i].verdict == planner::Verdict::Ok;
     reachable += possible[i];
   }
-  control::Config config = config_for(trial.method);
-  config.task.lift_height_m = kHeight_m;
-  config.task.hold_s = kHold_s;
+  control::Config config = config_for(trial.method, task());
   TrialRows rows;
   int tried = 0, held = 0, lifted = 0;
   for (const std::size_t i : spread_over(candidates, possible, {}, kGrasps)) {
@@ -163,6 +165,7 @@ Experiment grasps_experiment() {
   e.detail_columns = {"object", "id",     "width_m", "margin", "planned",
                       "held",   "lifted", "slip_mm", "hit",    "because"};
   e.run = run;
+  e.task = task();
   e.figures = figures;
   e.plot = plot;
   return e;

@@ -21,6 +21,10 @@ constexpr std::size_t kGrasps = 7;  // thesis: 6
 constexpr double kNear = 0.02;      // of the load: closer than that two grasps are equally good
 constexpr double kShareError = 0.05;
 constexpr double kHeight_m = 0.05, kHold_s = 1.0;
+
+control::TaskSaid task() {
+  return {"experiment load", kHeight_m, kHold_s};
+}
 constexpr std::size_t kColumns = 7;  // of one wanted share
 
 // nothing of the asked shares was tried
@@ -62,7 +66,7 @@ TrialRows run(const Trial& trial) {
   std::string why;
   for (std::size_t w = 0; w < kWanted.size(); ++w) {
     if (forbidden[w]) continue;
-    const auto outcome = (*sighting)->decide(config_for(trial.method, kWanted[w]));
+    const auto outcome = (*sighting)->decide(config_for(trial.method, {}, kWanted[w]));
     if (!outcome) return refused(outcome.error().text());
     if (!outcome->decision.chosen) {
       why = fmt::format("{} %: {}", kName[w], outcome->decision.because);
@@ -81,9 +85,7 @@ TrialRows run(const Trial& trial) {
   if (always.empty()) return refused(why);
   const auto tried = spread_over(grasps, possible, always, kGrasps);
 
-  control::Config config = config_for(trial.method);
-  config.task.lift_height_m = kHeight_m;
-  config.task.hold_s = kHold_s;
+  control::Config config = config_for(trial.method, task());
   TrialRows rows;
   std::vector<double> share(grasps.size(), NAN);
   const hal::Vec3 partner = (*sighting)->true_partner();
@@ -211,6 +213,7 @@ Experiment load_experiment() {
   e.detail_columns = {"grasp",    "id",        "from_partner_m", "lifted",    "robot_n", "share_robot",
                       "tilt_deg", "chosen_30", "chosen_50",      "chosen_67", "because"};
   e.run = run;
+  e.task = task();
   e.figures = figures;
   e.plot = plot;
   return e;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "control/arm/arm_loop.hpp"
+#include "control/arm/arm_commander.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
 #include "tools/experiments/experiment.hpp"
@@ -40,12 +40,12 @@ class Session {
         arm_(sim_hal::make_sim_arm(sighting.world())),
         geometry_(planner::arm_geometry(sighting.world().model()).value()),
         config_(config_for(method)),
-        loop_(*arm_, sighting.world().model(), geometry_, config_.task, config_.load,
-              control::Drive::InStep) {}
+        commander_(*arm_, sighting.world().model(), geometry_, config_.task, config_.load,
+                   control::Drive::InStep, config_.setpoints) {}
 
   hal::Result<> start() {
     if (auto ok = arm_->configure(); !ok) return ok;
-    return loop_.start();
+    return commander_.start();
   }
 
   // until the partner has been seen at his place that begins at `at_rest_s`, or half a second too late
@@ -55,10 +55,10 @@ class Session {
     answer.arm_in_view = way != nullptr;
     bool under_way = false;
     while (hal::seconds(sighting_.world().elapsed()) < at_rest_s + 1.0) {
-      loop_.begin_cycle();
-      if (way != nullptr && !under_way) under_way = loop_.follow(*way).has_value();
+      commander_.begin_cycle();
+      if (way != nullptr && !under_way) under_way = commander_.follow(*way).has_value();
       auto frame = sighting_.camera().next_frame(std::chrono::milliseconds(0));
-      loop_.end_cycle();
+      commander_.end_cycle();
       if (!frame) continue;
       const control::RobotPosture posture{sighting_.world().arm_state().q_rad,
                                           hal::posture_of(sighting_.world().hand_state())};
@@ -92,7 +92,7 @@ class Session {
   std::unique_ptr<hal::Arm> arm_;
   planner::ArmGeometry geometry_;
   control::Config config_;
-  control::ArmLoop loop_;
+  control::ArmCommander commander_;
   hal::SteadyClock clock_;
   hal::Vec3 last_ = hal::Vec3::Constant(NAN);
 };

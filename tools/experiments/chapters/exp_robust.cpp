@@ -19,6 +19,10 @@ namespace {
 
 constexpr double kBoxShare = 0.3;  // laid out for it: the partner holds near the middle
 constexpr double kHeight_m = 0.05, kHold_s = 1.0;
+
+control::TaskSaid task() {
+  return {"experiment robust", kHeight_m, kHold_s};
+}
 // what the best grip of a box holds: of heavier or smoother ones every grip slips, whatever is chosen
 constexpr double kLightest_kg = 3.0, kHeaviest_kg = 6.0, kSmoothest = 0.5, kRoughest = 0.9;
 constexpr double kSlip_m = 0.005;                  // of the object in the hand: it gives way
@@ -37,7 +41,7 @@ TrialRows run(const Trial& trial) {
   sim_hal::Scenario scenario =
       table ? table_layout(trial.index / 2 + 2, trial.seed) : box_in_line(trial.index, trial.seed, kBoxShare);
   sim_hal::Draws draws(seed, 7500);
-  control::Config config = config_for(trial.method);
+  control::Config config = config_for(trial.method, task());
   hal::Vec3& off = scenario.object.cog_offset;
   for (int axis = 0; axis < 2; ++axis) {
     const double size = scenario.object.size[static_cast<std::size_t>(axis)];
@@ -57,8 +61,6 @@ TrialRows run(const Trial& trial) {
   };
   auto sighting = Sighting::make(scenario, trial.method, seed, kHeight_m);
   if (!sighting) return refused(sighting.error().text());
-  config.task.lift_height_m = kHeight_m;
-  config.task.hold_s = kHold_s;
   config.decision.mass_kg = scenario.object.mass;
 
   TrialRows rows;
@@ -203,6 +205,7 @@ Experiment robust_experiment() {
     for (const char* column : {"id", "tilt_deg", "slipped"}) e.columns.push_back(aim + "_" + column);
   e.columns.emplace_back("because");
   e.run = run;
+  e.task = task();
   e.figures = figures;
   e.plot = plot;
   return e;

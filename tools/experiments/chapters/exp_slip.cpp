@@ -19,6 +19,10 @@ namespace {
 constexpr std::size_t kGrasps = 4;
 constexpr double kSlip_m = 0.005;  // of the object in the hand: it gives way
 constexpr double kHeight_m = 0.05, kHold_s = 1.0;
+
+control::TaskSaid task() {
+  return {"experiment slip", kHeight_m, kHold_s};
+}
 constexpr double kArm_n = 55.0;  // what the arm bears beside its hand
 
 TrialRows run(const Trial& trial) {
@@ -38,10 +42,8 @@ TrialRows run(const Trial& trial) {
   };
   auto sighting = Sighting::make(scenario, trial.method, seed, kHeight_m);
   if (!sighting) return refused(sighting.error().text());
-  control::Config config = config_for(trial.method);
+  control::Config config = config_for(trial.method, task());
   config.decision.mass_kg = scenario.object.mass;
-  config.task.lift_height_m = kHeight_m;
-  config.task.hold_s = kHold_s;
   const auto outcome = (*sighting)->decide(config);
   if (!outcome) return refused(outcome.error().text());
   const auto& candidates = outcome->candidates;
@@ -54,7 +56,7 @@ TrialRows run(const Trial& trial) {
                   outcome->decision.scores[i] &&
                   outcome->decision.scores[i]->wrenches.robot.force.norm() < kArm_n;
   }
-  planner::HandModel hand = shared_hand().hand;
+  planner::HandModel hand = shared_hand(trial.method).hand;
   hand.friction = scenario.object.friction;
   hand.finger_force_n = planner::fingertip_force(hand, config.task.close_torque_nm);
   TrialRows rows;
@@ -148,6 +150,7 @@ Experiment slip_experiment() {
   e.columns = {"layout", "mass_kg", "friction", "tried", "slipped", "because"};
   e.detail_columns = {"id", "kind", "margin", "bear_margin", "slip_mm", "slipped", "because"};
   e.run = run;
+  e.task = task();
   e.figures = figures;
   e.plot = plot;
   return e;

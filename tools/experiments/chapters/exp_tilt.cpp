@@ -20,6 +20,10 @@ constexpr double kTie_deg = 0.3;    // closer than a tremor of the partner is no
 constexpr double kTilt_deg = 2.0, kMedian_deg = 1.0;
 constexpr double kHeight_m = 0.05, kHold_s = 1.0;
 
+control::TaskSaid task() {
+  return {"experiment tilt", kHeight_m, kHold_s};
+}
+
 std::vector<bool> possible(const control::Outcome& outcome, const control::Look& look) {
   // what the arm reaches without a collision, whatever the decision thinks of its load
   std::vector<bool> out(outcome.candidates.size());
@@ -44,9 +48,7 @@ TrialRows run(const Trial& trial) {
   const sim_hal::Scenario scenario = seen_from(trial.view, table_layout(trial.index, trial.seed));
   auto sighting = Sighting::make(scenario, trial.method, seed, kHeight_m);
   if (!sighting) return refused(scenario.name, scenario.object.mass, sighting.error().text());
-  control::Config config = config_for(trial.method);
-  config.task.lift_height_m = kHeight_m;
-  config.task.hold_s = kHold_s;
+  control::Config config = config_for(trial.method, task());
   const auto outcome = (*sighting)->decide(config);
   if (!outcome) return refused(scenario.name, scenario.object.mass, outcome.error().text());
   if (!outcome->decision.chosen)
@@ -187,6 +189,7 @@ Experiment tilt_experiment() {
                       "z_m",      "cost",        "share_predicted", "margin", "lifted",
                       "tilt_deg", "share_robot", "slip_mm",         "hit",    "because"};
   e.run = run;
+  e.task = task();
   e.figures = figures;
   e.plot = plot;
   return e;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hal/types/units.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
 #include "tools/experiments/bar_plot.hpp"
 #include "tools/experiments/experiment.hpp"
@@ -18,6 +19,10 @@ namespace {
 
 constexpr double kLeast_m = 0.10, kMost_m = 0.20;
 constexpr double kHeight_m = 0.05, kHold_s = 1.0, kBudget_deg = 2.0;
+
+control::TaskSaid task() {
+  return {"experiment wrong-cog", kHeight_m, kHold_s};
+}
 constexpr double kCarefully_s = 10.0;  // a grip that was only tried slowly is lifted slowly
 constexpr std::size_t kColumns = 15, kDetailColumns = 22;
 
@@ -40,9 +45,7 @@ TrialRows run(const Trial& trial) {
   };
   auto sighting = Sighting::make(scenario, trial.method, seed, kHeight_m);
   if (!sighting) return refused(sighting.error().text());
-  control::Config config = config_for(trial.method);
-  config.task.lift_height_m = kHeight_m;
-  config.task.hold_s = kHold_s;
+  control::Config config = config_for(trial.method, task());
   const auto outcome = (*sighting)->decide(config);
   if (!outcome) return refused(outcome.error().text());
   if (!outcome->decision.chosen) return refused(outcome->decision.because);
@@ -79,11 +82,11 @@ TrialRows run(const Trial& trial) {
             cell(t.lift.most_tilt_deg)};
     if (t.known) {
       const auto& known = *t.known;
-      const double degree = 180.0 / std::numbers::pi;
-      row.insert(row.end(), {cell(degree * known.seen.tilt_rad), cell(degree * known.seen.turn_rad),
-                             cell(1e3 * known.seen.least_rise_m), cell(known.stands), cell(known.mass_kg),
-                             cell(1e3 * (known.cog - true_cog).head<2>().norm()), cell(1e3 * known.lever_m),
-                             cell(known.belief.grip_nm_rad), cell(degree * t.drift_rad_s), word(known.next)});
+      row.insert(row.end(),
+                 {cell(hal::rad_to_deg(known.seen.tilt_rad)), cell(hal::rad_to_deg(known.seen.turn_rad)),
+                  cell(1e3 * known.seen.least_rise_m), cell(known.stands), cell(known.mass_kg),
+                  cell(1e3 * (known.cog - true_cog).head<2>().norm()), cell(1e3 * known.lever_m),
+                  cell(known.belief.grip_nm_rad), cell(hal::rad_to_deg(t.drift_rad_s)), word(known.next)});
     }
     row.resize(kDetailColumns - 1);
     row.push_back(t.because);
@@ -212,6 +215,7 @@ Experiment wrong_cog_experiment() {
                       "next",
                       "because"};
   e.run = run;
+  e.task = task();
   e.figures = figures;
   e.plot = plot;
   return e;

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "hal/types/units.hpp"
 #include "planner/grasp/grasp_decision.hpp"
 #include "planner/hand/hand_model.hpp"
 #include "planner/motion/motion_planner.hpp"
@@ -89,7 +89,7 @@ Scenario box_in_line(int index, std::uint64_t seed, double share) {
   const double least_away = std::min(kFarthest_m, std::max(kNearest_m, kNearEnd_m + half - place));
   const double away = draws.between(least_away, kFarthest_m);
   const double bearing = std::atan2(s.object.xyz.y(), s.object.xyz.x());
-  const double yaw = s.object.yaw_deg * std::numbers::pi / 180.0;
+  const double yaw = hal::deg_to_rad(s.object.yaw_deg);
   s.object.xyz = away * Vec3(std::cos(bearing), std::sin(bearing), 0.0) +
                  place * Vec3(std::cos(yaw), std::sin(yaw), 0.0);
   sim_hal::draw_camera(s, draws);

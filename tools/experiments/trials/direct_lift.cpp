@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 
-#include "control/arm/arm_loop.hpp"
+#include "control/arm/arm_commander.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_hand.hpp"
+#include "hal/types/units.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 
 namespace colift::experiments {
@@ -31,30 +31,31 @@ class Lift {
         arm_(sim_hal::make_sim_arm(world), world.model(), config.guard_arm),
         hand_(sim_hal::make_sim_hand(world), config.guard_hand),
         geometry_(planner::arm_geometry(world.model()).value()),
-        loop_(arm_, world.model(), geometry_, config.task, config.load, control::Drive::InStep) {}
+        commander_(arm_, world.model(), geometry_, config.task, config.load, control::Drive::InStep,
+                   config.setpoints) {}
 
   hal::Result<DirectLift> run() {
     if (auto ok = arm_.configure(); !ok) return tl::unexpected(ok.error());
     if (auto ok = hand_.configure(); !ok) return tl::unexpected(ok.error());
     if (auto ok = hand_.activate(); !ok) return tl::unexpected(ok.error());
-    if (auto ok = loop_.start(); !ok) return tl::unexpected(ok.error());
+    if (auto ok = commander_.start(); !ok) return tl::unexpected(ok.error());
     if (auto ok = hand_.preshape(0.0); !ok) return tl::unexpected(ok.error());
     if (eye_) {
       camera_ = sim_hal::make_sim_camera(world_);
       if (auto ok = camera_->configure(); !ok) return tl::unexpected(ok.error());
       if (auto ok = camera_->activate(); !ok) return tl::unexpected(ok.error());
     }
-    loop_.start_tare();
+    commander_.start_tare();
     while (phase_ != Phase::Over) {
-      loop_.begin_cycle();
+      commander_.begin_cycle();
       now_s_ = hal::seconds(world_.elapsed());
       step();
-      loop_.end_cycle();
+      commander_.end_cycle();
       if (now_s_ > kTooLong_s + config_.task.lift_s / (eye_ ? config_.task.slow_part : 1.0))
         end("it takes too long");
-      if (loop_.blocked()) end("the arm met something: " + loop_.why_blocked());
+      if (commander_.blocked()) end("the arm met something: " + commander_.why_blocked());
     }
-    loop_.finish();
+    commander_.finish();
     return out_;
   }
 
@@ -74,7 +75,7 @@ class Lift {
   control::Raise look(const hal::HandState& hand, LiftPart part) {
     if (!eye_) return control::Raise::On;
     if (auto frame = camera_->next_frame(std::chrono::milliseconds(0)))
-      raise_ = eye_(std::move(*frame), {loop_.view().state.q_rad, hal::posture_of(hand)}, part);
+      raise_ = eye_(std::move(*frame), {commander_.view().state.q_rad, hal::posture_of(hand)}, part);
     return raise_;
   }
 
@@ -82,15 +83,15 @@ class Lift {
     const auto state = hand_.state();
     if (!state) return end(state.error().text());
     if (phase_ >= Phase::Ready)
-      out_.most_tilt_deg = std::max(out_.most_tilt_deg, world_.truth().tilt_rad * 180.0 / std::numbers::pi);
+      out_.most_tilt_deg = std::max(out_.most_tilt_deg, hal::rad_to_deg(world_.truth().tilt_rad));
     switch (phase_) {
       case Phase::Tare:
         if (in_phase_s() < kTare_s || state->moving) return;
-        loop_.end_tare();
-        if (auto way = loop_.follow(plan_.approach); !way) return end(way.error().text());
+        commander_.end_tare();
+        if (auto way = commander_.follow(plan_.approach); !way) return end(way.error().text());
         return go(Phase::Approach);
       case Phase::Approach:
-        if (!loop_.done() || !loop_.at_rest()) return;
+        if (!commander_.done() || !commander_.at_rest()) return;
         if (auto closing = hand_.close(config_.task.close_torque_nm); !closing)
           return end(closing.error().text());
         return go(Phase::Close);
@@ -104,15 +105,15 @@ class Lift {
         if (in_phase_s() < kReady_s) return;
         out_.held = state->held && world_.truth().robot_touches_object;
         if (!out_.held) return end("the hand closed, and does not touch the object");
-        loop_.start_lift(control::LiftController::Role::Lead, config_.task.lift_height_m,
-                         config_.task.lift_s);
+        commander_.start_lift(control::LiftController::Role::Lead, config_.task.lift_height_m,
+                              config_.task.lift_s);
         return go(Phase::Lift);
       case Phase::Lift:
-        if (loop_.end_of_reach()) return end("the arm has come to the end of its reach");
+        if (commander_.end_of_reach()) return end("the arm has come to the end of its reach");
         out_.slip_m = world_.truth().slip_m;
         raise(look(*state, LiftPart::Raising));
         if (phase_ != Phase::Lift) return;
-        if (!loop_.lift_at_rest()) at_rest_s_ = now_s_;
+        if (!commander_.lift_at_rest()) at_rest_s_ = now_s_;
         if (now_s_ - at_rest_s_ < kSettle_s) return;
         return go(Phase::Hold);
       case Phase::Stop:
@@ -129,24 +130,24 @@ class Lift {
 
   void raise(control::Raise how) {
     if (how == control::Raise::Enough) {
-      loop_.hold();
+      commander_.hold();
       return go(Phase::Stop);
     }
     const bool slowly = how == control::Raise::Slowly;
-    if (slowly != slow_) loop_.go_slow(slowly);
+    if (slowly != slow_) commander_.go_slow(slowly);
     slow_ = slowly;
   }
 
   void hold(bool held) {
     const sim_hal::SimTruth truth = world_.truth();
     ++n_;
-    tilt_ += truth.tilt_rad * 180.0 / std::numbers::pi;
+    tilt_ += hal::rad_to_deg(truth.tilt_rad);
     height_ += truth.height_m;
     robot_n_ += truth.robot_force_W.z();
     share_ += truth.robot_force_W.z() /
               (truth.robot_force_W.z() + truth.partner_force_W.z() + truth.floor_force_W.z());
     out_.slip_m = std::max(out_.slip_m, truth.slip_m);
-    const control::ArmView& view = loop_.view();
+    const control::ArmView& view = commander_.view();
     if (view.wrench_W) {
       out_.felt.force += view.wrench_W->force;
       out_.felt.torque += view.wrench_W->torque;
@@ -173,7 +174,7 @@ class Lift {
   hal::GuardedArm arm_;
   hal::GuardedHand hand_;
   planner::ArmGeometry geometry_;
-  control::ArmLoop loop_;
+  control::ArmCommander commander_;
   Phase phase_ = Phase::Tare;
   control::Raise raise_ = control::Raise::On;
   bool slow_ = false;

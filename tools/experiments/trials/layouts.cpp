@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "hal/types/units.hpp"
 #include "sim_hal/scenario/random_scenario.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
 
@@ -77,7 +77,7 @@ Scenario pipe_layout(int index, std::uint64_t seed) {
   const double away = 0.5 * length + (shipped ? 0.5 : draws.between(0.45, 0.55));
   s.object.xyz = {away * std::cos(bearing), away * std::sin(bearing), height};
   s.object.yaw_deg = yaw;
-  const double c = std::cos(yaw * std::numbers::pi / 180.0), d = std::sin(yaw * std::numbers::pi / 180.0);
+  const double c = std::cos(hal::deg_to_rad(yaw)), d = std::sin(hal::deg_to_rad(yaw));
   for (const double along : {-0.25 * length, 0.25 * length}) {
     sim_hal::ScenarioClutter block;
     block.shape = "box";
@@ -108,7 +108,7 @@ Scenario chair_layout(int index, std::uint64_t seed) {
   const double bearing = shipped ? 0.0 : draws.between(-0.12, 0.12);
   const double away = (shipped ? 0.71 : draws.between(0.66, 0.78)) + 0.5 * depth;
   s.object.xyz = {away * std::cos(bearing), away * std::sin(bearing), 0.0};
-  s.object.yaw_deg = 90.0 + (shipped ? 0.0 : bearing * 180.0 / std::numbers::pi + draws.between(-15.0, 15.0));
+  s.object.yaw_deg = 90.0 + (shipped ? 0.0 : hal::rad_to_deg(bearing) + draws.between(-15.0, 15.0));
   s.camera.xyz = s.object.xyz + hal::Vec3(0.28, shipped || draws.chance(0.5) ? -1.8 : 1.8, 1.5);
   s.camera.look_at = s.object.xyz + hal::Vec3(-0.02, 0.0, 0.35);
   s.partner.grasp = {(shipped ? 0.0 : draws.between(-0.2, 0.2)) * width, -0.5 * depth + 0.0175, height};

@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include "control/session/method.hpp"
+#include <stdexcept>
+
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 
 namespace colift::experiments {
@@ -24,21 +25,31 @@ hal::Error missing(std::string what) {
 
 }  // namespace
 
-const SharedHand& shared_hand() {
-  static const SharedHand shared = [] {
+const SharedHand& shared_hand(control::Method method) {
+  const auto make = [](control::Method m) {
     SharedHand s;
-    s.tables = std::make_shared<planner::HandCollision>(s.hand, control::run_defaults().candidates.collision);
+    s.tables = std::make_shared<planner::HandCollision>(s.hand, config_for(m).candidates.collision);
     return s;
-  }();
-  return shared;
+  };
+  static const SharedHand fast = make(control::Method::Fast), thesis = make(control::Method::Thesis);
+  return method == control::Method::Fast ? fast : thesis;
 }
 
-control::Config config_for(control::Method method, std::optional<double> share) {
-  control::Config config = control::run_defaults();
-  control::set_thesis_defaults(config);
-  control::use_method(method, config);
-  if (share) config.decision.weights.epsilon = planner::epsilon_for_share(*share).value_or(1.0);
-  return config;
+control::ResolvedConfig resolved_for(control::Method method, const std::optional<control::TaskSaid>& task,
+                                     std::optional<double> share) {
+  control::ConfigRequest request;
+  request.command = control::Command::Experiment;
+  request.task = task;
+  request.options.push_back({"method", control::to_string(method), "--method"});
+  if (share) request.options.push_back({"decision.share", fmt::format("{}", *share), "experiment"});
+  auto resolved = control::resolve_config(request);
+  if (!resolved) throw std::logic_error(resolved.error().text());  // nobody else had a say
+  return std::move(*resolved);
+}
+
+control::Config config_for(control::Method method, const std::optional<control::TaskSaid>& task,
+                           std::optional<double> share) {
+  return resolved_for(method, task, share).config;
 }
 
 struct Sighting::Impl {
@@ -47,13 +58,13 @@ struct Sighting::Impl {
         config(config_for(m)),
         lift_height_m(height),
         world(std::move(w)),
-        watch(m, config, rig(*world), clock),
-        planner(world->model(), shared_hand().hand, config.motion, seed) {
+        watch(m, config, rig(*world, m), clock),
+        planner(world->model(), shared_hand(m).hand, config.motion, seed) {
     config.task.lift_height_m = height;
   }
 
-  static control::RigView rig(const sim_hal::SimWorld& world) {
-    return {world.model(), shared_hand().hand, shared_hand().tables,
+  static control::RigView rig(const sim_hal::SimWorld& world, control::Method method) {
+    return {world.model(), shared_hand(method).hand, shared_hand(method).tables,
             sim_hal::camera_pose(world.scenario().camera)};
   }
   [[nodiscard]] control::RobotPosture posture() const {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "control/config/config.hpp"
+#include "control/config/resolve_config.hpp"
 #include "control/session/decide.hpp"
 #include "control/session/watch.hpp"
 #include "hal/types/result.hpp"
@@ -14,16 +14,23 @@
 
 namespace colift::experiments {
 
-/// Hand and its collision tables for `run_defaults()`, made once for all trials of a process. Any thread.
+/// Hand and its collision tables for a method's candidates, made once for all trials of a process. Any
+/// thread.
 struct SharedHand {
   planner::HandModel hand;
   std::shared_ptr<const planner::HandCollision> tables;
 };
-[[nodiscard]] const SharedHand& shared_hand();
+[[nodiscard]] const SharedHand& shared_hand(control::Method method);
 
-/// Configuration of `colift run` with the prices of a method, and of a wanted share where one is given.
-/// `share` between 0 and 1, as --share takes it.
-[[nodiscard]] control::Config config_for(control::Method method, std::optional<double> share = {});
+/// Configuration of an experiment (control::Command::Experiment) with a method, what the experiment says
+/// about its lifts, and a wanted share, as --share takes it.
+[[nodiscard]] control::ResolvedConfig resolved_for(control::Method method,
+                                                   const std::optional<control::TaskSaid>& task = {},
+                                                   std::optional<double> share = {});
+/// The same without the origins.
+[[nodiscard]] control::Config config_for(control::Method method,
+                                         const std::optional<control::TaskSaid>& task = {},
+                                         std::optional<double> share = {});
 
 /// What the robot knows before it moves: the scene, the partner's grasp, a planner for the ways. Made as a
 /// run makes it, on a simulated camera, with the arm at rest at home. One thread.

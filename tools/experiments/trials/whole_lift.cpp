@@ -1,11 +1,11 @@
 #include "tools/experiments/trials/whole_lift.hpp"
 
 #include <algorithm>
-#include <numbers>
 
 #include "control/task/task_runner.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_hand.hpp"
+#include "hal/types/units.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "tools/experiments/trials/sighting.hpp"
 
@@ -16,15 +16,14 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
   const hal::RobotModel& model = hal::built_in_robot();
   auto world = sim_hal::SimWorld::make(scenario, model, seed, sim_hal::SimConfig{});
   if (!world) return tl::unexpected(world.error());
-  control::Config config = config_for(method);
-  config.task.lift_height_m = scenario.task.height;
-  config.task.hold_s = scenario.task.hold_s;
+  const control::Config config = config_for(
+      method, control::TaskSaid{"scenario " + scenario.name, scenario.task.height, scenario.task.hold_s});
   hal::Robot robot;
   robot.arm = std::make_unique<hal::GuardedArm>(sim_hal::make_sim_arm(**world), model, config.guard_arm);
   robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(**world), config.guard_hand);
   robot.camera = sim_hal::make_sim_camera(**world);
   robot.clock = sim_hal::make_sim_clock(**world);
-  const control::RigView rig{model, shared_hand().hand, shared_hand().tables,
+  const control::RigView rig{model, shared_hand(method).hand, shared_hand(method).tables,
                              sim_hal::camera_pose(scenario.camera)};
   const hal::SteadyClock wall;
   control::JobOptions options;
@@ -42,7 +41,7 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
     if (status.state != control::Task::Hold) return;
     const sim_hal::SimTruth truth = (*world)->truth();
     ++n;
-    tilt += truth.tilt_rad * 180.0 / std::numbers::pi;
+    tilt += hal::rad_to_deg(truth.tilt_rad);
     height += truth.height_m;
     slip = std::max(slip, truth.slip_m);
     share += truth.robot_force_W.z() /

@@ -1,33 +1,13 @@
 #include "tools/telemetry/channels/messages.hpp"
 
-#include <numbers>
-
+#include "hal/health_text.hpp"
+#include "hal/types/units.hpp"
 #include "tools/telemetry/channels/json_parts.hpp"
 
 namespace colift::telemetry {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr int kPostures = 25;
-
-const char* health_word(hal::DeviceHealth::State state) {
-  using State = hal::DeviceHealth::State;
-  switch (state) {
-    case State::Absent:
-      return "absent";
-    case State::Opening:
-      return "opening";
-    case State::Streaming:
-      return "streaming";
-    case State::Stalled:
-      return "stalled";
-    case State::Lost:
-      return "lost";
-    case State::Failed:
-      return "failed";
-  }
-  return "?";
-}
 
 Json point(const std::optional<hal::Vec3>& p) {
   return p ? list_of(*p) : Json(nullptr);
@@ -139,7 +119,7 @@ std::string devices_message(const std::vector<NamedHealth>& devices) {
   Json all = Json::array();
   for (const NamedHealth& d : devices)
     all.push_back({{"name", d.name},
-                   {"state", health_word(d.health.state)},
+                   {"state", hal::to_string(d.health.state)},
                    {"accepted", d.health.accepted},
                    {"rejected", d.health.rejected},
                    {"last_error", d.health.last_error}});
@@ -171,7 +151,7 @@ std::string stages_message(const control::StageTimes& look, double decision_ms,
 
 std::string load_message(const LoadNow& l) {
   std::optional<double> tilt_deg;
-  if (l.tilt_rad) tilt_deg = kDegrees * *l.tilt_rad;
+  if (l.tilt_rad) tilt_deg = hal::kDegPerRad * *l.tilt_rad;
   return dumped({{"force", l.wrench_W ? list_of(l.wrench_W->force) : Json(nullptr)},
                  {"torque", l.wrench_W ? list_of(l.wrench_W->torque) : Json(nullptr)},
                  {"load_n", number_json(l.load_n)},

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "control/arm/arm_motion.hpp"
+#include "control/arm/arm_controller.hpp"
 #include "control/task/task_runner.hpp"
 #include "hal/device.hpp"
 #include "hal/robot_model/robot_model.hpp"

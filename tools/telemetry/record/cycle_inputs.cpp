@@ -105,13 +105,13 @@ void visit(Visitor& v, control::ArmView& w) {
   v("done", w.done);
   v("progress", w.progress);
   v("starts", w.starts);
-  v.choice("blocked", w.blocked.why, static_cast<int>(control::ArmCycle::Contact::Lag));
+  v.choice("blocked", w.blocked.why, static_cast<int>(control::SetpointGenerator::Contact::Lag));
   v("blocked_n", w.blocked.force_n);
   v("blocked_limit_n", w.blocked.force_limit_n);
   v("blocked_joint", w.blocked.joint);
   v("blocked_rad", w.blocked.lag_rad);
   v("blocked_limit_rad", w.blocked.lag_limit_rad);
-  v("way_refused", w.way_refused);
+  v("way_refused", w.trajectory_refused);
   v("slow", w.slow);
   v("load_n", w.load_n);
   v("height_m", w.height_m);

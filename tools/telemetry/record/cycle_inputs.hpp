@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "control/arm/arm_motion.hpp"
+#include "control/arm/arm_controller.hpp"
 #include "hal/arm.hpp"
 #include "hal/hand.hpp"
 

@@ -11,6 +11,7 @@ namespace colift::telemetry {
 namespace {
 
 constexpr const char* kRun = "colift.run";
+constexpr const char* kComplete = "complete";
 
 std::string calibration_json(const hal::Pose& X_WC) {
   Json rows = Json::array();
@@ -51,7 +52,8 @@ RunDocuments documents_of(const RunDescription& run) {
                            {"version", run.version},
                            {"command", run.command},
                            {"started", run.started},
-                           {"method", run.method == control::Method::Fast ? "fast" : "thesis"},
+                           {"method", control::to_string(run.method)},
+                           {"config", run.config_complete ? kComplete : ""},
                            {"seed", std::to_string(run.seed)},
                            {"dry_run", run.dry_run ? "true" : "false"},
                            {"known_mass_kg", fmt::format("{}", run.known_mass_kg)},
@@ -76,7 +78,8 @@ hal::Result<RunDescription> description_of(const McapReader& file, const std::st
   run.version = text("version");
   run.command = text("command");
   run.started = text("started");
-  run.method = text("method") == "thesis" ? control::Method::Thesis : control::Method::Fast;
+  run.method = control::method_named(text("method")).value_or(control::Method::Fast);
+  run.config_complete = text("config") == kComplete;
   run.seed = std::strtoull(text("seed").c_str(), nullptr, 10);
   run.dry_run = text("dry_run") == "true";
   run.known_mass_kg = std::strtod(text("known_mass_kg").c_str(), nullptr);

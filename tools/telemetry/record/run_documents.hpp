@@ -15,14 +15,15 @@ namespace colift::telemetry {
 
 /// What a run was, as it stands in a recording beside its messages: enough to run it once more.
 struct RunDescription {
-  std::string version;        ///< Of the program.
-  std::string command;        ///< The whole command line.
-  std::string started;        ///< Date and time, UTC; for people.
-  std::string config_yaml;    ///< The effective configuration.
-  std::string robot_urdf;     ///< Empty: the built-in robot.
-  std::string hand_yaml;      ///< Empty: the built-in hand.
-  std::string scenario_yaml;  ///< Empty on a real rig.
-  std::string robot_file;     ///< Which devices; empty: the simulated rig.
+  std::string version;          ///< Of the program.
+  std::string command;          ///< The whole command line.
+  std::string started;          ///< Date and time, UTC; for people.
+  std::string config_yaml;      ///< The effective configuration.
+  bool config_complete = true;  ///< It holds what either method used (control::RecordedConfig).
+  std::string robot_urdf;       ///< Empty: the built-in robot.
+  std::string hand_yaml;        ///< Empty: the built-in hand.
+  std::string scenario_yaml;    ///< Empty on a real rig.
+  std::string robot_file;       ///< Which devices; empty: the simulated rig.
   hal::Pose X_WC = hal::Pose::Identity();
   control::Method method = control::Method::Fast;
   std::uint64_t seed = 0;

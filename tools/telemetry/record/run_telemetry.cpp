@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 #include <utility>
 
+#include "hal/types/units.hpp"
 #include "tools/telemetry/channels/depth_codes.hpp"
 #include "tools/telemetry/channels/json_parts.hpp"
 #include "tools/telemetry/channels/messages.hpp"
@@ -321,7 +321,7 @@ void RunTelemetry::truth(hal::Timestamp at, const TruthNow& t) {
                    {"partner_force_z_n", number_json(t.partner_force_z_n)},
                    {"floor_force_z_n", number_json(t.floor_force_z_n)},
                    {"share", number_json(t.share)},
-                   {"tilt_deg", number_json(t.tilt_rad * 180.0 / std::numbers::pi)},
+                   {"tilt_deg", number_json(hal::rad_to_deg(t.tilt_rad))},
                    {"height_m", number_json(t.height_m)},
                    {"slip_m", number_json(t.slip_m)}});
   });

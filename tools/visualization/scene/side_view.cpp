@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "hal/types/units.hpp"
 #include "tools/visualization/labels.hpp"
 #include "tools/visualization/palette.hpp"
 
@@ -39,7 +39,7 @@ double reach(const Solid& solid, const Vec3& along) {
       return solid.size.x() + 0.5 * solid.size.y() * std::abs(d.z());
     case Solid::Kind::Sphere:
       return solid.size.x();
-    case Solid::Kind::Ground:
+    case Solid::Kind::HalfSpace:
       return 0.0;
   }
   return 0.0;
@@ -193,7 +193,7 @@ Canvas draw_side_view(const SideView& what) {
     share(what.robot, "robot", *what.share, kRobot);
   }
   const std::string tilt = what.tilt_rad && std::isfinite(*what.tilt_rad)
-                               ? fmt::format("   tilted {:.1f}°", 180 / std::numbers::pi * *what.tilt_rad)
+                               ? fmt::format("   tilted {:.1f}°", hal::rad_to_deg(*what.tilt_rad))
                                : "";
   canvas.text({left.x + 10, kHeading + height + 26},
               "both to the same scale, seen across the line between both grasps",

@@ -2,34 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hal/types/units.hpp"
+
+#include "sim_hal/synthetic/ray_caster.hpp"
+#include "sim_hal/synthetic/scene_objects.hpp"
 
 namespace colift::picture {
 namespace {
 
-// Columns: right, down and ahead of the image in W.
-Eigen::Matrix3d axes_of(const SolidView& view) {
-  const Vec3 ahead = (view.target - view.eye).normalized();
-  Vec3 right = ahead.cross(Vec3::UnitZ());
-  right = right.norm() > 1e-6 ? right.normalized() : Vec3::UnitY();
-  Eigen::Matrix3d axes;
-  axes << right, ahead.cross(right), ahead;
-  return axes;
-}
-
-// Points that stand for the solid's extent.
-std::vector<Vec3> extent(const Solid& solid) {
-  std::vector<Vec3> points;
-  const double round = solid.kind == Solid::Kind::Box ? 0.0 : solid.size.x();
-  Vec3 half = 0.5 * solid.size;
-  if (solid.kind == Solid::Kind::Cylinder) half = {round, round, 0.5 * solid.size.y()};
-  if (solid.kind == Solid::Kind::Capsule) half = {round, round, 0.5 * solid.size.y() + round};
-  if (solid.kind == Solid::Kind::Sphere) half = Vec3::Constant(round);
-  for (int corner = 0; corner < 8; ++corner)
-    points.push_back(solid.X_WS * Vec3((corner & 1 ? 1 : -1) * half.x(), (corner & 2 ? 1 : -1) * half.y(),
-                                       (corner & 4 ? 1 : -1) * half.z()));
-  return points;
-}
+constexpr double kParallel_m = 2000.0;  // a camera so far away sees without perspective
 
 }  // namespace
 
@@ -53,34 +35,54 @@ Colour colour_of(SolidRole role) {
   return rgb(0x808080);
 }
 
+Solid solid_of(const sim_hal::Shape& shape) {
+  switch (shape.label) {
+    case sim_hal::Label::Ground:
+      return {shape, SolidRole::Ground};
+    case sim_hal::Label::Target:
+      return {shape, SolidRole::Target};
+    case sim_hal::Label::Partner:
+      return {shape, SolidRole::Partner};
+    case sim_hal::Label::Robot:
+      return {shape, SolidRole::Robot};
+    case sim_hal::Label::Wall:
+      return {shape, SolidRole::Wall};
+    case sim_hal::Label::Clutter:
+    case sim_hal::Label::Nothing:
+      break;
+  }
+  return {shape, SolidRole::Clutter};
+}
+
 std::vector<Solid> robot_solids(const hal::RobotModel& model, const hal::JointVector& q_rad,
                                 const hal::HandPosture& hand) {
   std::vector<Pose> X_WL;
   hal::link_poses(model, q_rad, hand, X_WL);
   std::vector<Solid> solids;
-  for (std::size_t link = 0; link < model.links.size(); ++link) {
-    const bool in_hand = model.in_hand(static_cast<int>(link));
-    for (const hal::LinkShape& shape : model.links[link].shapes) {
-      Solid solid;
-      using Kind = hal::LinkShape::Kind;
-      solid.kind = shape.kind == Kind::Box        ? Solid::Kind::Box
-                   : shape.kind == Kind::Cylinder ? Solid::Kind::Cylinder
-                                                  : Solid::Kind::Sphere;
-      solid.X_WS = X_WL[link] * shape.X_LS;
-      solid.size = shape.size;
-      solid.role = in_hand ? SolidRole::Hand : SolidRole::Robot;
-      solids.push_back(solid);
-    }
-  }
+  for (std::size_t link = 0; link < model.links.size(); ++link)
+    for (const hal::LinkShape& shape : model.links[link].shapes)
+      solids.push_back({sim_hal::link_shape(shape, X_WL[link]),
+                        model.in_hand(static_cast<int>(link)) ? SolidRole::Hand : SolidRole::Robot});
   return solids;
 }
 
+Pose SolidView::X_WC() const {
+  const Vec3 ahead = (target - eye).normalized();
+  return sim_hal::look_at(height_m ? Vec3(eye - kParallel_m * ahead) : eye, target);
+}
+
+hal::CameraIntrinsics SolidView::intrinsics() const {
+  const double focal = height_m ? height * ((target - eye).norm() + kParallel_m) / *height_m
+                                : 0.5 * height / std::tan(0.5 * hal::deg_to_rad(angle_deg));
+  return {width, height, focal, focal, 0.5 * width - 0.5, 0.5 * height - 0.5};
+}
+
 std::optional<Px> SolidView::at(const Vec3& p_W) const {
-  const Vec3 p = axes_of(*this).transpose() * (p_W - eye);
+  const Vec3 p = X_WC().linear().transpose() * (p_W - eye);
   const Px middle(0.5 * width, 0.5 * height);
   if (height_m) return middle + p.head<2>() * (height / *height_m);
   if (p.z() < 1e-6) return std::nullopt;
-  const double focal = 0.5 * height / std::tan(0.5 * angle_deg * std::numbers::pi / 180);
+  const double focal = 0.5 * height / std::tan(0.5 * hal::deg_to_rad(angle_deg));
   return middle + focal / p.z() * p.head<2>();
 }
 
@@ -92,9 +94,10 @@ SolidView view_of(const SolidScene& scene, const Vec3& from, int width, int heig
   std::vector<Vec3> points;
   Vec3 low = Vec3::Constant(1e9), high = Vec3::Constant(-1e9);
   for (const Solid& solid : scene.solids) {
-    if (solid.role == SolidRole::Ground || solid.role == SolidRole::Wall || solid.kind == Solid::Kind::Ground)
+    if (solid.role == SolidRole::Ground || solid.role == SolidRole::Wall ||
+        solid.kind == Solid::Kind::HalfSpace)
       continue;
-    for (const Vec3& p : extent(solid)) {
+    for (const Vec3& p : sim_hal::corners(solid)) {
       if (!p.allFinite()) continue;
       points.push_back(p);
       low = low.cwiseMin(p);
@@ -118,9 +121,9 @@ SolidView view_of(const SolidScene& scene, const Vec3& from, int width, int heig
       least = least.cwiseMin(*at);
       most = most.cwiseMax(*at);
     }
-    const double focal = 0.5 * height / std::tan(0.5 * view.angle_deg * std::numbers::pi / 180);
+    const double focal = 0.5 * height / std::tan(0.5 * hal::deg_to_rad(view.angle_deg));
     const Px off = 0.5 * (least + most) - Px(0.5 * width, 0.5 * height);
-    const Eigen::Matrix3d axes = axes_of(view);
+    const Eigen::Matrix3d axes = view.X_WC().linear();
     view.target += distance / focal * (off.x() * axes.col(0) + off.y() * axes.col(1));
     const Px size = most - least;
     distance *= std::max(size.x() / ((1 - 2 * kMargin) * width), size.y() / ((1 - 2 * kMargin) * height));

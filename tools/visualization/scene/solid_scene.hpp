@@ -4,8 +4,10 @@
 #include <optional>
 #include <vector>
 
+#include "hal/depth_camera.hpp"
 #include "hal/robot_model/robot_model.hpp"
 #include "hal/types/geometry.hpp"
+#include "sim_hal/synthetic/shapes.hpp"
 #include "tools/visualization/canvas.hpp"
 
 namespace colift::picture {
@@ -16,17 +18,13 @@ using hal::Vec3;
 /// What a solid is part of; gives its colour where it has none of its own, and what a view is fitted to.
 enum class SolidRole : std::uint8_t { Ground, Target, Partner, Robot, Hand, Clutter, Wall };
 
-/// A solid primitive in W. Sizes: box = full lengths x, y, z; cylinder and capsule = radius, length along Sz
-/// (the capsule's without its caps), unused; sphere = radius, unused, unused; ground = unused, an endless
-/// plane at Sz = 0.
-struct Solid {
-  enum class Kind : std::uint8_t { Box, Cylinder, Capsule, Sphere, Ground };
-  Kind kind = Kind::Box;
-  Pose X_WS = Pose::Identity();
-  Vec3 size = Vec3::Zero();
+/// A solid primitive in W, as the simulator has it; a half space is an endless ground.
+struct Solid : sim_hal::Shape {
   SolidRole role = SolidRole::Clutter;
   std::optional<Colour> colour = std::nullopt;
 };
+/// With the role that its label tells.
+[[nodiscard]] Solid solid_of(const sim_hal::Shape& shape);
 
 /// A scene made of primitives, to be drawn.
 struct SolidScene {
@@ -47,6 +45,10 @@ struct SolidView {
   std::optional<double> height_m = std::nullopt;  ///< Parallel projection: what the image's height shows (m).
   int width = 1280, height = 800;
 
+  /// The camera that sees this; for a parallel projection one that is very far away.
+  [[nodiscard]] Pose X_WC() const;
+  [[nodiscard]] hal::CameraIntrinsics intrinsics() const;
+
   /// Where a point comes to lie in the image; nullopt behind the eye.
   [[nodiscard]] std::optional<Px> at(const Vec3& p_W) const;
 };
@@ -55,7 +57,7 @@ struct SolidView {
 [[nodiscard]] SolidView view_of(const SolidScene& scene, const Vec3& from, int width, int height);
 
 /// Casts the scene into an image: soft key light with shadows, sky light with ambient occlusion, smooth
-/// edges. RGB bytes, width * height. Deterministic. About a second for a million pixels.
+/// edges. RGB bytes, width * height. Deterministic.
 [[nodiscard]] std::vector<std::uint8_t> cast_solids(const SolidScene& scene, const SolidView& view);
 
 /// The same as a canvas to draw on.

@@ -4,7 +4,8 @@
 
 namespace colift::hal {
 
-/// The hand-shake with config/krl/colift.src, whose rules are in README.md. C indices into KrlChannels.
+/// The hand-shake with config/krl/colift.src, whose rules are in docs/krl-hand-shakes.md. C indices into
+/// KrlChannels.
 namespace colift_krl {
 
 inline constexpr std::int32_t kVersion = 10001;

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <numbers>
-
 #include "hal/types/joints.hpp"
+#include "hal/types/units.hpp"
 
 namespace colift::hal {
 
@@ -17,13 +16,13 @@ inline constexpr double kLwrPayloadForce_n = 300.0, kLwrPayloadTorque_nm = 100.0
 [[nodiscard]] inline JointVector lwr_limit_rad() {
   JointVector v;
   v << 170, 120, 170, 120, 170, 120, 170;
-  return v * (std::numbers::pi / 180.0);
+  return v * kRadPerDeg;
 }
 
 [[nodiscard]] inline JointVector lwr_velocity_rad_s() {
   JointVector v;
   v << 110, 110, 128, 128, 204, 184, 184;
-  return v * (std::numbers::pi / 180.0);
+  return v * kRadPerDeg;
 }
 
 [[nodiscard]] inline JointVector lwr_torque_nm() {

@@ -1,13 +1,13 @@
 #include "hal/drivers/recorded/cloud_files/pcd.hpp"
 
 #include <fmt/format.h>
+#include <liblzf/lzf.h>
 
 #include <bit>
 #include <cstring>
 #include <limits>
 #include <type_traits>
 
-#include "hal/drivers/recorded/cloud_files/lzf.hpp"
 #include "hal/drivers/recorded/cloud_files/pcd_header.hpp"
 
 namespace colift::hal {
@@ -161,8 +161,8 @@ class DataParser {
       return at_byte(start, fmt::format("{} compressed bytes cannot expand to {}", packed, full));
     }
     std::vector<std::byte> columns(full);
-    const auto used = expand_lzf(bytes_.subspan(start + 8, packed), columns);
-    if (!used || *used != packed)
+    // takes all of its input or fails; of no input it would read a byte all the same
+    if (packed == 0 || lzf_decompress(bytes_.data() + start + 8, packed, columns.data(), full) != full)
       return at_byte(start + 8,
                      fmt::format("the compressed data are damaged: they do not expand to {} bytes", full));
     return take_columns(columns.data(), /*planar=*/true);

@@ -55,11 +55,14 @@ TEST_CASE("the hand file and the compiled-in hand agree", "[hand]") {
   CHECK(file->finger.outer_bend_deg == built_in.finger.outer_bend_deg);
   CHECK(file->finger.coupling == built_in.finger.coupling);
   CHECK(file->finger.open_deg == built_in.finger.open_deg);
+  CHECK(file->finger.closed_deg == built_in.finger.closed_deg);
   CHECK(file->pad_width_m == built_in.pad_width_m);
   CHECK(file->pad_height_m == built_in.pad_height_m);
   CHECK(file->finger_force_n == built_in.finger_force_n);
   CHECK(file->finger_hold_n == built_in.finger_hold_n);
   CHECK(file->friction == built_in.friction);
+  CHECK(file->min_hold_m == built_in.min_hold_m);
+  CHECK(file->wrap_margin_m == built_in.wrap_margin_m);
 }
 
 TEST_CASE("a hand that cannot close on anything is refused with its numbers", "[hand]") {

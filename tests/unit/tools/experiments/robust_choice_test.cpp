@@ -121,7 +121,6 @@ TEST_CASE("decision.robust changes the choice where the nominal grip may slip, a
   // a block of 6 kg; half of it is just what friction holds, and nobody knows where in it the weight lies
   using namespace colift;
   control::Look look;
-  look.method = control::Method::Thesis;  // the candidates as they stand
   perception::Ground ground;
   ground.plane = {Vec3::UnitZ(), 0.0};
   perception::Target target;
@@ -130,6 +129,7 @@ TEST_CASE("decision.robust changes the choice where the nominal grip may slip, a
   look.scene.ground = ground;
   look.scene.target = target;
   control::Config config;
+  config.candidates.refine_lines = 0;  // the candidates as they stand
   config.decision.check_reach = false;
   config.decision.mass_kg = 6.0;
   look.finder =

@@ -55,23 +55,7 @@ hal::DepthFrame frame_of(const sim_hal::World& w, const hal::Pose& X_WC, std::ui
 
 picture::SolidScene solids(const sim_hal::World& w) {
   picture::SolidScene scene;
-  for (const sim_hal::Shape& shape : w.shapes) {
-    using From = sim_hal::Shape::Kind;
-    using To = picture::Solid::Kind;
-    picture::Solid s;
-    s.kind = shape.kind == From::Box        ? To::Box
-             : shape.kind == From::Cylinder ? To::Cylinder
-             : shape.kind == From::Capsule  ? To::Capsule
-             : shape.kind == From::Sphere   ? To::Sphere
-                                            : To::Ground;
-    s.X_WS = shape.X_WS;
-    s.size = shape.size;
-    s.role = shape.label == Label::Ground    ? picture::SolidRole::Ground
-             : shape.label == Label::Target  ? picture::SolidRole::Target
-             : shape.label == Label::Partner ? picture::SolidRole::Partner
-                                             : picture::SolidRole::Clutter;
-    scene.solids.push_back(s);
-  }
+  for (const sim_hal::Shape& shape : w.shapes) scene.solids.push_back(picture::solid_of(shape));
   return scene;
 }
 

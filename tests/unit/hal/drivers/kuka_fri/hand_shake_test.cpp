@@ -1,4 +1,4 @@
-// The client's side of each KRL program, step by step, against the tables in hal/drivers/kuka_fri/README.md.
+// The client's side of each KRL program, step by step, against the tables in docs/krl-hand-shakes.md.
 #include "hal/drivers/kuka_fri/hand_shake.hpp"
 
 #include <catch2/catch.hpp>

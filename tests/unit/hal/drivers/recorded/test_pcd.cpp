@@ -3,7 +3,6 @@
 #include <cmath>
 #include <random>
 
-#include "hal/drivers/recorded/cloud_files/lzf.hpp"
 #include "hal/drivers/recorded/cloud_files/pcd.hpp"
 #include "writers.hpp"
 
@@ -84,26 +83,12 @@ TEST_CASE("unsigned fields are not taken for signed ones", "[pcd]") {
   CHECK(back.z[0] == 4294967296.0f);
 }
 
-TEST_CASE("LZF streams of literals and of back references expand to the same bytes", "[pcd]") {
-  std::mt19937 random(3);
-  for (int round = 0; round < 30; ++round) {
-    std::string bytes;
-    while (bytes.size() < 20000) bytes.append(1 + random() % 300, static_cast<char>(random() % 4));
-    for (const bool literal : {true, false}) {
-      const std::string packed = lzf(bytes, literal);
-      std::string out(bytes.size(), '\0');
-      const auto used = expand_lzf(bytes_of(packed), std::as_writable_bytes(std::span(out)));
-      REQUIRE(used);
-      CHECK(*used == packed.size());
-      CHECK(out == bytes);
-    }
-  }
-}
-
-TEST_CASE("a reference before the beginning of an LZF stream is refused", "[pcd]") {
-  const std::string packed("\x00\x41\x20\x05", 4);  // one literal, then a copy from six bytes back
-  std::string out(4, '\0');
-  CHECK_FALSE(expand_lzf(bytes_of(packed), std::as_writable_bytes(std::span(out))));
+TEST_CASE("a compressed PCD whose stream refers before its beginning is refused", "[pcd]") {
+  const std::string head = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 1\nDATA binary_compressed\n";
+  const std::string sizes("\x05\x00\x00\x00\x0c\x00\x00\x00", 8);
+  // a literal, then eleven bytes copied from one back, or from six back
+  CHECK(parsed(head + sizes + std::string("\x00\x41\xe0\x02\x00", 5)).size() == 1);
+  CHECK(refusal(head + sizes + std::string("\x00\x41\xe0\x02\x05", 5)).find("damaged") != std::string::npos);
 }
 
 TEST_CASE("a header of an old version with carriage returns and without the optional lines is read",

@@ -1,6 +1,7 @@
 #include "writers.hpp"
 
 #include <fmt/format.h>
+#include <liblzf/lzf.h>
 #include <png.h>
 #include <unistd.h>
 
@@ -11,7 +12,6 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
-#include <map>
 #include <stdexcept>
 
 namespace colift::hal::test {
@@ -100,7 +100,9 @@ std::string pcd(const PointFile& points, PcdData data, const std::vector<Column>
     for (const Column& c : columns) {
       for (std::size_t i = 0; i < points.size(); ++i) put_column(body, points, i, c, false);
     }
-    const std::string small = lzf(body, false);
+    std::string small(body.size() + body.size() / 16 + 64, '\0');
+    small.resize(lzf_compress(body.data(), static_cast<unsigned>(body.size()), small.data(),
+                              static_cast<unsigned>(small.size())));
     put(out, static_cast<std::uint32_t>(small.size()));
     put(out, static_cast<std::uint32_t>(body.size()));
     return out + small;
@@ -110,43 +112,6 @@ std::string pcd(const PointFile& points, PcdData data, const std::vector<Column>
     if (data == PcdData::Ascii) body.back() = '\n';
   }
   return out + body;
-}
-
-std::string lzf(const std::string& bytes, bool literal_only) {
-  std::string out, literal;
-  const auto flush = [&] {
-    for (std::size_t i = 0; i < literal.size(); i += 32) {
-      const std::string run = literal.substr(i, 32);
-      out += static_cast<char>(run.size() - 1);
-      out += run;
-    }
-    literal.clear();
-  };
-  std::map<std::string, std::size_t> last;
-  for (std::size_t i = 0; i < bytes.size();) {
-    std::size_t length = 0, distance = 0;
-    const std::string three = bytes.substr(i, 3);
-    if (const auto found = last.find(three); !literal_only && three.size() == 3 && found != last.end()) {
-      distance = i - found->second;
-      while (distance <= 8192 && i + length < bytes.size() && length < 264 &&
-             bytes[i + length] == bytes[i + length - distance]) {
-        ++length;
-      }
-    }
-    last[three] = i;
-    if (length < 3) {
-      literal += bytes[i++];
-      continue;
-    }
-    flush();
-    const std::size_t code = length - 2, offset = distance - 1;
-    out += static_cast<char>((std::min<std::size_t>(code, 7) << 5) | (offset >> 8));
-    if (code >= 7) out += static_cast<char>(code - 7);
-    out += static_cast<char>(offset & 255);
-    i += length;
-  }
-  flush();
-  return out;
 }
 
 std::string ply(const PointFile& points, PlyData data) {

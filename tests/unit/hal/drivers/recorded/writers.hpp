@@ -29,9 +29,6 @@ enum class PcdData { Ascii, Binary, Compressed };
 [[nodiscard]] std::string pcd(const PointFile& points, PcdData data, const std::vector<Column>& columns);
 [[nodiscard]] std::string pcd(const PointFile& points, PcdData data);
 
-/// An LZF stream: back references where the last 8 KiB repeat, literal runs elsewhere, or literal runs only.
-[[nodiscard]] std::string lzf(const std::string& bytes, bool literal_only);
-
 enum class PlyData { Ascii, Little, Big };
 
 /// A PLY file of the points, with a list element before and another after the vertices.

@@ -1,0 +1,126 @@
+#include "control/arm/arm_controller.hpp"
+
+namespace colift::control {
+
+ArmController::ArmController(const hal::RobotModel& model, const planner::ArmGeometry& arm,
+                             const TaskConfig& task, const LoadConfig& load, const SetpointLimits& limits)
+    : setpoints_(model, task, limits), load_(model, load), lift_(model, arm, task) {}
+
+void ArmController::measured(const hal::Result<hal::ArmState>& state) {
+  if (!state) {
+    ++view_.missed;
+    ++view_.misses;
+    view_.link_lost = state.error().code != hal::ErrorCode::Timeout;
+    view_.trouble.set(state.error().text());
+    return;
+  }
+  ++view_.cycles;
+  view_.misses = 0;
+  view_.link_lost = false;
+  view_.state = *state;
+  load_.update(state->measured_at, state->q_rad, state->tau_external_nm);
+}
+
+void ArmController::take(const ArmRequest& request) {
+  using Kind = ArmRequest::Kind;
+  view_.answered = request.id;
+  switch (request.kind) {
+    case Kind::Hold:
+      lifting_ = false;
+      setpoints_.hold();
+      break;
+    case Kind::Follow:
+      lifting_ = false;
+      view_.trajectory_refused = !setpoints_.follow(request.trajectory);
+      break;
+    case Kind::Resume:
+      lifting_ = false;
+      view_.trajectory_refused = !setpoints_.resume(request.number);
+      break;
+    case Kind::Back:
+      lifting_ = false;
+      view_.trajectory_refused = !setpoints_.back(request.number);
+      break;
+    case Kind::Slow:
+      setpoints_.go_slow(request.number != 0.0);
+      break;
+    case Kind::Unload:
+      setpoints_.superpose(hal::JointVector::Zero());
+      break;
+    case Kind::StartTare:
+      load_.start_tare();
+      break;
+    case Kind::EndTare:
+      load_.end_tare();
+      break;
+    case Kind::StartLift:
+      lifting_ = true;
+      view_.end_of_reach = false;
+      lift_time_.reset();
+      (void)lift_time_.advance(view_.state.measured_at);
+      lift_starts_ = setpoints_.starts();
+      lift_.start(setpoints_.commanded());
+      lift_.lift(request.role, request.number, request.time_s);
+      break;
+    case Kind::RaiseOn:
+      lift_.lift(request.role, request.number, request.time_s);
+      break;
+    case Kind::Stay:
+      lift_.stay();
+      break;
+    case Kind::Lower:
+      lift_.lower();
+      break;
+    case Kind::SeePartner:
+      lift_.see_partner(request.number);
+      break;
+  }
+}
+
+void ArmController::serve_lift() {
+  (void)lift_time_.advance(view_.state.measured_at);
+  const double dt_s = lift_time_.step_s();
+  if (!lifting_ || dt_s <= 0.0 || !setpoints_.running() || !view_.state.may_command) return;
+  if (setpoints_.starts() != lift_starts_) {
+    lift_starts_ = setpoints_.starts();
+    lift_.restart(setpoints_.commanded());
+  }
+  const auto command = lift_.step(dt_s, load_.wrench_W(), setpoints_.pace());
+  view_.end_of_reach = !command;
+  if (command) setpoints_.servo(command->q_rad, command->tau_superposed_nm);
+}
+
+std::optional<hal::ImpedanceCommand> ArmController::command() {
+  if (view_.misses > 0) return std::nullopt;
+  serve_lift();
+  const hal::ImpedanceCommand command = setpoints_.step(view_.state);
+  // a contact stops the trajectory in the cycle in which it is felt; what follows from it, the task decides
+  if (setpoints_.blocked() && !stopped_by_contact_) setpoints_.hold();
+  stopped_by_contact_ = setpoints_.blocked();
+  if (!view_.state.may_command) return std::nullopt;
+  return command;
+}
+
+void ArmController::sent(const hal::Result<>& result) {
+  if (result) return;
+  if (view_.refused_commands++ == 0) view_.refusal.set(result.error().text());
+}
+
+const ArmView& ArmController::view() {
+  view_.commanded_rad = setpoints_.commanded();
+  view_.running = setpoints_.running();
+  view_.at_rest = setpoints_.at_rest();
+  view_.done = setpoints_.done();
+  view_.progress = setpoints_.progress();
+  view_.starts = setpoints_.starts();
+  view_.slow = setpoints_.slow();
+  view_.blocked = setpoints_.blockage();
+  view_.wrench_W = load_.wrench_W();
+  view_.load_n = load_.load_n();
+  view_.height_m = lift_.height_m();
+  view_.lift_at_rest = lift_.at_rest();
+  view_.role = lift_.role();
+  return view_;
+}
+
+}  // namespace colift::control

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "control/arm/setpoint_generator.hpp"
+#include "control/lift/lift_controller.hpp"
+#include "control/lift/load_estimator.hpp"
+#include "hal/types/short_text.hpp"
+
+namespace colift::control {
+
+/// What the task asks of the arm's cycle.
+struct ArmRequest {
+  enum class Kind {
+    Hold,        ///< Come to rest and stay.
+    Follow,      ///< Run along `trajectory`.
+    Resume,      ///< Go on along it, with `number` of its speed.
+    Back,        ///< Run back along it, with `number` of its speed.
+    Slow,        ///< Slower from now on, when `number` is not 0; else no more.
+    Unload,      ///< Superpose no torque any more: the hand is empty.
+    StartTare,   ///< What is felt from now on ...
+    EndTare,     ///< ... until now is nothing.
+    StartLift,   ///< The hand has closed here: raise the palm by `number` (m) in `time_s`, in `role`.
+    RaiseOn,     ///< Raise it further, to `number` over where the hand closed.
+    Stay,        ///< Raise it no further. At once: for a slow lift.
+    Lower,       ///< Bring it down again.
+    SeePartner,  ///< His end of the object has risen by `number` (m).
+  };
+  Kind kind = Kind::Hold;
+  std::uint32_t id = 0;  ///< Counts up; ArmView::answered tells which ones were taken.
+  std::shared_ptr<const planner::Trajectory> trajectory;
+  double number = 0.0;
+  LiftController::Role role = LiftController::Role::Lead;
+  double time_s = 0.0;
+};
+
+/// What the task knows of the arm after a cycle. Copied without allocation.
+struct ArmView {
+  hal::ArmState state;
+  std::uint32_t answered = 0;  ///< The last request that was taken.
+
+  // of the motion
+  hal::JointVector commanded_rad = hal::JointVector::Zero();
+  bool running = false;  ///< The controller takes commands.
+  bool at_rest = false, done = false;
+  double progress = 1.0;
+  std::uint32_t starts = 0;
+  SetpointGenerator::Blockage blocked;
+  bool trajectory_refused = false;  ///< The last trajectory could not be started, or not be taken up again.
+  bool slow = false;  ///< Goes slower than planned: the controller warns, or the task asked for it.
+
+  // of what is felt
+  std::optional<hal::Wrench> wrench_W;
+  double load_n = 0.0;
+
+  // of the lift
+  double height_m = 0.0;
+  bool lift_at_rest = false, end_of_reach = false;
+  LiftController::Role role = LiftController::Role::Lead;
+
+  // of the link
+  std::uint64_t cycles = 0, missed = 0;  ///< Since the start.
+  int misses = 0;                        ///< In a row, until now.
+  bool link_lost = false;                ///< The last error was not a mere miss.
+  std::uint64_t refused_commands = 0;    ///< By the last gate or by the controller.
+  hal::ShortText trouble, refusal;
+};
+
+/// Everything that happens in one cycle of the arm: what it feels, the lift, the motion, the command. One
+/// thread; cycle() does not allocate unless something goes wrong.
+class ArmController {
+ public:
+  ArmController(const hal::RobotModel& model, const planner::ArmGeometry& arm, const TaskConfig& task,
+                const LoadConfig& load, const SetpointLimits& limits = {});
+
+  /// What the controller measured, or why it did not.
+  void measured(const hal::Result<hal::ArmState>& state);
+  void take(const ArmRequest& request);
+  /// The answer to the last cycle; none to one that was missed or whose controller takes no commands.
+  [[nodiscard]] std::optional<hal::ImpedanceCommand> command();
+  /// What became of it.
+  void sent(const hal::Result<>& result);
+
+  /// As it is now. A request is taken into account at once.
+  [[nodiscard]] const ArmView& view();
+
+ private:
+  /// Once in every cycle. A lift stands still with an arm that is not commanded, and goes on from where it
+  /// is.
+  void serve_lift();
+
+  SetpointGenerator setpoints_;
+  LoadEstimator load_;
+  LiftController lift_;
+  bool lifting_ = false, stopped_by_contact_ = false;
+  std::uint32_t lift_starts_ = 0;  ///< Of the cycle, when the lift began or went on.
+  hal::CycleTime lift_time_;
+  ArmView view_;
+};
+
+}  // namespace colift::control

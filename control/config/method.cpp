@@ -1,0 +1,45 @@
+#include "control/config/method.hpp"
+
+#include <limits>
+
+#include "control/config/config.hpp"
+
+namespace colift::control {
+namespace {
+
+// Its mean of 100 points comes three times a second and strays by centimetres as the person's arm and body
+// come and go among them. Three of them have to agree; one that is missing is no end of a grasp.
+constexpr double kDwell_s = 0.6;
+constexpr double kLetGo_s = 0.8;
+constexpr double kMoved_m = 0.08;
+
+// The face itself is no obstacle to the hand that grasps it. Its points stray by the camera's noise, and the
+// rectangle goes through their middle.
+constexpr double kStray_m = 0.02;
+
+}  // namespace
+
+const char* to_string(Method method) {
+  return method == Method::Fast ? "fast" : "thesis";
+}
+
+std::optional<Method> method_named(std::string_view name) {
+  for (const Method method : {Method::Fast, Method::Thesis})
+    if (name == to_string(method)) return method;
+  return std::nullopt;
+}
+
+void set_method_defaults(Method method, Config& config) {
+  if (method != Method::Thesis) return;
+  config.decision.weights = planner::SharingWeights::thesis();
+  config.decision.max_sideways = std::numeric_limits<double>::infinity();
+  config.decision.max_lever_m = std::numeric_limits<double>::infinity();
+  config.tracker.dwell_s = kDwell_s;
+  config.tracker.let_go_s = kLetGo_s;
+  config.tracker.moved_m = kMoved_m;
+  config.candidates = planner::thesis_candidates();
+  config.candidates.collision.feature_margin_m = kStray_m;
+  config.candidates.refine_lines = 0;  // it knows no optimum to look around
+}
+
+}  // namespace colift::control

@@ -1,0 +1,101 @@
+// CoLift's own method: everything on the image grid.
+
+#include <array>
+
+#include "control/session/pipeline.hpp"
+#include "perception/ground_and_target/block_planes.hpp"
+#include "perception/shape/shape_completion.hpp"
+#include "perception/surfaces/find_surfaces.hpp"
+
+namespace colift::control {
+namespace {
+
+using namespace perception;
+
+class FastSight final : public PartnerSight {
+ public:
+  FastSight(PartnerFinder finder, const hal::Pose& X_WC) : finder_(std::move(finder)), X_WC_(X_WC) {}
+
+  hal::Result<PartnerSighting> find(hal::DepthFrame& frame, std::vector<Eigen::Vector3f>& points) override {
+    const OrganisedCloud cloud = deproject(frame, X_WC_);
+    auto sighting = finder_.find(cloud);
+    if (!sighting) return sighting;
+    points.clear();
+    for (const std::uint32_t p : sighting->pixels) points.emplace_back(cloud.x[p], cloud.y[p], cloud.z[p]);
+    return sighting;
+  }
+
+ private:
+  PartnerFinder finder_;
+  hal::Pose X_WC_;
+};
+
+class FastPipeline final : public Pipeline {
+ public:
+  void analyse(const LookInput& input, const Config& c, Stopwatch& watch, Look& out) const override {
+    out.cloud = deproject(input.frame, input.X_WC);
+    std::optional<hal::Vec3> up;
+    if (input.base_frame_known)
+      up = hal::Vec3::UnitZ();
+    else if (input.frame.up_C)
+      up = input.X_WC.linear() * *input.frame.up_C;
+
+    const std::vector<BlockPlane> blocks = fit_block_planes(out.cloud, c.noise, c.ground.blocks);
+    GroundResult ground = find_ground(out.cloud, blocks, up, c.noise, c.ground);
+    out.ms.ground = watch.lap();
+    out.scene.ground = ground.ground;
+    out.scene.because = ground.because;
+    if (!ground.ground) return;
+
+    TargetResult found = find_target(out.cloud, blocks, *ground.ground, c.noise, c.target, input.at_W);
+    out.ms.target = watch.lap();
+    out.scene.because = found.because;
+    out.rejected = std::move(found.rejected);
+    if (!found.target) return;
+
+    Target& target = *found.target;
+    out.scene.surfaces = find_surfaces(out.cloud, target, *ground.ground, c.noise, c.surfaces);
+    const CompletedShape shape =
+        complete_shape(out.cloud, target, out.scene.surfaces, *ground.ground, c.noise, c.completion);
+    target.cog = shape.cog;
+    target.cog_covariance = shape.covariance;
+    target.shape = shape.box;
+    out.scene.target = std::move(target);
+    out.ms.surfaces = watch.lap();
+  }
+
+  [[nodiscard]] bool judges_surroundings() const override { return true; }
+
+  [[nodiscard]] std::vector<std::uint32_t> target_pixels(const Look& look,
+                                                         const Config& /*config*/) const override {
+    return look.scene.target->pixels;
+  }
+
+  [[nodiscard]] hal::Result<PartnerSighting> find_partner(const Look& look, const hal::DepthFrame& frame,
+                                                          const Config& c) const override {
+    const auto reference =
+        build_reference(std::array{look.frame}, look.cloud.X_WC, c.noise, c.partner.reference);
+    if (!reference) return tl::unexpected(reference.error());
+    auto finder = PartnerFinder::make(*reference, *look.scene.target, *look.scene.ground, c.noise, c.partner);
+    if (!finder) return tl::unexpected(finder.error());
+    return finder->find(deproject(frame, look.cloud.X_WC));
+  }
+
+  [[nodiscard]] hal::Result<std::unique_ptr<PartnerSight>> watch_partner(const ReferenceView& reference,
+                                                                         const Config& c) const override {
+    const Scene& scene = reference.look.scene;
+    auto finder = PartnerFinder::make(reference.image, *scene.target, *scene.ground, c.noise, c.partner);
+    if (!finder) return tl::unexpected(finder.error());
+    return std::make_unique<FastSight>(std::move(*finder), reference.look.cloud.X_WC);
+  }
+
+  [[nodiscard]] int frames_per_sight() const override { return 1; }
+};
+
+}  // namespace
+
+std::unique_ptr<const Pipeline> fast_pipeline() {
+  return std::make_unique<FastPipeline>();
+}
+
+}  // namespace colift::control

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "control/config/config.hpp"
+#include "control/session/look.hpp"
+#include "control/session/stopwatch.hpp"
+#include "hal/types/result.hpp"
+#include "perception/partner/partner_grasp.hpp"
+#include "perception/reference_image.hpp"
+
+namespace colift::control {
+
+/// The scene before anybody came.
+struct ReferenceView {
+  const perception::ReferenceImage& image;
+  const Look& look;                    ///< With a target and a ground.
+  const std::vector<char>& robot_hid;  ///< By pixel: the robot was there in one of its frames.
+};
+
+/// Finds the partner in one frame after the other.
+class PartnerSight {
+ public:
+  virtual ~PartnerSight() = default;
+  /// In a frame of the same fixed camera without the robot's own pixels, which may lose more of them.
+  /// `points` becomes what is seen of him (W).
+  [[nodiscard]] virtual hal::Result<perception::PartnerSighting> find(
+      hal::DepthFrame& frame, std::vector<Eigen::Vector3f>& points) = 0;
+};
+
+/// What each method does its own way; everything else is shared, and where it behaves differently the
+/// configuration says so (set_method_defaults()). Stateless, any thread.
+class Pipeline {
+ public:
+  virtual ~Pipeline() = default;
+
+  /// Finds ground, target, its surfaces and its centre of gravity: fills cloud, scene, rejected objects and
+  /// times of `out`.
+  virtual void analyse(const LookInput& input, const Config& config, Stopwatch& watch, Look& out) const = 0;
+
+  /// Whether candidates are judged against the whole cloud (surroundings, edges, unseen space), or against
+  /// the object's points alone.
+  [[nodiscard]] virtual bool judges_surroundings() const = 0;
+
+  /// The target's pixels, ascending.
+  [[nodiscard]] virtual std::vector<std::uint32_t> target_pixels(const Look& look,
+                                                                 const Config& config) const = 0;
+
+  /// The partner in a second frame, of the same size. The look has a target.
+  [[nodiscard]] virtual hal::Result<perception::PartnerSighting> find_partner(const Look& look,
+                                                                              const hal::DepthFrame& frame,
+                                                                              const Config& config) const = 0;
+
+  /// The partner in a running camera. Keeps no reference to its arguments.
+  [[nodiscard]] virtual hal::Result<std::unique_ptr<PartnerSight>> watch_partner(
+      const ReferenceView& reference, const Config& config) const = 0;
+
+  /// The partner is looked for in one of so many frames.
+  [[nodiscard]] virtual int frames_per_sight() const = 0;
+};
+
+/// Errors: BadConfig for a method that this build does not have.
+[[nodiscard]] hal::Result<std::unique_ptr<const Pipeline>> make_pipeline(Method method);
+
+/// For make_pipeline(); the second one exists in a build with the thesis's method only.
+[[nodiscard]] std::unique_ptr<const Pipeline> fast_pipeline();
+[[nodiscard]] std::unique_ptr<const Pipeline> thesis_pipeline();
+
+}  // namespace colift::control

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "control/arm/drive.hpp"
+#include "control/session/watch.hpp"
+#include "control/task/run_record.hpp"
+
+namespace colift::control {
+
+struct ArmView;  ///< One cycle of the arm (control/arm/arm_controller.hpp).
+
+/// What a running job reports to whoever watches it.
+struct JobStatus {
+  hal::Timestamp now{0};
+  Task state = Task::Observe;
+  hal::Timestamp since{0};     ///< When it came into this state.
+  std::string because;         ///< Why it did.
+  std::string doing;           ///< What it is doing in particular.
+  std::optional<double> done;  ///< Fraction of the state's work that is done, 0 to 1.
+  std::optional<hal::Vec3> partner_W;
+  std::string partner_note;
+  double load_n = 0.0;
+  std::optional<double> height_m, tilt_rad, slip_m;
+  const RunRecord* record = nullptr;  ///< As far as it is.
+  /// The collision world, made once when the scene is known; null until then. Borrowed for the call.
+  const perception::WorldMap* map = nullptr;
+};
+
+/// What the job calls while it runs; each may be empty.
+struct JobHooks {
+  std::function<void()> started;      ///< All devices are active: the job begins.
+  std::function<bool()> interrupted;  ///< A person wants the program to end.
+  std::function<void(const JobStatus&)>
+      status;                               ///< Every 33 ms of the robot's time, and at each change of state.
+  std::function<void(Task, Task)> changed;  ///< From, to: the moment for whoever keeps a diary.
+  /// The partner is asked to grasp there (W).
+  std::function<void(const hal::Vec3&)> asked;
+  std::function<void(const ArmView&)> cycle;  ///< A cycle of the task is over; the arm as it left it.
+};
+
+/// What a job is asked to do beyond its configuration.
+struct JobOptions {
+  Method method = Method::Fast;
+  std::uint64_t seed = 0;
+  bool dry_run = false;        ///< Analyses, decides and plans, moves nothing.
+  double known_mass_kg = 0.0;  ///< Of the object, when somebody knows it; 0: estimated from the load.
+  Drive drive = Drive::InStep;
+  /// Replay of a run whose arm had a thread of its own: the view of each cycle of the task
+  /// (ArmCommander::play).
+  std::function<void(ArmView&)> recorded_views = {};
+};
+
+}  // namespace colift::control

@@ -1,0 +1,97 @@
+#include "control/task/object_monitor.hpp"
+#include "hal/types/units.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace colift::control {
+namespace {
+
+double deg(double rad) {
+  return hal::rad_to_deg(rad);
+}
+
+// The joint with the least angle left to one of its limits, in words.
+std::string nearest_limit(const hal::RobotModel& model, const hal::JointVector& q_rad) {
+  const hal::JointVector to_lower = q_rad - model.lower_rad(), to_upper = model.upper_rad() - q_rad;
+  Eigen::Index joint = 0;
+  const double left_rad = to_lower.cwiseMin(to_upper).minCoeff(&joint);
+  return fmt::format("A{} is {:.1f} deg from its limit", joint + 1, deg(left_rad));
+}
+
+}  // namespace
+
+void ObjectMonitor::start_lift() {
+  set_grip();
+  partner_top_m_ = 0.0;
+}
+
+void ObjectMonitor::update() {
+  if (!c_.readings.frame) return;
+  motion_ = c_.session.watch_object(*c_.readings.frame, c_.posture());
+  const hal::Vec3 up = hal::Vec3::UnitZ();
+  LiftSample sample;
+  sample.t_s = hal::seconds(c_.now - c_.began);
+  sample.state = c_.state;
+  const hal::Pose X_WH = c_.palm();
+  sample.palm_height_m = X_WH.translation().z() - X_WH_grip_.translation().z();
+  sample.load_n = c_.arm.view().load_n;
+  sample.object_rise_m = sample.tilt_rad = sample.slip_m = NAN;
+  if (motion_) {
+    const hal::Vec3 grip = X_WH_grip_.translation();
+    partner_rise_m_ = motion_->rise(c_.record.decision->partner->position, up);
+    partner_top_m_ = std::max(partner_top_m_, partner_rise_m_);
+    tilt_rad_ = motion_->tilt(up);
+    // along the lift: across it a flat or round object may not show how far it went
+    slip_m_ = std::abs(motion_->rise(grip, up) - (X_WH.translation() - grip).dot(up));
+    sample.object_rise_m = motion_->rise(c_.session.look().scene.target->cog, up);
+    sample.tilt_rad = tilt_rad_;
+    sample.slip_m = slip_m_;
+    c_.arm.see_partner(partner_rise_m_);
+    frames_tilting_ = deg(tilt_rad_) > c_.config.task.max_tilt_deg ? frames_tilting_ + 1 : 0;
+    frames_slipping_ = slip_m_ > c_.config.task.max_slip_m ? frames_slipping_ + 1 : 0;
+  }
+  c_.record.curve.push_back(sample);
+}
+
+std::optional<TaskEvent> ObjectMonitor::beyond_limits() const {
+  const hal::HandState& hand = c_.readings.hand;
+  const TaskConfig& task = c_.config.task;
+  if (!hand.held) return TaskEvent{Event::HandEmpty, "the hand has lost the object"};
+  // it has gripped up by itself already
+  if (hand.slips) return TaskEvent{Event::HandUnfit, "the fingers feel the object slip"};
+  if (hand.hot) return TaskEvent{Event::HandUnfit, hand.warning.str()};
+  if (frames_tilting_ >= task.carry.limit_frames)
+    return TaskEvent{Event::LimitReached, fmt::format("the object tilts by {:.1f} deg (limit {:.1f})",
+                                                      deg(tilt_rad_), task.max_tilt_deg)};
+  if (frames_slipping_ >= task.carry.limit_frames)
+    return TaskEvent{Event::LimitReached, fmt::format("the object slips {:.0f} mm in the hand (limit {:.0f})",
+                                                      1e3 * slip_m_, 1e3 * task.max_slip_m)};
+  if (const double load_n = c_.arm.view().load_n; load_n > task.max_load_n)
+    return TaskEvent{Event::LimitReached, fmt::format("the load of {:.0f} N is above the limit of {:.0f} N",
+                                                      load_n, task.max_load_n)};
+  return std::nullopt;
+}
+
+std::optional<TaskEvent> ObjectMonitor::end_of_reach() const {
+  if (!c_.arm.end_of_reach()) return std::nullopt;
+  return TaskEvent{Event::EndOfReach, fmt::format("{:.1f} cm up, the palm cannot go on straight: {}",
+                                                  1e2 * c_.arm.view().height_m,
+                                                  nearest_limit(c_.rig.model, c_.arm.commanded()))};
+}
+
+double ObjectMonitor::displacement_m() const {
+  if (!motion_) return 0.0;
+  double max_m = 0.0;
+  // a rotation shows at the corners
+  const hal::OrientedBox& box = c_.session.look().scene.target->obb;
+  for (int corner = 0; corner < 8; ++corner) {
+    const hal::Vec3 half(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5);
+    const hal::Vec3 p = box.center + box.axes * box.size.cwiseProduct(half);
+    max_m = std::max(max_m, (motion_->X_WTnow_WTref * p - p).norm());
+  }
+  return max_m;
+}
+
+}  // namespace colift::control

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+#include "control/task/task_context.hpp"
+#include "perception/motion/object_motion.hpp"
+
+namespace colift::control {
+
+/// The object in the hand: follows it frame by frame, writes the curve of the lift, and says when a limit of
+/// tilt, slip or load is broken.
+class ObjectMonitor {
+ public:
+  explicit ObjectMonitor(TaskContext& context) : c_(context) {}
+
+  /// The hand is where it grips: heights and slip count from here.
+  void set_grip() { X_WH_grip_ = c_.palm(); }
+  /// The lift is about to begin: the partner's end counts from here.
+  void start_lift();
+  /// Once in a cycle: the motion in a new frame.
+  void update();
+  /// The object was put down elsewhere, and the scene was taken anew.
+  void forget_motion() { motion_.reset(); }
+
+  /// The event that ends a lift: the grip is lost, or tilt, slip or load is beyond its limit.
+  [[nodiscard]] std::optional<TaskEvent> beyond_limits() const;
+  /// The event when the palm cannot go on straight: a joint is near its limit.
+  [[nodiscard]] std::optional<TaskEvent> end_of_reach() const;
+
+  /// Against the scene; unset while too little of it is seen.
+  [[nodiscard]] const std::optional<perception::ObjectMotion>& motion() const { return motion_; }
+  /// How far the partner's end has risen, when it was last seen; and how far it has come down since its
+  /// highest place in this lift (m).
+  [[nodiscard]] double partner_rise_m() const { return partner_rise_m_; }
+  [[nodiscard]] double partner_fall_m() const { return partner_top_m_ - partner_rise_m_; }
+  /// Angle of the object's up axis, and its slip in the hand along the lift; NaN until first seen.
+  [[nodiscard]] double tilt_rad() const { return tilt_rad_; }
+  [[nodiscard]] double slip_m() const { return slip_m_; }
+  [[nodiscard]] const hal::Pose& X_WH_grip() const { return X_WH_grip_; }
+  /// How far the object has moved from where the scene was seen, on which everything was decided: the
+  /// farthest corner of its box (m). 0 while it is not seen.
+  [[nodiscard]] double displacement_m() const;
+
+ private:
+  TaskContext& c_;
+  hal::Pose X_WH_grip_ = hal::Pose::Identity();
+  std::optional<perception::ObjectMotion> motion_;
+  double partner_rise_m_ = 0.0, partner_top_m_ = 0.0, tilt_rad_ = NAN, slip_m_ = NAN;
+  int frames_slipping_ = 0, frames_tilting_ = 0;  ///< In a row.
+};
+
+}  // namespace colift::control

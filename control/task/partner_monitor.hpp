@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+
+#include "control/task/task_context.hpp"
+
+namespace colift::control {
+
+/// The partner during one job: looks for him in every new frame.
+class PartnerMonitor {
+ public:
+  explicit PartnerMonitor(TaskContext& context) : c_(context) {}
+
+  /// Once in a cycle: what he did, if anything. Without a frame time alone may tell that he let go.
+  std::optional<perception::PartnerEvent> update();
+  /// update() where the hand is at the object: the event when he let go, nothing else matters there.
+  [[nodiscard]] std::optional<TaskEvent> let_go();
+
+  /// Computing time of the last frame that was analysed (ms).
+  [[nodiscard]] double compute_ms() const { return compute_ms_; }
+
+ private:
+  TaskContext& c_;
+  double compute_ms_ = 0.0;
+};
+
+}  // namespace colift::control

@@ -1,0 +1,82 @@
+#include "control/task/phases/grip_phase.hpp"
+#include "hal/types/units.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace colift::control {
+namespace {
+
+// the hand's state shows a command some cycles later: before, it may look as if it had ended already
+constexpr double kCommandShows_s = 0.1;
+
+double deg(double rad) {
+  return hal::rad_to_deg(rad);
+}
+
+}  // namespace
+
+void GripPhase::begin_close() {
+  object_.set_grip();
+  if (const auto closing = c_.robot.hand->close(c_.config.task.close_torque_nm); !closing)
+    c_.note_device("hand", closing.error().text());
+}
+
+std::optional<TaskEvent> GripPhase::close() {
+  const hal::HandState& hand = c_.readings.hand;
+  c_.doing = "the fingers close";
+  if (auto let_go = partner_.let_go()) return let_go;
+  if (c_.in_state_s() > c_.config.task.grip.hand_timeout_s)
+    return TaskEvent{Event::HandEmpty, "the hand does not come to rest"};
+  if (hand.moving || c_.in_state_s() < kCommandShows_s) return std::nullopt;
+  if (!hand.held) return TaskEvent{Event::HandEmpty, "the fingers met nothing"};
+  return TaskEvent{Event::HandHeld, "every finger is stopped by the object"};
+}
+
+std::optional<TaskEvent> GripPhase::verify() {
+  const hal::HandState& hand = c_.readings.hand;
+  if (auto let_go = partner_.let_go()) return let_go;
+  // still for a moment, and as wide as the object was seen to be
+  if (c_.in_state_s() < c_.config.task.carry.settle_s) return std::nullopt;
+  const double expected = planner::stopped_angle(c_.rig.hand, c_.chosen());
+  double widest = 0.0;
+  for (const double q : hand.finger_rad) widest = std::max(widest, std::abs(q - expected));
+  double force = 0.0;
+  for (const double f : hand.tip_force_n) force += std::isnan(f) ? 0.0 : f;
+  const std::string facts = fmt::format(
+      "fingers within {:.0f} deg of the seen width, pads press with {:.0f} N", deg(widest), force);
+  if (!hand.held) return TaskEvent{Event::GripBad, "the grip was lost: " + facts};
+  if (widest > c_.config.task.grip.finger_tolerance_rad)
+    return TaskEvent{Event::GripBad, "that is not the seen object: " + facts};
+  return TaskEvent{Event::GripGood, facts};
+}
+
+std::optional<TaskEvent> GripPhase::await_ready() {
+  const hal::HandState& hand = c_.readings.hand;
+  object_.update();
+  const double rise_m = object_.partner_rise_m();
+  const double leader_rise_m = c_.config.task.lift.leader_rise_m;
+  c_.doing = "watches whether the partner is ready";
+  if (!hand.held) return TaskEvent{Event::HandEmpty, "the hand has lost the object"};
+  if (hand.hot) return TaskEvent{Event::GripBad, hand.warning.str()};
+  if (object_.motion() && rise_m > leader_rise_m) {
+    c_.role = LiftController::Role::Follow;
+    return TaskEvent{Event::PartnerReady,
+                     fmt::format("the partner lifts already, by {:.0f} mm: the robot follows", 1e3 * rise_m)};
+  }
+  if (c_.readings.frame && (!object_.motion() || std::abs(rise_m) < leader_rise_m))
+    if (auto let_go = partner_.let_go()) return let_go;
+  if (c_.in_state_s() > c_.config.task.grip.ready_timeout_s)
+    return TaskEvent{Event::TimeOut, "the partner does not come to rest"};
+  if (c_.in_state_s() < c_.config.task.ready_s ||
+      c_.session.tracker().state() != perception::PartnerTracker::State::Holding)
+    return std::nullopt;
+  c_.role = LiftController::Role::Lead;
+  return TaskEvent{c_.config.test_lift.on ? Event::TestDue : Event::PartnerReady,
+                   fmt::format("the partner has held still for {:.1f} s: the robot leads", c_.in_state_s())};
+}
+
+}  // namespace colift::control

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+
+#include "control/task/object_monitor.hpp"
+#include "control/task/partner_monitor.hpp"
+#include "control/task/task_context.hpp"
+
+namespace colift::control {
+
+/// Close, Verify and AwaitReady: the hand closes, the grip is checked, the partner holds still. The object
+/// stands on the ground all the time.
+class GripPhase {
+ public:
+  GripPhase(TaskContext& context, PartnerMonitor& partner, ObjectMonitor& object)
+      : c_(context), partner_(partner), object_(object) {}
+
+  void begin_close();
+  [[nodiscard]] std::optional<TaskEvent> close();
+  [[nodiscard]] std::optional<TaskEvent> verify();
+  void begin_await_ready() { object_.start_lift(); }
+  /// Decides who leads the lift, too: TaskContext::role.
+  [[nodiscard]] std::optional<TaskEvent> await_ready();
+
+ private:
+  TaskContext& c_;
+  PartnerMonitor& partner_;
+  ObjectMonitor& object_;
+};
+
+}  // namespace colift::control

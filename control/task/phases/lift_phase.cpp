@@ -1,0 +1,160 @@
+#include "control/task/phases/lift_phase.hpp"
+#include "hal/types/units.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace colift::control {
+namespace {
+
+constexpr double kMeanLoad = 0.005;  // of a cycle in the slow mean of the load: some 200 cycles
+constexpr double kMinLever =
+    0.05;  // of the span between the hands: with less the load says nothing of the mass
+constexpr double kGravity_m_s2 = 9.81;
+
+double deg(double rad) {
+  return hal::rad_to_deg(rad);
+}
+
+}  // namespace
+
+void LiftPhase::begin_lift(Task from) {
+  const TaskConfig& task = c_.config.task;
+  c_.attempts.lifted = true;
+  moved_at_ = c_.now;
+  if (from == Task::TestLift) {
+    // what hung still when it was raised slowly is raised slowly
+    const double left_m = task.lift_height_m - c_.arm.view().height_m;
+    lift_s_ = std::max(task.lift_s, left_m / task.lift.tested_speed_m_s);
+    c_.arm.raise_on(c_.role, task.lift_height_m, lift_s_);
+  } else {
+    lift_s_ = task.lift_s;
+    c_.arm.start_lift(c_.role, task.lift_height_m, lift_s_);
+  }
+}
+
+std::optional<TaskEvent> LiftPhase::lift() {
+  object_.update();
+  if (auto end = object_.end_of_reach()) return end;
+  const ArmView& arm = c_.arm.view();
+  c_.done = arm.height_m / c_.config.task.lift_height_m;
+  c_.doing =
+      arm.role == LiftController::Role::Lead ? "lifts, the partner comes along" : "follows the partner";
+  if (auto limit = object_.beyond_limits()) return limit;
+  if (c_.in_state_s() > lift_s_ + c_.config.task.patience_s)
+    return TaskEvent{Event::TimeOut,
+                     fmt::format("{:.1f} cm after {:.0f} s", 1e2 * arm.height_m, c_.in_state_s())};
+  if (!settled()) return std::nullopt;
+  return TaskEvent{Event::AtHeight, fmt::format("{:.1f} cm up, tilt {:.1f} deg, load {:.0f} N",
+                                                1e2 * arm.height_m, deg(object_.tilt_rad()), arm.load_n)};
+}
+
+bool LiftPhase::settled() {
+  if (!c_.arm.lift_at_rest()) {
+    moved_at_ = c_.now;
+    return false;
+  }
+  return hal::seconds(c_.now - moved_at_) >= c_.config.task.carry.settle_s;
+}
+
+void LiftPhase::begin_hold() {
+  mean_load_n_ = NAN;
+  c_.record.frame_lifted.reset();
+}
+
+std::optional<TaskEvent> LiftPhase::hold() {
+  const double hold_s = c_.config.task.hold_s;
+  if (c_.readings.frame && !c_.record.frame_lifted && c_.in_state_s() > 0.5 * hold_s)
+    c_.record.frame_lifted = *c_.readings.frame;
+  object_.update();
+  if (auto end = object_.end_of_reach()) return end;
+  c_.done = c_.in_state_s() / std::max(hold_s, 1e-3);
+  c_.doing = "holds the object up";
+  if (auto limit = object_.beyond_limits()) return limit;
+  if (auto partner = partner_gone_or_lowers()) return partner;
+  if (c_.in_state_s() < hold_s) return std::nullopt;
+  return TaskEvent{Event::HoldOver, fmt::format("held for {:.1f} s", c_.in_state_s())};
+}
+
+std::optional<TaskEvent> LiftPhase::partner_gone_or_lowers() {
+  const CarryConfig& carry = c_.config.task.carry;
+  const double load_n = c_.arm.view().load_n;
+  // slow mean of the load; what deviates quickly is news
+  const double a = std::isnan(mean_load_n_) ? 1.0 : kMeanLoad;
+  if (std::isnan(mean_load_n_)) mean_load_n_ = load_n;
+  const bool fell = object_.motion() && object_.partner_fall_m() > carry.partner_fall_m;
+  const bool heavier =
+      load_n > carry.load_jump_factor * mean_load_n_ && load_n > mean_load_n_ + carry.load_jump_n;
+  mean_load_n_ += a * (load_n - mean_load_n_);
+  if (c_.arm.view().role == LiftController::Role::Follow && fell && !heavier)
+    return TaskEvent{Event::HoldOver, "the partner lowers"};
+  if (heavier) return TaskEvent{Event::PartnerLetGo, fmt::format("the load grew to {:.0f} N", load_n)};
+  if (fell)
+    return TaskEvent{Event::PartnerLetGo,
+                     fmt::format("his end fell by {:.0f} mm", 1e3 * object_.partner_fall_m())};
+  return std::nullopt;
+}
+
+void LiftPhase::begin_lower() {
+  summarise_hold();
+  moved_at_ = unsupported_at_ = c_.now;
+  c_.arm.lower();
+}
+
+std::optional<TaskEvent> LiftPhase::lower() {
+  object_.update();
+  if (auto end = object_.end_of_reach()) return end;
+  const ArmView& arm = c_.arm.view();
+  c_.done = 1.0 - arm.height_m / std::max(c_.config.task.lift_height_m, 1e-3);
+  c_.doing = "lowers together with the partner";
+  const CarryConfig& carry = c_.config.task.carry;
+  // an object that slid in the hand is down before the palm is: pressed on, it would slide away. Without load
+  // alone it may still hang between the partner and a foot
+  const auto& motion = object_.motion();
+  const hal::Vec3 grip = object_.X_WH_grip().translation();
+  const bool down = motion && std::abs(motion->rise(grip, hal::Vec3::UnitZ())) < carry.ground_tolerance_m;
+  if (!down || arm.load_n > carry.ground_load_n) unsupported_at_ = c_.now;
+  if (hal::seconds(c_.now - unsupported_at_) > carry.settle_s) {
+    c_.arm.stay();
+    return TaskEvent{Event::OnGround, fmt::format("it bears itself, {:.0f} mm above where it was gripped",
+                                                  1e3 * c_.arm.view().height_m)};
+  }
+  if (!settled()) return std::nullopt;
+  return TaskEvent{Event::OnGround, fmt::format("the load is {:.0f} N", arm.load_n)};
+}
+
+// means over the time at the top
+void LiftPhase::summarise_hold() {
+  LiftSummary s;
+  double load = 0.0;
+  int n = 0, seen = 0;
+  for (const LiftSample& c : c_.record.curve) {
+    if (c.state != Task::Hold) continue;
+    load += c.load_n;
+    s.height_m += c.palm_height_m;
+    ++n;
+    if (std::isnan(c.tilt_rad)) continue;
+    s.tilt_rad += c.tilt_rad;
+    s.slip_m += c.slip_m;
+    ++seen;
+  }
+  if (n == 0) return;
+  load /= n;
+  s.height_m /= n;
+  s.tilt_rad = seen ? s.tilt_rad / seen : NAN;
+  s.slip_m = seen ? s.slip_m / seen : NAN;
+  s.share_predicted = c_.record.decision->decision.share;
+  // what the robot bears says the mass when the lever is known: the centre of gravity between both hands
+  const hal::Vec3 grip = object_.X_WH_grip().translation(), partner = c_.record.decision->partner->position;
+  const Eigen::Vector2d span = (grip - partner).head<2>();
+  const auto& tested = c_.test_lifts.known();
+  const hal::Vec3& cog = tested ? tested->cog : c_.session.look().scene.target->cog;
+  const double lever = (cog - partner).head<2>().dot(span) / span.squaredNorm();
+  if (lever > kMinLever) s.mass_kg = load / (kGravity_m_s2 * lever);
+  const double mass = c_.options.known_mass_kg > 0.0 ? c_.options.known_mass_kg : s.mass_kg;
+  if (mass > 0.0) s.share_robot = load / (mass * kGravity_m_s2);
+  c_.record.lift = s;
+}
+
+}  // namespace colift::control

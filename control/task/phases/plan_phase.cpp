@@ -1,0 +1,58 @@
+#include "control/task/phases/plan_phase.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "control/session/map_check.hpp"
+
+namespace colift::control {
+TaskEvent PlanPhase::decide() {
+  if (c_.readings.frame) c_.record.frame_partner = *c_.readings.frame;
+  const hal::Timestamp start = c_.stopwatch.now();
+  const bool chosen = grasps_.choose();
+  RunTiming& timing = c_.record.timing;
+  timing.decision_compute_ms = partner_.compute_ms() + 1e3 * hal::seconds(c_.stopwatch.now() - start);
+  timing.grasp_to_decision_s = hal::seconds(c_.now - c_.session.tracker().since());
+  if (chosen) return {Event::GraspChosen, c_.record.decision->decision.because};
+  const bool asked = requests_.ask(grasps_.judged());
+  return {asked ? Event::PartnerAsked : Event::NoGraspFits, c_.attempts.failure};
+}
+
+TaskEvent PlanPhase::plan() {
+  auto event = find_path();
+  c_.session.looked_away(c_.robot.clock->now() - c_.now);
+  return event;
+}
+
+TaskEvent PlanPhase::find_path() {
+  const hal::Timestamp start = c_.stopwatch.now();
+  if (auto trouble = map_trouble(c_.session.map(), c_.session.look().cloud, c_.config.map_check))
+    return {Event::NoWay, *std::move(trouble)};
+  c_.motion_planner.set_scene(std::make_shared<planner::CollisionScene>(planner::make_collision_scene(
+                                  c_.session.map(), c_.session.look().scene.ground->plane,
+                                  c_.session.partner_points(), c_.config.motion.scene)),
+                              c_.session.map(), hal::Vec3::UnitZ());
+  std::string why;
+  for (int i = 0; i < c_.config.task.attempts.max_planned_grasps; ++i) {
+    auto plan = c_.motion_planner.plan(c_.arm.commanded(), c_.chosen(), c_.config.task.lift_height_m);
+    if (plan) {
+      c_.record.timing.plan_ms = 1e3 * hal::seconds(c_.stopwatch.now() - start);
+      c_.record.plan = std::move(*plan);
+      if (c_.options.dry_run) return {Event::NoWay, "a dry run ends here: nothing was moved"};
+      const planner::MotionPlan& p = *c_.record.plan;
+      return {Event::PlanReady,
+              fmt::format("the way takes {:.1f} s", p.transit.duration_s() + p.approach.duration_s())};
+    }
+    why = plan.error().detail;
+    // the next best, then
+    grasps_.refuse_path(why);
+    if (!grasps_.choose()) break;
+  }
+  c_.record.timing.plan_ms = 1e3 * hal::seconds(c_.stopwatch.now() - start);
+  return {Event::NoWay, why};
+}
+
+}  // namespace colift::control

@@ -1,0 +1,103 @@
+#include "control/task/phases/retreat_phase.hpp"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+namespace colift::control {
+namespace {
+
+// the hand's state shows a command some cycles later: before, it may look as if it had ended already
+constexpr double kCommandShows_s = 0.2;
+constexpr double kGateFraction = 0.9;  // of the last gate's velocity limit, so that it never brakes a plan
+
+}  // namespace
+
+void RetreatPhase::begin_release() {
+  c_.arm.hold();
+  c_.arm.unload();
+  if (const auto opening = c_.robot.hand->release(); !opening) c_.note_device("hand", opening.error().text());
+}
+
+std::optional<TaskEvent> RetreatPhase::release() {
+  const hal::HandState& hand = c_.readings.hand;
+  const auto& without_puck = c_.readings.without_puck;
+  c_.doing = "the fingers open";
+  if (c_.in_state_s() > c_.config.task.grip.hand_timeout_s)
+    return TaskEvent{Event::TimeOut, "the hand does not open"};
+  if (hand.moving || hand.held || c_.in_state_s() < kCommandShows_s) return std::nullopt;
+  // a finger that stayed around the object would drag it along; of one that does not answer nobody knows
+  bool open = true;
+  for (std::size_t f = 0; f < hand.finger_rad.size(); ++f)
+    open = open && (hand.finger_rad[f] < c_.config.task.grip.open_tolerance_rad || f == without_puck);
+  if (!open) return std::nullopt;
+  return TaskEvent{Event::HandOpen, without_puck ? "as far as it answers" : ""};
+}
+
+void RetreatPhase::begin_retreat() {
+  leg_ = Leg::FromObject;
+  // from where the arm is commanded now, which is the grasp but for what lift and lowering left over
+  std::vector<hal::JointVector> points{c_.arm.commanded()};
+  const planner::Trajectory& planned = c_.record.plan->retreat;
+  const double s = planned.duration_s();
+  constexpr int kPoints = 12;
+  for (int i = 1; i <= kPoints; ++i) points.push_back(planned.sample(s * i / kPoints).q_rad);
+  planner::MotionLimits limits;
+  limits.velocity_rad_s =
+      limits.velocity_rad_s.cwiseMin(kGateFraction * c_.config.guard_arm.max_velocity_rad_s);
+  auto back = planner::make_trajectory_along(points, limits, s);
+  if (!back)
+    c_.attempts.failure = back.error().detail;
+  else
+    (void)c_.follow(*back);
+}
+
+std::optional<TaskEvent> RetreatPhase::retreat() {
+  c_.doing = leg_ == Leg::FromObject ? "straight back" : "home";
+  if (c_.arm.blocked()) return TaskEvent{Event::Blocked, c_.arm.why_blocked()};
+  if (c_.in_state_s() > c_.config.task.empty_hand.return_timeout_s)
+    return TaskEvent{Event::TimeOut, "the way home takes too long"};
+  object_.update();
+  if (!c_.arm.done() || !c_.arm.at_rest()) return std::nullopt;
+  if (leg_ == Leg::Home) return judge_at_home();
+  leg_ = Leg::Home;
+  if (!start_home()) return TaskEvent{Event::Blocked, c_.attempts.failure};
+  return std::nullopt;
+}
+
+bool RetreatPhase::start_home() {
+  const planner::Trajectory& planned = c_.record.plan->home;
+  if ((planned.goal() - home_rad_).norm() < 1e-3) return c_.follow(planned);
+  const auto found = c_.motion_planner.plan_to(c_.arm.commanded(), home_rad_);
+  if (found) return c_.follow(*found);
+  c_.attempts.failure = found.error().detail;
+  return false;
+}
+
+TaskEvent RetreatPhase::judge_at_home() {
+  const Attempts& attempts = c_.attempts;
+  if (!attempts.failed) return {Event::BackHome, ""};
+  const double moved_m = object_.displacement_m();
+  const int max_grips = c_.config.task.attempts.max_grips + static_cast<int>(c_.record.test_lifts.size());
+  if (!attempts.regrasp && (attempts.approaches >= max_grips || attempts.lifted || c_.readings.without_puck))
+    return {Event::BackInVain, attempts.failure};
+  if (moved_m > c_.config.task.attempts.object_moved_m)
+    if (const std::string trouble = take_scene_as_moved(); !trouble.empty())
+      return {Event::BackInVain, fmt::format("{}; the object stands {:.0f} mm from where it was: {}",
+                                             attempts.failure, 1e3 * moved_m, trouble)};
+  return {Event::TryAgain, attempts.failure};
+}
+
+std::string RetreatPhase::take_scene_as_moved() {
+  if (object_.displacement_m() > c_.config.task.attempts.max_object_moved_m) return "that is another scene";
+  const hal::Pose X = object_.motion()->X_WTnow_WTref;
+  if (auto seen = c_.session.object_moved(X, c_.posture()); !seen) return seen.error().detail;
+  if (!c_.session.look().scene.target) return "it is not seen there";
+  scene_.use_scene();
+  c_.test_lifts.move(X);
+  grasps_.object_moved(X);
+  object_.forget_motion();
+  return "";
+}
+
+}  // namespace colift::control

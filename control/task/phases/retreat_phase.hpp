@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "control/task/grasp_selector.hpp"
+#include "control/task/object_monitor.hpp"
+#include "control/task/phases/scene_phase.hpp"
+#include "control/task/task_context.hpp"
+
+namespace colift::control {
+
+/// Release and Retreat: opens the hand, goes straight away from the object, then home; there it says whether
+/// the job is done, tries again or ends.
+class RetreatPhase {
+ public:
+  enum class Leg { FromObject, Home };
+
+  RetreatPhase(TaskContext& context, ObjectMonitor& object, GraspSelector& grasps, ScenePhase& scene)
+      : c_(context), object_(object), grasps_(grasps), scene_(scene) {}
+
+  /// The arm is at home now, at the start of the job.
+  void set_home(const hal::JointVector& q_rad) { home_rad_ = q_rad; }
+
+  void begin_release();
+  [[nodiscard]] std::optional<TaskEvent> release();
+  void begin_retreat();
+  [[nodiscard]] std::optional<TaskEvent> retreat();
+  /// The arm's cycle was cut off and began anew: continues along the path.
+  void resume_after_restart() { c_.arm.resume(); }
+
+  [[nodiscard]] Leg leg() const { return leg_; }
+
+ private:
+  [[nodiscard]] bool start_home();
+  [[nodiscard]] TaskEvent judge_at_home();
+  /// The object was put down elsewhere: scene, candidates and test lifts become those of where it stands now.
+  /// Empty, or why that cannot be.
+  [[nodiscard]] std::string take_scene_as_moved();
+
+  TaskContext& c_;
+  ObjectMonitor& object_;
+  GraspSelector& grasps_;
+  ScenePhase& scene_;
+  hal::JointVector home_rad_ = hal::JointVector::Zero();
+  Leg leg_ = Leg::FromObject;
+};
+
+}  // namespace colift::control

@@ -1,0 +1,62 @@
+#include "control/task/phases/scene_phase.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <utility>
+
+#include "control/session/picture_check.hpp"
+
+namespace colift::control {
+
+std::optional<TaskEvent> ScenePhase::observe() {
+  Watch& session = c_.session;
+  const TaskConfig& task = c_.config.task;
+  if (c_.readings.frame) session.add_reference(std::move(*c_.readings.frame), c_.posture());
+  const int have = session.reference_frames(), want = task.reference_frames;
+  c_.doing = fmt::format("{} of {} frames of the scene", have, want);
+  c_.done = static_cast<double>(have) / want;
+  if (have < want) {
+    if (c_.in_state_s() <= task.patience_s) return std::nullopt;
+    return TaskEvent{Event::TimeOut,
+                     last_error_.empty()
+                         ? fmt::format("the camera showed nothing for {:.1f} s", c_.in_state_s())
+                         : last_error_};
+  }
+  if (auto seen = session.understand(c_.posture()); !seen) {
+    const hal::Error& error = seen.error();
+    // somebody walked through the picture
+    if (error.code == hal::ErrorCode::NotFound && try_again(error.detail)) return std::nullopt;
+    return TaskEvent{error.where == kCameraOff ? Event::CameraOff : Event::NothingToCarry, error.detail};
+  }
+  const Look& look = session.look();
+  if (!look.scene.target) {
+    c_.record.look = look;
+    return TaskEvent{Event::NothingToCarry, look.because};
+  }
+  if (auto holes = picture_trouble(look.cloud, *look.scene.target, c_.config.image_check)) {
+    // the sun may go behind a cloud
+    if (try_again(*holes)) return std::nullopt;
+    c_.record.look = look;
+    return TaskEvent{Event::NothingToCarry, *std::move(holes)};
+  }
+  use_scene();
+  return TaskEvent{Event::SceneKnown, c_.record.look->because};
+}
+
+bool ScenePhase::try_again(const std::string& error) {
+  if (c_.in_state_s() >= c_.config.task.patience_s) return false;
+  c_.session.forget_reference();
+  c_.doing = last_error_ = error;
+  return true;
+}
+
+void ScenePhase::use_scene() {
+  c_.motion_planner.set_scene(
+      std::make_shared<planner::CollisionScene>(planner::make_collision_scene(
+          c_.session.map(), c_.session.look().scene.ground->plane, {}, c_.config.motion.scene)),
+      c_.session.map(), hal::Vec3::UnitZ());
+  grasps_.set_scene();
+}
+
+}  // namespace colift::control

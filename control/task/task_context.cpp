@@ -1,0 +1,48 @@
+#include "control/task/task_context.hpp"
+
+namespace colift::control {
+namespace {
+
+constexpr double kGateFraction =
+    0.9;  // of the last gate's velocity limit, so that it never brakes a set point
+
+SetpointLimits setpoint_limits(const Config& config) {
+  SetpointLimits limits = config.setpoints;
+  limits.velocity_rad_s = kGateFraction * config.guard_arm.max_velocity_rad_s;
+  return limits;
+}
+
+}  // namespace
+
+// every model that load_robot() lets pass has the arm that arm_geometry() describes
+TaskContext::TaskContext(hal::Robot& robot_, const RigView& rig_, const Config& config_,
+                         const JobOptions& options_, const hal::Clock& stopwatch_)
+    : robot(robot_),
+      rig(rig_),
+      config(config_),
+      options(options_),
+      stopwatch(stopwatch_),
+      arm(*robot.arm, rig.model, planner::arm_geometry(rig.model).value(), config.task, config.load,
+          options.drive, setpoint_limits(config)),
+      session(options.method, config, rig, stopwatch),
+      motion_planner(rig.model, rig.hand, config.motion, options.seed),
+      test_lifts(config.test_lift) {
+  if (options.recorded_views) arm.play(options.recorded_views);
+}
+
+bool TaskContext::follow(const planner::Trajectory& trajectory) {
+  if (trajectory.empty()) return true;
+  const auto started = arm.follow(trajectory);
+  if (!started) attempts.failure = started.error().detail;
+  return started.has_value();
+}
+
+void TaskContext::note_device(const std::string& device, const std::string& what) {
+  record.faults.push_back({now - began, device, what});
+}
+
+const planner::GraspCandidate& TaskContext::chosen() const {
+  return record.decision->candidates[*record.decision->decision.chosen];
+}
+
+}  // namespace colift::control

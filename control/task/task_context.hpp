@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "control/arm/arm_commander.hpp"
+#include "control/session/watch.hpp"
+#include "control/task/job_status.hpp"
+#include "control/task/run_record.hpp"
+#include "control/test_lift/test_lifts.hpp"
+#include "hal/robot.hpp"
+#include "planner/motion/motion_planner.hpp"
+
+namespace colift::control {
+
+/// The nearest nanosecond to a time of the configuration.
+[[nodiscard]] constexpr hal::Duration duration_of(double s) {
+  return hal::Duration(static_cast<hal::Duration::rep>(s * 1e9 + 0.5));
+}
+
+/// An event of the task machine, and what is to be said about it beyond the rule's own words.
+struct TaskEvent {
+  Event event;
+  std::string detail;
+};
+
+/// What the devices said last; the supervisors write it, the phases read it.
+struct DeviceReadings {
+  hal::ArmState arm;
+  hal::HandState hand;
+  std::optional<hal::DepthFrame> frame;  ///< New in this cycle.
+  hal::Timestamp frame_at{0};            ///< Exposure of the newest good frame.
+  hal::Duration frame_latency{0};        ///< Age of that frame when it came.
+  bool camera_lost = false;
+  /// The puck that the hand was opened without, because it did not answer: 0 to 2 a finger, 3 the spread.
+  std::optional<std::size_t> without_puck;
+};
+
+/// What the attempts of this job came to, as far as later phases depend on it.
+struct Attempts {
+  int approaches = 0;   ///< How often the arm set out to a grasp.
+  bool lifted = false;  ///< A whole lift was begun; a test lift is none.
+  bool failed = false;  ///< The job goes home without its goal.
+  /// On the way home, to grasp elsewhere: a test lift said so.
+  bool regrasp = false;
+  std::string failure;  ///< Why the last thing that failed did; empty: nothing has.
+};
+
+/// What all phases of one job share: what it was given, the arm, the perception session, the planner, time
+/// and state, and the record. What one phase alone needs is that phase's own.
+struct TaskContext {
+  TaskContext(hal::Robot& robot, const RigView& rig, const Config& config, const JobOptions& options,
+              const hal::Clock& stopwatch);
+  TaskContext(const TaskContext&) = delete;
+  TaskContext& operator=(const TaskContext&) = delete;
+
+  /// Starts the arm along a trajectory; an empty one is none. False when it cannot; attempts.failure says
+  /// why.
+  [[nodiscard]] bool follow(const planner::Trajectory& trajectory);
+  /// Something about a device is worth saying.
+  void note_device(const std::string& device, const std::string& what);
+
+  [[nodiscard]] double in_state_s() const { return hal::seconds(now - since); }
+  [[nodiscard]] RobotPosture posture() const { return {readings.arm.q_rad, hal::posture_of(readings.hand)}; }
+  [[nodiscard]] hal::Pose palm() const { return hal::hand_pose(rig.model, readings.arm.q_rad); }
+  /// The grasp that was decided on. There has to be one.
+  [[nodiscard]] const planner::GraspCandidate& chosen() const;
+
+  hal::Robot& robot;
+  RigView rig;
+  Config config;
+  JobOptions options;
+  const hal::Clock& stopwatch;  ///< Measures computing time only.
+
+  ArmCommander arm;
+  Watch session;
+  planner::MotionPlanner motion_planner;
+
+  Task state = Task::Observe;
+  hal::Timestamp now{0}, began{0}, since{0};  ///< Of the robot's clock; `since`: in this state.
+
+  DeviceReadings readings;
+  Attempts attempts;
+  LiftController::Role role = LiftController::Role::Lead;  ///< Of the next lift.
+  TestLifts test_lifts;
+  RunRecord record;
+
+  // for the status report
+  std::string doing;           ///< What the state is doing in particular.
+  std::optional<double> done;  ///< Fraction of its work, 0 to 1.
+  std::string partner_note;    ///< What was last seen of the partner.
+};
+
+}  // namespace colift::control

@@ -1,0 +1,222 @@
+// Approach, halt, back-off and retreat with a mock arm: legs, and how each ends.
+#include <catch2/catch.hpp>
+
+#include "control/task/phases/approach_phase.hpp"
+#include "control/task/phases/back_off_phase.hpp"
+#include "control/task/phases/retreat_phase.hpp"
+#include "phase_rig.hpp"
+
+using namespace colift;
+using namespace colift::control;
+using namespace colift::control::test;
+
+namespace {
+
+struct EmptyHand : PhaseRig {
+  explicit EmptyHand(const Config& config = {}) : PhaseRig(config) {
+    make_plan();
+    make_decision();
+    retreat.set_home(home());
+  }
+
+  void begin_approach() {
+    enter(Task::Approach);
+    approach.begin();
+  }
+  void approach_until(ApproachPhase::Leg leg) {
+    begin_approach();
+    const auto nothing = run([&]() -> std::optional<TaskEvent> {
+      auto event = approach.approach();
+      if (!event && approach.leg() == leg && c->arm.progress() > 0.2)
+        return TaskEvent{Event::Interrupted, ""};
+      return event;
+    });
+    REQUIRE(nothing);
+    REQUIRE(nothing->event == Event::Interrupted);
+  }
+  [[nodiscard]] std::optional<TaskEvent> back_off_after(Event cause) {
+    enter(Task::BackOff);
+    back_off.begin(cause, approach.abandon());
+    return run([this] { return back_off.back_off(); });
+  }
+  [[nodiscard]] double off(const hal::JointVector& q) const {
+    return (c->arm.commanded() - q).cwiseAbs().maxCoeff();
+  }
+
+  PartnerMonitor partner{*c};
+  ObjectMonitor object{*c};
+  GraspSelector grasps{*c};
+  ScenePhase scene{*c, grasps};
+  ApproachPhase approach{*c, partner};
+  BackOffPhase back_off{*c, partner};
+  RetreatPhase retreat{*c, object, grasps, scene};
+};
+
+}  // namespace
+
+TEST_CASE("an approach runs its two legs and ends at the grasp", "[phases]") {
+  EmptyHand rig;
+  rig.begin_approach();
+  CHECK(rig.approach.leg() == ApproachPhase::Leg::Transit);
+  CHECK(rig.hand->commands == std::vector<std::string>{"preshape"});
+  const auto event = rig.run([&] { return rig.approach.approach(); });
+  REQUIRE(event);
+  CHECK(event->event == Event::Arrived);
+  CHECK(rig.approach.leg() == ApproachPhase::Leg::Straight);
+  CHECK(rig.off(rig.c->record.plan->approach.goal()) < 1e-6);
+  CHECK(rig.c->attempts.approaches == 1);
+}
+
+TEST_CASE("an approach waits for a hand that still opens", "[phases]") {
+  EmptyHand rig;
+  rig.hand->now.moving = true;
+  rig.begin_approach();
+  CHECK_FALSE(rig.run([&] { return rig.approach.approach(); }, 10.0));
+  CHECK(rig.approach.leg() == ApproachPhase::Leg::Transit);
+  const auto event = rig.run([&] { return rig.approach.approach(); }, 60.0);
+  REQUIRE(event);
+  CHECK(event->event == Event::TimeOut);
+}
+
+TEST_CASE("an approach whose path starts elsewhere is blocked and says where", "[phases]") {
+  EmptyHand rig;
+  hal::JointVector elsewhere = home();
+  elsewhere[2] += 0.2;
+  rig.c->record.plan->transit = trajectory(elsewhere, home());
+  rig.begin_approach();
+  const auto event = rig.run([&] { return rig.approach.approach(); });
+  REQUIRE(event);
+  CHECK(event->event == Event::Blocked);
+  CHECK_THAT(event->detail, Catch::Contains("A3"));
+}
+
+TEST_CASE("a contact on the way blocks the approach", "[phases]") {
+  EmptyHand rig;
+  rig.approach_until(ApproachPhase::Leg::Transit);
+  rig.external_nm[0] = 80.0;
+  const auto event = rig.run([&] { return rig.approach.approach(); }, 0.2);
+  REQUIRE(event);
+  CHECK(event->event == Event::Blocked);
+}
+
+TEST_CASE("an approach that is given up says once whether it was near the object", "[phases]") {
+  EmptyHand rig;
+  rig.approach_until(ApproachPhase::Leg::Straight);
+  CHECK(rig.approach.abandon());
+  CHECK_FALSE(rig.approach.abandon());
+}
+
+TEST_CASE("a halt ends when the camera is back, or at its timeout", "[phases]") {
+  EmptyHand rig;
+  rig.enter(Task::Halt);
+  rig.approach.begin_halt();
+  rig.c->readings.camera_lost = true;
+  auto event = rig.approach.halt();
+  CHECK_FALSE(event);
+  rig.c->now += duration_of(rig.c->config.task.patience_s + 0.1);
+  event = rig.approach.halt();
+  REQUIRE(event);
+  CHECK(event->event == Event::TimeOut);
+  rig.c->readings.camera_lost = false;
+  CHECK(rig.approach.halt()->event == Event::CameraBack);
+}
+
+TEST_CASE("who only moved his hand is followed from where the arm stopped", "[phases]") {
+  EmptyHand rig;
+  rig.approach_until(ApproachPhase::Leg::Transit);
+  const auto event = rig.back_off_after(Event::PartnerMoved);
+  REQUIRE(event);
+  CHECK(event->event == Event::BackHome);
+  CHECK(rig.back_off.leg() == BackOffPhase::Leg::Braking);
+  CHECK(rig.off(home()) > 0.02);
+}
+
+TEST_CASE("for a partner who let go the arm goes all the way back", "[phases]") {
+  EmptyHand rig;
+  SECTION("from the transit") {
+    rig.approach_until(ApproachPhase::Leg::Transit);
+    const auto event = rig.back_off_after(Event::PartnerLetGo);
+    REQUIRE(event);
+    CHECK(event->event == Event::BackHome);
+    CHECK(rig.back_off.leg() == BackOffPhase::Leg::Backwards);
+  }
+  SECTION("from near the object: first to the pre-grasp") {
+    rig.approach_until(ApproachPhase::Leg::Straight);
+    const auto event = rig.back_off_after(Event::PartnerLetGo);
+    REQUIRE(event);
+    CHECK(event->event == Event::BackHome);
+    CHECK(rig.back_off.leg() == BackOffPhase::Leg::Home);
+  }
+  CHECK(rig.off(home()) < 0.01);
+}
+
+TEST_CASE("after five approaches the job is given up", "[phases]") {
+  EmptyHand rig;
+  rig.approach_until(ApproachPhase::Leg::Transit);
+  rig.c->attempts.approaches = 5;
+  const auto event = rig.back_off_after(Event::PartnerMoved);
+  REQUIRE(event);
+  CHECK(event->event == Event::BackInVain);
+  CHECK(rig.off(home()) < 0.01);
+}
+
+TEST_CASE("a hand is open when every finger that answers is", "[phases]") {
+  EmptyHand rig;
+  rig.enter(Task::Release);
+  rig.retreat.begin_release();
+  CHECK(rig.hand->commands == std::vector<std::string>{"release"});
+  rig.hand->now.finger_rad = {0.0, 1.2, 0.0};
+  SECTION("one stays closed") {
+    const auto event = rig.run([&] { return rig.retreat.release(); }, 20.0);
+    REQUIRE(event);
+    CHECK(event->event == Event::TimeOut);
+  }
+  SECTION("the one that stays closed is the one that does not answer") {
+    rig.c->readings.without_puck = 1;
+    const auto event = rig.run([&] { return rig.retreat.release(); }, 1.0);
+    REQUIRE(event);
+    CHECK(event->event == Event::HandOpen);
+  }
+  SECTION("all open") {
+    rig.hand->now.finger_rad = {};
+    const auto event = rig.run([&] { return rig.retreat.release(); }, 1.0);
+    REQUIRE(event);
+    CHECK(event->event == Event::HandOpen);
+  }
+}
+
+TEST_CASE("a retreat goes from the object, then home, and says how the job stands", "[phases]") {
+  EmptyHand rig;
+  rig.begin_approach();
+  REQUIRE(rig.run([&] { return rig.approach.approach(); }));
+  rig.enter(Task::Retreat);
+  rig.retreat.begin_retreat();
+  CHECK(rig.retreat.leg() == RetreatPhase::Leg::FromObject);
+  Attempts& attempts = rig.c->attempts;
+  Event wanted = Event::BackHome;
+  SECTION("everything went as wished") {}
+  SECTION("the first grip failed: tries again") {
+    attempts.failed = true;
+    wanted = Event::TryAgain;
+  }
+  SECTION("the second grip failed") {
+    attempts.failed = true;
+    attempts.approaches = 2;
+    attempts.failure = "the fingers met nothing";
+    wanted = Event::BackInVain;
+  }
+  SECTION("a lift that failed is not tried again") {
+    attempts.failed = attempts.lifted = true;
+    wanted = Event::BackInVain;
+  }
+  SECTION("a test lift asks for another grasp") {
+    attempts.failed = attempts.lifted = attempts.regrasp = true;
+    wanted = Event::TryAgain;
+  }
+  const auto event = rig.run([&] { return rig.retreat.retreat(); });
+  REQUIRE(event);
+  CHECK(event->event == wanted);
+  CHECK(event->detail == attempts.failure);
+  CHECK(rig.retreat.leg() == RetreatPhase::Leg::Home);
+  CHECK(rig.off(home()) < 0.01);
+}

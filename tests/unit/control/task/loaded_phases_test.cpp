@@ -1,0 +1,197 @@
+// Grip, lift, hold, lower and test lift without a camera: what joints, forces and fingers say alone.
+#include <catch2/catch.hpp>
+
+#include "control/task/phases/grip_phase.hpp"
+#include "control/task/phases/lift_phase.hpp"
+#include "control/task/phases/test_lift_phase.hpp"
+#include "phase_rig.hpp"
+
+using namespace colift;
+using namespace colift::control;
+using namespace colift::control::test;
+
+namespace {
+
+struct Loaded : PhaseRig {
+  explicit Loaded(const Config& config = {}) : PhaseRig(config) {
+    make_decision();
+    hand->now.held = true;
+  }
+
+  std::optional<TaskEvent> lift_up() {
+    enter(Task::Lift);
+    lift.begin_lift(Task::AwaitReady);
+    return run([this] { return lift.lift(); }, 10.0);
+  }
+  /// A load on the palm, as the joints feel it.
+  void load(double force_n) {
+    Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
+    wrench[2] = -force_n;
+    external_nm =
+        hal::jacobian(hal::built_in_robot(), c->arm.commanded(), hal::Vec3::Zero()).transpose() * wrench;
+  }
+
+  PartnerMonitor partner{*c};
+  ObjectMonitor object{*c};
+  GraspSelector grasps{*c};
+  GripPhase grip{*c, partner, object};
+  LiftPhase lift{*c, object};
+  TestLiftPhase test_lift{*c, object, grasps};
+};
+
+}  // namespace
+
+TEST_CASE("a closed hand holds something, or is empty", "[phases]") {
+  Loaded rig;
+  rig.enter(Task::Close);
+  rig.grip.begin_close();
+  CHECK(rig.hand->commands == std::vector<std::string>{"close"});
+  rig.hand->now.moving = true;
+  CHECK_FALSE(rig.run([&] { return rig.grip.close(); }, 2.0));
+  SECTION("held") {
+    rig.hand->now.moving = false;
+    CHECK(rig.run([&] { return rig.grip.close(); })->event == Event::HandHeld);
+  }
+  SECTION("empty") {
+    rig.hand->now.moving = rig.hand->now.held = false;
+    CHECK(rig.run([&] { return rig.grip.close(); })->event == Event::HandEmpty);
+  }
+  SECTION("never at rest") {
+    CHECK(rig.run([&] { return rig.grip.close(); })->event == Event::HandEmpty);
+    CHECK(rig.c->in_state_s() > 8.0);
+  }
+}
+
+TEST_CASE("a grip is good when the fingers stop where the observed width says", "[phases]") {
+  Loaded rig;
+  const double expected = planner::stopped_angle(rig.hand_model, rig.c->chosen());
+  rig.enter(Task::Verify);
+  SECTION("there") {
+    rig.hand->now.finger_rad.fill(expected + 0.3);
+    CHECK(rig.run([&] { return rig.grip.verify(); })->event == Event::GripGood);
+  }
+  SECTION("elsewhere") {
+    rig.hand->now.finger_rad = {expected, expected + 0.6, expected};
+    CHECK(rig.run([&] { return rig.grip.verify(); })->event == Event::GripBad);
+  }
+  SECTION("lost") {
+    rig.hand->now.finger_rad.fill(expected);
+    rig.hand->now.held = false;
+    CHECK(rig.run([&] { return rig.grip.verify(); })->event == Event::GripBad);
+  }
+  CHECK(rig.c->in_state_s() >= 0.3);
+}
+
+TEST_CASE("a partner who never holds still ends the wait, a hot or empty hand at once", "[phases]") {
+  Loaded rig;
+  rig.enter(Task::AwaitReady);
+  rig.grip.begin_await_ready();
+  CHECK_FALSE(rig.run([&] { return rig.grip.await_ready(); }, 1.0));
+  SECTION("timeout") {
+    CHECK(rig.run([&] { return rig.grip.await_ready(); })->event == Event::TimeOut);
+    CHECK(rig.c->in_state_s() == Approx(20.0).margin(0.02));
+  }
+  SECTION("hot") {
+    rig.hand->now.hot = true;
+    CHECK(rig.run([&] { return rig.grip.await_ready(); })->event == Event::GripBad);
+  }
+  SECTION("empty") {
+    rig.hand->now.held = false;
+    CHECK(rig.run([&] { return rig.grip.await_ready(); })->event == Event::HandEmpty);
+  }
+}
+
+TEST_CASE("lift, hold and lower: up by the height, for the time, and down again", "[phases]") {
+  Loaded rig;
+  const double floor_m = rig.c->palm().translation().z();
+  REQUIRE(rig.lift_up());
+  CHECK(rig.c->attempts.lifted);
+  CHECK(rig.c->palm().translation().z() - floor_m == Approx(0.05).margin(1e-3));
+  CHECK(rig.c->in_state_s() > 2.0 + 0.3);
+
+  rig.enter(Task::Hold);
+  rig.lift.begin_hold();
+  CHECK(rig.run([&] { return rig.lift.hold(); })->event == Event::HoldOver);
+  CHECK(rig.c->in_state_s() == Approx(2.0).margin(0.02));
+
+  rig.enter(Task::Lower);
+  rig.lift.begin_lower();
+  CHECK(rig.run([&] { return rig.lift.lower(); })->event == Event::OnGround);
+  CHECK(rig.c->palm().translation().z() - floor_m == Approx(0.0).margin(1e-3));
+}
+
+TEST_CASE("a lift ends with the grip, a slipping or hot hand, and too much load", "[phases]") {
+  Loaded rig;
+  rig.enter(Task::Lift);
+  rig.lift.begin_lift(Task::AwaitReady);
+  CHECK_FALSE(rig.run([&] { return rig.lift.lift(); }, 0.5));
+  Event wanted = Event::HandEmpty;
+  SECTION("grip") {
+    rig.hand->now.held = false;
+  }
+  SECTION("slip") {
+    rig.hand->now.slips = true;
+    wanted = Event::HandUnfit;
+  }
+  SECTION("heat") {
+    rig.hand->now.hot = true;
+    wanted = Event::HandUnfit;
+  }
+  SECTION("load") {
+    rig.load(70.0);
+    wanted = Event::LimitReached;
+  }
+  const auto event = rig.run([&] { return rig.lift.lift(); }, 0.5);
+  REQUIRE(event);
+  CHECK(event->event == wanted);
+}
+
+TEST_CASE("a load that jumps while the object is held means that the partner let go", "[phases]") {
+  Loaded rig;
+  REQUIRE(rig.lift_up());
+  rig.enter(Task::Hold);
+  rig.lift.begin_hold();
+  rig.load(15.0);
+  rig.idle(0.5);
+  rig.lift.begin_hold();
+  CHECK_FALSE(rig.run([&] { return rig.lift.hold(); }, 0.5));
+  SECTION("by more than the limits") {
+    rig.load(30.0);
+    const auto event = rig.run([&] { return rig.lift.hold(); }, 0.5);
+    REQUIRE(event);
+    CHECK(event->event == Event::PartnerLetGo);
+  }
+  SECTION("by less") {
+    rig.load(19.0);
+    CHECK_FALSE(rig.run([&] { return rig.lift.hold(); }, 0.5));
+  }
+}
+
+TEST_CASE("after a test lift the rest is lifted slowly", "[phases]") {
+  Loaded rig;
+  rig.enter(Task::Lift);
+  rig.c->arm.start_lift(LiftController::Role::Lead, 0.01, 1.0);
+  rig.idle(1.5);
+  rig.lift.begin_lift(Task::TestLift);
+  rig.enter(Task::Lift);
+  REQUIRE(rig.run([&] { return rig.lift.lift(); }, 30.0)->event == Event::AtHeight);
+  CHECK(rig.c->in_state_s() == Approx(0.04 / 0.005).margin(0.5));
+}
+
+TEST_CASE("a test lift that saw nothing is put down, and its grasp is left out", "[phases]") {
+  Loaded rig;
+  perception::Target& target = rig.c->session.look().scene.target.emplace();
+  target.cog = {0.0, 0.0, 0.3};
+  target.shape.size = {0.8, 0.6, 0.3};
+  rig.enter(Task::TestLift);
+  rig.test_lift.begin();
+  CHECK(rig.test_lift.leg() == TestLiftPhase::Leg::Raising);
+  const auto event = rig.run([&] { return rig.test_lift.test_lift(); });
+  REQUIRE(event);
+  CHECK(event->event == Event::HangsAskew);
+  CHECK(rig.test_lift.leg() == TestLiftPhase::Leg::Measuring);
+  CHECK(rig.c->attempts.regrasp);
+  REQUIRE(rig.c->record.test_lifts.size() == 1);
+  CHECK(rig.c->record.test_lifts[0].height_m == Approx(0.03).margin(1e-3));
+  CHECK_FALSE(rig.c->record.test_lifts[0].known);
+}

@@ -1,0 +1,109 @@
+#include "tools/visualization/scene/solid_light.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "sim_hal/synthetic/ray_caster.hpp"
+#include "sim_hal/synthetic/scene_objects.hpp"
+
+namespace colift::picture {
+namespace {
+
+constexpr int kKeyMaps = 24, kSkyMaps = 96;
+constexpr int kKeySide = 768, kSkySide = 256;  // pixels of a map
+constexpr double kKeySpread = 0.11;            // half angle of the window (rad): soft shadows
+constexpr double kFar_m = 400.0;               // from there rays are parallel
+constexpr float kOff_px = 1.5f;                // a surface does not shade itself
+constexpr float kGroundShade_m = 0.25f;        // beneath it, what looks down is darkened by the ground
+
+// Points of a unit disc or half sphere, evenly: a sunflower's seeds.
+Eigen::Vector2d seed(int k, int of) {
+  constexpr double kGoldenAngle = 2.399963229728653;
+  const double r = std::sqrt((k + 0.5) / of), angle = kGoldenAngle * k;
+  return {r * std::cos(angle), r * std::sin(angle)};
+}
+
+}  // namespace
+
+SolidLights::SolidLights(const sim_hal::World& world, const Vec3f& key) {
+  sim_hal::World solid;
+  hal::Aabb bounds;
+  for (const sim_hal::Shape& shape : world.shapes) {
+    if (shape.kind == sim_hal::Shape::Kind::HalfSpace) continue;
+    solid.shapes.push_back(shape);
+    for (const hal::Vec3& p : sim_hal::corners(shape)) bounds.extend(p);
+  }
+  if (solid.shapes.empty()) return;
+  middle_ = bounds.center().cast<float>();
+  radius_ = static_cast<float>(0.5 * bounds.diagonal().norm());
+
+  const auto [u, v] = hal::tangents(key.cast<double>());
+  for (int i = 0; i < kKeyMaps; ++i) {
+    const Eigen::Vector2d d = kKeySpread * seed(i, kKeyMaps);
+    add(solid, key_, (key.cast<double>() + d.x() * u + d.y() * v).normalized().cast<float>(), kKeySide, i);
+  }
+  for (int i = 0; i < kSkyMaps; ++i) {
+    // the same share of the sphere for each, horizon to zenith
+    const Eigen::Vector2d d = seed(i, kSkyMaps);
+    const double z = 1.0 - d.squaredNorm(), flat = std::sqrt(1.0 - z * z);
+    const Eigen::Vector2d side = flat * d.normalized();
+    add(solid, sky_, Eigen::Vector3d(side.x(), side.y(), z).cast<float>(), kSkySide, i);
+  }
+}
+
+void SolidLights::add(const sim_hal::World& world, std::vector<Map>& maps, const Vec3f& towards, int side,
+                      double turn) {
+  // each map is turned against the one before, so that their pixels do not add up to steps
+  const Eigen::Vector3d axis = towards.cast<double>();
+  const Eigen::AngleAxisd turned(turn, axis);
+  const auto [right, other] = hal::tangents(axis);
+  hal::Pose X_WC = hal::Pose::Identity();
+  const Eigen::Vector3d x = turned * right;
+  X_WC.linear() << x, (-axis).cross(x), -axis;
+  X_WC.translation() = middle_.cast<double>() + kFar_m * axis;
+  const double focal = 0.5 * side * kFar_m / static_cast<double>(radius_), centre = 0.5 * side - 0.5;
+  const sim_hal::Rendering seen = sim_hal::cast_rays(world, {side, side, focal, focal, centre, centre}, X_WC);
+  Map map;
+  map.towards = towards;
+  map.right = X_WC.linear().col(0).cast<float>();
+  map.down = X_WC.linear().col(1).cast<float>();
+  map.height_m.reserve(seen.depth_m.size());
+  for (const float z : seen.depth_m)
+    map.height_m.push_back(std::isnan(z) ? -std::numeric_limits<float>::infinity()
+                                         : static_cast<float>(kFar_m) - z);
+  maps.push_back(std::move(map));
+}
+
+bool SolidLights::lit(const Map& map, int side, const Vec3f& p, const Vec3f& normal) const {
+  const float texel = 2.0f * radius_ / static_cast<float>(side);
+  const Vec3f from = p + kOff_px * texel * normal - middle_;
+  const float middle = 0.5f * static_cast<float>(side);
+  const auto u = static_cast<int>(std::floor(middle + map.right.dot(from) / texel)),
+             v = static_cast<int>(std::floor(middle + map.down.dot(from) / texel));
+  if (u < 0 || v < 0 || u >= side || v >= side) return true;
+  const auto i = static_cast<std::size_t>(v) * static_cast<std::size_t>(side) + static_cast<std::size_t>(u);
+  return map.towards.dot(from) + 0.5f * texel >= map.height_m[i];
+}
+
+SolidLight SolidLights::at(const Vec3f& p, const Vec3f& normal) const {
+  SolidLight light;
+  int dark = 0;
+  for (const Map& map : key_) dark += map.towards.dot(normal) <= 0.0f || !lit(map, kKeySide, p, normal);
+  if (!key_.empty()) light.key = 1.0f - static_cast<float>(dark) / static_cast<float>(key_.size());
+  float open = 0.0f, all = 0.0f;
+  for (const Map& map : sky_) {
+    const float facing = map.towards.dot(normal);
+    if (facing <= 0.0f) continue;
+    all += facing;
+    if (lit(map, kSkySide, p, normal)) open += facing;
+  }
+  // what faces the ground gets its light from there, less where it is close
+  const float up = 0.5f * (1.0f + normal.z());
+  const float from_ground = std::clamp(p.z() / kGroundShade_m, 0.0f, 1.0f);
+  light.sky = up * (all > 0.0f ? open / all : 1.0f) + (1.0f - up) * from_ground;
+  return light;
+}
+
+}  // namespace colift::picture
