@@ -45,7 +45,7 @@ void ObjectMonitor::update() {
     tilt_rad_ = motion_->tilt(up);
     // along the lift: across it a flat or round object may not show how far it went
     slip_m_ = std::abs(motion_->rise(grip, up) - (X_WH.translation() - grip).dot(up));
-    sample.object_rise_m = motion_->rise(c_.session.look().scene.target->cog, up);
+    sample.object_rise_m = motion_->rise(c_.session.analysis().scene.target->cog, up);
     sample.tilt_rad = tilt_rad_;
     sample.slip_m = slip_m_;
     c_.arm.see_partner(partner_rise_m_);
@@ -85,7 +85,7 @@ double ObjectMonitor::displacement_m() const {
   if (!motion_) return 0.0;
   double max_m = 0.0;
   // a rotation shows at the corners
-  const hal::OrientedBox& box = c_.session.look().scene.target->obb;
+  const hal::OrientedBox& box = c_.session.analysis().scene.target->obb;
   for (int corner = 0; corner < 8; ++corner) {
     const hal::Vec3 half(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5);
     const hal::Vec3 p = box.center + box.axes * box.size.cwiseProduct(half);

@@ -17,7 +17,7 @@ constexpr std::string_view kHoldsBadly =
     "the hand may not hold on for long: holds, the grip stays closed; lower the object on request";
 constexpr std::string_view kHandGone = "the hand does not answer; its fingers stay where they are";
 constexpr std::string_view kAsked = "interrupted before the arm set out";
-constexpr std::string_view kAskedOnTheWay = "interrupted; the arm comes to rest and holds";
+constexpr std::string_view kAskedInTransit = "interrupted; the arm comes to rest and holds";
 constexpr std::string_view kAskedLoaded = "interrupted; the arm holds and the grip stays closed";
 constexpr std::string_view kPulled =
     "the object is pulled with more force than allowed; holds and keeps the grip";
@@ -59,7 +59,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Decide, Interrupted, Refused, kAsked},
 
     {Plan, PlanReady, Approach, "there is a way to the grasp that touches nothing"},
-    {Plan, NoWay, Refused, "no way leads to the grasp"},
+    {Plan, NoPath, Refused, "no way leads to the grasp"},
     {Plan, PartnerMoved, AwaitPartner, "the partner's grasp moved while the way was planned"},
     {Plan, PartnerLetGo, AwaitPartner, "the partner let go while the way was planned"},
     {Plan, CameraLost, AwaitPartner, "the camera is gone: waits until it sees again, then plans anew"},
@@ -79,14 +79,14 @@ constexpr auto kRules = std::to_array<Rule>({
     {Approach, ArmLost, Stopped, kArmGone},
     {Approach, HandLost, Stopped, kHandGone},
     {Approach, HandUnfit, BackOff, "the hand may not grip now: goes back"},
-    {Approach, Interrupted, Stopped, kAskedOnTheWay},
+    {Approach, Interrupted, Stopped, kAskedInTransit},
 
     {Halt, CameraBack, BackOff, "sees again: goes back, then looks and plans anew"},
     {Halt, Blocked, Stopped, kHit},
     {Halt, TimeOut, Stopped, "the camera did not come back; holds"},
     {Halt, ArmLost, Stopped, kArmGone},
     {Halt, HandLost, Stopped, kHandGone},
-    {Halt, Interrupted, Stopped, kAskedOnTheWay},
+    {Halt, Interrupted, Stopped, kAskedInTransit},
 
     {BackOff, BackHome, AwaitPartner, "back home: waits for a grasp of the partner again"},
     {BackOff, BackInVain, Aborted, "back home without the goal; tried often enough"},
@@ -95,7 +95,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {BackOff, TimeOut, Stopped, "did not get back home in time; holds"},
     {BackOff, ArmLost, Stopped, kArmGone},
     {BackOff, HandLost, Stopped, kHandGone},
-    {BackOff, Interrupted, Stopped, kAskedOnTheWay},
+    {BackOff, Interrupted, Stopped, kAskedInTransit},
 
     // the hand is at the object, which stands on the ground: only Release opens it
     {Close, HandHeld, Verify, "every finger is held by contact"},
@@ -191,7 +191,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Release, TimeOut, Stopped, "the hand did not open; holds"},
     {Release, ArmLost, Stopped, kArmGone},
     {Release, HandLost, Stopped, kHandGone},
-    {Release, Interrupted, Stopped, kAskedOnTheWay},
+    {Release, Interrupted, Stopped, kAskedInTransit},
 
     {Retreat, BackHome, Done, "lifted, set down, released, and back home"},
     {Retreat, TryAgain, AwaitPartner, "back home after a grip that failed: tries again"},
@@ -200,7 +200,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Retreat, TimeOut, Stopped, "did not get back home in time; holds"},
     {Retreat, ArmLost, Stopped, kArmGone},
     {Retreat, HandLost, Stopped, kHandGone},
-    {Retreat, Interrupted, Stopped, kAskedOnTheWay},
+    {Retreat, Interrupted, Stopped, kAskedInTransit},
 });
 
 struct TaskWords {
@@ -298,7 +298,7 @@ std::string_view word(Event event) {
       return "partner asked";
     case PlanReady:
       return "plan ready";
-    case NoWay:
+    case NoPath:
       return "no way";
     case Arrived:
       return "arrived";

@@ -210,7 +210,7 @@ void TaskRunner::apply(const TaskEvent& event, const JobHooks& hooks) {
   c_.since = c_.now;
   c_.doing.clear();
   c_.done.reset();
-  reason_ = rule->because;
+  reason_ = rule->reason;
   if (!event.detail.empty()) reason_ += ": " + event.detail;
   c_.record.states.push_back({c_.now - c_.began, c_.state, reason_});
   if (is_failure(from, event.event, c_.state)) {
@@ -236,7 +236,7 @@ void TaskRunner::report(const JobHooks& hooks) {
   s.now = c_.now - c_.began;
   s.state = c_.state;
   s.since = c_.since - c_.began;
-  s.because = reason_;
+  s.reason = reason_;
   s.doing = c_.doing;
   s.done = c_.done;
   if (const auto grasp = c_.session.tracker().grasp()) s.partner_W = grasp->position;
@@ -247,7 +247,7 @@ void TaskRunner::report(const JobHooks& hooks) {
     if (!std::isnan(object_.tilt_rad())) s.tilt_rad = object_.tilt_rad(), s.slip_m = object_.slip_m();
   }
   s.record = &c_.record;
-  if (c_.record.look && c_.record.look->scene.target) s.map = &c_.session.map();
+  if (c_.record.analysis && c_.record.analysis->scene.target) s.map = &c_.session.map();
   hooks.status(s);
 }
 
@@ -262,16 +262,16 @@ RunRecord TaskRunner::finish() {
   switch (c_.state) {
     case Task::Done:
       record.outcome = Result::Lifted;
-      record.because = fmt::format("held {:.1f} cm for {:.0f} s, lowered, released",
-                                   1e2 * (record.lift ? record.lift->height_m : 0.0), c_.config.task.hold_s);
+      record.reason = fmt::format("held {:.1f} cm for {:.0f} s, lowered, released",
+                                  1e2 * (record.lift ? record.lift->height_m : 0.0), c_.config.task.hold_s);
       break;
     case Task::Refused:
       record.outcome = c_.attempts.approaches > 0 ? Result::Aborted : Result::Refused;
-      record.because = reason_;
+      record.reason = reason_;
       break;
     default:
       record.outcome = Result::Aborted;
-      record.because =
+      record.reason =
           c_.state == Task::Aborted && !c_.attempts.failure.empty() ? c_.attempts.failure : reason_;
   }
   record.timing.sim_s = hal::seconds(c_.robot.clock->now() - c_.began);

@@ -126,7 +126,7 @@ struct TestLift {
     OtherShare,  ///< Level, but the robot bears another part than was agreed: say so, and ask.
     Regrasp,     ///< Put down, and take hold where the belief gives the best chance (chance_level).
   } next = Next::GoOn;
-  std::string because;
+  std::string reason;
 };
 
 /// Mass and centre of gravity from test lifts of one object, the last of which was made just now.
@@ -139,7 +139,7 @@ struct TestLift {
 /// others are put down. Errors: NotFound (the load says nothing, or nothing that is possible fits it, with
 /// the numbers), BadInput (no test lift, not finite, hands at one place, fewer than three feet).
 [[nodiscard]] hal::Result<TestLift> understand_test_lift(const CarriedObject& object,
-                                                         std::span<const FeltLift> tests,
+                                                         std::span<const MeasuredLift> tests,
                                                          const TestLiftConfig& config);
 
 /// Of the grasps that are possible (Ok or Chosen), where the hand takes hold next while the partner holds at
@@ -152,7 +152,7 @@ struct NextGrip {
   double share = 0.0;  ///< What the robot would bear, by the mean of the belief.
 };
 [[nodiscard]] std::optional<NextGrip> next_grip(std::span<const planner::GraspCandidate> grasps,
-                                                const hal::Vec3& partner, std::span<const FeltLift> tests,
+                                                const hal::Vec3& partner, std::span<const MeasuredLift> tests,
                                                 const CogBelief& belief, double wanted_share,
                                                 const TestLiftConfig& config);
 

@@ -60,7 +60,7 @@ class GuardedCamera final : public DepthCamera {
   [[nodiscard]] DeviceHealth health() const override;
   /// Errors: Timeout (none within `patience`, or only bad ones), LinkLost (the camera is lost; frames come
   /// again by themselves where the inner camera's do), DeviceFault (it was moved).
-  [[nodiscard]] Result<DepthFrame> next_frame(std::chrono::milliseconds patience) override;
+  [[nodiscard]] Result<DepthFrame> next_frame(std::chrono::milliseconds timeout) override;
 
  private:
   struct Impl;

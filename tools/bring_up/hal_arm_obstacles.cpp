@@ -15,7 +15,7 @@ using hal::FriQuality;
 constexpr double kMismatch_rad = 0.02;  // as the driver's own words
 constexpr double kBeatWatch_s = 0.6;    // several heartbeats and rounds of the program
 constexpr double kStraight_deg = 15.0;
-constexpr float kGoodRate = 0.99f, kLeastRate = 0.95f;
+constexpr float kGoodRate = 0.99f, kMinRate = 0.95f;
 
 FriQuality least(const hal::FriConfig& c) {
   return c.min_quality == "perfect" ? FriQuality::Perfect
@@ -85,7 +85,7 @@ class Finder {
              fmt::format("the quality is {}, needed is {} ({})", name_of(s.quality), v_.config.min_quality,
                          link_text(s)),
              s.received < 150 ? "the KRC judges by 100 answers: wait a second and look again" : next);
-    else if (s.answer_rate < kLeastRate)
+    else if (s.answer_rate < kMinRate)
       remark("answer-rate", fmt::format("answers get lost ({})", link_text(s)), next);
   }
 

@@ -142,12 +142,12 @@ std::string hand_document(const std::string& verb, const HandView& v, const Hand
                           const HandTaskEnd& e) {
   const auto& r = v.report;
   Json j = {{"schema", "colift.hal.hand/1"}, {"verb", verb}};
-  j["result"] = {{"outcome", to_string(e.how)}, {"because", e.because}, {"moved", e.moved},
-                 {"took_s", e.took_s},          {"states", e.states},   {"bad_states", e.bad_states}};
+  j["result"] = {{"outcome", to_string(e.how)}, {"because", e.reason}, {"moved", e.moved},
+                 {"took_s", e.took_s},          {"states", e.states},  {"bad_states", e.bad_states}};
   if (task.kind == HandTask::Kind::Close || task.kind == HandTask::Kind::Grip) {
     j["result"]["torque_asked"] = task.torque_nm;
     j["result"]["held"] = e.after.held;
-    j["result"]["least_force"] = e.least_force_n;
+    j["result"]["least_force"] = e.min_force_n;
   }
   j["bus"] = {{"name", v.bus},
               {"state", word(r.bus)},

@@ -138,11 +138,11 @@ int cmd_calibrate(const CommonOptions& common, const CalibrateOptions& o) {
   view.method = fmt::format("blinking emitter on the palm, {} poses of {}, seed {}",
                             taken->set.samples.size(), taken->source, o.seed);
   if (solved) {
-    view.because = fmt::format("points are placed {:.1f} mm off on the average, by {} of {} poses",
-                               1e3 * solved->error_m, solved->inliers, solved->samples.size());
+    view.reason = fmt::format("points are placed {:.1f} mm off on the average, by {} of {} poses",
+                              1e3 * solved->error_m, solved->inliers, solved->samples.size());
   } else {
     view.refused_kind = solved.error().kind;
-    view.because = solved.error().because;
+    view.reason = solved.error().reason;
   }
   view.next = next_pose(taken->set, view.solved, setup->config, o.seed);
   if (taken->true_X_BC && view.solved)
@@ -161,7 +161,7 @@ int cmd_calibrate(const CommonOptions& common, const CalibrateOptions& o) {
   if (common.json)
     std::puts(calibration_document(view).c_str());
   else
-    std::fputs((common.quiet ? view.because + "\n" : calibration_text(view)).c_str(), stdout);
+    std::fputs((common.quiet ? view.reason + "\n" : calibration_text(view)).c_str(), stdout);
   if (solved && o.out && !common.quiet) std::fprintf(stderr, "written: %s\n", o.out->c_str());
   return solved ? kDone : kNoGoal;
 }

@@ -11,7 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 using Verdict = DoctorRow::Verdict;
 
-constexpr long long kLeastBuffer = 64 * 1024;  // some 70 datagrams of the KRC
+constexpr long long kMinBuffer = 64 * 1024;  // some 70 datagrams of the KRC
 constexpr int kEthernet = 1;
 
 /// Local ports in the text of /proc/net/udp: lines "  12: 0100007F:C312 00000000:0000 ...".
@@ -45,7 +45,7 @@ DoctorRow receive_buffer(const fs::path& root) {
   const auto bytes = read_number(root / "proc/sys/net/core/rmem_default");
   if (!bytes) return {"UDP receive buffer", "the system does not tell"};
   const std::string found = fmt::format("{} KiB, {} datagrams of the KRC", *bytes / 1024, *bytes / 916);
-  if (*bytes >= kLeastBuffer) return {"UDP receive buffer", found};
+  if (*bytes >= kMinBuffer) return {"UDP receive buffer", found};
   return {"UDP receive buffer", found, Verdict::Warn, "sudo sysctl -w net.core.rmem_default=212992"};
 }
 

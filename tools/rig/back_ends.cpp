@@ -28,8 +28,8 @@ using World = std::shared_ptr<sim_hal::SimWorld>;
 /// Which devices go together in one run. A simulated arm steps its world, a wire's far end lets it run in
 /// real time, and beside a real arm nobody moves one.
 hal::Result<> check_together(const RobotFile& file, bool emulated, const std::string& where) {
-  const auto refuse = [&](const char* because) {
-    return hal::failure(hal::ErrorCode::BadConfig, where, because);
+  const auto refuse = [&](const char* reason) {
+    return hal::failure(hal::ErrorCode::BadConfig, where, reason);
   };
   if (file.arm == "simulated") {
     if (file.hand == "barrett")
@@ -77,9 +77,9 @@ ArmLink link_of(const hal::FriArm& arm, EmulatedRig* emulated) {
       timing.late, timing.worst_late_ms, report.missed_in_command};
   for (const auto& missed : timing.missed)
     link.controller->missed_at.push_back({missed.sent_s, missed.until_s});
-  for (const auto& broken : report.broken_rules) link.controller->broken_rules.push_back(broken.because);
+  for (const auto& broken : report.broken_rules) link.controller->broken_rules.push_back(broken.reason);
   for (const auto& change : report.mode_changes)
-    if (change.from == sim_hal::FriState::Command) link.controller->left_command.push_back(change.because);
+    if (change.from == sim_hal::FriState::Command) link.controller->left_command.push_back(change.reason);
   return link;
 }
 

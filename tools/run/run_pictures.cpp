@@ -47,16 +47,16 @@ Solid capsule(const Vec3& from, const Vec3& to, double radius, SolidRole role) {
 SolidScene scene_as_seen(const RunView& view, const hal::JointVector& q_rad, double rise_m) {
   SolidScene scene;
   const control::RunRecord& r = view.record;
-  if (r.look && r.look->scene.ground) {
-    const hal::Plane& plane = r.look->scene.ground->plane;
+  if (r.analysis && r.analysis->scene.ground) {
+    const hal::Plane& plane = r.analysis->scene.ground->plane;
     scene.solids.push_back(
         {sim_hal::half_space(-plane.offset * plane.normal, plane.normal, sim_hal::Label::Ground),
          SolidRole::Ground});
   }
   const Vec3 rise = rise_m * Vec3::UnitZ();
   Vec3 outwards = Vec3::UnitX();
-  if (r.look && r.look->scene.target) {
-    const hal::OrientedBox& box = r.look->scene.target->shape;
+  if (r.analysis && r.analysis->scene.target) {
+    const hal::OrientedBox& box = r.analysis->scene.target->shape;
     Solid object;
     object.X_WS.linear() = box.axes;
     object.X_WS.translation() = box.center + rise;
@@ -136,7 +136,8 @@ DrawnScenes drawn_scenes(const RunView& view) {
     drawn.before = view.scenes->before;
     drawn.lifted = view.scenes->lifted;
   }
-  if (drawn.before || drawn.lifted || !view.record.look || !view.record.look->scene.target) return drawn;
+  if (drawn.before || drawn.lifted || !view.record.analysis || !view.record.analysis->scene.target)
+    return drawn;
   const auto& plan = view.record.plan;
   drawn.seen_only = true;
   drawn.before = scene_as_seen(view, plan ? plan->reach.grasp_rad : view.setting.home_rad, 0.0);

@@ -49,12 +49,12 @@ std::string sentence(const std::string& text) {
 
 std::vector<std::string> summary(const RunView& view) {
   const control::RunRecord& r = view.record;
-  std::vector<std::string> out{sentence(r.because)};
+  std::vector<std::string> out{sentence(r.reason)};
   if (r.hand_keeps_grip)
     out.emplace_back("The hand still holds the object: take its weight before the hand is opened.");
   // a refusal's reason is said already
-  if (r.decision && r.because.find(r.decision->decision.because) == std::string::npos)
-    out.push_back(sentence(r.decision->decision.because));
+  if (r.decision && r.reason.find(r.decision->decision.reason) == std::string::npos)
+    out.push_back(sentence(r.decision->decision.reason));
   if (r.device_failed) out.emplace_back("A device was lost; the faults stand below.");
   return out;
 }
@@ -98,7 +98,7 @@ std::vector<picture::ReportStep> time_line(const control::RunRecord& record) {
       to = hal::seconds(record.states[i + 1].at);
     else if (!control::is_end(s.state))
       to = std::max(from, record.timing.sim_s);
-    steps.push_back({from, to, std::string(control::word(s.state)), s.because, tone_of(s.state)});
+    steps.push_back({from, to, std::string(control::word(s.state)), s.reason, tone_of(s.state)});
   }
   return steps;
 }
@@ -131,14 +131,15 @@ picture::ReportTable truth_table(const RunView& view) {
   };
   if (r.decision && r.decision->partner && view.truth->partner)
     place("partner's grasp", r.decision->partner->position, *view.truth->partner);
-  if (r.look && r.look->scene.target) place("centre of gravity", r.look->scene.target->cog, view.truth->cog);
+  if (r.analysis && r.analysis->scene.target)
+    place("centre of gravity", r.analysis->scene.target->cog, view.truth->cog);
   return table;
 }
 
 std::vector<picture::ReportTime> times(const control::RunRecord& r) {
   std::vector<picture::ReportTime> out;
-  if (r.look) {
-    const control::StageTimes& ms = r.look->ms;
+  if (r.analysis) {
+    const control::StageTimes& ms = r.analysis->ms;
     out = {{"ground", ms.ground},
            {"target", ms.target},
            {"surfaces", ms.surfaces},
@@ -192,36 +193,36 @@ std::vector<std::pair<std::string, std::string>> facts(const RunView& view) {
 // What the camera saw when it was decided, else the scene before anybody came.
 std::string decision_picture(const RunView& view) {
   const control::RunRecord& r = view.record;
-  if (!r.look) return "";
-  const control::Look& look = *r.look;
+  if (!r.analysis) return "";
+  const control::SceneAnalysis& analysis = *r.analysis;
   perception::OrganisedCloud with_partner;
   picture::ScenePicture p;
-  p.cloud = &look.cloud;
-  p.rgb = &look.frame.rgb;
-  p.scene = &look.scene;
-  p.candidates = &look.candidates;
+  p.cloud = &analysis.cloud;
+  p.rgb = &analysis.frame.rgb;
+  p.scene = &analysis.scene;
+  p.candidates = &analysis.candidates;
   p.hand_opening_m = view.setting.hand_opening_m;
   p.palm_gap_m = view.setting.palm_gap_m;
   p.title = view.setting.scenario.empty() ? view.setting.robot : view.setting.scenario;
-  p.because = look.because;
+  p.reason = analysis.reason;
   if (r.decision) {
     p.candidates = &r.decision->candidates;
     p.partner = r.decision->partner;
     p.partner_pixels = r.decision->partner_pixels;
-    p.because = r.decision->decision.because;
+    p.reason = r.decision->decision.reason;
     if (r.decision->decision.chosen) {
       p.share = r.decision->decision.share;
       p.optimum = r.decision->decision.optimum;
     }
-    p.notes.push_back(r.decision->partner_because);
-    if (r.frame_partner && r.frame_partner->depth_m.size() == look.cloud.size() &&
-        r.frame_partner->intrinsics.width == look.cloud.width()) {
-      with_partner = perception::deproject(*r.frame_partner, look.cloud.X_WC);
+    p.notes.push_back(r.decision->partner_reason);
+    if (r.frame_partner && r.frame_partner->depth_m.size() == analysis.cloud.size() &&
+        r.frame_partner->intrinsics.width == analysis.cloud.width()) {
+      with_partner = perception::deproject(*r.frame_partner, analysis.cloud.X_WC);
       p.cloud = &with_partner;
       p.rgb = &r.frame_partner->rgb;
     }
   }
-  if (look.scene.target) p.notes.push_back(look.scene.target->because);
+  if (analysis.scene.target) p.notes.push_back(analysis.scene.target->reason);
   p.figures.emplace_back("method", view.setting.method);
   if (p.cloud->size() == 0) return "";
   const char* caption =
@@ -270,8 +271,8 @@ std::string run_report_html(const RunView& view) {
   body += decision_picture(view);
   if (r.decision)
     body += picture::report_candidates(candidate_rows(r.decision->candidates, r.decision->decision.scores));
-  else if (r.look)
-    body += picture::report_candidates(candidate_rows(r.look->candidates, {}));
+  else if (r.analysis)
+    body += picture::report_candidates(candidate_rows(r.analysis->candidates, {}));
   if (const auto plot = curves_plot(view))
     body += picture::report_heading("Curves") +
             picture::report_figure(

@@ -19,7 +19,7 @@ std::optional<TaskEvent> ApproachPhase::approach() {
   const auto event = partner_.update();
   if (event && event->kind != PartnerEvent::Kind::Grasped) {
     const bool moved = event->kind == PartnerEvent::Kind::Moved;
-    return TaskEvent{moved ? Event::PartnerMoved : Event::PartnerLetGo, event->because};
+    return TaskEvent{moved ? Event::PartnerMoved : Event::PartnerLetGo, event->reason};
   }
   if (c_.arm.blocked()) return TaskEvent{Event::Blocked, c_.arm.why_blocked()};
   if (leg_ == Leg::None) return TaskEvent{Event::Blocked, c_.attempts.failure};

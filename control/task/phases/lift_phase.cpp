@@ -149,7 +149,7 @@ void LiftPhase::summarise_hold() {
   const hal::Vec3 grip = object_.X_WH_grip().translation(), partner = c_.record.decision->partner->position;
   const Eigen::Vector2d span = (grip - partner).head<2>();
   const auto& tested = c_.test_lifts.known();
-  const hal::Vec3& cog = tested ? tested->cog : c_.session.look().scene.target->cog;
+  const hal::Vec3& cog = tested ? tested->cog : c_.session.analysis().scene.target->cog;
   const double lever = (cog - partner).head<2>().dot(span) / span.squaredNorm();
   if (lever > kMinLever) s.mass_kg = load / (kGravity_m_s2 * lever);
   const double mass = c_.options.known_mass_kg > 0.0 ? c_.options.known_mass_kg : s.mass_kg;

@@ -28,7 +28,7 @@ std::optional<TaskEvent> PartnerPhase::await_partner() {
       requests_.fulfilled();
       grasps_.forget_bearable();
     }
-    return TaskEvent{Event::PartnerGrasped, event->because};
+    return TaskEvent{Event::PartnerGrasped, event->reason};
   } else {
     c_.doing = c_.partner_note;
   }

@@ -92,7 +92,7 @@ std::string RetreatPhase::take_scene_as_moved() {
   if (object_.displacement_m() > c_.config.task.attempts.max_object_moved_m) return "that is another scene";
   const hal::Pose X = object_.motion()->X_WTnow_WTref;
   if (auto seen = c_.session.object_moved(X, c_.posture()); !seen) return seen.error().detail;
-  if (!c_.session.look().scene.target) return "it is not seen there";
+  if (!c_.session.analysis().scene.target) return "it is not seen there";
   scene_.use_scene();
   c_.test_lifts.move(X);
   grasps_.object_moved(X);

@@ -110,10 +110,10 @@ bool HandEmulator::acknowledged() const {
   return false;
 }
 
-void HandEmulator::reset(std::size_t puck, const char* because) {
+void HandEmulator::reset(std::size_t puck, const char* reason) {
   pucks_[puck].reset();
   scan_due_[puck].reset();
-  event(fmt::format("{} resets: {}", kNames[puck], because));
+  event(fmt::format("{} resets: {}", kNames[puck], reason));
 }
 
 void HandEmulator::inject(const HandFault& fault) {
