@@ -81,7 +81,7 @@ hal::Result<> choose_robustly(const SceneAnalysis& analysis, const planner::Deci
   planner::GraspCandidate& after = out.candidates[*best];
   const planner::ScoredCandidate& score = *d.scores[*best];
   d.reason = fmt::format(
-      "candidate {} costs least {} {} and carries {:.0f} % of the load; with what is "
+      "candidate {} has the lowest cost {} {} and carries {:.0f} % of the load; with what is "
       "believed it would be {}: {}",
       after.id, worst ? "at worst" : "on average", over, 100 * score.share, before.id, d.reason);
   before.verdict = planner::Verdict::Ok;
@@ -139,7 +139,7 @@ hal::Result<Outcome> decide(const SceneAnalysis& analysis, const PartnerInput& p
   out.candidates = analysis.candidates;
   if (!analysis.scene.target) {
     out.decision.reason = analysis.reason;
-    out.partner_reason = "without a target nobody holds it";
+    out.partner_reason = "there is no target that a partner could hold";
     return out;
   }
   const hal::Timestamp start = clock.now();

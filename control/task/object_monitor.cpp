@@ -60,7 +60,7 @@ std::optional<TaskEvent> ObjectMonitor::beyond_limits() const {
   const TaskConfig& task = c_.config.task;
   if (!hand.held) return TaskEvent{Event::HandEmpty, "the hand has lost the object"};
   // it has gripped up by itself already
-  if (hand.slips) return TaskEvent{Event::HandUnfit, "the fingers feel the object slip"};
+  if (hand.slips) return TaskEvent{Event::HandUnfit, "slip detected by the fingers"};
   if (hand.hot) return TaskEvent{Event::HandUnfit, hand.warning.str()};
   if (frames_tilting_ >= task.carry.limit_frames)
     return TaskEvent{Event::LimitReached, fmt::format("the object tilts by {:.1f} deg (limit {:.1f})",
@@ -76,7 +76,7 @@ std::optional<TaskEvent> ObjectMonitor::beyond_limits() const {
 
 std::optional<TaskEvent> ObjectMonitor::end_of_reach() const {
   if (!c_.arm.end_of_reach()) return std::nullopt;
-  return TaskEvent{Event::EndOfReach, fmt::format("{:.1f} cm up, the palm cannot go on straight: {}",
+  return TaskEvent{Event::EndOfReach, fmt::format("{:.1f} cm up, the palm cannot continue straight: {}",
                                                   1e2 * c_.arm.view().height_m,
                                                   nearest_limit(c_.rig.model, c_.arm.commanded()))};
 }

@@ -43,7 +43,7 @@ hal::Result<> TaskRunner::start() {
   speed_.start();
   c_.readings.arm = c_.arm.view().state;
   retreat_phase_.set_home(c_.readings.arm.q_commanded_rad);
-  reason_ = "starts to look";
+  reason_ = "observing the scene";
   c_.record.states.push_back({hal::Timestamp(0), c_.state, reason_});
   return {};
 }
@@ -73,7 +73,7 @@ bool TaskRunner::cycle(const JobHooks& hooks) {
   if (fault && next(c_.state, fault->event)) {
     apply(*fault, hooks);
   } else if (waits_for_arm()) {
-    c_.doing = "the arm stands until its controller takes commands again";
+    c_.doing = "the arm is stopped until its controller accepts commands again";
   } else {
     if (arm_.take_restart()) resume_after_restart();
     if (const auto event = work()) apply(*event, hooks);
@@ -113,7 +113,7 @@ bool TaskRunner::waits_for_arm() const {
 }
 
 void TaskRunner::resume_after_restart() {
-  c_.note_device("arm", "goes on from where it stands");
+  c_.note_device("arm", "continues from the current position");
   // a hand at work continues by itself, and so does a lift: from its height
   if (c_.state == Task::Approach) approach_phase_.resume_after_restart();
   if (c_.state == Task::BackOff) back_off_phase_.resume_after_restart();

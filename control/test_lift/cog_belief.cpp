@@ -194,7 +194,7 @@ hal::Result<CogBelief> weigh_cog(const CarriedObject& object, std::span<const Me
   }
   if (belief.cases.empty())
     return hal::failure(hal::ErrorCode::NotFound, "test_lift",
-                        "no centre of gravity over the object's base fits what was felt and seen");
+                        "no centre of gravity over the object's base fits the measured wrench and tilt");
   const double best = *std::max_element(chance.begin(), chance.end());
   double sum = 0.0;
   for (std::size_t i = 0; i < chance.size(); ++i) sum += belief.cases[i].weight = std::exp(chance[i] - best);

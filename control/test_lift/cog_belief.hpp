@@ -31,10 +31,10 @@ struct CogBeliefConfig {
     v("mass_sigma", mass_sigma, hal::Range{0.01, 2.0},
       "Relative difference of the mass from one test lift to the next that is no contradiction.");
     v("partner_nm", partner_nm, hal::kNotNegative,
-      "Torque of the partner's hand, which the arm does not feel (N m).");
+      "Torque of the partner's hand, which the arm does not measure (N m).");
     v("place_m", place_m, hal::kPositive, "Error of hands and feet, as seen (m).");
     v("grip_nm_rad", grip_nm_rad, hal::kPositive,
-      "Torque per turn with which hands hold an object, until test lifts tell it (N m/rad).");
+      "Rotational stiffness of the hands' hold of an object, until test lifts have estimated it (N m/rad).");
     v("grip_sigma", grip_sigma, hal::Range{0.0, 2.0}, "Relative difference of that from grasp to grasp.");
     v("min_mass_kg", min_mass_kg, hal::kPositive, "Min mass of an object that two carry by hand (kg).");
     v("max_mass_kg", max_mass_kg, hal::kPositive, "Max mass of one (kg).");

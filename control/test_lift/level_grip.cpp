@@ -23,7 +23,7 @@ void choose(Outcome& outcome, std::size_t candidate, const NextGrip& grip) {
   planner::GraspCandidate& c = outcome.candidates[candidate];
   c.verdict = Verdict::Chosen;
   decision.reason =
-      fmt::format("grasp {}: by what test lifts told, it holds the object level with a chance of {:.0f} %",
+      fmt::format("grasp {}: after the test lifts it holds the object level with a probability of {:.0f} %",
                   c.id, 1e2 * grip.chance);
   c.reason = decision.reason;
 }

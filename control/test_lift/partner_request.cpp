@@ -108,7 +108,7 @@ std::optional<PartnerRequest> next_place(std::span<const planner::GraspCandidate
   if (best) {
     const hal::Vec3& p = best->position;
     best->reason = fmt::format(
-        "take hold {}, at ({:.2f}, {:.2f}, {:.2f}): the chance that we hold it level is {:.0f} % then",
+        "grasp {}, at ({:.2f}, {:.2f}, {:.2f}): the object is then level with a probability of {:.0f} %",
         path_text(held.front(), p, mean), p.x(), p.y(), p.z(), 100.0 * best->chance);
   }
   return best;

@@ -50,10 +50,9 @@ hal::Result<TestLift> understand_test_lift(const CarriedObject& object, std::spa
   const MeasuredLift& last = tests.back();
   const double load_n = -last.measured.force.z();
   if (load_n < config.min_load_n)
-    return hal::failure(
-        hal::ErrorCode::NotFound, "test_lift",
-        fmt::format("the robot bears {:.1f} N (least {:.1f} N): the object stands on the ground", load_n,
-                    config.min_load_n));
+    return hal::failure(hal::ErrorCode::NotFound, "test_lift",
+                        fmt::format("the robot carries {:.1f} N (min {:.1f} N): the object is on the ground",
+                                    load_n, config.min_load_n));
   auto belief = weigh_cog(object, tests, config.belief);
   if (!belief) return tl::unexpected(belief.error());
 
@@ -78,7 +77,7 @@ hal::Result<TestLift> understand_test_lift(const CarriedObject& object, std::spa
                  drift_deg_s <= config.max_drift_deg_s;
   if (out.stands && out.seen.tilt_rad < hal::deg_to_rad(config.standing_turn_deg)) {
     out.next = TestLift::Next::Regrasp;
-    out.reason = fmt::format("the object stands as it stood, so the hand slides on it at {:.0f} N", load_n);
+    out.reason = fmt::format("the object did not move: the hand slides on it at {:.0f} N", load_n);
   } else if (out.stands || out.seen.tilt_rad > hal::deg_to_rad(config.good_turn_deg)) {
     out.next = TestLift::Next::Regrasp;
     out.reason = fmt::format("turned by {:.1f} deg (limit {:.1f}){}: {}", hal::rad_to_deg(out.seen.tilt_rad),
@@ -89,8 +88,8 @@ hal::Result<TestLift> understand_test_lift(const CarriedObject& object, std::spa
                              config.max_drift_deg_s, facts);
   } else if (std::abs(out.share - last.share_predicted) > config.max_share_error) {
     out.next = TestLift::Next::OtherShare;
-    out.reason = fmt::format("{}; the robot bears {:.0f} % where {:.0f} % were expected", facts,
-                             100 * out.share, 100 * last.share_predicted);
+    out.reason = fmt::format("{}; the robot carries {:.0f} % (predicted {:.0f} %)", facts, 100 * out.share,
+                             100 * last.share_predicted);
   } else {
     out.reason = facts;
   }

@@ -23,7 +23,8 @@ void TestLifts::feel(const hal::Wrench& measured, const hal::Vec3& palm) {
 hal::Result<TestLift> TestLifts::end() {
   const auto moved = eye_->moved();
   if (!moved) return hal::failure(hal::ErrorCode::NotFound, "test_lift", "the camera did not see the object");
-  if (cycles_ == 0) return hal::failure(hal::ErrorCode::NotFound, "test_lift", "the arm felt nothing");
+  if (cycles_ == 0)
+    return hal::failure(hal::ErrorCode::NotFound, "test_lift", "no external wrench was measured");
   MeasuredLift lift = now_;
   lift.measured.force /= cycles_;
   lift.measured.torque /= cycles_;

@@ -97,13 +97,13 @@ struct GuardedCamera::Impl {
     if (!first_up_C) first_up_C = f.up_C;
     const double turned = angle_deg(*first_up_C, *f.up_C);
     if (turned > config.moved_deg)
-      return fmt::format(
-          "the camera was moved: it hangs {:.1f} deg otherwise than at the start; calibrate it", turned);
+      return fmt::format("the camera was moved: {:.1f} deg against gravity since the start; calibrate it",
+                         turned);
     if (!calibrated_up_C) return std::nullopt;
     const double off = angle_deg(*calibrated_up_C, *f.up_C);
     if (off > config.mounted_deg)
-      return fmt::format("the camera hangs {:.1f} deg otherwise than when it was calibrated; calibrate it",
-                         off);
+      return fmt::format(
+          "the camera was moved: {:.1f} deg against gravity since its calibration; calibrate it", off);
     return std::nullopt;
   }
 

@@ -201,7 +201,7 @@ std::optional<CalibrationRefusal> objection(std::span<const EmitterSample> sampl
         "one-orientation",
         fmt::format(
             "the palm has nearly one orientation at all poses (spread {:.1f} deg, needed {:.0f} about "
-            "two axes): the emitter's place in the palm cannot be told from the camera's",
+            "two axes): the emitter's position in the palm cannot be separated from the camera's",
             turn[0], config.min_rotation_deg),
         {}};
   if (turn[1] < config.min_rotation_deg)

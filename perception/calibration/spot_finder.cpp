@@ -304,7 +304,7 @@ Found find_spot(std::span<const hal::InfraredFrame> off, std::span<const hal::In
 Found find_blinking_spot(std::span<const hal::InfraredFrame> frames, const SpotConfig& config) {
   if (frames.size() < 4)
     return refuse("images",
-                  fmt::format("{} images are too few to tell which show the emitter", frames.size()));
+                  fmt::format("{} images are too few to find out which show the emitter", frames.size()));
   const int width = frames.front().width, height = frames.front().height;
   for (const auto& f : frames)
     if (!fits(f, width, height))

@@ -249,7 +249,7 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
     if (chosen)
       result.reason = fmt::format("the object {:.0f} mm from the given point", 1000 * best);
     else
-      result.reason = "nothing stands on the ground";
+      result.reason = "there is no object on the ground";
   } else {
     for (const Fragment& f : objects) {
       if (auto no = objection(f, c)) {
@@ -282,11 +282,11 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
         result.reason +=
             fmt::format("; {:.0f} % of its {} side touch the rim of the view", 100 * cut.fraction, cut.side);
     } else if (result.rejected.empty()) {
-      result.reason = "no target: nothing stands on the ground";
+      result.reason = "no target: there is no object on the ground";
     } else {
       std::stable_sort(result.rejected.begin(), result.rejected.end(),
                        [](const auto& a, const auto& b) { return a.pixels > b.pixels; });
-      result.reason = fmt::format("no target: none of {} objects stands free; the largest: {}",
+      result.reason = fmt::format("no target: none of {} objects is free-standing; the largest: {}",
                                   result.rejected.size(), result.rejected.front().reason);
     }
   }

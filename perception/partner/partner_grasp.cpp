@@ -288,7 +288,7 @@ hal::Result<PartnerObservation> PartnerFinder::find(const OrganisedCloud& curren
   if (const double receded = receded_part(current); receded > config_.max_receded_fraction) {
     observation.kind = PartnerKind::ObjectMoved;
     observation.reason = fmt::format(
-        "{:.1f} % of the view lie farther than in the reference (at most {:.1f} %), and nobody uncovers so "
+        "{:.1f} % of the view lie farther than in the reference (max {:.1f} %), and no person uncovers so "
         "much by "
         "coming: the camera or the scene moved",
         100.0 * receded, 100.0 * config_.max_receded_fraction);

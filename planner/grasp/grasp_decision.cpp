@@ -28,13 +28,13 @@ void judge_geometry(GraspCandidate& c, const DecisionInput& in, const DecisionCo
   const double gap = (c.position - in.partner.position).norm();
   if (gap < config.near_partner_m) {
     return refuse(c, Verdict::NearPartner,
-                  fmt::format("{:.0f} mm from the partner's hand (least {:.0f} mm)", 1e3 * gap,
+                  fmt::format("{:.0f} mm from the partner's hand (min {:.0f} mm)", 1e3 * gap,
                               1e3 * config.near_partner_m));
   }
   if (const double lever = lever_of(c, in); lever > config.max_lever_m) {
     return refuse(c, Verdict::Unstable,
                   fmt::format("the object would tip: its centre of gravity lies {:.0f} mm beside the line "
-                              "between both hands (most {:.0f} mm)",
+                              "between both hands (max {:.0f} mm)",
                               1e3 * lever, 1e3 * config.max_lever_m));
   }
   if (in.base_frame_known && config.check_reach) {
@@ -58,7 +58,7 @@ std::string reason(const std::vector<GraspCandidate>& candidates, const Decision
   const ScoredCandidate& s = *d.scores[*d.chosen];
   std::string text = fmt::format(
       "candidate {} carries {:.0f} % of the load with {:.2f} N m of torque in both hands per kilogram "
-      "lifted, {:.0f} mm from the best place",
+      "lifted, {:.0f} mm from the optimum",
       best.id, 100 * s.share, torque_of(s.wrenches) / mass_kg, 1e3 * (best.position - d.optimum).norm());
   std::size_t ok = 1;
   const ScoredCandidate* next = nullptr;

@@ -34,7 +34,7 @@ hal::Result<double> epsilon_for_share(double share) {
   if (!(share > 0.0 && share < 1.0)) {
     return hal::failure(
         hal::ErrorCode::BadInput, "share",
-        fmt::format("is {}, expected more than 0 and less than 1 (the robot's part of the load)", share));
+        fmt::format("is {}, expected more than 0 and less than 1 (the robot's share of the load)", share));
   }
   return std::sqrt((1.0 - share) / share);
 }

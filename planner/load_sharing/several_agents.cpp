@@ -18,7 +18,7 @@ hal::Result<SeveralAgents> SeveralAgents::create(std::vector<CarryingAgent> agen
     const std::string where = fmt::format("agents[{}]", i);
     for (const double cost_weight : {a.force_weight, a.omega_per_m})
       if (!(cost_weight >= kSmallestWeight && cost_weight <= kLargestWeight))
-        return refuse(where, fmt::format("a price is {}, expected {} to {}", cost_weight, kSmallestWeight,
+        return refuse(where, fmt::format("a weight is {}, expected {} to {}", cost_weight, kSmallestWeight,
                                          kLargestWeight));
     if (!a.position.allFinite()) return refuse(where, "its position is not a number");
   }

@@ -273,7 +273,7 @@ TEST_CASE(
     CHECK_FALSE(lift.record.hand_keeps_grip);
     CHECK_FALSE(came_to(lift, Task::Halt));
     if (in != Task::Lift) continue;
-    CHECK(said(lift, "goes on slowly: the camera gives no picture", "arm"));
+    CHECK(said(lift, "continues at reduced speed: the camera gives no picture", "arm"));
     CHECK(seconds_in(lift, Task::Lift) > 2.5);  // 2.3 s with a camera
   }
 }
@@ -299,7 +299,7 @@ TEST_CASE("a camera that was moved is not looked through any more", "[camera][fa
 TEST_CASE("pictures that are old slow the arm on its way", "[camera][faults]") {
   const Lift old = lift_with({Fault::Kind::Old, 1e9, 0.21}, Task::Approach);
   INFO(told(old));
-  CHECK(said(old, "goes on slowly: the camera's pictures are", "arm"));
+  CHECK(said(old, "continues at reduced speed: the camera's pictures are", "arm"));
   CHECK_FALSE(came_to(old, Task::Halt));
   REQUIRE(old.record.plan);
   const double planned_s = old.record.plan->transit.duration_s() + old.record.plan->approach.duration_s();

@@ -232,7 +232,7 @@ TEST_CASE("while the controller is patient, a gap that heals makes the arm rest 
     REQUIRE(lift.ran);
     CHECK(lift.outcome == Result::Lifted);
     CHECK_THAT(lift.told, Catch::Contains("takes commands again after"));
-    CHECK_THAT(lift.told, Catch::Contains("goes on from where it stands"));
+    CHECK_THAT(lift.told, Catch::Contains("continues from the current position"));
     CHECK_FALSE(lift.hit_something);
     CHECK(lift.troubles == 0);
     CHECK(lift.broken_rules == 0);

@@ -18,7 +18,7 @@ hal::Result<control::PartnerInput> read_partner(const DecideOptions& options) {
   if (options.partner.empty() == !options.partner_cloud)
     return hal::failure(
         hal::ErrorCode::BadInput, "--partner",
-        "say where the partner holds the object: either --partner X,Y,Z or --partner-cloud CLOUD2");
+        "say where the partner grasps the object: either --partner X,Y,Z or --partner-cloud CLOUD2");
   if (!options.partner.empty()) {
     const auto p = parse_point(options.partner, "--partner");
     if (!p) return tl::unexpected(p.error());

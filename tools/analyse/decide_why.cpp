@@ -76,7 +76,7 @@ hal::Result<WhyCandidate> explain_candidate(const control::Outcome& o, const con
     why.share = s.share;
     why.from_optimum_m = (c.position - o.decision.optimum).norm();
     why.text += fmt::format("  for {:.1f} kg: {}\n", config.decision.mass_kg, terms(why));
-    why.text += fmt::format("  the robot would bear {:.0f} % of the load, {:.0f} mm from the best place\n",
+    why.text += fmt::format("  the robot would carry {:.0f} % of the load, {:.0f} mm from the optimum\n",
                             100 * s.share, 1e3 * why.from_optimum_m);
   } else {
     why.text += "  no cost: without a partner's grasp there is nothing to share\n";
@@ -92,8 +92,7 @@ hal::Result<WhyCandidate> explain_candidate(const control::Outcome& o, const con
       ++why.rank;
   }
   if (c.verdict == Verdict::Chosen) {
-    why.text +=
-        fmt::format("  nothing stands against it: it is the cheapest of {} possible ones\n", why.possible);
+    why.text += fmt::format("feasible, and the lowest cost of {} candidates\n", why.possible);
   } else if (!possible(c)) {
     why.text += fmt::format("  against it: {}\n", c.reason);
   }

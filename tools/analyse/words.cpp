@@ -82,7 +82,7 @@ std::string look_text(const Seen& seen) {
   text += l.reason + "\n";
   constexpr std::size_t kShown = 5;
   for (std::size_t i = 0; i < std::min(kShown, l.rejected.size()); ++i)
-    text += fmt::format("  not the thing at {}: {}\n", point(l.rejected[i].center), l.rejected[i].reason);
+    text += fmt::format("  not the object at {}: {}\n", point(l.rejected[i].center), l.rejected[i].reason);
   text += fmt::format("took {:.1f} ms: ground {:.1f}, target {:.1f}, surfaces {:.1f}, candidates {:.1f}\n",
                       l.ms.total, l.ms.ground, l.ms.target, l.ms.surfaces, l.ms.candidates);
   return text;

@@ -63,8 +63,8 @@ hal::Result<ArmTask> move_task(const HalOptions& o, const Bench& bench) {
   if (!std::isfinite(o.degrees) || o.degrees == 0.0)
     return bad("DEG", "expected an angle other than 0, in degrees from where the joint stands");
   if (std::abs(o.degrees) > kCareful_deg && !o.yes)
-    return bad("DEG", fmt::format("{:+.1f} deg is more than {:.0f}; if the way is free, say --yes", o.degrees,
-                                  kCareful_deg));
+    return bad("DEG", fmt::format("{:+.1f} deg is more than {:.0f}; if the path is free, confirm with --yes",
+                                  o.degrees, kCareful_deg));
   if (!std::isfinite(o.speed_deg_s) || o.speed_deg_s <= 0.0)
     return bad("--speed", "expected more than 0 deg/s");
   const double careful = hal::rad_to_deg(kT1Velocity_rad_s);

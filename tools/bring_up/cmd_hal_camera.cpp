@@ -116,7 +116,7 @@ class Session {
       if (o_.infrared)
         if (auto image = camera_.next_infrared(0ms)) infrared_ = std::move(*image);
       if (frame) {
-        if (lost) screen_.line(fmt::format("{:8.1f} s  sees again", view().at_s));
+        if (lost) screen_.line(fmt::format("{:8.1f} s  frames again", view().at_s));
         lost = false;
         look_at_frame(*frame, view_);
         last_ = std::move(*frame);

@@ -343,7 +343,7 @@ std::string task_summary(const ArmTask& task, const ArmTaskEnd& e) {
           e.commanded_s, task.stiffness_nm_rad, hal::rad_to_deg(most), moved + 1);
     }
     t += fmt::format(
-        "greatest distance from the command {:.3f} deg (A{}), greatest outside torque {:.1f} N m (A{}); "
+        "max following error {:.3f} deg (A{}), max external torque {:.1f} N m (A{}); "
         "{} cycles, {} without a state, {} restarts from the measured pose\n",
         hal::rad_to_deg(drift), worst + 1, external, measured + 1, e.cycles, e.bad_cycles, e.restarts);
   }

@@ -69,9 +69,9 @@ std::string camera_screen(const CameraView& v) {
       "frames     {} at {:.1f} Hz; {} missed, {} suspect ({} packets lost), {} old, {} broken; late by "
       "{:.1f} ms\n",
       r.frames, r.rate_hz, r.missed, r.suspect, r.lost_packets, r.old, r.broken, r.late_ms);
-  t += fmt::format("sees       {:.1f} % of the pixels: {:.2f} m, {:.2f} m in the middle, up to {:.2f} m\n",
+  t += fmt::format("depth      {:.1f} % of the pixels: {:.2f} m, {:.2f} m in the middle, up to {:.2f} m\n",
                    1e2 * r.seen, v.near_m, v.middle_m, v.far_m);
-  t += fmt::format("hangs      {}\n", hangs(v));
+  t += fmt::format("mounting   {}\n", hangs(v));
   t += fmt::format("depth from {}: emitter {:.3f} cm, reference {:.1f} cm, pixel {:.4f} cm, shift {:.0f}\n",
                    r.own_constants ? "the device's own constants" : "nominal constants",
                    r.constants.emitter_cm, r.constants.reference_cm, r.constants.pixel_cm, r.constants.shift);
@@ -149,7 +149,7 @@ hal::Result<> write_camera_picture(const std::filesystem::path& png, const hal::
   picture::ScenePicture what;
   what.cloud = &cloud;
   what.title = "Kinect";
-  what.reason = fmt::format("{:.1f} % of the pixels see something, {:.2f} to {:.2f} m. The camera {}.",
+  what.reason = fmt::format("{:.1f} % of the pixels have depth, {:.2f} to {:.2f} m. The camera {}.",
                             1e2 * view.report.seen, view.near_m, view.far_m, hangs(view));
   what.figures = {{"source", view.source},
                   {"rate", fmt::format("{:.1f} Hz", view.report.rate_hz)},

@@ -163,7 +163,7 @@ class Session {
       std::string why;
       if (commander_.blocked()) why = "the arm met something: " + commander_.why_blocked();
       if (commander_.starts() > starts + 1) why = "the arm's controller interrupted the motion";
-      if (waited > kPathTimeout_s + way.duration_s()) why = "a way takes too long";
+      if (waited > kPathTimeout_s + way.duration_s()) why = "timeout: motion";
       if (InterruptGuard::asked()) why = "interrupted";
       if (why.empty()) continue;
       commander_.hold();

@@ -70,10 +70,9 @@ hal::Result<Taken> take(const CommonOptions& common, const CalibrateOptions& o, 
                         "this camera gives no infrared images; expected a simulated one or a Kinect");
   if (rig->truth) taken.true_X_BC = rig->true_X_WC;
   if (!camera_at && !taken.true_X_BC)
-    return hal::failure(
-        ErrorCode::BadInput, "--camera-at",
-        "on the robot it has to be said where the camera about stands, to half a metre: X,Y,Z in "
-        "the base");
+    return hal::failure(ErrorCode::BadInput, "--camera-at",
+                        "an approximate camera position is needed (to 0.5 m): X,Y,Z in "
+                        "the base");
   // in simulation as roughly as a person would say it
   live.camera_at_B = camera_at
                          ? *camera_at

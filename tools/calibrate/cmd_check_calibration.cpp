@@ -69,7 +69,7 @@ CalibrationCheck check_calibration(const perception::CalibrationFile& file,
     if (*out.age_days < -1.0) out.warnings.push_back(fmt::format("it is from the future ({})", file.date));
     if (*out.age_days > kOld_days)
       out.warnings.push_back(
-          fmt::format("it is {:.0f} days old: has nobody touched the camera since?", *out.age_days));
+          fmt::format("it is {:.0f} days old: has the camera been moved since?", *out.age_days));
   }
   out.summary = fmt::format(
       "{}; residual {:.2f} px by {} poses, points {:.1f} mm off in the mean; camera at ({:.2f}, {:.2f}, "

@@ -27,7 +27,7 @@ constexpr double kRecord_s = 2.0;
 constexpr double kTicks_per_ns = 60e6 / 1e9;
 
 hal::Result<> check_options(const EmulateCameraOptions& o) {
-  if (o.common.plant != "mujoco") return bad_option("--plant", "a camera looks at a world; expected mujoco");
+  if (o.common.plant != "mujoco") return bad_option("--plant", "emulate camera needs --plant mujoco");
   if (o.common.speed != 1.0) return bad_option("--speed", "a camera lives in real time; expected 1");
   if (auto done = check_seconds("--for", o.common.for_s); !done) return done;
   if (o.live && o.fakenect) return bad_option("--live", "goes without --fakenect");

@@ -45,7 +45,7 @@ hal::Result<RobotFile> robot_of(const EmulateRigOptions& o) {
 }
 
 hal::Result<> check_options(const EmulateRigOptions& o) {
-  if (o.common.plant != "mujoco") return bad_option("--plant", "a rig stands in a world; expected mujoco");
+  if (o.common.plant != "mujoco") return bad_option("--plant", "emulate rig needs --plant mujoco");
   if (o.common.speed != 1.0) return bad_option("--speed", "pucks and camera live in real time; expected 1");
   if (!o.common.faults.empty())
     return bad_option("--fault", "expected in the scenario's faults, which name the device");

@@ -41,21 +41,21 @@ hal::Result<> check_together(const RobotFile& file, bool emulated, const std::st
   if (emulated) return {};
   if (file.hand == "simulated")
     return refuse(
-        "hand: simulated stands in a world that nobody moves beside a real arm; expected hand: barrett, "
+        "hand: simulated lives in a simulation that is not stepped beside a real arm; expected hand: "
+        "barrett, "
         "or emulator: always");
   if (file.camera == "simulated")
     return refuse(
-        "camera: simulated looks at a world that nobody moves beside a real arm; expected camera: "
+        "camera: simulated observes a simulation that is not stepped beside a real arm; expected camera: "
         "kinect, or emulator: always");
   return {};
 }
 
 hal::Error no_pose(const std::filesystem::path& robot) {
-  return {
-      hal::ErrorCode::BadConfig, robot.string(),
-      fmt::format("nothing says where the camera stands; run colift calibrate --robot {} --out camera.yaml, "
-                  "and name its result: calibration: camera.yaml",
-                  robot.string())};
+  return {hal::ErrorCode::BadConfig, robot.string(),
+          fmt::format("no camera pose is configured; run colift calibrate --robot {} --out camera.yaml, "
+                      "and name its result: calibration: camera.yaml",
+                      robot.string())};
 }
 
 ArmLink link_of(const hal::FriArm& arm, EmulatedRig* emulated) {

@@ -204,7 +204,7 @@ std::optional<picture::LinePlot> curves_plot(const RunView& view) {
 
   PlotPanel load{.title = "Load (N)", .lines = {}, .levels = {}};
   load.lines.push_back(
-      line("robot, felt", picture::kRobot, values(seen, [](const auto& s) { return s.load_n; })));
+      line("robot, measured", picture::kRobot, values(seen, [](const auto& s) { return s.load_n; })));
   true_line(load, "robot, true", dark, [](const auto& s) { return s.robot_force_z_n; });
   true_line(load, "partner, true", picture::kPartner, [](const auto& s) { return s.partner_force_z_n; });
   true_line(load, "floor, true", kFloor, [](const auto& s) { return s.floor_force_z_n; });
@@ -219,7 +219,7 @@ std::optional<picture::LinePlot> curves_plot(const RunView& view) {
   };
   if (weight > 0)
     share.lines.push_back(
-        line("felt, of the estimated weight", picture::kRobot, values(seen, [&](const auto& s) {
+        line("measured, of the estimated weight", picture::kRobot, values(seen, [&](const auto& s) {
                return in_air(s.state) ? 100 * s.load_n / weight : std::nan("");
              })));
   true_line(share, "true", dark, [](const auto& s) { return 100 * true_share(s); });
@@ -241,7 +241,7 @@ std::optional<picture::LinePlot> curves_plot(const RunView& view) {
                          hal::rad_to_deg(view.setting.max_tilt_rad), kLimit});
 
   PlotPanel height{.title = "Height (cm)", .lines = {}, .levels = {}};
-  height.lines.push_back(line("object, seen", picture::kRobot,
+  height.lines.push_back(line("object, observed", picture::kRobot,
                               values(seen, [](const auto& s) { return 100 * s.object_rise_m; })));
   height.lines.push_back(
       line("palm", picture::kCog, values(seen, [](const auto& s) { return 100 * s.palm_height_m; })));

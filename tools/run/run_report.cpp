@@ -55,7 +55,7 @@ std::vector<std::string> summary(const RunView& view) {
   // a refusal's reason is said already
   if (r.decision && r.reason.find(r.decision->decision.reason) == std::string::npos)
     out.push_back(sentence(r.decision->decision.reason));
-  if (r.device_failed) out.emplace_back("A device was lost; the faults stand below.");
+  if (r.device_failed) out.emplace_back("A device was lost; its faults are listed below.");
   return out;
 }
 
@@ -81,7 +81,7 @@ std::vector<picture::ReportCard> cards(const RunView& view) {
                    "estimated mass", view.truth ? fmt::format("truth {:.2f} kg", view.truth->mass_kg) : ""});
   }
   if (const auto error = partner_error_m(view))
-    out.push_back({metres_text(*error), "partner's grasp off", "seen against truth"});
+    out.push_back({metres_text(*error), "partner's grasp off", "observed against truth"});
   if (r.timing.grasp_to_decision_s)
     out.push_back({fmt::format("{:.0f} ms", 1e3 * *r.timing.grasp_to_decision_s), "from grasp to decision",
                    fmt::format("{:.1f} ms of computing", r.timing.decision_compute_ms)});
@@ -146,12 +146,12 @@ std::vector<picture::ReportTime> times(const control::RunRecord& r) {
            {"candidates", ms.candidates}};
   }
   if (r.decision) {
-    out.push_back({"partner seen", r.decision->partner_ms});
+    out.push_back({"partner observed", r.decision->partner_ms});
     out.push_back({"decision", r.decision->decision_ms});
   }
   if (r.plan) {
-    out.push_back({"way found", r.plan->plan_ms});
-    out.push_back({"way shortened", r.plan->shortcut_ms});
+    out.push_back({"path found", r.plan->plan_ms});
+    out.push_back({"path shortened", r.plan->shortcut_ms});
     out.push_back({"exact check", r.plan->exact_ms});
   }
   return out;
@@ -176,7 +176,7 @@ std::vector<std::pair<std::string, std::string>> facts(const RunView& view) {
                                  r.timing.decision_compute_ms));
   if (r.plan)
     out.emplace_back(
-        "plan", fmt::format("{:.1f} ms; the way there takes {:.1f} s, the straight approach {:.1f} s",
+        "plan", fmt::format("{:.1f} ms; trajectory {:.1f} s, of it the straight approach {:.1f} s",
                             r.timing.plan_ms, r.plan->transit.duration_s(), r.plan->approach.duration_s()));
   if (s.simulated) {
     out.emplace_back("simulated time", fmt::format("{:.1f} s", r.timing.sim_s));
@@ -230,7 +230,7 @@ std::string decision_picture(const RunView& view) {
           ? "What the camera saw when it was decided: the object, every candidate, where the partner holds "
             "it, and the grasp that was chosen."
           : "What the camera saw before anybody came: the object and every candidate.";
-  return picture::report_heading("What was seen and decided") +
+  return picture::report_heading("Scene and decision") +
          picture::report_figure({picture::scene_picture_png(p), caption});
 }
 
@@ -275,9 +275,8 @@ std::string run_report_html(const RunView& view) {
     body += picture::report_candidates(candidate_rows(r.analysis->candidates, {}));
   if (const auto plot = curves_plot(view))
     body += picture::report_heading("Curves") +
-            picture::report_figure(
-                {picture::draw_line_plot(*plot).png(),
-                 "Solid: what the robot felt and saw. Dashed: what was true, where it is known."});
+            picture::report_figure({picture::draw_line_plot(*plot).png(),
+                                    "Solid: measured by the robot. Dashed: truth, where it is known."});
   body += picture::report_table(truth_table(view));
   const auto faults = fault_lines(r);
   body += picture::report_list("Faults", faults.empty() ? std::vector<std::string>{"None."} : faults);

@@ -14,11 +14,11 @@ constexpr std::size_t kHeading = 10;
 
 std::string partner_text(const RunView& view) {
   const auto& decision = view.record.decision;
-  if (!decision) return "nobody was seen to take hold of the object";
+  if (!decision) return "no partner's grasp was observed";
   if (!decision->partner) return decision->partner_reason;
-  std::string text = fmt::format("took hold of the object at {}", place_text(decision->partner->position));
+  std::string text = fmt::format("grasps the object at {}", place_text(decision->partner->position));
   if (const auto error = partner_error_m(view))
-    text += fmt::format(", seen {} from where he really held it", metres_text(*error));
+    text += fmt::format(", error {} against the truth", metres_text(*error));
   return text;
 }
 

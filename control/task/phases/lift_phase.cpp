@@ -117,8 +117,10 @@ std::optional<TaskEvent> LiftPhase::lower() {
   if (!down || arm.load_n > carry.ground_load_n) unsupported_at_ = c_.now;
   if (hal::seconds(c_.now - unsupported_at_) > carry.settle_s) {
     c_.arm.stay();
-    return TaskEvent{Event::OnGround, fmt::format("it bears itself, {:.0f} mm above where it was gripped",
-                                                  1e3 * c_.arm.view().height_m)};
+    return TaskEvent{
+        Event::OnGround,
+        fmt::format("the object is supported, {:.0f} mm above the height at which it was grasped",
+                    1e3 * c_.arm.view().height_m)};
   }
   if (!settled()) return std::nullopt;
   return TaskEvent{Event::OnGround, fmt::format("the load is {:.0f} N", arm.load_n)};

@@ -44,7 +44,7 @@ TaskEvent PlanPhase::find_path() {
       if (c_.options.dry_run) return {Event::NoPath, "a dry run ends here: nothing was moved"};
       const planner::MotionPlan& p = *c_.record.plan;
       return {Event::PlanReady,
-              fmt::format("the way takes {:.1f} s", p.transit.duration_s() + p.approach.duration_s())};
+              fmt::format("trajectory of {:.1f} s", p.transit.duration_s() + p.approach.duration_s())};
     }
     why = plan.error().detail;
     // the next best, then

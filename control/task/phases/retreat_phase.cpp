@@ -56,7 +56,7 @@ std::optional<TaskEvent> RetreatPhase::retreat() {
   c_.doing = leg_ == Leg::FromObject ? "straight back" : "home";
   if (c_.arm.blocked()) return TaskEvent{Event::Blocked, c_.arm.why_blocked()};
   if (c_.in_state_s() > c_.config.task.empty_hand.return_timeout_s)
-    return TaskEvent{Event::TimeOut, "the way home takes too long"};
+    return TaskEvent{Event::TimeOut, "timeout: motion home"};
   object_.update();
   if (!c_.arm.done() || !c_.arm.at_rest()) return std::nullopt;
   if (leg_ == Leg::Home) return judge_at_home();
@@ -83,8 +83,8 @@ TaskEvent RetreatPhase::judge_at_home() {
     return {Event::BackInVain, attempts.failure};
   if (moved_m > c_.config.task.attempts.object_moved_m)
     if (const std::string trouble = take_scene_as_moved(); !trouble.empty())
-      return {Event::BackInVain, fmt::format("{}; the object stands {:.0f} mm from where it was: {}",
-                                             attempts.failure, 1e3 * moved_m, trouble)};
+      return {Event::BackInVain,
+              fmt::format("{}; the object moved by {:.0f} mm: {}", attempts.failure, 1e3 * moved_m, trouble)};
   return {Event::TryAgain, attempts.failure};
 }
 

@@ -72,7 +72,7 @@ TaskEvent TestLiftPhase::judge() {
   entry.height_m = c_.arm.view().height_m;
   if (!known) {
     entry.reason = known.error().detail;
-    const std::string why = "it cannot be told where the object is heavy: " + entry.reason;
+    const std::string why = "the centre of gravity cannot be determined: " + entry.reason;
     grasps_.refuse_grip(why);
     c_.attempts.regrasp = static_cast<int>(c_.record.test_lifts.size()) < c_.config.test_lift.grips;
     return {Event::HangsAskew, why};

@@ -265,7 +265,7 @@ Result<HandState> BarrettHand::state() {
   h.publish();
   if (const auto trouble = h.watch.trouble())
     return h.fail(trouble->code, where_of(*trouble), trouble->words.str());
-  if (h.stale()) return h.fail(ErrorCode::Timeout, kWhere, "the pucks tell no fresh positions");
+  if (h.stale()) return h.fail(ErrorCode::Timeout, kWhere, "the pucks report no new positions");
   h.last_error = {};
   return h.state_now();
 }

@@ -131,7 +131,7 @@ void HandMotion::verify(Timestamp now) {
     any_measured = any_measured || (contact && measured(finger, now));
   }
   if (!opposed() || !any_measured) {
-    if (opposed()) say(why_, "the fingers stopped, but neither strain nor pads feel anything");
+    if (opposed()) say(why_, "the fingers stopped, but neither strain gauges nor pads measure a force");
     give_up_grip();
     return;
   }

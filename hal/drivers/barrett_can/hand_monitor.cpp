@@ -264,7 +264,7 @@ std::optional<HandFault> HandMonitor::trouble() const {
     if (!link_.silent(puck) || without_[index(puck)]) continue;
     if (silent == static_cast<std::ptrdiff_t>(kPucks)) {
       say(t.words,
-          "all four pucks are silent: the bus may be off (bus-off, which not every gateway tells), or the "
+          "all four pucks are silent: the bus may be off (bus-off, which not every gateway reports), or the "
           "supply, or the cable is out");
       return t;
     }

@@ -214,7 +214,7 @@ void HandMotion::step_move(Puck puck, Timestamp now) {
   move.end = *end;
   const Reported& mode = link_.reported(puck, Property::Mode);
   if (*end == End::Silent) {
-    say(why_, "{} fell silent on its way", name(puck));
+    say(why_, "{} stopped answering during the motion", name(puck));
     return;
   }
   if (mode.value == kModeTrapezoid) let_rest(puck);  // it pushes in vain, and nothing ends it

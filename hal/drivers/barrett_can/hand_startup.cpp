@@ -268,17 +268,17 @@ Result<> HandStartup::find_stops(const Puck* first, std::size_t count, double ti
       return false;
     });
     if (!stopped)
-      return fault(fmt::format("{} did not find its stop within {:.0f} s: is something in its way?",
+      return fault(fmt::format("{} did not find its stop within {:.0f} s: is something blocking it?",
                                name(puck), timeout_s));
     const auto at = read(puck, Property::P, kOneAnswer_s);
     if (!at)
       return failure(ErrorCode::LinkLost, kWhere,
-                     fmt::format("{} tells no position after initialising", name(puck)));
+                     fmt::format("{} reports no position after initialising", name(puck)));
     const Reported& joint = link_.reported(puck, Property::Jp);
     if (std::abs(*at) > kZeroTolerance || (joint.known && std::abs(joint.value) > kZeroTolerance))
       return fault(
           fmt::format("{} is at {} counts (joint {}) after initialising, expected 0 within {}: did it meet "
-                      "something on its way?",
+                      "something blocking it?",
                       name(puck), *at, joint.known ? joint.value : 0, kZeroTolerance));
     facts_.zero_lost[index(puck)] = false;
   }

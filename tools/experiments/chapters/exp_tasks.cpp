@@ -172,7 +172,7 @@ Experiment tasks_experiment() {
   e.question =
       "A table (even trials) or a box (odd ones) and a partner. For lowering, rolling and pitching by 60 "
       "degrees, "
-      "turning, carrying through way points, and all of it, the grasp is chosen for the task and for the "
+      "turning, carrying through waypoints, and all of it, the grasp is chosen for the task and for the "
       "lift "
       "alone, on what was seen; the effort of both in the task is computed with the true centre of gravity "
       "and "

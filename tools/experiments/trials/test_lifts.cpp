@@ -142,7 +142,7 @@ class Search {
     for (int grip = 0; grip < test_config_.grips; ++grip) {
       const auto choice = next();
       if (!choice) {
-        out_.reason += "; no grasp fits it";
+        out_.reason += "; no feasible grasp it";
         break;
       }
       if (try_grip(*choice)) {

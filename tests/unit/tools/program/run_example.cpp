@@ -92,7 +92,7 @@ RunExample look_at_table() {
                              control::Method::Fast, config, hand, clock)
           .value();
   e.record.states = {{at(0.0), Task::Observe, "the run began"},
-                     {at(0.6), Task::AwaitPartner, "there is something to carry, and places to grasp it"}};
+                     {at(0.6), Task::AwaitPartner, "an object to carry and feasible grasps were found"}};
   e.record.timing.sim_s = 30.6;
   e.record.timing.wall_s = 3.2;
   e.truth.mass_kg = kMass;
@@ -111,7 +111,7 @@ const RunExample& seen_run() {
 RunExample refused_run() {
   RunExample e = seen_run();
   e.record.outcome = control::RunRecord::Result::Refused;
-  e.record.reason = "nobody took hold of the object within 30 s";
+  e.record.reason = "no partner grasped the object within 30 s";
   e.record.states.push_back({at(30.6), Task::Refused, e.record.reason});
   return e;
 }
@@ -137,14 +137,14 @@ RunExample lift_table() {
   const auto enter = [&](double t, Task state, const char* reason) {
     r.states.push_back({at(t), state, reason});
   };
-  enter(3.9, Task::Decide, "the partner holds the object");
-  enter(4.0, Task::Plan, "a reachable grasp shares the load as wished");
-  enter(4.0, Task::Approach, "there is a way to the grasp that touches nothing");
-  enter(9.4, Task::Close, "the hand is around the grasp");
-  enter(10.8, Task::Verify, "every finger is held by contact");
-  enter(11.2, Task::AwaitReady, "the grip is as wide and as firm as planned");
+  enter(3.9, Task::Decide, "the partner grasps the object");
+  enter(4.0, Task::Plan, "a reachable grasp gives the requested load share");
+  enter(4.0, Task::Approach, "collision-free path to the grasp found");
+  enter(9.4, Task::Close, "hand at the grasp");
+  enter(10.8, Task::Verify, "every finger is in contact");
+  enter(11.2, Task::AwaitReady, "the grip has the planned width and force");
   enter(11.7, Task::Lift, "the partner holds and is at rest");
-  enter(13.7, Task::Hold, "the object is at its height");
+  enter(13.7, Task::Hold, "target height reached");
   enter(15.7, Task::Lower, "held for as long as was asked");
   enter(17.9, Task::Release, "the object stands on the ground");
   enter(19.0, Task::Retreat, "the hand is open");

@@ -42,7 +42,7 @@ TEST_CASE("a run's document has the keys and types of the contract", "[run]") {
   REQUIRE(j["states"].size() == e.record.states.size());
   CHECK(j["states"][0]["state"] == "observe");
   CHECK(j["states"][2]["t"].get<double>() == Approx(3.9));
-  CHECK(j["states"][2]["because"] == "the partner holds the object");
+  CHECK(j["states"][2]["because"] == "the partner grasps the object");
   CHECK(is_place(j["partner"]["position"]));
   CHECK(j["partner"]["error_m"].get<double>() ==
         Approx((e.record.decision->partner->position - *e.truth.partner).norm()));
