@@ -3,11 +3,11 @@
 #include <string>
 
 #include "control/config/check_config.hpp"
+#include "control/config/load_config.hpp"
 #include "control/config/method.hpp"
 #include "control/config/setpoint_limits.hpp"
 #include "control/config/task_config.hpp"
-#include "control/lift/load_estimator.hpp"
-#include "control/test_lift/test_lift.hpp"
+#include "control/config/test_lift_config.hpp"
 #include "hal/config/range.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_camera.hpp"

@@ -4,43 +4,11 @@
 #include <span>
 #include <vector>
 
-#include "hal/config/range.hpp"
+#include "control/config/test_lift_config.hpp"
 #include "hal/types/geometry.hpp"
 #include "hal/types/result.hpp"
 
 namespace colift::control {
-
-/// What is believed of the centre of gravity before a test lift, and how much a test lift can tell.
-struct CogBeliefConfig {
-  double density_sigma_m = 0.13;
-  double step_m = 0.01;
-  double mass_sigma = 0.25;
-  double partner_nm = 0.2;
-  double place_m = 0.01;
-  double grip_nm_rad = 60.0;
-  double grip_sigma = 0.4;
-  double clear_m = 0.0015;
-  double min_mass_kg = 0.2;
-  double max_mass_kg = 30.0;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v("density_sigma_m", density_sigma_m, hal::Range{0.0, 1.0},
-      "How far uneven density may put the centre of gravity off the shape's, standard deviation (m).");
-    v("step_m", step_m, hal::Range{0.002, 0.1}, "Distance between the places that are weighed (m).");
-    v("mass_sigma", mass_sigma, hal::Range{0.01, 2.0},
-      "Relative difference of the mass from one test lift to the next that is no contradiction.");
-    v("partner_nm", partner_nm, hal::kNotNegative,
-      "Torque of the partner's hand, which the arm does not measure (N m).");
-    v("place_m", place_m, hal::kPositive, "Error of hands and feet, as seen (m).");
-    v("grip_nm_rad", grip_nm_rad, hal::kPositive,
-      "Rotational stiffness of the hands' hold of an object, until test lifts have estimated it (N m/rad).");
-    v("grip_sigma", grip_sigma, hal::Range{0.0, 2.0}, "Relative difference of that from grasp to grasp.");
-    v("min_mass_kg", min_mass_kg, hal::kPositive, "Min mass of an object that two carry by hand (kg).");
-    v("max_mass_kg", max_mass_kg, hal::kPositive, "Max mass of one (kg).");
-    v("clear_m", clear_m, hal::Range{0.0, 0.02}, "A foot that has risen by less may still stand (m).");
-  }
-};
 
 /// The object as seen before it is lifted. Frame W, z up.
 struct CarriedObject {

@@ -17,7 +17,7 @@ struct PartnerRequest {
   hal::Vec3 robot = hal::Vec3::Zero();     ///< Where the robot would take hold first (load point, W).
   double chance = 0.0;                     ///< That one of the robot's grasps is level then.
   double share = 0.0;                      ///< The robot's there, by the mean of the belief.
-  std::string reason;                     ///< As a person would say it.
+  std::string reason;                      ///< As a person would say it.
 };
 
 /// The place for him from which the robot has the best chance of a level grip: over all places of the centre
@@ -28,8 +28,8 @@ struct PartnerRequest {
 /// where he was before) are left out. Of `grasps` those that are possible (Ok or Chosen) count. nullopt where
 /// no place has the least chance.
 [[nodiscard]] std::optional<PartnerRequest> next_place(std::span<const planner::GraspCandidate> places,
-                                                     std::span<const planner::GraspCandidate> grasps,
-                                                     std::span<const hal::Vec3> held, const CogBelief& belief,
-                                                     const TestLiftConfig& config);
+                                                       std::span<const planner::GraspCandidate> grasps,
+                                                       std::span<const hal::Vec3> held,
+                                                       const CogBelief& belief, const TestLiftConfig& config);
 
 }  // namespace colift::control

@@ -19,7 +19,7 @@ class TestLiftObserver {
  public:
   /// `partner`: where he holds it; `grasp`: where the load hangs in the hand (W).
   TestLiftObserver(CarriedObject object, const hal::Vec3& partner, const hal::Vec3& grasp,
-              const TestLiftConfig& config);
+                   const TestLiftConfig& config);
 
   /// A frame while it rises. Several have to agree before the answer changes: the object swings while the
   /// partner comes after.

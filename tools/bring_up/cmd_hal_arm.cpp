@@ -11,7 +11,7 @@
 #include "tools/bring_up/hal_arm_obstacles.hpp"
 #include "tools/bring_up/hal_arm_task.hpp"
 #include "tools/cli/session.hpp"
-#include "tools/emulate/emulate.hpp"
+#include "tools/cli/interrupt.hpp"
 #include "tools/rig/rig_world.hpp"
 
 namespace colift::tools {

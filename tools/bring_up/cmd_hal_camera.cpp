@@ -16,7 +16,7 @@
 #include "tools/bring_up/hal_camera_view.hpp"
 #include "tools/cli/config_of.hpp"
 #include "tools/cli/session.hpp"
-#include "tools/emulate/emulate.hpp"
+#include "tools/cli/interrupt.hpp"
 #include "tools/visualization/file_output.hpp"
 
 namespace colift::tools {

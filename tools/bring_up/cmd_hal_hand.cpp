@@ -10,7 +10,7 @@
 #include "tools/bring_up/bring_up.hpp"
 #include "tools/bring_up/hal_hand_task.hpp"
 #include "tools/cli/session.hpp"
-#include "tools/emulate/emulate.hpp"
+#include "tools/cli/interrupt.hpp"
 
 namespace colift::tools {
 namespace {

@@ -6,7 +6,7 @@
 #include "planner/motion/collision/collision_scene.hpp"
 #include "planner/motion/motion_planner.hpp"
 #include "tools/calibrate/calibrate.hpp"
-#include "tools/emulate/emulate.hpp"
+#include "tools/cli/interrupt.hpp"
 
 namespace colift::tools {
 namespace {

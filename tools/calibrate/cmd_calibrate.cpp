@@ -10,7 +10,7 @@
 #include "tools/cli/config_of.hpp"
 #include "tools/cli/numbers.hpp"
 #include "tools/cli/session.hpp"
-#include "tools/emulate/emulate.hpp"
+#include "tools/cli/interrupt.hpp"
 #include "tools/visualization/file_output.hpp"
 
 namespace colift::tools {

@@ -2,25 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <atomic>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <thread>
 #include <utility>
 
+#include "tools/cli/interrupt.hpp"
+
 namespace colift::tools {
 namespace {
-
-std::atomic<bool> interrupted{false};
-
-void on_signal(int number) {
-  if (interrupted.exchange(true)) {
-    std::signal(number, SIG_DFL);
-    std::raise(number);
-  }
-}
 
 void line(const CommonOptions& common, const std::string& text) {
   std::FILE* out = common.json ? stderr : stdout;
@@ -29,21 +20,6 @@ void line(const CommonOptions& common, const std::string& text) {
 }
 
 }  // namespace
-
-InterruptGuard::InterruptGuard() {
-  interrupted = false;
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
-}
-
-InterruptGuard::~InterruptGuard() {
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
-}
-
-bool InterruptGuard::asked() {
-  return interrupted;
-}
 
 void EmulateLines::ready(const std::string& what) const {
   line(common_, fmt::format("ready: {}", what));

@@ -41,16 +41,6 @@ struct EmulateKrcOptions {
 /// to be had.
 [[nodiscard]] int cmd_emulate_krc(const CommonOptions& common, const EmulateKrcOptions& options);
 
-/// True once SIGINT or SIGTERM came while a guard lives. The second signal ends the program.
-class InterruptGuard {
- public:
-  InterruptGuard();
-  ~InterruptGuard();
-  InterruptGuard(const InterruptGuard&) = delete;
-  InterruptGuard& operator=(const InterruptGuard&) = delete;
-  [[nodiscard]] static bool asked();
-};
-
 /// Lines of a running emulator: "ready: ..." and events. To stdout, or to stderr when stdout is for JSON.
 class EmulateLines {
  public:

@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "tools/cli/session.hpp"
-#include "tools/emulate/emulate.hpp"
+#include "tools/cli/interrupt.hpp"
 #include "tools/experiments/outcome.hpp"
 #include "tools/experiments/trials/sighting.hpp"
 

@@ -7,7 +7,7 @@
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"
 #include "tools/cli/session.hpp"
-#include "tools/emulate/emulate.hpp"
+#include "tools/cli/interrupt.hpp"
 #include "tools/rig/back_ends.hpp"
 #include "tools/run/run_json.hpp"
 #include "tools/run/run_live.hpp"

@@ -5,7 +5,7 @@
 
 #include "sim_hal/synthetic/kinect/kinect_noise.hpp"
 #include "sim_hal/synthetic/ray_caster.hpp"
-#include "tools/calibrate/cmd_check_calibration.hpp"
+#include "tools/check/check_calibration.hpp"
 #include "tools/doctor/doctor_usb_capture.hpp"
 
 using namespace colift;

@@ -1,4 +1,4 @@
-#include "tools/cli/command_line.hpp"
+#include "tools/programs/command_line.hpp"
 
 #include <fmt/format.h>
 #include <CLI/Config.hpp>
@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "tools/cli/commands.hpp"
-#include "tools/cli/programs.hpp"
+#include "tools/programs/programs.hpp"
 #include "tools/live/live_server.hpp"
 
 namespace colift::tools {

@@ -1,6 +1,6 @@
 // Options of the job.
 
-#include "tools/cli/command_line.hpp"
+#include "tools/programs/command_line.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"
 

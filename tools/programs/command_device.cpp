@@ -3,7 +3,7 @@
 #include "tools/bring_up/cmd_hal.hpp"
 #include "tools/bring_up/cmd_hal_camera.hpp"
 #include "tools/calibrate/calibrate.hpp"
-#include "tools/cli/command_line.hpp"
+#include "tools/programs/command_line.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "control/task/task_machine.hpp"
 #include "hal/drivers/recorded/frame_file.hpp"
-#include "tools/calibrate/cmd_check_calibration.hpp"
+#include "tools/check/check_calibration.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"
 #include "tools/cli/session.hpp"

@@ -1,6 +1,6 @@
 // Options of the live view, for every command that has one.
 
-#include "tools/cli/command_line.hpp"
+#include "tools/programs/command_line.hpp"
 
 namespace colift::tools {
 

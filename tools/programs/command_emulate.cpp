@@ -1,6 +1,6 @@
 // Options of the emulated far ends.
 
-#include "tools/cli/command_line.hpp"
+#include "tools/programs/command_line.hpp"
 #include "tools/emulate/emulate.hpp"
 #include "tools/emulate/emulate_camera.hpp"
 #include "tools/emulate/emulate_hand.hpp"

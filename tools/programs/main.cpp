@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/cli/command_line.hpp"
-#include "tools/cli/programs.hpp"
+#include "tools/programs/command_line.hpp"
+#include "tools/programs/programs.hpp"
 
 int main(int argc, char** argv) {
   using namespace colift::tools;

@@ -1,7 +1,7 @@
 // Options of what looks and decides, and touches no device.
 
 #include "tools/analyse/cmd_rank.hpp"
-#include "tools/cli/command_line.hpp"
+#include "tools/programs/command_line.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"
 

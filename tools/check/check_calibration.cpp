@@ -1,4 +1,4 @@
-#include "tools/calibrate/cmd_check_calibration.hpp"
+#include "tools/check/check_calibration.hpp"
 
 #include <fmt/format.h>
 

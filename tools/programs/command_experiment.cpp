@@ -1,6 +1,6 @@
 // Options of the experiments.
 
-#include "tools/cli/command_line.hpp"
+#include "tools/programs/command_line.hpp"
 #include "tools/experiments/cmd_experiment.hpp"
 
 namespace colift::tools {

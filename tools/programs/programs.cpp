@@ -1,4 +1,4 @@
-#include "tools/cli/programs.hpp"
+#include "tools/programs/programs.hpp"
 
 #include <unistd.h>
 

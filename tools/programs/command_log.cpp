@@ -1,6 +1,6 @@
 // Options of recordings.
 
-#include "tools/cli/command_line.hpp"
+#include "tools/programs/command_line.hpp"
 #include "tools/log/cmd_log.hpp"
 
 namespace colift::tools {
