@@ -27,6 +27,7 @@ struct ReferenceImage {
   double restless = 0.0;
 };
 
+/// When a scene counts as at rest while its reference is taken.
 struct ReferenceConfig {
   double max_restless = 0.10;
   double restless_sigma = 6.0;

@@ -11,6 +11,7 @@
 
 namespace colift::perception {
 
+/// Which pixels are the robot's own.
 struct SelfFilterConfig {
   double padding_m = 0.015;
   double shadow_padding_px = 2.0;

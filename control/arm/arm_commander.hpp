@@ -6,16 +6,10 @@
 #include <vector>
 
 #include "control/arm/arm_controller.hpp"
+#include "control/arm/drive.hpp"
 #include "hal/arm.hpp"
 
 namespace colift::control {
-
-/// Who runs the arm's cycle.
-enum class Drive {
-  InStep,  ///< The task itself, once in each of its own cycles: simulation in lock step, bit for bit the
-           ///< same.
-  Thread,  ///< A thread of its own, which never waits for the task: the robot.
-};
 
 /// The arm as the task sees it: requests go in, a view of the last cycle comes out. With Drive::Thread both
 /// go through wait-free slots, and a trajectory that is asked for starts a cycle later; done(), blocked() and

@@ -36,6 +36,8 @@ struct RecordedConfig {
   bool complete = true;
 };
 
+/// What a configuration is made from: command, scenario, files, settings and options, in the order in which
+/// they count.
 struct ConfigRequest {
   Command command = Command::Run;
   std::optional<TaskSaid> task;

@@ -10,6 +10,7 @@
 
 namespace colift::control {
 
+/// How the load at the palm is estimated from external joint torques.
 struct LoadConfig {
   double filter_s = 0.05;
 

@@ -5,11 +5,13 @@
 #include <optional>
 #include <string>
 
-#include "control/arm/arm_commander.hpp"
+#include "control/arm/drive.hpp"
 #include "control/session/watch.hpp"
 #include "control/task/run_record.hpp"
 
 namespace colift::control {
+
+struct ArmView;  ///< One cycle of the arm (control/arm/arm_controller.hpp).
 
 /// What a running job reports to whoever watches it.
 struct JobStatus {
@@ -40,6 +42,7 @@ struct JobHooks {
   std::function<void(const ArmView&)> cycle;  ///< A cycle of the task is over; the arm as it left it.
 };
 
+/// What a job is asked to do beyond its configuration.
 struct JobOptions {
   Method method = Method::Fast;
   std::uint64_t seed = 0;

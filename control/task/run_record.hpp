@@ -13,6 +13,7 @@
 
 namespace colift::control {
 
+/// When the task came into a state, and why (robot's clock).
 struct StateChange {
   hal::Timestamp at{0};
   Task state = Task::Observe;
@@ -30,6 +31,7 @@ struct LiftSample {
   double load_n = 0.0;         ///< That the robot carries, from external torques.
 };
 
+/// Means and maxima of the hold, as the robot measured them (m, rad, kg; shares 0 to 1).
 struct LiftSummary {
   double height_m = 0.0;
   double tilt_rad = 0.0;
@@ -39,6 +41,7 @@ struct LiftSummary {
   double mass_kg = 0.0;
 };
 
+/// How long parts of a run took (s, ms).
 struct RunTiming {
   std::optional<double> grasp_to_decision_s;  ///< Simulated or real time, from the start of the dwell's end.
   double decision_compute_ms = 0.0;
@@ -63,6 +66,7 @@ struct AskRecord {
   std::string because;
 };
 
+/// Something about a device that is worth saying, and when (robot's clock).
 struct DeviceNote {
   hal::Timestamp at{0};
   std::string device, what;

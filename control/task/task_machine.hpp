@@ -73,6 +73,7 @@ enum class Event {
   TimeOut,
 };
 
+/// One row of the table: in state `from`, event `on` leads to state `to`.
 struct Rule {
   Task from;
   Event on;

@@ -10,6 +10,7 @@
 
 namespace colift::control {
 
+/// What is believed of the centre of gravity before a test lift, and how much a test lift can tell.
 struct CogBeliefConfig {
   double density_sigma_m = 0.13;
   double step_m = 0.01;
@@ -63,6 +64,7 @@ struct FeltLift {
 
 /// Where the centre of gravity may be, how heavy the object is then, and how stiffly hands hold it.
 struct CogBelief {
+  /// One hypothesis: where the centre of gravity is and what the object weighs then (m, kg).
   struct Case {
     Eigen::Vector2d cog = Eigen::Vector2d::Zero();  ///< Level part, W.
     double mass_kg = 0.0;

@@ -193,6 +193,7 @@ template <class T>
 /// The value that a field has now. Not for a list of structs.
 [[nodiscard]] FieldValue value_of(const Field& field);
 
+/// A std::vector of structs as a StructList; borrowed, or its own.
 template <class T>
 class StructVector final : public StructList {
  public:

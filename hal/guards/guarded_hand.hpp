@@ -8,6 +8,7 @@
 
 namespace colift::hal {
 
+/// Limits of requests and states at the last gate before the hand.
 struct HandGuardConfig {
   double max_torque_nm = 1.0;
   double stale_s = 0.2;

@@ -20,6 +20,7 @@ struct BlockPlane {
 /// Side of a block: a power of two, so that its rows fill whole SIMD registers.
 inline constexpr int kBlockPixels = 16;
 
+/// Which blocks of the image count as flat.
 struct BlockPlaneConfig {
   double min_seen_fraction = 0.6;
   double max_misfit_sigma = 2.5;

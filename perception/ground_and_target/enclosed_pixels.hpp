@@ -10,6 +10,7 @@
 
 namespace colift::perception {
 
+/// Which pixels that an object surrounds belong to it.
 struct EnclosedConfig {
   double footprint_inset_m = 0.01;
   double max_below_ground_m = 0.01;

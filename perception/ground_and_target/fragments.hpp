@@ -12,6 +12,7 @@
 
 namespace colift::perception {
 
+/// Which pieces of the image belong to one object.
 struct FragmentConfig {
   int min_pixels = 40;
   double hole_gap_m = 0.015;

@@ -12,6 +12,7 @@
 
 namespace colift::perception {
 
+/// What counts as ground.
 struct GroundConfig {
   double max_tilt_deg = 12.0;          ///< Used when up is known.
   double max_tilt_unknown_deg = 78.0;  ///< Used when only the camera's own up is known.
@@ -51,6 +52,7 @@ struct GroundConfig {
   }
 };
 
+/// The ground, where one was found.
 struct GroundResult {
   std::optional<Ground> ground;
   std::string because;  ///< What was found, or why nothing was.

@@ -10,6 +10,7 @@
 
 namespace colift::perception {
 
+/// Which small regions in the target's box go with it.
 struct SliverConfig {
   double box_margin_m = 0.01;
   double box_margin_sigma = 3.0;

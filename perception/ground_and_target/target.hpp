@@ -17,6 +17,7 @@
 
 namespace colift::perception {
 
+/// What counts as an object to be carried.
 struct TargetConfig {
   double clearance_m = 0.006;
   double clearance_sigma = 3.0;
@@ -85,6 +86,7 @@ struct RejectedObject {
   std::string because;
 };
 
+/// The target, where there is one, and the objects that were refused.
 struct TargetResult {
   std::optional<Target> target;  ///< Without surfaces and completion: shape equals obb, cog its centre.
   std::vector<RejectedObject> rejected;  ///< Largest first.

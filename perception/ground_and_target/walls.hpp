@@ -12,6 +12,7 @@
 
 namespace colift::perception {
 
+/// What counts as a wall.
 struct WallConfig {
   double min_width_m = 1.2;
   double min_height_m = 1.0;

@@ -17,6 +17,7 @@ class OcTree;
 
 namespace colift::perception {
 
+/// When a ray counts as evidence for a cell.
 struct CellViewConfig {
   double free_beyond_cells = 0.6;
   double two_hit_pixels = 3.0;
@@ -31,6 +32,7 @@ struct CellViewConfig {
   }
 };
 
+/// Resolution and extent of the collision world, and the evidence of its cells.
 struct WorldMapConfig {
   double cell_m = 0.02;
   double max_range_m = 3.5;

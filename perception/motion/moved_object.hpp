@@ -9,6 +9,7 @@
 
 namespace colift::perception {
 
+/// How the image of an object that was put down elsewhere is made.
 struct MovedObjectConfig {
   int rim_px = 2;
   double max_depth_step_m = 0.03;

@@ -17,6 +17,7 @@
 
 namespace colift::perception {
 
+/// How a carried object is followed from frame to frame.
 struct MotionConfig {
   int samples = 2000;
   int iterations = 8;

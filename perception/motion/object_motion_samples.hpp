@@ -10,6 +10,7 @@
 
 namespace colift::perception {
 
+/// Which points of the object's surface are followed.
 struct SurfaceSamplingConfig {
   int candidates = 16000;
   double min_window_coverage = 0.7;

@@ -50,6 +50,7 @@ struct ChangedRun {
   std::int32_t component = 0;
 };
 
+/// One connected body that stands before the reference image.
 struct ChangedComponent {
   double area_m2 = 0.0;  ///< As if every pixel faced the camera: a lower bound of the true area.
   std::int32_t pixels = 0;

@@ -101,7 +101,7 @@ void LocalShape::find_faces() {
       point = m.mean();
     }
     if (normal.dot(eye_ - point) < 0.0F) normal = -normal;
-    Face found{point + place_, normal, 0};
+    LocalFace found{point + place_, normal, 0};
     for (const std::size_t i : left) {
       if (std::abs(normal.dot(surface_[i] - point)) > 1.5F * on_face) continue;
       face_of_[i] = static_cast<std::int8_t>(face);

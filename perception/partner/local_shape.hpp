@@ -9,6 +9,7 @@
 
 namespace colift::perception {
 
+/// What counts as a face, an edge or a round bar near a hand.
 struct LocalShapeConfig {
   double face_tolerance_m = 0.010;
   double line_tolerance_m = 0.010;
@@ -47,7 +48,7 @@ struct RoundBar {
 };
 
 /// A flat part: normal towards the camera.
-struct Face {
+struct LocalFace {
   Eigen::Vector3f point = Eigen::Vector3f::Zero(), normal = Eigen::Vector3f::UnitZ();
   int points = 0;
 };
@@ -61,7 +62,7 @@ class LocalShape {
              const Eigen::Vector3f& eye, const Eigen::Vector3f& place, float radius_m,
              const LocalShapeConfig& config = {});
 
-  [[nodiscard]] const std::vector<Face>& faces() const { return faces_; }
+  [[nodiscard]] const std::vector<LocalFace>& faces() const { return faces_; }
   [[nodiscard]] const std::vector<EdgeLine>& edges() const { return edges_; }
   [[nodiscard]] const std::optional<RoundBar>& round_bar() const { return bar_; }
 
@@ -77,7 +78,7 @@ class LocalShape {
   std::vector<Eigen::Vector3f> surface_, outline_;  ///< Within the radius, about the place.
   Eigen::Vector3f place_;
   std::vector<std::int8_t> face_of_;
-  std::vector<Face> faces_;
+  std::vector<LocalFace> faces_;
   std::vector<EdgeLine> edges_;
   std::optional<RoundBar> bar_;
 };

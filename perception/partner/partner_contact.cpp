@@ -115,7 +115,7 @@ float tightness(std::span<const HandPoint> hand, const EdgeLine& line) {
 }
 
 // Whether skin lies right above a face, not beside its end.
-bool lies_on(const HandPoint& h, const Face& face, const Figures& fig) {
+bool lies_on(const HandPoint& h, const LocalFace& face, const Figures& fig) {
   const Eigen::Vector3f off = h.point - h.on_object;
   const float high = face.normal.dot(off);
   return high > 0.0F && high < fig.max_finger_height_m &&
@@ -124,17 +124,17 @@ bool lies_on(const HandPoint& h, const Face& face, const Figures& fig) {
 }
 
 // Whether a line is an edge of a face.
-bool borders(const EdgeLine& line, const Face& face, const Figures& fig) {
+bool borders(const EdgeLine& line, const LocalFace& face, const Figures& fig) {
   return std::abs(face.normal.dot(line.direction)) < fig.max_edge_sine &&
          std::abs(face.normal.dot(line.point - face.point)) < fig.max_board_m;
 }
 
 // The face that most of the fingers lie on, if there is one.
-const Face* finger_face(std::span<const HandPoint> hand, const std::vector<Face>& faces, const Figures& fig) {
-  const Face* best = nullptr;
+const LocalFace* finger_face(std::span<const HandPoint> hand, const std::vector<LocalFace>& faces, const Figures& fig) {
+  const LocalFace* best = nullptr;
   float area = 0.0F, most = 0.0F;
   for (const HandPoint& h : hand) area += h.area_m2;
-  for (const Face& f : faces) {
+  for (const LocalFace& f : faces) {
     float on = 0.0F;
     for (const HandPoint& h : hand) on += lies_on(h, f, fig) ? h.area_m2 : 0.0F;
     if (on <= std::max(most, fig.min_finger_fraction * area)) continue;
@@ -146,8 +146,8 @@ const Face* finger_face(std::span<const HandPoint> hand, const std::vector<Face>
 
 // Part of a hand that speaks against a line: what lies on a face that the line does not end; and, of a line
 // that ends the face with the fingers, what is neither on a face nor beyond it.
-float misplaced(std::span<const HandPoint> hand, const EdgeLine& line, const std::vector<Face>& faces,
-                const Face* fingers, const Figures& fig) {
+float misplaced(std::span<const HandPoint> hand, const EdgeLine& line, const std::vector<LocalFace>& faces,
+                const LocalFace* fingers, const Figures& fig) {
   Eigen::Vector3f out = Eigen::Vector3f::Zero();
   if (fingers != nullptr && borders(line, *fingers, fig)) {
     out = fingers->normal.cross(line.direction).normalized();
@@ -157,7 +157,7 @@ float misplaced(std::span<const HandPoint> hand, const EdgeLine& line, const std
   for (const HandPoint& h : hand) {
     area += h.area_m2;
     const auto on =
-        std::find_if(faces.begin(), faces.end(), [&](const Face& f) { return lies_on(h, f, fig); });
+        std::find_if(faces.begin(), faces.end(), [&](const LocalFace& f) { return lies_on(h, f, fig); });
     if (on != faces.end())
       wrong += borders(line, *on, fig) ? 0.0F : h.area_m2;
     else if (out.dot(h.point - line.point) < -fig.inside_tolerance_m)
@@ -168,7 +168,7 @@ float misplaced(std::span<const HandPoint> hand, const EdgeLine& line, const std
 
 // Ends of a face beside the hand that are seen too flat to show in the outline: across each edge of the face,
 // where the face's points end.
-std::vector<EdgeLine> flat_ends(const LocalShape& shape, const Face& face, const GraspedObject& object,
+std::vector<EdgeLine> flat_ends(const LocalShape& shape, const LocalFace& face, const GraspedObject& object,
                                 const Eigen::Vector3f& place, const Figures& fig) {
   std::vector<EdgeLine> ends;
   for (const EdgeLine& line : shape.edges()) {
@@ -272,7 +272,7 @@ ContactEstimate on_bar(std::span<const HandPoint> hand, const RoundBar& bar, con
 
 // Whether nothing but legs is behind a face: the object's visible length at a few cm behind it is short
 // against the face's size.
-bool is_board(const Face& face, std::span<const Eigen::Vector3f> surface) {
+bool is_board(const LocalFace& face, std::span<const Eigen::Vector3f> surface) {
   int on = 0, behind = 0;
   for (const Eigen::Vector3f& p : surface) {
     const float deep = face.normal.dot(face.point - p);
@@ -303,7 +303,7 @@ ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedO
   const EdgeLine* best = nullptr;
   Along along;
   float tightest = 0.12F, second = 0.12F, displaced = 0.0F;
-  const Face* face = finger_face(hand, shape.faces(), fig);
+  const LocalFace* face = finger_face(hand, shape.faces(), fig);
   std::vector<EdgeLine> lines = shape.edges();
   if (face != nullptr)
     for (const EdgeLine& end : flat_ends(shape, *face, object, on_object, fig)) lines.push_back(end);
@@ -336,8 +336,8 @@ ContactEstimate estimate_contact(std::span<const HandPoint> hand, const GraspedO
   e.part = best->corner ? HeldPart::Corner : HeldPart::Rim;
   Eigen::Vector3f place = best->point + along.middle * best->direction;
   if (!best->corner) {
-    const Face* ending = nullptr;
-    for (const Face& f : shape.faces())
+    const LocalFace* ending = nullptr;
+    for (const LocalFace& f : shape.faces())
       if (std::abs(f.normal.dot(place - f.point)) < fig.max_board_m && (!ending || f.points > ending->points))
         ending = &f;
     if (ending != nullptr) {

@@ -112,6 +112,7 @@ struct ContactNoise {
   double depth_m = 0.002;  ///< Part of the sensor's noise that averaging leaves.
 };
 
+/// Where a hand holds the object, with its uncertainty (W, m, m^2).
 struct ContactEstimate {
   Vec3 position = Vec3::Zero();  ///< In W (m).
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();

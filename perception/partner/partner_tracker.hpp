@@ -9,6 +9,7 @@
 
 namespace colift::perception {
 
+/// How long and how steadily a hand has to be seen before it counts as a grasp.
 struct TrackerConfig {
   double dwell_s = 0.3;       ///< A touch becomes a grasp when it stays this long at one place.
   double rest_m = 0.012;      ///< A hand whose skin strays no farther than this from its mean rests.
@@ -37,6 +38,7 @@ struct TrackerConfig {
   }
 };
 
+/// A change of the partner's grasp.
 struct PartnerEvent {
   enum class Kind {
     Grasped,  ///< The partner holds the object; grasp() is where.

@@ -10,6 +10,7 @@
 
 namespace colift::perception {
 
+/// What is assumed of the parts of an object that the camera does not see.
 struct CompletionConfig {
   double thickness_m = 0.025;
   double wall_m = 0.015;

@@ -13,6 +13,7 @@
 
 namespace colift::planner {
 
+/// Weights and limits of the decision, and what is refused before it.
 struct DecisionConfig {
   std::optional<double> share;  ///< What weights.epsilon was made of, where a person said it so.
   SharingWeights weights;
@@ -71,6 +72,7 @@ struct ScoredCandidate {
   AgentWrenches wrenches;  ///< Of both agents at the top of the lift, each about its own grasp point, in W.
 };
 
+/// Which candidate is chosen, and how each one scored.
 struct Decision {
   std::optional<std::size_t> chosen;  ///< Index into the candidates.
   double share = 0.0;                 ///< Of the chosen one.

@@ -47,6 +47,7 @@ class Obstacles {
   [[nodiscard]] Room make_room(std::size_t points);
   void keep(std::size_t points);
 
+  /// Points `begin` to `end` that lie close together, and the middle of their box.
   struct Bucket {
     std::uint32_t begin, end;
     Eigen::Vector3f center;

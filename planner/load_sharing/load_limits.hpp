@@ -21,6 +21,7 @@ struct AgentLimits {
   }
 };
 
+/// What both agents can exert.
 struct SharingLimits {
   AgentLimits partner;
   AgentLimits robot;

@@ -23,6 +23,7 @@ struct RankProblem {
   std::optional<SharingLimits> limits;
 };
 
+/// What one candidate costs and how the load is shared there.
 struct RankEntry {
   std::size_t candidate = 0;  ///< Index into RankProblem::candidates.
   bool feasible = false;
@@ -36,6 +37,7 @@ struct RankEntry {
   std::string reason;                ///< Why it is infeasible, with numbers.
 };
 
+/// All candidates in the order of their cost.
 struct RankResult {
   std::optional<std::size_t> best;  ///< Index of the candidate; unset where none is feasible.
   std::vector<RankEntry> ranking;  ///< Ascending cost, then the infeasible; equals in the order of the input.

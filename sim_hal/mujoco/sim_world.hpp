@@ -17,6 +17,7 @@
 
 namespace colift::sim_hal {
 
+/// How the simulated arm starts and how often it is commanded.
 struct SimConfig {
   hal::Duration arm_period = std::chrono::milliseconds(5);  ///< Time between two commands: FRI's usual cycle.
   hal::JointVector start_rad = home_rad();                  ///< Where the arm stands at the start.

@@ -10,6 +10,7 @@ namespace colift::sim_hal {
 
 /// A scenario's object as solid pieces in T, for the physics and the camera alike.
 struct ObjectParts {
+  /// One solid piece and its mass (kg).
   struct Part {
     Shape shape;     ///< Box or cylinder; X_WS holds its pose in T.
     double mass_kg;  ///< Uniform density over all pieces, but for kind bodies.

@@ -27,6 +27,7 @@ struct ScenarioPart {
   double mass = 1.0;
 };
 
+/// The object to be carried (m, kg).
 struct ScenarioObject {
   std::string kind = "table";  ///< table | box | cylinder | chair | bodies
   std::vector<double> size;
@@ -38,6 +39,7 @@ struct ScenarioObject {
   std::vector<ScenarioPart> parts;
 };
 
+/// A fixed piece beside the object (W, m); sizes as in ScenarioPart.
 struct ScenarioClutter {
   std::string shape = "box";
   std::vector<double> size;
@@ -45,18 +47,21 @@ struct ScenarioClutter {
   double yaw_deg = 0.0;
 };
 
+/// Where the camera is and where it looks (W, m).
 struct ScenarioCamera {
   Vec3 xyz{2.2, -0.9, 1.4};
   Vec3 look_at{0.7, 0.0, 0.3};
   std::string noise = "kinect";  ///< kinect | none
 };
 
+/// What the partner does at a time (s since the start of the scenario).
 struct PartnerScriptEvent {
   double at_s = 0.0;
   std::string action;      ///< let-go | move
   std::optional<Vec3> to;  ///< New grasp in T, for move.
 };
 
+/// Who carries the other side, where and from when (T, m, s).
 struct ScenarioPartner {
   std::string kind = "compliant";  ///< compliant | leader | support | none
   Vec3 grasp = Vec3::Zero();       ///< In T, on the surface.
@@ -65,12 +70,14 @@ struct ScenarioPartner {
   std::vector<PartnerScriptEvent> events;
 };
 
+/// What both do with the object (m, s).
 struct ScenarioTask {
   std::string kind = "lift";
   double height = 0.05;
   double hold_s = 2.0;
 };
 
+/// What goes wrong with a device, and when (s since the start of the scenario).
 struct DeviceFaultEvent {
   double at_s = 0.0;
   std::string device;  ///< camera | arm | hand
@@ -80,6 +87,7 @@ struct DeviceFaultEvent {
   std::string puck{};             ///< F1 | F2 | F3 | spread of an emulated hand; empty: all.
 };
 
+/// A whole scenario file.
 struct Scenario {
   std::string name;  ///< Of the file, for people.
   ScenarioObject object;

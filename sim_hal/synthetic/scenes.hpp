@@ -19,6 +19,7 @@ struct TrueFace {
   Vec3 center, normal, u, v;
   double width, height;
 };
+/// A cylinder of the target as built (W, m).
 struct TrueCylinder {
   Vec3 center, axis;
   double radius, length;

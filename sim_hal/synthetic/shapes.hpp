@@ -30,6 +30,7 @@ struct Shape {
       0.6;  ///< In the near infrared, 0 to 1; dark surfaces give no depth at grazing angles.
 };
 
+/// All that a camera can see; what hides what follows from the shapes.
 struct World {
   std::vector<Shape> shapes;
 };

@@ -3,8 +3,6 @@
 
 #include "barrett_rig.hpp"
 #include "barrett_wire_rig.hpp"
-#include "barrett_rig.hpp"
-#include "barrett_wire_rig.hpp"
 #include "colift/contract/hand_contract.hpp"
 #include "hal/guards/guarded_hand.hpp"
 #include "sim_hal/mock/mock_hand.hpp"

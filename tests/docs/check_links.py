@@ -105,6 +105,8 @@ class Tree:
                     continue
                 text = (self.root / name).read_text(encoding="utf-8", errors="replace")
                 self.all_words.update(re.findall(r"[A-Za-z_]\w*", text))
+            for word in [w for w in self.all_words if w.startswith("colift_")]:  # CoLift::x is made of colift_x
+                self.all_words.add(word.removeprefix("colift_"))
         return self.all_words
 
     def has(self, path):

@@ -26,3 +26,4 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/CoLiftConfig.cmake.in
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/CoLiftConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/CoLiftConfig.cmake ${CMAKE_BINARY_DIR}/CoLiftConfigVersion.cmake
         DESTINATION ${package_dir})
+include(ApiDocs)

@@ -1,6 +1,6 @@
 # Half of the time of a whole build goes into reading the same headers and making the same templates for every file.
-# With -DCOLIFT_UNITY=ON several files of a target are compiled as one: what tools/build and tools/test do. For working on
-# the code it is off: a change then compiles one file.
+# With -DCOLIFT_UNITY=ON several files of a library are compiled as one: what the scripts in tools/ do. For working on the code it is off: a change then
+# compiles one file.
 option(COLIFT_UNITY "Compile several files as one unit" OFF)
 find_program(AWK NAMES awk REQUIRED)
 
@@ -27,5 +27,7 @@ function(colift_units target)
       set_source_files_properties(${CMAKE_MATCH_2} PROPERTIES UNITY_GROUP ${target}_${CMAKE_MATCH_1})
     endif()
   endforeach()
+  # a file's own types are those of the unit then, and gcc takes the unit for a header
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
 endfunction()

@@ -35,7 +35,6 @@ set(COLIFT_PUBLIC_HEADERS
   hal/drivers/kinect/kinect_config.hpp
   hal/drivers/kuka_fri/fri_config.hpp
   hal/drivers/recorded/cloud_files/point_file.hpp
-  hal/guards/cycle_time.hpp
   # perception: from a frame to a scene, a partner, a motion
   perception/calibration/calibration_file.hpp
   perception/map/world_map.hpp
@@ -56,15 +55,22 @@ set(COLIFT_PUBLIC_HEADERS
   perception/footprint.hpp
   perception/ground_and_target/block_planes.hpp
   perception/ground_and_target/components.hpp
+  perception/ground_and_target/enclosed_pixels.hpp
   perception/ground_and_target/fragments.hpp
   perception/ground_and_target/ground.hpp
   perception/ground_and_target/image_border.hpp
+  perception/ground_and_target/plane_vote.hpp
+  perception/ground_and_target/slivers.hpp
   perception/ground_and_target/target.hpp
   perception/ground_and_target/walls.hpp
+  perception/motion/moved_object.hpp
+  perception/motion/object_motion_samples.hpp
   perception/noise_model.hpp
   perception/partner/change_image.hpp
+  perception/partner/local_shape.hpp
   perception/partner/object_grid.hpp
   perception/partner/partner_contact.hpp
+  perception/partner/partner_leg.hpp
   perception/reference_image.hpp
   perception/surfaces/surface_config.hpp
   perception/thesis/thesis_config.hpp
@@ -87,6 +93,7 @@ set(COLIFT_PUBLIC_HEADERS
   planner/hand/completed_shape.hpp
   planner/hand/hand_collision.hpp
   planner/hand/hand_sweep.hpp
+  planner/hand/leg_face.hpp
   planner/hand/obstacles.hpp
   planner/hand/seen_space.hpp
   planner/motion/collision/collision_scene.hpp
@@ -96,24 +103,26 @@ set(COLIFT_PUBLIC_HEADERS
   planner/motion/collision/fast_checker.hpp
   planner/motion/collision/touch.hpp
   planner/motion/inverse_kinematics/arm_ik.hpp
+  planner/motion/search_config.hpp
   # control: configuration; look, decide, run
   control/config/config.hpp
+  control/config/resolve_config.hpp
   control/session/decide.hpp
   control/session/library_layout.hpp
   control/session/look.hpp
-  control/session/method.hpp
   control/session/suggest.hpp
   control/session/watch.hpp
+  control/task/run_job.hpp
   control/task/run_record.hpp
   control/task/task_machine.hpp
-  control/task/task_runner.hpp
   # ... and what these include
-  control/arm/arm_cycle.hpp
-  control/arm/arm_loop.hpp
-  control/arm/arm_motion.hpp
+  control/arm/drive.hpp
+  control/config/check_config.hpp
+  control/config/method.hpp
+  control/config/setpoint_limits.hpp
   control/config/task_config.hpp
-  control/lift/lift_controller.hpp
   control/lift/load_estimator.hpp
+  control/task/job_status.hpp
   control/test_lift/cog_belief.hpp
   control/test_lift/test_lift.hpp
   # sim_hal: mocks, synthetic frames, the simulated rig for own scenarios

@@ -1,7 +1,8 @@
 # Which files of a library can be compiled as one unit (CoLiftUnits.cmake): prints "UNIT FILE" for each file.
 #   awk -v most_lines=N -f units.awk FILE...
 # Two files do not go together when one declares a name for itself (in its anonymous namespace) that occurs in the other.
-# Relies on clang-format: what stands in a namespace starts in the first column.
+# A file that takes all names of an enum into its namespace stays alone. Relies on clang-format: what stands in a namespace
+# starts in the first column.
 
 FNR == 1 { files[++count] = FILENAME; own = 0 }
 { ++lines[count] }
@@ -10,7 +11,8 @@ FNR == 1 { files[++count] = FILENAME; own = 0 }
 {
   text = $0
   sub(/\/\/.*/, "", text)
-  if (own && text ~ /^[A-Za-z\[]/) note(text)
+  if (text ~ /^using enum/) alone[count] = 1
+  else if (text ~ /^using [A-Za-z_:]*;/ || (own && text ~ /^[A-Za-z\[]/)) note(text)
   # every name that occurs; what is looked up in something else (a.b, a->b, a::b) is not the file's own
   while (match(text, /[A-Za-z_][A-Za-z0-9_]*/)) {
     before = RSTART > 1 ? substr(text, RSTART - 1, 1) : ""
@@ -23,7 +25,14 @@ function note(text,  name) {
   sub(/^\[\[[^\]]*\]\] */, "", text)
   # the same alias twice is no contradiction; another one of its name is
   if (text ~ /^(using namespace|static_assert|template|friend|public|private|extern)/) return
-  if (text ~ /^using [A-Za-z_:]*;/) return
+  if (text ~ /^using [A-Za-z_:]*;/) {
+    name = text
+    sub(/;.*/, "", name)
+    sub(/.*[: ]/, "", name)
+    alias[count, name] = text
+    aliases[count] = aliases[count] " " name
+    return
+  }
   if (text ~ /^(using|namespace) [A-Za-z_]* =/) {
     split(text, word, " ")
     alias[count, word[2]] = text
@@ -40,6 +49,7 @@ function note(text,  name) {
 }
 
 function contradict(a, b,  n, i, word) {
+  if (alone[a] || alone[b]) return 1
   n = split(declares[a], word, " ")
   for (i = 1; i <= n; ++i) if ((b, word[i]) in occurs) return 1
   n = split(aliases[a], word, " ")

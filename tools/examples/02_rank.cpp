@@ -3,7 +3,6 @@
 //
 //   build/example_02_rank
 
-
 #include <fmt/format.h>
 
 #include <cmath>
@@ -31,7 +30,7 @@ int main() {
       continue;
     }
     fmt::print("  {:5.2f} m    {:10.1f}   {:11.0f} %   {:12.2f} N m\n", x_m, entry.cost,
-                100.0 * entry.share.value_or(NAN), entry.poses.front().partner.torque.norm());
+               100.0 * entry.share.value_or(NAN), entry.poses.front().partner.torque.norm());
   }
   // as far behind the centre of gravity as the partner is before it: the load is shared equally, without
   // torque

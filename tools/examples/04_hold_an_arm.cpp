@@ -29,15 +29,15 @@ int main() {
     const auto state = arm.wait_cycle();  // the arm's controller is the clock
     if (!state) return fmt::print(stderr, "{}\n", state.error().text()), 1;
     if (cycle == 0) command.q_rad = state->q_rad;  // hold what was measured first
-    if (auto sent = arm.command(command); !sent)
-      return fmt::print(stderr, "{}\n", sent.error().text()), 1;
+    if (auto sent = arm.command(command); !sent) return fmt::print(stderr, "{}\n", sent.error().text()), 1;
     drift_rad = std::max(drift_rad, (state->q_rad - command.q_rad).cwiseAbs().maxCoeff());
     torque_nm = std::max(torque_nm, state->tau_nm.cwiseAbs().maxCoeff());
   }
   arm.deactivate();
 
   const hal::DeviceHealth health = arm.health();
-  fmt::print("held for 200 cycles: drift {:.2f} mrad, max joint torque {:.1f} N m, {} states used, {} dropped\n",
-             1e3 * drift_rad, torque_nm, health.accepted, health.rejected);
+  fmt::print(
+      "held for 200 cycles: drift {:.2f} mrad, max joint torque {:.1f} N m, {} states used, {} dropped\n",
+      1e3 * drift_rad, torque_nm, health.accepted, health.rejected);
   return drift_rad < 0.005 && health.accepted >= 200 && health.rejected == 0 ? 0 : 1;
 }

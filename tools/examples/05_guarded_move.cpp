@@ -32,22 +32,19 @@ int main() {
                                                    planner::MotionLimits{}, /*blend_rad=*/0.0);
   if (!trajectory) return fmt::print(stderr, "{}\n", trajectory.error().text()), 2;
   fmt::print("A1 from {:.1f} to {:.1f} deg in {:.2f} s\n", state->q_rad[0] / kDeg, goal_rad[0] / kDeg,
-              trajectory->duration_s());
+             trajectory->duration_s());
 
   hal::ImpedanceCommand command;
   double t_s = 0.0, lag_rad = 0.0;
   while (t_s < trajectory->duration_s() + 0.5) {
     command.q_rad = trajectory->sample(t_s).q_rad;
-    if (auto sent = arm.command(command); !sent)
-      return fmt::print(stderr, "{}\n", sent.error().text()), 1;
-    if (state = arm.wait_cycle(); !state)
-      return fmt::print(stderr, "{}\n", state.error().text()), 1;
+    if (auto sent = arm.command(command); !sent) return fmt::print(stderr, "{}\n", sent.error().text()), 1;
+    if (state = arm.wait_cycle(); !state) return fmt::print(stderr, "{}\n", state.error().text()), 1;
     lag_rad = std::max(lag_rad, (state->q_rad - command.q_rad).cwiseAbs().maxCoeff());
     t_s = hal::seconds(state->measured_at - began);
   }
   const double miss_rad = (state->q_rad - goal_rad).cwiseAbs().maxCoeff();
-  fmt::print("arrived within {:.3f} deg; max lag on the path {:.2f} deg\n", miss_rad / kDeg,
-              lag_rad / kDeg);
+  fmt::print("arrived within {:.3f} deg; max lag on the path {:.2f} deg\n", miss_rad / kDeg, lag_rad / kDeg);
 
   command.q_rad[0] += 30.0 * kDeg;  // in one cycle of 5 ms
   const auto jump = arm.command(command);

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "control/task/task_runner.hpp"
+#include "control/task/run_job.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_hand.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
@@ -40,10 +40,8 @@ int main() {
   const auto tables = std::make_shared<planner::HandCollision>(hand, config.candidates.collision);
   const control::RigView rig{model, hand, tables, sim_hal::camera_pose(scenario->camera)};
 
-  const hal::SteadyClock wall;
   control::JobOptions options;
   options.seed = kSeed;
-  control::TaskRunner runner(robot, rig, config, options, wall);
   double share = NAN;  // the true one, at the top
   control::JobHooks hooks;
   hooks.status = [&](const control::JobStatus& status) {
@@ -51,7 +49,7 @@ int main() {
     const sim_hal::SimTruth truth = (*world)->truth();
     share = truth.robot_force_W.z() / (truth.robot_force_W.z() + truth.partner_force_W.z());
   };
-  const auto record = runner.run(hooks);
+  const auto record = control::run_job(robot, rig, config, options, hooks, hal::SteadyClock());
   if (!record) return fmt::print(stderr, "{}\n", record.error().text()), 2;
 
   for (const control::StateChange& change : record->states)

@@ -63,8 +63,8 @@ hal::Result<telemetry::ReplaySetting> setting_of(const control::ResolvedConfig& 
                                                  const telemetry::RunDescription& run) {
   telemetry::ReplaySetting s;
   s.config = resolved.config;
-  const auto hand = resolved.origins.find("hand_file");
-  const bool other_hand = hand != resolved.origins.end() && !hand->second.starts_with("recorded");
+  const auto origin = resolved.origins.find("hand_file");
+  const bool other_hand = origin != resolved.origins.end() && !origin->second.starts_with("recorded");
   if (other_hand && !s.config.hand_file.empty()) {
     auto hand = planner::load_hand(s.config.hand_file);
     if (!hand) return tl::unexpected(hand.error());

@@ -31,6 +31,7 @@ struct Colour {
   return {((hex >> 16) & 255u) / 255.0, ((hex >> 8) & 255u) / 255.0, (hex & 255u) / 255.0, 1.0};
 }
 
+/// An upright rectangle on the canvas (px).
 struct Box {
   double x = 0.0, y = 0.0, width = 0.0, height = 0.0;
 
@@ -46,6 +47,7 @@ struct Box {
   [[nodiscard]] Box grown(double by) const { return {x - by, y - by, width + 2 * by, height + 2 * by}; }
 };
 
+/// How a line is drawn.
 struct Stroke {
   Colour colour;
   double width = 1.0;
@@ -56,6 +58,7 @@ struct Stroke {
 
 enum class Align { Left, Middle, Right };
 
+/// How a text is drawn.
 struct TextStyle {
   double size = 16.0;  ///< Em (px).
   Colour colour = {0.1, 0.1, 0.1, 1.0};

@@ -11,6 +11,7 @@
 
 namespace colift::hal {
 
+/// Which recording is played, and how.
 struct RecordedCameraConfig {
   std::string path;  ///< File or folder; a folder's depth*.png, or else its *.pcd and *.ply.
   double period_s = 1.0 / 30.0;

@@ -11,6 +11,7 @@
 
 namespace colift::planner {
 
+/// What counts as an obstacle, and how far the arm keeps away from it.
 struct SceneConfig {
   double margin_m = 0.01;
   bool hidden_is_obstacle = true;

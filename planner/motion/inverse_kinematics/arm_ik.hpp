@@ -27,6 +27,7 @@ struct ArmGeometry {
 /// Pose of the flange F in W.
 [[nodiscard]] hal::Pose flange_pose(const ArmGeometry& arm, const hal::JointVector& q_rad);
 
+/// One joint position that brings the flange to a pose.
 struct IkSolution {
   hal::JointVector q_rad = hal::JointVector::Zero();
   double elbow_rad = 0.0;  ///< Redundancy angle: of the elbow about the line from shoulder to wrist, 0 = up.

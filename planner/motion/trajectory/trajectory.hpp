@@ -17,6 +17,7 @@ struct MotionLimits {
   hal::JointVector jerk_rad_s3 = hal::JointVector::Constant(20.0);
 };
 
+/// Position, velocity and acceleration of all joints at one time.
 struct JointSample {
   hal::JointVector q_rad = hal::JointVector::Zero(), dq_rad_s = hal::JointVector::Zero(),
                    ddq_rad_s2 = hal::JointVector::Zero();

@@ -33,11 +33,13 @@ enum class Op : std::uint8_t {
   DataEnd = 0x0F,
 };
 
+/// What the messages of a channel look like.
 struct Schema {
   std::uint16_t id = 0;
   std::string name, encoding, data;
 };
 
+/// A topic and how its messages are encoded.
 struct Channel {
   std::uint16_t id = 0, schema_id = 0;
   std::string topic, message_encoding;
@@ -65,6 +67,7 @@ struct Chunk {
   std::uint64_t messages = 0;
 };
 
+/// Where a chunk lies (bytes from the start of the file), and what it holds.
 struct ChunkIndex {
   std::uint64_t start_time = 0, end_time = 0, offset = 0, length = 0;
   std::map<std::uint16_t, std::uint64_t> message_index_offsets;
@@ -73,26 +76,31 @@ struct ChunkIndex {
   std::uint64_t compressed_size = 0, uncompressed_size = 0;
 };
 
+/// A file inside the recording.
 struct Attachment {
   std::uint64_t log_time = 0, create_time = 0;
   std::string name, content_type, data;
 };
 
+/// Where an attachment lies (bytes from the start of the file).
 struct AttachmentIndex {
   std::uint64_t offset = 0, length = 0, log_time = 0, create_time = 0, data_size = 0;
   std::string name, content_type;
 };
 
+/// Names and texts about the recording.
 struct Metadata {
   std::string name;
   std::map<std::string, std::string> entries;
 };
 
+/// Where metadata lie (bytes from the start of the file).
 struct MetadataIndex {
   std::uint64_t offset = 0, length = 0;
   std::string name;
 };
 
+/// How much the recording holds.
 struct Statistics {
   std::uint64_t messages = 0;
   std::uint16_t schemas = 0;

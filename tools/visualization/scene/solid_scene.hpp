@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "hal/depth_camera.hpp"
 #include "hal/robot_model/robot_model.hpp"
 #include "hal/types/geometry.hpp"
 #include "sim_hal/synthetic/shapes.hpp"
