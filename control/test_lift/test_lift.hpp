@@ -48,7 +48,7 @@ struct TestLiftConfig {
   void visit(Visitor& v) {
     v("on", on, "Whether a run makes test lifts.");
     v("height_m", height_m, hal::Range{0.002, 0.05},
-      "Greatest height of a test lift (m): at max_turn_deg every foot has to be clear of the ground by "
+      "Max height of a test lift (m): at max_turn_deg every foot has to be clear of the ground by "
       "then.");
     v("raise_s", raise_s, hal::Range{0.2, 30}, "Time in which that height would be reached (s).");
     v("hold_s", hold_s, hal::Range{0.1, 10}, "How long is measured at the top (s).");
@@ -56,11 +56,11 @@ struct TestLiftConfig {
       "An object that has turned so far about the line between both hands is raised slowly from there "
       "(deg).");
     v.renamed("slow_part", "slow_fraction");
-    v("slow_fraction", slow_fraction, hal::Range{0.05, 1}, "Part of the speed that is slow.");
+    v("slow_fraction", slow_fraction, hal::Range{0.05, 1}, "Speed scale beyond slow_turn_deg.");
     v("good_turn_deg", good_turn_deg, hal::Range{0.1, 10},
       "An object that hangs at this tilt or less is lifted on; at more, another grip is looked for (deg).");
     v("max_turn_deg", max_turn_deg, hal::Range{0.1, 10},
-      "One that has turned further is raised no more, and is put down (deg).");
+      "Max rotation: the object is not raised further and is set down (deg).");
     v("max_drift_deg_s", max_drift_deg_s, hal::kPositive,
       "One that still turns faster at the top slips in the hand, and is put down (deg/s).");
     v("max_share_error", max_share_error, hal::kFraction,
@@ -69,20 +69,20 @@ struct TestLiftConfig {
     v("min_load_n", min_load_n, hal::kNotNegative,
       "A load below this says nothing: the object stands still on the ground (N).");
     v("grips", grips, hal::Range{1, 20},
-      "Places where the hand takes hold, for each place of the partner's, before it gives up.");
+      "Grasps that are tested for each grasp of the partner before the test lifts end without result.");
     v.renamed("least_chance", "min_level_probability");
     v("min_level_probability", min_level_probability, hal::kFraction,
-      "A grasp is not tried when the chance that it holds the object level is below this.");
+      "Min probability of a level grip for which a grasp is tried.");
     v("asks", asks, hal::Range{0, 10},
-      "How often the partner is asked to take hold elsewhere where no level grip is found.");
+      "How often the partner is asked to grasp elsewhere where no level grip is found.");
     v.renamed("least_chance_elsewhere", "min_level_probability_elsewhere");
     v("min_level_probability_elsewhere", min_level_probability_elsewhere, hal::kFraction,
-      "For less of a chance of a level grip he is not asked.");
+      "Min probability of a level grip for which he is asked.");
     v.renamed("least_share", "min_share");
     v("min_share", min_share, hal::kFraction,
-      "Least part of the load that the robot should bear where he is asked to.");
+      "Min share of the robot at a place to which the partner is asked to go.");
     v.renamed("most_share", "max_share");
-    v("max_share", max_share, hal::kFraction, "Greatest part of it: the rest is the partner's.");
+    v("max_share", max_share, hal::kFraction, "Max share of the robot there; the rest is the partner's.");
     v("agreeing_frames", agreeing_frames, hal::Range{1, 100},
       "Frames in a row that have to agree on how the object is raised.");
     v("clear_factor", clear_factor, hal::Range{1, 20},
@@ -126,7 +126,7 @@ struct TestLift {
     OtherShare,  ///< Level, but the robot bears another part than was agreed: say so, and ask.
     Regrasp,     ///< Put down, and take hold where the belief gives the best chance (chance_level).
   } next = Next::GoOn;
-  std::string because;
+  std::string reason;
 };
 
 /// Mass and centre of gravity from test lifts of one object, the last of which was made just now.
@@ -139,7 +139,7 @@ struct TestLift {
 /// others are put down. Errors: NotFound (the load says nothing, or nothing that is possible fits it, with
 /// the numbers), BadInput (no test lift, not finite, hands at one place, fewer than three feet).
 [[nodiscard]] hal::Result<TestLift> understand_test_lift(const CarriedObject& object,
-                                                         std::span<const FeltLift> tests,
+                                                         std::span<const MeasuredLift> tests,
                                                          const TestLiftConfig& config);
 
 /// Of the grasps that are possible (Ok or Chosen), where the hand takes hold next while the partner holds at
@@ -152,7 +152,7 @@ struct NextGrip {
   double share = 0.0;  ///< What the robot would bear, by the mean of the belief.
 };
 [[nodiscard]] std::optional<NextGrip> next_grip(std::span<const planner::GraspCandidate> grasps,
-                                                const hal::Vec3& partner, std::span<const FeltLift> tests,
+                                                const hal::Vec3& partner, std::span<const MeasuredLift> tests,
                                                 const CogBelief& belief, double wanted_share,
                                                 const TestLiftConfig& config);
 

@@ -69,7 +69,7 @@ CalibrationCheck check_calibration(const perception::CalibrationFile& file,
     if (*out.age_days < -1.0) out.warnings.push_back(fmt::format("it is from the future ({})", file.date));
     if (*out.age_days > kOld_days)
       out.warnings.push_back(
-          fmt::format("it is {:.0f} days old: has nobody touched the camera since?", *out.age_days));
+          fmt::format("it is {:.0f} days old: has the camera been moved since?", *out.age_days));
   }
   out.summary = fmt::format(
       "{}; residual {:.2f} px by {} poses, points {:.1f} mm off in the mean; camera at ({:.2f}, {:.2f}, "
@@ -77,8 +77,8 @@ CalibrationCheck check_calibration(const perception::CalibrationFile& file,
       "looks {:.0f} deg down",
       age, file.rms_px, file.inliers, 1e3 * file.error_m, at.x(), at.y(), at.z(), out.down_deg);
 
-  out.because = wrong_pose(X_BC, limits.workspace_center_m);
-  if (out.because) return out;
+  out.reason = wrong_pose(X_BC, limits.workspace_center_m);
+  if (out.reason) return out;
   const double away = (at - limits.workspace_center_m).norm();
   if (away < kNear_m || away > kFar_m)
     out.warnings.push_back(
@@ -113,7 +113,7 @@ GroundCheck check_ground(const hal::DepthFrame& frame, const hal::Pose& X_BC, co
     if (tilted.ground) found = tilted;
   }
   if (!found.ground) {
-    out.because = "no ground is seen: " + found.because;
+    out.reason = "no ground is seen: " + found.reason;
     return out;
   }
   // of the arm nothing is known here
@@ -124,11 +124,11 @@ GroundCheck check_ground(const hal::DepthFrame& frame, const hal::Pose& X_BC, co
   out.tilt_deg = hal::rad_to_deg(seen.tilt_rad);
   out.height_m = seen.height_m;
   out.good = seen.good;
-  out.because =
+  out.reason =
       seen.good
           ? fmt::format("the ground is level within {:.1f} deg and {:.0f} mm {} the robot's floor",
                         *out.tilt_deg, 1e3 * std::abs(seen.height_m), seen.height_m < 0.0 ? "below" : "above")
-          : seen.because;
+          : seen.reason;
   return out;
 }
 

@@ -35,7 +35,7 @@ int show_rules(bool json) {
     j["rules"].push_back({{"from", control::word(rule.from)},
                           {"on", control::word(rule.on)},
                           {"to", control::word(rule.to)},
-                          {"because", rule.because}});
+                          {"because", rule.reason}});
   std::puts(j.dump().c_str());
   return kDone;
 }
@@ -66,8 +66,8 @@ hal::Result<CameraFindings> look_at_camera(const Setup& setup, const CheckedCame
   if (!calibration) return out;
   out.calibration =
       check_calibration(*calibration, setup.config.calibration, robot->kinect, std::time(nullptr));
-  if (out.calibration->because)
-    return hal::failure(hal::ErrorCode::BadConfig, out.file, *out.calibration->because);
+  if (out.calibration->reason)
+    return hal::failure(hal::ErrorCode::BadConfig, out.file, *out.calibration->reason);
   if (!checked.frame) return out;
   const auto frame = hal::read_frame(*checked.frame, checked.camera);
   if (!frame) return tl::unexpected(frame.error());
@@ -86,7 +86,7 @@ nlohmann::ordered_json json_of(const CameraFindings& found) {
   j["ground"] = nullptr;
   if (!found.ground) return j;
   j["ground"] = {{"ok", found.ground->good},
-                 {"because", found.ground->because},
+                 {"because", found.ground->reason},
                  {"tilt_deg", nullptr},
                  {"height_m", nullptr}};
   if (found.ground->tilt_deg) j["ground"]["tilt_deg"] = *found.ground->tilt_deg;
@@ -99,7 +99,7 @@ void say(const CameraFindings& found) {
     fmt::print(stderr, "calibration {}: {}\n", found.file, found.calibration->summary);
     for (const std::string& w : found.calibration->warnings) fmt::print(stderr, "  look at it: {}\n", w);
   }
-  if (found.ground) fmt::print(stderr, "{}\n", found.ground->because);
+  if (found.ground) fmt::print(stderr, "{}\n", found.ground->reason);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 /// A verb of `hal DEVICE`, with what all of them take.
 CLI::App& add_verb(CLI::App& device, const char* name, const char* help, HalOptions& o, CommandLine& line) {
   CLI::App* verb = device.add_subcommand(name, help);
-  verb->add_option("--robot", o.robot, "How the device is reached (default: the driver's own defaults)")
+  verb->add_option("--robot", o.robot, "Robot file: address of the device (default: the driver's defaults)")
       ->type_name("FILE");
   verb->callback([&o, name] { o.verb = name; });
   line.add_common(*verb);
@@ -26,26 +26,25 @@ void add_hal_arm(CommandLine& line, CLI::App& arm, HalOptions& o) {
     verb.add_option("--for", o.for_s, help)->type_name("S");
   };
   const auto yes = [&o](CLI::App& verb) {
-    verb.add_flag("--yes", o.yes, "Goes beyond the careful limits of bring-up");
+    verb.add_flag("--yes", o.yes, "Allows values beyond the limits of bring-up");
   };
+  for_s(add_verb(arm, "state", "State, and what prevents command mode; no motion", o, line),
+        "Observation time (default 1.2)");
+  for_s(add_verb(arm, "watch", "State continuously, with response times; no motion", o, line),
+        "Duration (default: until interrupted)");
   for_s(
-      add_verb(arm, "state", "How it is, and why command mode would be refused now; nothing moves", o, line),
-      "Looks for that time (default 1.2)");
-  for_s(
-      add_verb(arm, "watch", "The same all the time, with the times of the answers; nothing moves", o, line),
-      "Ends after that time (default: when interrupted)");
-  for_s(add_verb(arm, "hold", "Gets command mode, holds the measured pose, leaves", o, line),
-        "Holds for that time (default 10)");
-  CLI::App& move = add_verb(arm, "move-joint", "Moves one joint by an angle, slowly, and leaves", o, line);
+      add_verb(arm, "hold", "Enters command mode, holds the measured position, leaves command mode", o, line),
+      "Duration (default 10)");
+  CLI::App& move = add_verb(arm, "move-joint", "Moves one joint by a relative angle, slowly", o, line);
   move.add_option("N", o.joint, "Joint, 1 to 7 from the base")->required();
-  move.add_option("DEG", o.degrees, "By how many degrees, from where it stands")->required();
+  move.add_option("DEG", o.degrees, "Relative angle in degrees")->required();
   move.add_option("--speed", o.speed_deg_s, "Degrees per second (default 5)")->type_name("DEG/S");
   yes(move);
-  add_verb(arm, "limits", "Limits of each joint: the arm's, those of the guard, those in T1", o, line);
-  CLI::App& stiffness =
-      add_verb(arm, "stiffness", "Holds with a stiffness of the joints, for a person to feel it", o, line);
+  add_verb(arm, "limits", "Joint limits: of the arm, of the guard, in T1", o, line);
+  CLI::App& stiffness = add_verb(
+      arm, "stiffness", "Joint impedance control with this stiffness, to be pushed by hand", o, line);
   stiffness.add_option("VALUE", o.stiffness_nm_rad, "N m/rad, 0 to 2000")->required();
-  for_s(stiffness, "Holds for that time (default 30)");
+  for_s(stiffness, "Duration (default 30)");
   yes(stiffness);
 }
 
@@ -55,26 +54,27 @@ void add_hal_hand(CommandLine& line, CLI::App& hand, HalOptions& o) {
     verb.add_option("--for", o.for_s, help)->type_name("S");
   };
   const auto yes = [&o](CLI::App& verb) {
-    verb.add_flag("--yes", o.yes, "Opens although the hand holds something, which falls");
+    verb.add_flag("--yes", o.yes, "Opens even if the hand holds an object, which then falls");
   };
   const auto torque = [&o](CLI::App& verb) {
-    verb.add_option("--torque", o.torque_nm, "At the fingertips, at most (default 0.5 N m)")->type_name("NM");
+    verb.add_option("--torque", o.torque_nm, "Max torque at the fingertips (default 0.5 N m)")
+        ->type_name("NM");
   };
   yes(add_verb(hand, "init", "Wakes the pucks and opens all joints to their stops to find their zeros", o,
                line));
-  for_s(add_verb(hand, "state", "How it is; nothing moves", o, line), "Looks for that time (default 1)");
-  for_s(add_verb(hand, "watch", "The same all the time; nothing moves", o, line),
-        "Ends after that time (default: when interrupted)");
-  for_s(add_verb(hand, "tactile", "Forces on the pads; nothing moves", o, line),
-        "Ends after that time (default: when interrupted)");
+  for_s(add_verb(hand, "state", "State; no motion", o, line), "Observation time (default 1)");
+  for_s(add_verb(hand, "watch", "State continuously; no motion", o, line),
+        "Duration (default: until interrupted)");
+  for_s(add_verb(hand, "tactile", "Forces on the tactile pads; no motion", o, line),
+        "Duration (default: until interrupted)");
   yes(add_verb(hand, "open", "Opens the fingers", o, line));
-  torque(add_verb(hand, "close", "Closes until each finger is held by something or by its stop", o, line));
+  torque(add_verb(hand, "close", "Closes until each finger meets an object or its stop", o, line));
   CLI::App& preshape = add_verb(hand, "preshape", "Opens the fingers and turns the spread", o, line);
   preshape.add_option("DEG", o.spread_deg, "Spread, 0 to 180 degrees")->required();
   yes(preshape);
-  CLI::App& grip = add_verb(hand, "grip", "Closes on an object and watches the grip", o, line);
+  CLI::App& grip = add_verb(hand, "grip", "Closes on an object and monitors the grip", o, line);
   torque(grip);
-  for_s(grip, "Watches it for that time (default 5)");
+  for_s(grip, "Duration (default 5)");
 }
 
 void add_hal_camera(CommandLine& line, CLI::App& camera, HalCameraOptions& o) {
@@ -83,7 +83,7 @@ void add_hal_camera(CommandLine& line, CLI::App& camera, HalCameraOptions& o) {
     CLI::App& verb = add_verb(camera, name, help, o.hal, line);
     verb.add_option("--source", o.source,
                     "usb, usb:SERIAL, fakenect:DIR or emulated:ADDRESS (default: the file's)");
-    verb.add_option("--for", o.hal.for_s, "Ends after that time")->type_name("S");
+    verb.add_option("--for", o.hal.for_s, "Duration")->type_name("S");
     return verb;
   };
   const auto png = [&o](CLI::App& verb) {
@@ -91,34 +91,37 @@ void add_hal_camera(CommandLine& line, CLI::App& camera, HalCameraOptions& o) {
     verb.add_option("--depth", o.depth,
                     "Writes the last frame itself (16-bit PNG, mm), camera.json beside it")
         ->type_name("OUT.png");
-    verb.add_option("--infrared", o.infrared, "Writes an infrared image: is the emitter seen?")
+    verb.add_option("--infrared", o.infrared,
+                    "Writes an infrared image, to check that the emitter is visible")
         ->type_name("OUT.png");
   };
-  png(add("info", "What it is, how it hangs, what it sees"));
-  png(add("watch", "The same all the time (with --png: for a second)"));
+  png(add("info", "Serial number, mounting angle, depth statistics"));
+  png(add("watch", "Statistics continuously (with --png: for one second)"));
   add("record", "Records raw depth for fakenect, 18 MB a second, until interrupted")
       .add_option("FOLDER", o.folder, "New or empty folder")
       ->required();
-  CLI::App& tilt = add("tilt", "Turns its foot; whatever was calibrated is wrong then");
+  CLI::App& tilt = add("tilt", "Tilts the camera with its motor; invalidates the calibration");
   tilt.add_option("DEG", o.tilt_deg, "-31 to 31 degrees against the horizon")->required();
-  tilt.add_flag("--yes", o.hal.yes, "Yes, move the camera");
+  tilt.add_flag("--yes", o.hal.yes, "Confirms that the camera may move");
 }
 
 void add_calibrate(CLI::App& command, CalibrateOptions& o) {
   command.add_option("--samples", o.samples, "Folder with samples.yaml and infrared images")
       ->type_name("FOLDER");
   command.add_flag("--sim", o.sim, "Takes the samples on the simulated rig");
-  command.add_option("--robot", o.robot, "Takes them with these devices; clear the space around the arm")
+  command
+      .add_option("--robot", o.robot,
+                  "Takes the samples with these devices; clear the space around the arm first")
       ->type_name("FILE");
   command
-      .add_option("--scenario", o.scenario, "What the simulated rig holds (default: nothing near the arm)")
+      .add_option("--scenario", o.scenario, "Scenario of the simulated rig (default: nothing near the arm)")
       ->type_name("FILE");
   command.add_option("--poses", o.poses, "Poses of the arm, 5 to 200 (default 20)")->type_name("N");
   command.add_option("--seed", o.seed, "Same samples, seed and program: same result, bit for bit")
       ->type_name("N");
-  command.add_option("--camera-at", o.camera_at, "Where the camera about stands, in the robot base")
+  command.add_option("--camera-at", o.camera_at, "Approximate camera position in the robot base")
       ->type_name("X,Y,Z");
-  command.add_option("--date", o.date, "Stands in the result (default: now)")->type_name("TEXT");
+  command.add_option("--date", o.date, "Date written into the result (default: now)")->type_name("TEXT");
   command.add_option("--out", o.out, "Writes the result, for calibration_file: in a configuration")
       ->type_name("FILE.yaml");
   command.add_option("--save", o.save, "Keeps the samples, for --samples")->type_name("FOLDER");
@@ -126,9 +129,11 @@ void add_calibrate(CLI::App& command, CalibrateOptions& o) {
 }
 
 void add_doctor(CLI::App& command, DoctorOptions& o) {
-  command.add_option("--robot", o.robot, "Whose port and bus are looked at (default: the drivers' defaults)")
+  command
+      .add_option("--robot", o.robot,
+                  "Robot file whose port and bus are checked (default: the drivers' defaults)")
       ->type_name("FILE");
-  command.add_option("--root", o.root, "Where /sys, /proc and /dev are looked for (default: /)")
+  command.add_option("--root", o.root, "Root folder of /sys, /proc and /dev (default: /)")
       ->type_name("FOLDER");
 }
 

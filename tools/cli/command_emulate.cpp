@@ -10,38 +10,39 @@ namespace colift::tools {
 namespace {
 
 void add_emulate(CLI::App& command, EmulateOptions& o) {
-  command.add_option("--plant", o.plant, "What is behind the device: mujoco (default) or light")
+  command.add_option("--plant", o.plant, "Plant model behind the device: mujoco (default) or light")
       ->type_name("PLANT");
   command
-      .add_option("--scenario", o.scenario, "What the simulated rig holds, and its faults (default: table)")
+      .add_option("--scenario", o.scenario, "Scenario of the simulated rig, with its faults (default: table)")
       ->type_name("FILE");
-  command.add_option("--for", o.for_s, "Ends after that time (s)")->type_name("S");
-  command.add_option("--fault", o.faults, "Something goes wrong at T (s); may be given several times")
+  command.add_option("--for", o.for_s, "Duration (s)")->type_name("S");
+  command.add_option("--fault", o.faults, "Injects a fault at T (s); may be given several times")
       ->type_name("T:KIND[:DURATION]")
       ->take_all()
       ->allow_extra_args(false);
-  command.add_option("--speed", o.speed, "Device seconds in a second; 0: as fast as answers come")
+  command.add_option("--speed", o.speed, "Speed as a multiple of real time; 0: one cycle per answer")
       ->type_name("X");
-  command.add_option("--seed", o.seed, "Of the scenario and of random faults")->type_name("N");
+  command.add_option("--seed", o.seed, "Random seed of scenario and faults")->type_name("N");
 }
 
 void add_emulate_krc(CLI::App& command, EmulateKrcOptions& o) {
-  command.add_option("--to", o.to, "Where the client listens (default 127.0.0.1:49938)")
-      ->type_name("IP:PORT");
-  command.add_option("--from", o.from_port, "The controller's own port (default: any)")->type_name("PORT");
-  command.add_option("--cycle-ms", o.cycle_ms, "Time between two measurements, 1 to 100 (default 2)")
-      ->type_name("N");
+  command.add_option("--to", o.to, "Address of the client (default 127.0.0.1:49938)")->type_name("IP:PORT");
+  command.add_option("--from", o.from_port, "Source port of the controller (default: any)")
+      ->type_name("PORT");
+  command.add_option("--cycle-ms", o.cycle_ms, "Cycle time in ms, 1 to 100 (default 2)")->type_name("N");
   command.add_option("--script", o.script, "KRL program: colift (default), stanford, tum, vendor or cep");
-  command.add_option("--strategy", o.strategy, "10, 20 or 30 in place of the program's own first strategy");
+  command.add_option("--strategy", o.strategy,
+                     "Control strategy at start: 10, 20 or 30 (default: the program's)");
   command.add_option("--linger-s", o.linger_s, "Monitor mode between a close and silence (default 1.5)")
       ->type_name("S");
-  command.add_option("--session-s", o.session_s, "How long the vendor's program commands (default 10)")
+  command
+      .add_option("--session-s", o.session_s, "Duration of command mode in the vendor's program (default 10)")
       ->type_name("S");
   command
       .add_option("--restart-s", o.restart_s,
                   "An operator acknowledges faults and restarts the program after that time (default: never)")
       ->type_name("S");
-  command.add_flag("--strict", o.strict, "Starts only at quality perfect, stays only at ok or better");
+  command.add_flag("--strict", o.strict, "Command mode needs quality perfect to start and ok to stay");
   command.add_flag("--friction", o.friction, "Joint friction of the light plant");
 }
 
@@ -49,10 +50,10 @@ void add_emulate_hand(CLI::App& command, EmulateHandOptions& o) {
   command
       .add_option("--bus", o.bus, "socketcand:IPV4:PORT/NAME, a gateway that is opened here, or socketcan:IF")
       ->type_name("BUS");
-  command.add_option("--width", o.width_m, "Of an object between the fingers of the light plant (m)")
+  command.add_option("--width", o.width_m, "Width of an object between the fingers of the light plant (m)")
       ->type_name("M");
   command.add_flag("--awake", o.awake, "The pucks were woken before and know their zero");
-  command.add_option("--firmware", o.firmware, "Of the pucks (default 200)")->type_name("N");
+  command.add_option("--firmware", o.firmware, "Firmware version of the pucks (default 200)")->type_name("N");
   command.add_option("--group", o.group, "Third group of every puck (default 5)")->type_name("N");
 }
 
@@ -60,7 +61,7 @@ void add_emulate_camera(CLI::App& command, EmulateCameraOptions& o) {
   command.add_option("--fakenect", o.fakenect, "Writes a recording for fakenect there (2 s)")
       ->type_name("DIR");
   command.add_flag("--live", o.live, "Serves it live (default)");
-  command.add_option("--address", o.address, "Of the live camera (default @colift-kinect)")
+  command.add_option("--address", o.address, "Socket address of the live camera (default @colift-kinect)")
       ->type_name("@NAME");
 }
 
@@ -99,7 +100,9 @@ void add_emulate_commands(CommandLine& line) {
       "All three on one simulated world, for colift run --robot config/emulated.yaml in another terminal");
   const auto rig = std::make_shared<EmulateRigOptions>();
   add_emulate(rig_command, rig->common);
-  rig_command.add_option("--robot", rig->robot, "Whose wires (default: those of config/emulated.yaml)")
+  rig_command
+      .add_option("--robot", rig->robot,
+                  "Robot file whose addresses are served (default: config/emulated.yaml)")
       ->type_name("FILE");
   line.add_output(rig_command);
   line.when(rig_command, [&common, rig] { return cmd_emulate_rig(common, *rig); });

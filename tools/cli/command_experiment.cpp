@@ -12,14 +12,13 @@ void add_experiment(CLI::App& command, ExperimentOptions& o) {
                   "grasps, realtime, tilt, load, complex, robust, wrong-cog, slip, tasks, agents or all; or: "
                   "merge DIR...")
       ->required();
-  command.add_option("--trials", o.trials, "How many (default: each experiment's own number)")
-      ->type_name("N");
+  command.add_option("--trials", o.trials, "Number of trials (default: per experiment)")->type_name("N");
   command.add_option("--seed", o.seed, "Same seed and trials: same figures (default 1)")->type_name("S");
   command.add_option("--method", o.method, "fast (default), thesis or both");
   command.add_option(
       "--camera", o.camera,
-      "layout (default): where each scene has it; side: beside the robot, as the thesis's method needs it");
-  command.add_option("--shard", o.shard, "Only part I of N of the trials, for a cluster")->type_name("I/N");
+      "layout (default): camera pose of each scene; side: beside the robot, as the thesis's method needs it");
+  command.add_option("--shard", o.shard, "Runs shard I of N of the trials, for a cluster")->type_name("I/N");
   command.add_option("--jobs", o.jobs, "Threads (default: one per core)")->type_name("N");
   command.add_option("--out", o.out, "Folder of tables, figures, plots and page (default out/experiments)")
       ->type_name("DIR");

@@ -9,15 +9,16 @@ namespace {
 
 void add_run(CLI::App& command, RunOptions& o) {
   add_view(command, o.live);
-  command.add_option("--scenario", o.scenario, "What the simulated rig holds (default: the built-in table)")
+  command.add_option("--scenario", o.scenario, "Scenario of the simulated rig (default: the built-in table)")
       ->type_name("FILE");
-  command.add_option("--robot", o.robot, "Which devices (default: the simulated rig)")->type_name("FILE");
+  command.add_option("--robot", o.robot, "Robot file: which devices are used (default: the simulated rig)")
+      ->type_name("FILE");
   command.add_option("--method", o.method, "fast (default) or thesis");
   command.add_option("--seed", o.seed, "Same scenario, seed and program: same result, bit for bit")
       ->type_name("N");
-  command.add_option("--share", o.share, "Part of the load that the robot shall carry, between 0 and 1")
+  command.add_option("--share", o.share, "Share of the load that the robot shall carry, between 0 and 1")
       ->type_name("S");
-  command.add_flag("--dry-run", o.dry_run, "Sees, decides and plans; moves nothing");
+  command.add_flag("--dry-run", o.dry_run, "Perception, decision and plan only; nothing moves");
   command.add_option("--report", o.report, "Writes one HTML page with pictures, curves and reasons")
       ->type_name("FILE.html");
   command.add_option("--png", o.png, "Writes a picture of the lift")->type_name("OUT.png");
@@ -25,7 +26,7 @@ void add_run(CLI::App& command, RunOptions& o) {
       ->type_name("FILE.mcap");
   command
       .add_option("--flight", o.flight,
-                  "Keeps the last seconds and writes them when something goes wrong (on a robot always, to "
+                  "Keeps the last 15 s in memory and writes them on a fault (on a robot always, to "
                   "~/.local/state/colift)")
       ->type_name("FILE.mcap");
 }

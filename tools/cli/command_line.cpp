@@ -79,9 +79,9 @@ std::string full_name(const CLI::App& app) {
 
 CommandLine::CommandLine(int argc, char** argv)
     : app_(
-          "CoLift carries large objects together with a person: it sees where the person grasps, and "
+          "CoLift carries large objects together with a person: it observes where the person grasps, and "
           "decides\n"
-          "where the robot takes hold so that both carry their share.") {
+          "where the robot grasps so that both carry their share of the load.") {
   app_.name("colift");
   app_.set_version_flag("--version", "colift " COLIFT_VERSION);
   app_.require_subcommand(1);
@@ -117,7 +117,7 @@ void CommandLine::add_common(CLI::App& parser) {
       ->allow_extra_args(false);
   parser
       .add_option("--set", common.settings,
-                  "Sets one value over the files, as in --set decision.near_partner_m=0.2")
+                  "Overrides one value after the files, as in --set decision.near_partner_m=0.2")
       ->type_name("KEY=VALUE")
       ->take_all()
       ->allow_extra_args(false);

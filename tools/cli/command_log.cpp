@@ -16,10 +16,10 @@ CLI::App& add_log_verb(CLI::App& log, const char* name, const char* help, LogOpt
 }
 
 void add_log(CommandLine& line, CLI::App& log, LogOptions& o) {
-  constexpr const char* kRecording = "Recording (MCAP); one that was cut is read as far as it goes";
+  constexpr const char* kRecording = "Recording (MCAP); a truncated one is read up to its end";
   log.require_subcommand(1);
-  line.add_output(add_log_verb(log, "info", "What is in it", o, kRecording));
-  CLI::App& exported = add_log_verb(log, "export", "Makes tables or pictures of it", o, kRecording);
+  line.add_output(add_log_verb(log, "info", "Prints a summary", o, kRecording));
+  CLI::App& exported = add_log_verb(log, "export", "Exports tables or images", o, kRecording);
   exported.add_option("--out", o.out, "Folder (default: FILE-export)")->type_name("FOLDER");
   exported
       .add_option("--format", o.formats,
@@ -30,18 +30,19 @@ void add_log(CommandLine& line, CLI::App& log, LogOptions& o) {
       ->allow_extra_args(false);
   line.add_output(exported);
   CLI::App& recovered =
-      add_log_verb(log, "recover", "Makes a whole file of one that was cut or damaged", o, kRecording);
+      add_log_verb(log, "recover", "Repairs a truncated or damaged recording", o, kRecording);
   recovered.add_option("--out", o.out, "The new file (default: FILE.recovered.mcap)")->type_name("FILE");
   line.add_output(recovered);
-  CLI::App& replayed = add_log_verb(
-      log, "replay",
-      "Decides once more on what was recorded; --config and --set change what with; --view shows it", o,
-      kRecording);
+  CLI::App& replayed = add_log_verb(log, "replay",
+                                    "Runs the task again on the recorded inputs and compares; --config and "
+                                    "--set override the configuration",
+                                    o, kRecording);
   add_view(replayed, o.live);
   line.add_common(replayed);
-  CLI::App& snapshot =
-      add_log_verb(log, "snapshot", "Has a running colift run write its last seconds", o, "Where they go");
-  snapshot.add_option("--pid", o.pid, "Of the run (default: the newest of this user)")->type_name("PID");
+  CLI::App& snapshot = add_log_verb(log, "snapshot", "Requests the flight recording of a running colift run",
+                                    o, "Output file");
+  snapshot.add_option("--pid", o.pid, "Process id of the run (default: the newest of this user)")
+      ->type_name("PID");
   line.add_output(snapshot);
 }
 

@@ -20,26 +20,27 @@ void add_look(CLI::App& command, LookOptions& o) {
       ->type_name("X,Y,Z,QX,QY,QZ,QW");
   command.add_option("--at", o.at, "Takes the object nearest to this point instead of the largest")
       ->type_name("X,Y,Z");
-  command.add_option("--png", o.png, "Writes a picture of what was seen and decided")->type_name("OUT.png");
+  command.add_option("--png", o.png, "Writes a picture of scene and decision")->type_name("OUT.png");
   command.add_option("--report", o.report, "Writes one HTML page with picture, table and reasons")
       ->type_name("OUT.html");
 }
 
 void add_decide(CLI::App& command, DecideOptions& o) {
   add_look(command, o.look);
-  command.add_option("--partner", o.partner, "Where the partner holds the object")->type_name("X,Y,Z");
+  command.add_option("--partner", o.partner, "Where the partner grasps the object")->type_name("X,Y,Z");
   command
       .add_option("--partner-cloud", o.partner_cloud,
                   "A second frame of the same camera that shows the partner's grasp")
       ->type_name("CLOUD2");
-  command.add_option("--share", o.share, "Part of the load that the robot shall carry, between 0 and 1")
+  command.add_option("--share", o.share, "Share of the load that the robot shall carry, between 0 and 1")
       ->type_name("S");
   command
       .add_option("--epsilon", o.epsilon,
-                  "Price of the robot's effort against the partner's (thesis eq. 4.5)")
+                  "Cost weight of the robot's effort relative to the partner's (thesis eq. 4.5)")
       ->type_name("E");
   command
-      .add_option("--why", o.why, "Explains candidate K: what its cost is made of, what stands against it")
+      .add_option("--why", o.why,
+                  "Explains candidate K: the terms of its cost and the reasons for its verdict")
       ->type_name("K");
 }
 
@@ -50,15 +51,15 @@ void add_check(CLI::App& command, CheckOptions& o, CheckedCamera& camera) {
                   "check --for decide --method thesis --share 0.3")
       ->type_name("COMMAND ...");
   command.add_flag("--explain", o.explain, "With what each entry means, its unit and what it may be");
-  command.add_flag(
-      "--graph", o.graph,
-      "Prints the states of the job and what leads from one to the other, as a Graphviz drawing; "
-      "with --json the rules");
-  command.add_option("--robot", camera.robot, "Whose calibration and Kinect are looked at too")
+  command.add_flag("--graph", o.graph,
+                   "Prints states and transitions of the job as a Graphviz graph; "
+                   "with --json the rules");
+  command.add_option("--robot", camera.robot, "Robot file whose calibration and Kinect are checked too")
       ->type_name("FILE");
-  command.add_option("--frame", camera.frame, "A depth image: is the ground where the calibration has it?")
+  command.add_option("--frame", camera.frame, "Depth image: checks the ground plane against the calibration")
       ->type_name("FILE");
-  command.add_option("--camera", camera.camera, "Of a PNG: its camera.json (default: beside it)")
+  command
+      .add_option("--camera", camera.camera, "Intrinsics of the depth image (default: camera.json beside it)")
       ->type_name("FILE");
 }
 

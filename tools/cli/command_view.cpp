@@ -15,13 +15,12 @@ void add_view(CLI::App& parser, ViewOptions& o) {
       .add_option("--view-address", o.view_address, "Where the page is served (default: this machine alone)")
       ->type_name("ADDRESS");
   parser.add_flag("--allow-operator", o.allow_operator,
-                  "Who has the address with the token that is printed may stop the run");
-  parser.add_option("--allow-origin", o.allow_origins, "A page from elsewhere that may connect")
+                  "Clients that know the printed token may stop the run");
+  parser.add_option("--allow-origin", o.allow_origins, "Allows pages of this origin to connect")
       ->type_name("URL");
   parser
-      .add_option(
-          "--speed", o.speed,
-          "Of simulated time, as a multiple of real time (default: 1 with --view, else as fast as it goes)")
+      .add_option("--speed", o.speed,
+                  "Simulation speed as a multiple of real time (default: 1 with --view, else unlimited)")
       ->type_name("X");
 }
 

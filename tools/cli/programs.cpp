@@ -14,20 +14,22 @@ namespace colift::tools {
 namespace {
 
 constexpr CommandEntry kCommands[] = {
-    {"run", "colift", "The whole job: watch, decide, approach, lift together, lower, release, retreat"},
+    {"run", "colift",
+     "One complete co-lift: observe, decide, approach, lift together, lower, release, retreat"},
     {"log", "colift-log", "Recordings of runs"},
     {"experiment", "colift-experiment",
-     "Repeats the thesis's chapter 6 in simulation: tables, figures with intervals, a page"},
+     "Repeats the experiments of the thesis's chapter 6 in simulation: tables, figures with intervals, a "
+     "page"},
     {"look", "colift-analyse",
      "Perception of one recorded frame: ground, target, surfaces, grasp candidates"},
-    {"decide", "colift-analyse", "look, then which grasp the robot takes for a partner's grasp, and why"},
-    {"rank", "colift-analyse", "Only the load-sharing decision, on numbers"},
+    {"decide", "colift-analyse", "look, then the robot's grasp for the partner's grasp, with the reason"},
+    {"rank", "colift-analyse", "The load-sharing decision alone, for a problem given as numbers"},
     {"check", "colift-analyse", "Prints the configuration that a command would use; touches no device"},
     {"hal", "colift-bring-up", "Bring-up of one device at a time"},
     {"calibrate", "colift-bring-up",
-     "Where the camera is: a blinking emitter on the palm, seen at many poses of the arm"},
-    {"doctor", "colift-bring-up", "This machine: what is found, and the line that repairs it"},
-    {"emulate", "colift-emulate", "The far end of a device's wire"},
+     "Camera-to-arm calibration: a blinking emitter on the palm, observed at many poses of the arm"},
+    {"doctor", "colift-bring-up", "Checks this machine; each finding with the command that repairs it"},
+    {"emulate", "colift-emulate", "Emulates a device at the far end of its wire"},
 };
 
 }  // namespace

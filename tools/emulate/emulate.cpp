@@ -58,8 +58,8 @@ void EmulateLines::result(const std::string& what) const {
   std::fflush(stdout);
 }
 
-tl::unexpected<hal::Error> bad_option(const char* option, std::string because) {
-  return hal::failure(hal::ErrorCode::BadInput, option, std::move(because));
+tl::unexpected<hal::Error> bad_option(const char* option, std::string reason) {
+  return hal::failure(hal::ErrorCode::BadInput, option, std::move(reason));
 }
 
 hal::Result<> check_seconds(const char* option, const std::optional<double>& value_s, double least) {
@@ -71,13 +71,13 @@ std::string watch_emulator(const EmulateOptions& options, const EmulatorWatch& w
   for (;;) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     watch.print();
-    std::optional<std::string> because = watch.ended ? watch.ended() : std::nullopt;
-    if (!because && InterruptGuard::asked()) because = "interrupted";
-    if (!because && options.for_s && watch.elapsed_s() >= *options.for_s) because = "the time is over";
-    if (!because) continue;
+    std::optional<std::string> reason = watch.ended ? watch.ended() : std::nullopt;
+    if (!reason && InterruptGuard::asked()) reason = "interrupted";
+    if (!reason && options.for_s && watch.elapsed_s() >= *options.for_s) reason = "the time is over";
+    if (!reason) continue;
     watch.stop();
     watch.print();
-    return *because;
+    return *reason;
   }
 }
 

@@ -65,7 +65,7 @@ class EmulateLines {
 };
 
 /// A command line option that cannot be. BadInput.
-[[nodiscard]] tl::unexpected<hal::Error> bad_option(const char* option, std::string because);
+[[nodiscard]] tl::unexpected<hal::Error> bad_option(const char* option, std::string reason);
 /// Errors: BadInput (a time that is not finite, or below `least`).
 [[nodiscard]] hal::Result<> check_seconds(const char* option, const std::optional<double>& value_s,
                                           double least = 0.0);

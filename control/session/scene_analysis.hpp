@@ -22,7 +22,7 @@ struct StageTimes {
 };
 
 /// A frame and what is known about the camera that took it.
-struct LookInput {
+struct SceneAnalysisInput {
   hal::DepthFrame frame;
   hal::Pose X_WC = hal::Pose::Identity();
   bool base_frame_known = false;  ///< W is the robot base, its z axis up.
@@ -30,7 +30,7 @@ struct LookInput {
 };
 
 /// What one look at a frame found.
-struct Look {
+struct SceneAnalysis {
   Method method = Method::Fast;
   bool base_frame_known = false;
   hal::DepthFrame frame;
@@ -43,7 +43,7 @@ struct Look {
   StageTimes ms;
 
   /// The one sentence that says what there is to say: the candidates, or why there is no target.
-  std::string because;
+  std::string reason;
 };
 
 /// Frame in, scene and grasp candidates out. No ground or no target is a finding, not an error.
@@ -51,8 +51,8 @@ struct Look {
 /// Errors: BadConfig when the thesis method was asked for in a build without it. `clock` times the stages.
 /// `hand_tables` are HandCollision(hand, config.candidates.collision), made once for many looks; null makes
 /// them anew.
-[[nodiscard]] hal::Result<Look> look(
-    LookInput input, Method method, const Config& config, const planner::HandModel& hand,
+[[nodiscard]] hal::Result<SceneAnalysis> analyse_scene(
+    SceneAnalysisInput input, Method method, const Config& config, const planner::HandModel& hand,
     const hal::Clock& clock, const std::shared_ptr<const planner::HandCollision>& hand_tables = nullptr);
 
 }  // namespace colift::control

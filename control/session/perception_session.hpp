@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "control/config/config.hpp"
-#include "control/session/look.hpp"
+#include "control/session/scene_analysis.hpp"
 #include "hal/robot_model/robot_model.hpp"
 #include "perception/map/world_map.hpp"
 #include "perception/motion/object_motion.hpp"
@@ -32,7 +32,7 @@ struct RobotPosture {
 
 /// One frame, seen with the scene in mind.
 struct Sight {
-  perception::PartnerSighting partner;
+  perception::PartnerObservation partner;
   std::optional<perception::PartnerEvent> event;
   double compute_ms = 0.0;
 };
@@ -43,10 +43,10 @@ inline constexpr const char* kCameraOff = "calibration";
 /// Everything that the camera tells during one job: first the scene (several frames averaged, the robot's own
 /// pixels removed), then frame by frame where the partner's hands are, then how the object moves. One job,
 /// one thread.
-class Watch {
+class PerceptionSession {
  public:
-  Watch(Method method, const Config& config, const RigView& rig, const hal::Clock& stopwatch);
-  ~Watch();
+  PerceptionSession(Method method, const Config& config, const RigView& rig, const hal::Clock& stopwatch);
+  ~PerceptionSession();
 
   /// Collects a frame of the scene before anybody comes. Frames that show nothing at all are left out.
   void add_reference(hal::DepthFrame frame, const RobotPosture& robot);
@@ -63,8 +63,8 @@ class Watch {
   /// understand().
   [[nodiscard]] hal::Result<> object_moved(const hal::Pose& X_Wnow_Wthen, const RobotPosture& robot);
 
-  [[nodiscard]] Look& look();
-  [[nodiscard]] const Look& look() const;
+  [[nodiscard]] SceneAnalysis& analysis();
+  [[nodiscard]] const SceneAnalysis& analysis() const;
   [[nodiscard]] const perception::WorldMap& map() const;
 
   /// Looks for the partner's hands; the tracker turns touches into events. A method that is too slow for

@@ -1,4 +1,4 @@
-#include "sim_hal/emulator/camera/camera_eye.hpp"
+#include "sim_hal/emulator/camera/camera_source.hpp"
 
 #include <algorithm>
 #include <array>
@@ -52,7 +52,7 @@ Vec3 up_in(const Pose& X_WC) {
   return X_WC.linear().transpose() * Vec3::UnitZ();
 }
 
-std::vector<std::uint16_t> CameraEye::infrared(const CameraExposure& exposure) {
+std::vector<std::uint16_t> CameraSource::infrared(const CameraExposure& exposure) {
   // the projector's dots on whatever reflects them: brighter when it is near, speckled
   const auto& z = kinect_depths_m();
   std::vector<std::uint16_t> image(static_cast<std::size_t>(kWidth) * kInfraredHeight, 20);
@@ -70,9 +70,9 @@ std::vector<std::uint16_t> CameraEye::infrared(const CameraExposure& exposure) {
   return image;
 }
 
-ScriptedCameraEye::ScriptedCameraEye(std::function<World(double t_s)> world, const Pose& X_WC,
-                                     std::optional<KinectNoise> noise, std::uint64_t seed,
-                                     const hal::Clock& clock)
+ScriptedCameraSource::ScriptedCameraSource(std::function<World(double t_s)> world, const Pose& X_WC,
+                                           std::optional<KinectNoise> noise, std::uint64_t seed,
+                                           const hal::Clock& clock)
     : world_(std::move(world)),
       X_WC_(X_WC),
       X_WC_first_(X_WC),
@@ -81,12 +81,12 @@ ScriptedCameraEye::ScriptedCameraEye(std::function<World(double t_s)> world, con
       clock_(clock),
       caster_(hal::CameraIntrinsics{}, X_WC) {}
 
-void ScriptedCameraEye::turn(double angle_rad) {
+void ScriptedCameraSource::turn(double angle_rad) {
   X_WC_ = X_WC_first_ * Eigen::AngleAxisd(angle_rad, Vec3::UnitX());
   caster_ = RayCaster(hal::CameraIntrinsics{}, X_WC_);
 }
 
-CameraExposure ScriptedCameraEye::look(std::uint64_t frame) {
+CameraExposure ScriptedCameraSource::look(std::uint64_t frame) {
   CameraExposure e;
   e.at = clock_.now();
   if (!began_) began_ = e.at;

@@ -1,4 +1,4 @@
-#include "hal/drivers/barrett_can/hand_watch.hpp"
+#include "hal/drivers/barrett_can/hand_monitor.hpp"
 
 #include <cstdlib>
 
@@ -20,8 +20,8 @@ Duration ms(double value) {
 
 }  // namespace
 
-HandWatch::HandWatch(const BarrettHandConfig& config, PuckLink& link, BusWatch& bus, HandFacts& facts,
-                     HandMotion& motion)
+HandMonitor::HandMonitor(const BarrettHandConfig& config, PuckLink& link, BusMonitor& bus, HandFacts& facts,
+                         HandMotion& motion)
     : config_(config), link_(link), bus_(bus), facts_(facts), motion_(motion) {
   measure_.period = ms(config.measure_ms);
   status_.period = ms(config.status_ms);
@@ -32,7 +32,7 @@ HandWatch::HandWatch(const BarrettHandConfig& config, PuckLink& link, BusWatch& 
   torque_.period = ms(100.0);
 }
 
-void HandWatch::start() {
+void HandMonitor::start() {
   good_ = {};
   jumps_ = {};
   jumped_to_ = {};
@@ -44,7 +44,7 @@ void HandWatch::start() {
   warning_ = {};
 }
 
-void HandWatch::ask(Timestamp now) {
+void HandMonitor::ask(Timestamp now) {
   if (measure_.due(now)) {
     link_.ask_all(Property::P);
     if (facts_.has_strain)
@@ -74,19 +74,19 @@ void HandWatch::ask(Timestamp now) {
   if ((motion_.moving() || motion_.held()) && torque_.due(now)) link_.ask_all(Property::T);
 }
 
-void HandWatch::lose_zero(Puck puck) {
+void HandMonitor::lose_zero(Puck puck) {
   if (facts_.zero_lost[index(puck)]) return;
   facts_.zero_lost[index(puck)] = true;
   link_.drop_settings(puck);
   motion_.stop();  // the others stay where they are; a grip is kept
 }
 
-void HandWatch::judge_position(Puck puck) {
-  const Told& p = link_.told(puck, Property::P);
+void HandMonitor::judge_position(Puck puck) {
+  const Reported& p = link_.reported(puck, Property::P);
   GoodPosition& good = good_[index(puck)];
   if (!p.known || p.at <= judged_at_[index(puck)]) return;
   judged_at_[index(puck)] = p.at;
-  const Told& joint = link_.told(puck, Property::Jp);
+  const Reported& joint = link_.reported(puck, Property::Jp);
   const double reach = kJump + kMost_counts_ms * 1e3 * seconds(p.at - good.at);
   if (good.known && std::abs(p.value - good.motor) > reach) {
     // once may be a bad frame; twice at one place, the encoder counts from somewhere else
@@ -101,8 +101,8 @@ void HandWatch::judge_position(Puck puck) {
   good = {p.value, joint.known ? std::optional(joint.value) : std::nullopt, p.at, true};
 }
 
-void HandWatch::judge_status(Puck puck) {
-  const Told& stat = link_.told(puck, Property::Stat);
+void HandMonitor::judge_status(Puck puck) {
+  const Reported& stat = link_.reported(puck, Property::Stat);
   // silent, or only reset? Then it answers this alone; asked before it counts as silent, so that it is told
   // right
   const bool quiet = link_.silent(puck) || link_.repeats(puck);
@@ -120,16 +120,17 @@ void HandWatch::judge_status(Puck puck) {
   }
   // it is told with its code, for which three questions are waited at most
   const bool in_error = stat.value == kStatError;
-  const bool code_asked = link_.told(puck, Property::Error).known || link_.unanswered(puck, Property::Error);
+  const bool code_asked =
+      link_.reported(puck, Property::Error).known || link_.unanswered(puck, Property::Error);
   if (in_error && !code_asked) link_.ask(puck, Property::Error);
   failed_[index(puck)] = in_error && code_asked;
 }
 
-void HandWatch::judge_mode(Puck puck, Timestamp now) {
-  const Told& mode = link_.told(puck, Property::Mode);
+void HandMonitor::judge_mode(Puck puck, Timestamp now) {
+  const Reported& mode = link_.reported(puck, Property::Mode);
   Timestamp& suspected = mode_suspected_[index(puck)];
   if (puck != Puck::Spread && facts_.has_strain)
-    if (const Told& sg = link_.told(puck, Property::Sg); sg.known && sg.value >= kStrainedFrom)
+    if (const Reported& sg = link_.reported(puck, Property::Sg); sg.known && sg.value >= kStrainedFrom)
       strained_at_[index(puck)] = sg.at;
   if (!motion_.pressing(puck, now) || !mode.known || mode.asked_at <= link_.mode_set_at(puck)) return;
   if (mode.value == kModeTrapezoid) {
@@ -146,20 +147,20 @@ void HandWatch::judge_mode(Puck puck, Timestamp now) {
   }
 }
 
-double HandWatch::temperature_c(Puck puck) const {
+double HandMonitor::temperature_c(Puck puck) const {
   double hottest = std::numeric_limits<double>::quiet_NaN();
   for (const Property p : {Property::Temp, Property::Therm})
-    if (const Told& t = link_.told(puck, p); t.known) hottest = std::fmax(hottest, t.value);
+    if (const Reported& t = link_.reported(puck, p); t.known) hottest = std::fmax(hottest, t.value);
   return hottest;
 }
 
-double HandWatch::hottest_c() const {
+double HandMonitor::hottest_c() const {
   double hottest = std::numeric_limits<double>::quiet_NaN();
   for (const Puck puck : kAllPucks) hottest = std::fmax(hottest, temperature_c(puck));
   return hottest;
 }
 
-void HandWatch::judge_heat() {
+void HandMonitor::judge_heat() {
   const double now_c = hottest_c();
   if (std::isnan(now_c)) return;
   const bool was_warm = warm_, was_hot = hot_;
@@ -179,8 +180,8 @@ void HandWatch::judge_heat() {
     motion_.limit_hold(hot_ ? 0.0 : warm_ ? config_.warm_hold_torque_units : config_.hold_torque_units);
 }
 
-void HandWatch::judge_torque(Puck puck) {
-  const Told &t = link_.told(puck, Property::T), &limit = link_.told(puck, Property::Mt);
+void HandMonitor::judge_torque(Puck puck) {
+  const Reported &t = link_.reported(puck, Property::T), &limit = link_.reported(puck, Property::Mt);
   if (!t.known || !limit.known || t.at <= torque_seen_[index(puck)]) return;
   torque_seen_[index(puck)] = t.at;
   int& over = torques_over_[index(puck)];
@@ -192,11 +193,11 @@ void HandWatch::judge_torque(Puck puck) {
   motion_.limit_hold(0.0);
 }
 
-void HandWatch::step(Timestamp now) {
+void HandMonitor::step(Timestamp now) {
   const auto before = bus_.state();
   bus_.step(now);
-  if (before == BusWatch::State::Up && bus_.state() != before) motion_.abandon();
-  if (bus_.state() == BusWatch::State::Up) ask(now);
+  if (before == BusMonitor::State::Up && bus_.state() != before) motion_.abandon();
+  if (bus_.state() == BusMonitor::State::Up) ask(now);
   for (const Puck puck : kAllPucks) {
     judge_status(puck);
     judge_position(puck);
@@ -209,36 +210,36 @@ void HandWatch::step(Timestamp now) {
   judge_heat();
 }
 
-void HandWatch::go_without_silent() {
+void HandMonitor::go_without_silent() {
   const auto silent = [&](Puck p) { return link_.silent(p); };
   if (std::all_of(kAllPucks.begin(), kAllPucks.end(), silent)) return;  // then there is nobody to go on with
   for (const Puck puck : kAllPucks) without_[index(puck)] = without_[index(puck)] || link_.silent(puck);
 }
 
-std::optional<Puck> HandWatch::missing() const {
+std::optional<Puck> HandMonitor::missing() const {
   for (const Puck puck : kAllPucks)
     if (without_[index(puck)]) return puck;
   return std::nullopt;
 }
 
-bool HandWatch::all_known() const {
+bool HandMonitor::all_known() const {
   return std::all_of(good_.begin(), good_.end(), [](const GoodPosition& p) { return p.known; });
 }
 
-Timestamp HandWatch::oldest_position() const {
+Timestamp HandMonitor::oldest_position() const {
   Timestamp oldest = Timestamp::max();
   for (const Puck puck : kAllPucks)
     if (!without_[index(puck)]) oldest = std::min(oldest, good_[index(puck)].at);
   return oldest == Timestamp::max() ? Timestamp{0} : oldest;  // without any of them: no state
 }
 
-std::optional<HandTrouble> HandWatch::trouble() const {
-  HandTrouble t;
-  if (bus_.state() == BusWatch::State::Lost) {
+std::optional<HandFault> HandMonitor::trouble() const {
+  HandFault t;
+  if (bus_.state() == BusMonitor::State::Lost) {
     t.words = bus_.why();
     return t;
   }
-  if (bus_.state() == BusWatch::State::Asking) {
+  if (bus_.state() == BusMonitor::State::Asking) {
     say(t.words, "bus-off or down until now: the pucks are asked for their state");
     return t;
   }
@@ -247,7 +248,7 @@ std::optional<HandTrouble> HandWatch::trouble() const {
   for (const Puck puck : kAllPucks) {
     if (failed_[index(puck)]) {
       t.code = ErrorCode::DeviceFault;
-      const Told& error = link_.told(puck, Property::Error);
+      const Reported& error = link_.reported(puck, Property::Error);
       say(t.words, "{} reports an error (code {})", name(puck), error.known ? error.value : -1);
       return t;
     }
@@ -263,7 +264,7 @@ std::optional<HandTrouble> HandWatch::trouble() const {
     if (!link_.silent(puck) || without_[index(puck)]) continue;
     if (silent == static_cast<std::ptrdiff_t>(kPucks)) {
       say(t.words,
-          "all four pucks are silent: the bus may be off (bus-off, which not every gateway tells), or the "
+          "all four pucks are silent: the bus may be off (bus-off, which not every gateway reports), or the "
           "supply, or the cable is out");
       return t;
     }

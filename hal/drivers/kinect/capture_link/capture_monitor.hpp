@@ -10,7 +10,7 @@ namespace colift::hal::kinect {
 
 /// When a capture process is started, killed and started again: time and what is seen go in, what is to be
 /// done comes out.
-class CaptureWatch {
+class CaptureMonitor {
  public:
   enum class Do {
     Nothing,
@@ -26,7 +26,7 @@ class CaptureWatch {
     std::string ended;         ///< How it ended; empty while it exists.
   };
 
-  explicit CaptureWatch(const KinectConfig& config) : config_(config) {}
+  explicit CaptureMonitor(const KinectConfig& config) : config_(config) {}
 
   [[nodiscard]] Do look(const Sight& sight, Timestamp now);
 

@@ -19,9 +19,9 @@ struct CameraExposure {
 };
 
 /// What is in front of an emulated Kinect.
-class CameraEye {
+class CameraSource {
  public:
-  virtual ~CameraEye() = default;
+  virtual ~CameraSource() = default;
   /// Now. `frame` seeds the noise.
   [[nodiscard]] virtual CameraExposure look(std::uint64_t frame) = 0;
   /// Against gravity, at this moment.
@@ -39,10 +39,10 @@ class CameraEye {
 [[nodiscard]] Vec3 up_in(const Pose& X_WC);
 
 /// A scripted world without physics.
-class ScriptedCameraEye final : public CameraEye {
+class ScriptedCameraSource final : public CameraSource {
  public:
   /// `world` is asked for each frame, with the time since the first; `noise` unset: an ideal camera.
-  ScriptedCameraEye(std::function<World(double t_s)> world, const Pose& X_WC,
+  ScriptedCameraSource(std::function<World(double t_s)> world, const Pose& X_WC,
                     std::optional<KinectNoise> noise, std::uint64_t seed, const hal::Clock& clock);
   [[nodiscard]] CameraExposure look(std::uint64_t frame) override;
   [[nodiscard]] Vec3 up_C() const override { return up_in(X_WC_); }

@@ -15,10 +15,10 @@ namespace colift::control {
 
 /// What the camera tells of one test lift, frame by frame: while the object rises, how to go on; at the top,
 /// how it hangs in the mean and how fast it still turns. One lift, one thread.
-class TestLiftEye {
+class TestLiftObserver {
  public:
   /// `partner`: where he holds it; `grasp`: where the load hangs in the hand (W).
-  TestLiftEye(CarriedObject object, const hal::Vec3& partner, const hal::Vec3& grasp,
+  TestLiftObserver(CarriedObject object, const hal::Vec3& partner, const hal::Vec3& grasp,
               const TestLiftConfig& config);
 
   /// A frame while it rises. Several have to agree before the answer changes: the object swings while the

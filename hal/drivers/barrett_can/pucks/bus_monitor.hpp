@@ -8,11 +8,11 @@ namespace colift::hal::barrett {
 /// Whether the bus can be believed. It is lost when error frames or the carrier say so, or when five sends in
 /// a row were not taken; it is opened again no more often than once in `reopen`, and counts as back only when
 /// every puck was asked for its state anew and one of them at least answered.
-class BusWatch {
+class BusMonitor {
  public:
   enum class State { Up, Lost, Asking };
 
-  BusWatch(CanBus& bus, PuckLink& link, Duration reopen) : bus_(bus), link_(link), reopen_(reopen) {}
+  BusMonitor(CanBus& bus, PuckLink& link, Duration reopen) : bus_(bus), link_(link), reopen_(reopen) {}
 
   void start() { state_ = State::Up, nobody_ = false; }
   /// May wait inside the bus's open() when it is lost (a gateway: up to 2 s; SocketCAN and memory: not).
@@ -24,7 +24,7 @@ class BusWatch {
  private:
   [[nodiscard]] bool broken();
   void begin_asking(Timestamp now);
-  void lose(Timestamp now);
+  void note_device(Timestamp now);
 
   CanBus& bus_;
   PuckLink& link_;

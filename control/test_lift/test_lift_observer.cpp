@@ -1,4 +1,4 @@
-#include "control/test_lift/test_lift_eye.hpp"
+#include "control/test_lift/test_lift_observer.hpp"
 
 #include <utility>
 
@@ -13,11 +13,11 @@ CarriedObject carried_object(const perception::Target& target) {
   return object;
 }
 
-TestLiftEye::TestLiftEye(CarriedObject object, const hal::Vec3& partner, const hal::Vec3& grasp,
-                         const TestLiftConfig& config)
+TestLiftObserver::TestLiftObserver(CarriedObject object, const hal::Vec3& partner, const hal::Vec3& grasp,
+                                   const TestLiftConfig& config)
     : object_(std::move(object)), partner_(partner), grasp_(grasp), config_(config) {}
 
-Raise TestLiftEye::rising(const perception::ObjectMotion& motion) {
+Raise TestLiftObserver::rising(const perception::ObjectMotion& motion) {
   const Raise how = raise_on(hanging(object_, partner_, grasp_, motion.X_WTnow_WTref), config_);
   in_a_row_ = how == seen_ ? in_a_row_ + 1 : 1;
   seen_ = how;
@@ -25,7 +25,7 @@ Raise TestLiftEye::rising(const perception::ObjectMotion& motion) {
   return said_;
 }
 
-void TestLiftEye::at_top(hal::Timestamp at, const perception::ObjectMotion& motion) {
+void TestLiftObserver::at_top(hal::Timestamp at, const perception::ObjectMotion& motion) {
   // small turns add up like vectors
   const Eigen::AngleAxisd turn(motion.X_WTnow_WTref.linear());
   turn_ += turn.angle() * turn.axis();
@@ -34,7 +34,7 @@ void TestLiftEye::at_top(hal::Timestamp at, const perception::ObjectMotion& moti
   times_s_.push_back(hal::seconds(at));
 }
 
-double TestLiftEye::drift_rad_s() const {
+double TestLiftObserver::drift_rad_s() const {
   double t = 0.0, y = 0.0, tt = 0.0, ty = 0.0;
   const auto n = static_cast<double>(turns_rad_.size());
   for (std::size_t i = 0; i < turns_rad_.size(); ++i) t += times_s_[i] / n, y += turns_rad_[i] / n;
@@ -45,7 +45,7 @@ double TestLiftEye::drift_rad_s() const {
   return tt > 0.0 ? ty / tt : 0.0;
 }
 
-std::optional<hal::Pose> TestLiftEye::moved() const {
+std::optional<hal::Pose> TestLiftObserver::moved() const {
   if (turns_rad_.empty()) return std::nullopt;
   const auto n = static_cast<double>(turns_rad_.size());
   const hal::Vec3 turn = turn_ / n;

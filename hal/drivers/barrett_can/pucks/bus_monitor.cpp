@@ -1,11 +1,11 @@
-#include "hal/drivers/barrett_can/pucks/bus_watch.hpp"
+#include "hal/drivers/barrett_can/pucks/bus_monitor.hpp"
 
 namespace colift::hal::barrett {
 namespace {
 constexpr int kFullInARow = 5;
 }
 
-bool BusWatch::broken() {
+bool BusMonitor::broken() {
   switch (bus_.health().state) {
     case CanHealth::State::BusOff:
       say(why_,
@@ -23,25 +23,25 @@ bool BusWatch::broken() {
   return true;
 }
 
-void BusWatch::begin_asking(Timestamp now) {
+void BusMonitor::begin_asking(Timestamp now) {
   state_ = State::Asking;
   asking_since_ = now;
   link_.drop_all();
   for (const Puck puck : kAllPucks) link_.ask(puck, Property::Stat);
 }
 
-void BusWatch::lose(Timestamp now) {
+void BusMonitor::note_device(Timestamp now) {
   state_ = State::Lost;
   tried_at_ = now;
   link_.drop_all();
 }
 
-void BusWatch::step(Timestamp now) {
+void BusMonitor::step(Timestamp now) {
   switch (state_) {
     case State::Up:
       if (!broken()) return;
       nobody_ = false;
-      return lose(now);
+      return note_device(now);
     case State::Lost: {
       // a controller may come back by itself (restart-ms); a full queue and a dead interface do not
       const bool full = link_.full_in_a_row() >= kFullInARow;
@@ -53,16 +53,16 @@ void BusWatch::step(Timestamp now) {
       return;
     }
     case State::Asking: {
-      if (broken()) return lose(now);
+      if (broken()) return note_device(now);
       bool nobody = true;
       for (const Puck puck : kAllPucks) {
-        const bool answered = link_.told(puck, Property::Stat).asked_at >= asking_since_;
+        const bool answered = link_.reported(puck, Property::Stat).asked_at >= asking_since_;
         if (!answered && !link_.unanswered(puck, Property::Stat)) return;
         nobody = nobody && !answered;
       }
       nobody_ = nobody;
       // a gateway opened anew says nothing of a bus that is off still
-      if (nobody) return lose(now);
+      if (nobody) return note_device(now);
       state_ = State::Up;
       return;
     }

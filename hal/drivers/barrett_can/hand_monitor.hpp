@@ -6,7 +6,7 @@
 #include "hal/drivers/barrett_can/hand_config.hpp"
 #include "hal/drivers/barrett_can/hand_facts.hpp"
 #include "hal/drivers/barrett_can/hand_motion.hpp"
-#include "hal/drivers/barrett_can/pucks/bus_watch.hpp"
+#include "hal/drivers/barrett_can/pucks/bus_monitor.hpp"
 
 namespace colift::hal::barrett {
 
@@ -19,7 +19,7 @@ struct GoodPosition {
 };
 
 /// Why the hand cannot be used now.
-struct HandTrouble {
+struct HandFault {
   ErrorCode code = ErrorCode::LinkLost;
   std::optional<Puck> alone;  ///< It is of this puck alone, which is silent; the others obey.
   ShortText words;
@@ -27,15 +27,15 @@ struct HandTrouble {
 
 /// Asks the pucks for everything in its own rhythm, and notices what goes wrong: silence, reset, a lost mode
 /// or zero, heat, too much torque. Sees to it that the motion does not go on then; never opens the hand.
-class HandWatch {
+class HandMonitor {
  public:
-  HandWatch(const BarrettHandConfig& config, PuckLink& link, BusWatch& bus, HandFacts& facts,
-            HandMotion& motion);
+  HandMonitor(const BarrettHandConfig& config, PuckLink& link, BusMonitor& bus, HandFacts& facts,
+              HandMotion& motion);
 
   void start();  ///< Forgets what was noticed; after start-up.
   void step(Timestamp now);
 
-  [[nodiscard]] std::optional<HandTrouble> trouble() const;
+  [[nodiscard]] std::optional<HandFault> trouble() const;
   /// Pucks that are silent now are no trouble any more, until they have answered again or start() was called:
   /// a person or a controller knows, and goes on with the others.
   void go_without_silent();
@@ -71,7 +71,7 @@ class HandWatch {
 
   const BarrettHandConfig& config_;
   PuckLink& link_;
-  BusWatch& bus_;
+  BusMonitor& bus_;
   HandFacts& facts_;
   HandMotion& motion_;
   Rhythm measure_, status_, mode_, pads_, palm_, heat_, torque_;

@@ -1,4 +1,4 @@
-#include "sim_hal/emulator/mujoco/camera_world_eye.hpp"
+#include "sim_hal/emulator/mujoco/camera_world_source.hpp"
 
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
@@ -10,19 +10,19 @@ constexpr std::uint64_t kNoiseStream = 71;
 
 }  // namespace
 
-CameraWorldEye::CameraWorldEye(const SimWorld& world, const SimEmitter& emitter)
+CameraWorldSource::CameraWorldSource(const SimWorld& world, const SimEmitter& emitter)
     : world_(world),
       emitter_(emitter),
       X_WC_(camera_pose(world.scenario().camera)),
       caster_(hal::CameraIntrinsics{}, X_WC_) {}
 
-void CameraWorldEye::turn(double angle_rad) {
+void CameraWorldSource::turn(double angle_rad) {
   X_WC_ = camera_pose(world_.scenario().camera) * Eigen::AngleAxisd(angle_rad, Vec3::UnitX());
   caster_ = RayCaster(hal::CameraIntrinsics{}, X_WC_);
   if (infrared_) infrared_->move_to(X_WC_);
 }
 
-std::vector<std::uint16_t> CameraWorldEye::infrared(const CameraExposure&) {
+std::vector<std::uint16_t> CameraWorldSource::infrared(const CameraExposure&) {
   if (!infrared_) {
     infrared_.emplace(world_, emitter_);
     infrared_->move_to(X_WC_);
@@ -30,7 +30,7 @@ std::vector<std::uint16_t> CameraWorldEye::infrared(const CameraExposure&) {
   return infrared_->expose(frame_).brightness;
 }
 
-CameraExposure CameraWorldEye::look(std::uint64_t frame) {
+CameraExposure CameraWorldSource::look(std::uint64_t frame) {
   frame_ = frame;
   CameraExposure e;
   e.at = world_.clock().now();

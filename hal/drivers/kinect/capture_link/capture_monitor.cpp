@@ -1,4 +1,4 @@
-#include "hal/drivers/kinect/capture_link/capture_watch.hpp"
+#include "hal/drivers/kinect/capture_link/capture_monitor.hpp"
 
 #include <fmt/format.h>
 
@@ -17,17 +17,17 @@ Duration of_seconds(double s) {
 
 }  // namespace
 
-void CaptureWatch::want() {
+void CaptureMonitor::want() {
   if (phase_ == Phase::Running || phase_ == Phase::Dying) return;
   phase_ = Phase::Pausing;
   until_ = Timestamp::min();
 }
 
-void CaptureWatch::rest() {
+void CaptureMonitor::rest() {
   phase_ = Phase::Resting;
 }
 
-std::string CaptureWatch::overdue(Timestamp now) const {
+std::string CaptureMonitor::overdue(Timestamp now) const {
   if (frames_ == 0) {
     const double opens_s = seconds(now - since_);
     if (opens_s > config_.open_s) return fmt::format("no first frame within {:.1f} s", config_.open_s);
@@ -40,7 +40,7 @@ std::string CaptureWatch::overdue(Timestamp now) const {
   return "";
 }
 
-void CaptureWatch::pause(const Sight& sight, Timestamp now) {
+void CaptureMonitor::pause(const Sight& sight, Timestamp now) {
   if (frames_ >= kSteady) pause_s_ = 0.0;
   pause_s_ = pause_s_ == 0.0 ? config_.first_pause_s : std::min(kGrowth * pause_s_, config_.max_pause_s);
   if (sight.no_device) pause_s_ = config_.max_pause_s;
@@ -48,7 +48,7 @@ void CaptureWatch::pause(const Sight& sight, Timestamp now) {
   until_ = now + of_seconds(pause_s_);
 }
 
-CaptureWatch::Do CaptureWatch::look(const Sight& sight, Timestamp now) {
+CaptureMonitor::Do CaptureMonitor::look(const Sight& sight, Timestamp now) {
   switch (phase_) {
     case Phase::Resting:
       return Do::Nothing;

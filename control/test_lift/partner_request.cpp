@@ -1,4 +1,4 @@
-#include "control/test_lift/next_place.hpp"
+#include "control/test_lift/partner_request.hpp"
 
 #include <fmt/format.h>
 
@@ -39,7 +39,7 @@ CogBelief likely(const CogBelief& belief) {
 }
 
 // as he sees it who stands at `from` and faces the object's middle
-std::string way_text(const hal::Vec3& from, const hal::Vec3& to, const Vec2& middle) {
+std::string path_text(const hal::Vec3& from, const hal::Vec3& to, const Vec2& middle) {
   const Vec2 ahead = (middle - from.head<2>()).normalized(), d = (to - from).head<2>();
   const double on = d.dot(ahead), left = ahead.x() * d.y() - ahead.y() * d.x();
   std::string text;
@@ -53,10 +53,10 @@ std::string way_text(const hal::Vec3& from, const hal::Vec3& to, const Vec2& mid
 
 }  // namespace
 
-std::optional<PartnerPlace> next_place(std::span<const planner::GraspCandidate> places,
-                                       std::span<const planner::GraspCandidate> grasps,
-                                       std::span<const hal::Vec3> held, const CogBelief& belief,
-                                       const TestLiftConfig& config) {
+std::optional<PartnerRequest> next_place(std::span<const planner::GraspCandidate> places,
+                                         std::span<const planner::GraspCandidate> grasps,
+                                         std::span<const hal::Vec3> held, const CogBelief& belief,
+                                         const TestLiftConfig& config) {
   if (held.empty() || belief.cases.empty()) return std::nullopt;
   const CogBelief cases = likely(belief);
   const Vec2 mean = cases.mean();
@@ -75,13 +75,13 @@ std::optional<PartnerPlace> next_place(std::span<const planner::GraspCandidate> 
   his = thinned(std::move(his));
   ours = thinned(std::move(ours));
 
-  std::optional<PartnerPlace> best;
+  std::optional<PartnerRequest> best;
   double best_worth = 0.0;
   std::vector<double> some(cases.cases.size());  // by case: the best of all grasps
   for (const hal::Vec3& place : his) {
     std::fill(some.begin(), some.end(), 0.0);
     double single = 0.0;
-    PartnerPlace at{place, {}, 0.0, 0.0, {}};
+    PartnerRequest at{place, {}, 0.0, 0.0, {}};
     for (const hal::Vec3& grasp : ours) {
       if ((grasp - place).head<2>().norm() < config.min_hand_distance_m) continue;
       double chance = 0.0;
@@ -107,9 +107,9 @@ std::optional<PartnerPlace> next_place(std::span<const planner::GraspCandidate> 
   }
   if (best) {
     const hal::Vec3& p = best->position;
-    best->because = fmt::format(
-        "take hold {}, at ({:.2f}, {:.2f}, {:.2f}): the chance that we hold it level is {:.0f} % then",
-        way_text(held.front(), p, mean), p.x(), p.y(), p.z(), 100.0 * best->chance);
+    best->reason = fmt::format(
+        "grasp {}, at ({:.2f}, {:.2f}, {:.2f}): the object is then level with a probability of {:.0f} %",
+        path_text(held.front(), p, mean), p.x(), p.y(), p.z(), 100.0 * best->chance);
   }
   return best;
 }

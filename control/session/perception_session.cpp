@@ -1,4 +1,4 @@
-#include "control/session/watch.hpp"
+#include "control/session/perception_session.hpp"
 
 #include <fmt/format.h>
 
@@ -25,7 +25,7 @@ bool shows_anything(const hal::DepthFrame& frame) {
 
 }  // namespace
 
-struct Watch::Impl {
+struct PerceptionSession::Impl {
   Impl(Method m, const Config& c, const RigView& r, const hal::Clock& s)
       : method(m), config(c), rig(r), stopwatch(s), map(c.map), tracker(c.tracker) {
     // a method that is not there is said by the first look
@@ -42,15 +42,15 @@ struct Watch::Impl {
   std::optional<hal::DepthFrame> with_robot;  ///< The first of them, before the robot was taken out.
   RobotPosture robot_then;
   std::optional<perception::SelfFilter> filter;
-  Look look;
+  SceneAnalysis analysis;
   perception::WorldMap map;
   std::unique_ptr<PartnerSight> partner_sight;
   std::optional<perception::ObjectFollower> follower;
   perception::PartnerTracker tracker;
   std::vector<Eigen::Vector3f> partner_points;
-  int frames = 0;                          ///< That the partner might have been looked for in.
-  std::vector<char> robot_hid;             ///< By pixel, in any frame of the reference.
-  perception::PartnerSighting last_sight;  ///< Holds for the frames in which nobody is looked for.
+  int frames = 0;                             ///< That the partner might have been looked for in.
+  std::vector<char> robot_hid;                ///< By pixel, in any frame of the reference.
+  perception::PartnerObservation last_sight;  ///< Holds for the frames in which nobody is looked for.
 
   // the robot's own pixels are nobody's
   const std::vector<std::uint32_t>& hide_robot(hal::DepthFrame& frame, const RobotPosture& robot) {
@@ -59,32 +59,33 @@ struct Watch::Impl {
   }
 
   hal::Result<> take_look(const perception::ReferenceImage& reference, hal::DepthFrame frame) {
-    LookInput input;
+    SceneAnalysisInput input;
     input.frame = std::move(frame);
     input.frame.depth_m = reference.cloud.depth_m;
     input.X_WC = rig.X_WC;
     input.base_frame_known = true;
-    auto seen = control::look(std::move(input), method, config, rig.hand, stopwatch, rig.hand_tables);
+    auto seen =
+        control::analyse_scene(std::move(input), method, config, rig.hand, stopwatch, rig.hand_tables);
     if (!seen) return tl::unexpected(seen.error());
-    look = std::move(*seen);
+    analysis = std::move(*seen);
     return {};
   }
 
   hal::Result<> make_rest(const perception::ReferenceImage& reference, const RobotPosture& robot) {
-    if (!look.scene.target || !look.scene.ground) return {};
+    if (!analysis.scene.target || !analysis.scene.ground) return {};
     if (auto made = make_finders(reference); !made) return made;
     make_map(robot);
     return {};
   }
 
   [[nodiscard]] std::vector<std::uint32_t> slivers() const {
-    return perception::find_slivers(look.cloud, *look.scene.target, *look.scene.ground, config.noise,
-                                    config.target.slivers);
+    return perception::find_slivers(analysis.cloud, *analysis.scene.target, *analysis.scene.ground,
+                                    config.noise, config.target.slivers);
   }
 
   /// Of the target and of the slivers that go where it goes, ascending.
   [[nodiscard]] std::vector<std::uint32_t> target_pixels(const std::vector<std::uint32_t>& slivers) const {
-    std::vector<std::uint32_t> pixels = pipeline->target_pixels(look, config);
+    std::vector<std::uint32_t> pixels = pipeline->target_pixels(analysis, config);
     const auto own = static_cast<std::ptrdiff_t>(pixels.size());
     pixels.insert(pixels.end(), slivers.begin(), slivers.end());
     std::inplace_merge(pixels.begin(), pixels.begin() + own, pixels.end());
@@ -92,11 +93,11 @@ struct Watch::Impl {
   }
 
   hal::Result<> make_finders(const perception::ReferenceImage& reference) {
-    auto sight = pipeline->watch_partner({reference, look, robot_hid}, config);
+    auto sight = pipeline->watch_partner({reference, analysis, robot_hid}, config);
     if (!sight) return tl::unexpected(sight.error());
     partner_sight = std::move(*sight);
-    perception::Target target = *look.scene.target;
-    target.pixels = pipeline->target_pixels(look, config);
+    perception::Target target = *analysis.scene.target;
+    target.pixels = pipeline->target_pixels(analysis, config);
     auto followed = perception::ObjectFollower::make(reference, target, config.noise, config.object_motion);
     if (!followed) return tl::unexpected(followed.error());
     follower.emplace(std::move(*followed));
@@ -106,21 +107,22 @@ struct Watch::Impl {
   void make_map(const RobotPosture& robot) {
     const std::vector<std::uint32_t> own_slivers = slivers();
     map = perception::WorldMap(config.map);
-    map.insert(look.cloud, target_pixels(own_slivers));
+    map.insert(analysis.cloud, target_pixels(own_slivers));
     map.carve_robot(rig.model, robot.q_rad, robot.hand);
     std::vector<hal::Vec3> points;
-    points.reserve(look.scene.target->points.size() + own_slivers.size());
-    for (const auto& p : look.scene.target->points) points.emplace_back(p.cast<double>());
-    for (const std::uint32_t i : own_slivers) points.push_back(look.cloud.point(i));
+    points.reserve(analysis.scene.target->points.size() + own_slivers.size());
+    for (const auto& p : analysis.scene.target->points) points.emplace_back(p.cast<double>());
+    for (const std::uint32_t i : own_slivers) points.push_back(analysis.cloud.point(i));
     map.set_target(points);
   }
 };
 
-Watch::Watch(Method method, const Config& config, const RigView& rig, const hal::Clock& stopwatch)
+PerceptionSession::PerceptionSession(Method method, const Config& config, const RigView& rig,
+                                     const hal::Clock& stopwatch)
     : impl_(std::make_unique<Impl>(method, config, rig, stopwatch)) {}
-Watch::~Watch() = default;
+PerceptionSession::~PerceptionSession() = default;
 
-void Watch::add_reference(hal::DepthFrame frame, const RobotPosture& robot) {
+void PerceptionSession::add_reference(hal::DepthFrame frame, const RobotPosture& robot) {
   if (!shows_anything(frame)) return;
   if (impl_->reference_frames.empty() && impl_->config.pose_check.on) {
     impl_->with_robot = frame;
@@ -133,15 +135,15 @@ void Watch::add_reference(hal::DepthFrame frame, const RobotPosture& robot) {
   impl_->reference_frames.push_back(std::move(frame));
 }
 
-int Watch::reference_frames() const {
+int PerceptionSession::reference_frames() const {
   return static_cast<int>(impl_->reference_frames.size());
 }
 
-void Watch::forget_reference() {
+void PerceptionSession::forget_reference() {
   impl_->reference_frames.clear();
 }
 
-hal::Result<> Watch::understand(const RobotPosture& robot) {
+hal::Result<> PerceptionSession::understand(const RobotPosture& robot) {
   Impl& i = *impl_;
   const auto reference =
       perception::build_reference(i.reference_frames, i.rig.X_WC, i.config.noise, i.config.partner.reference);
@@ -151,40 +153,40 @@ hal::Result<> Watch::understand(const RobotPosture& robot) {
   i.reference_frames.clear();
   if (i.with_robot) {
     std::optional<hal::Plane> ground;
-    if (i.look.scene.ground) ground = i.look.scene.ground->plane;
+    if (i.analysis.scene.ground) ground = i.analysis.scene.ground->plane;
     const auto check = perception::check_pose(*i.with_robot, i.rig.X_WC, ground, i.rig.model,
                                               i.robot_then.q_rad, i.robot_then.hand, i.config.pose_check);
     i.with_robot.reset();
-    if (!check.good) return hal::failure(hal::ErrorCode::BadConfig, kCameraOff, check.because);
+    if (!check.good) return hal::failure(hal::ErrorCode::BadConfig, kCameraOff, check.reason);
   }
   return i.make_rest(*reference, robot);
 }
 
-hal::Result<> Watch::object_moved(const hal::Pose& X, const RobotPosture& robot) {
+hal::Result<> PerceptionSession::object_moved(const hal::Pose& X, const RobotPosture& robot) {
   Impl& i = *impl_;
-  if (!i.look.scene.target || !i.look.scene.ground)
+  if (!i.analysis.scene.target || !i.analysis.scene.ground)
     return hal::failure(hal::ErrorCode::NotFound, "watch", "there is no object");
-  const hal::DepthFrame moved =
-      perception::move_object(i.look.cloud, i.target_pixels(i.slivers()), X, i.config.object_motion.moved);
+  const hal::DepthFrame moved = perception::move_object(i.analysis.cloud, i.target_pixels(i.slivers()), X,
+                                                        i.config.object_motion.moved);
   const auto reference =
       perception::build_reference({&moved, 1}, i.rig.X_WC, i.config.noise, i.config.partner.reference);
   if (!reference) return tl::unexpected(reference.error());
-  if (auto seen = i.take_look(*reference, i.look.frame); !seen) return seen;
+  if (auto seen = i.take_look(*reference, i.analysis.frame); !seen) return seen;
   forget_partner();
   return i.make_rest(*reference, robot);
 }
 
-const Look& Watch::look() const {
-  return impl_->look;
+const SceneAnalysis& PerceptionSession::analysis() const {
+  return impl_->analysis;
 }
-Look& Watch::look() {
-  return impl_->look;
+SceneAnalysis& PerceptionSession::analysis() {
+  return impl_->analysis;
 }
-const perception::WorldMap& Watch::map() const {
+const perception::WorldMap& PerceptionSession::map() const {
   return impl_->map;
 }
 
-hal::Result<Sight> Watch::watch_partner(hal::DepthFrame frame, const RobotPosture& robot) {
+hal::Result<Sight> PerceptionSession::watch_partner(hal::DepthFrame frame, const RobotPosture& robot) {
   Impl& i = *impl_;
   Sight out;
   const hal::Timestamp start = i.stopwatch.now();
@@ -196,40 +198,40 @@ hal::Result<Sight> Watch::watch_partner(hal::DepthFrame frame, const RobotPostur
   }
   i.hide_robot(frame, robot);
   const hal::Timestamp at = frame.exposed_at;
-  auto sighting = i.partner_sight->find(frame, i.partner_points);
-  if (!sighting) return tl::unexpected(sighting.error());
-  if (every > 1) i.last_sight = *sighting;
+  auto observation = i.partner_sight->find(frame, i.partner_points);
+  if (!observation) return tl::unexpected(observation.error());
+  if (every > 1) i.last_sight = *observation;
   // a scene that moved says nothing about hands
-  if (sighting->kind != PartnerKind::ObjectMoved) out.event = i.tracker.update(at, *sighting);
-  out.partner = std::move(*sighting);
+  if (observation->kind != PartnerKind::ObjectMoved) out.event = i.tracker.update(at, *observation);
+  out.partner = std::move(*observation);
   out.compute_ms = 1e3 * hal::seconds(i.stopwatch.now() - start);
   return out;
 }
 
-std::optional<perception::PartnerEvent> Watch::no_frame(hal::Timestamp now) {
+std::optional<perception::PartnerEvent> PerceptionSession::no_frame(hal::Timestamp now) {
   return impl_->tracker.tick(now);
 }
-void Watch::looked_away(hal::Duration how_long) {
+void PerceptionSession::looked_away(hal::Duration how_long) {
   impl_->tracker.looked_away(how_long);
 }
-const perception::PartnerTracker& Watch::tracker() const {
+const perception::PartnerTracker& PerceptionSession::tracker() const {
   return impl_->tracker;
 }
-void Watch::forget_partner() {
+void PerceptionSession::forget_partner() {
   impl_->tracker = perception::PartnerTracker(impl_->config.tracker);
 }
-const std::vector<Eigen::Vector3f>& Watch::partner_points() const {
+const std::vector<Eigen::Vector3f>& PerceptionSession::partner_points() const {
   return impl_->partner_points;
 }
 
-std::optional<perception::ObjectMotion> Watch::watch_object(hal::DepthFrame frame,
-                                                            const RobotPosture& robot) {
+std::optional<perception::ObjectMotion> PerceptionSession::watch_object(hal::DepthFrame frame,
+                                                                        const RobotPosture& robot) {
   Impl& i = *impl_;
   if (!i.follower || !shows_anything(frame)) return std::nullopt;
   i.hide_robot(frame, robot);
   return i.follower->update(perception::deproject(frame, i.rig.X_WC));
 }
-void Watch::object_stands_again() {
+void PerceptionSession::object_stands_again() {
   if (impl_->follower) impl_->follower->start_again();
 }
 
