@@ -101,7 +101,7 @@ TEST_CASE("a partner who lets go before the grasp sends the robot home", "[scena
 
 TEST_CASE("without a partner nothing moves", "[scenario]") {
   auto config = control::run_defaults();
-  config.task.patience_s = 3.0;
+  config.task.partner_timeout_s = 3.0;
   const auto lift = run("no_partner", control::Method::Fast, config);
   CHECK(lift.record.outcome == Result::Refused);
   CHECK(lift.record.because.find("nobody") != std::string::npos);
