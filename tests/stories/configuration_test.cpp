@@ -79,7 +79,7 @@ TEST_CASE("what check --for run shows is what stands in the run's recording", "[
     std::ofstream(scenario) << text.replace(height, 12, "height: 0.07");
     const std::string options =
         " --scenario " + scenario.string() + " --share 0.3 --method " + method + words_of(common);
-    // nobody comes within a tenth of a second: the run is over after its first pictures
+    // nobody comes within a second: the run is over soon after its first pictures
     const auto file = scratch() / (method + ".mcap");
     const auto run = story::colift("run" + options + " --dry-run --record " + file.string());
     INFO(run.err);
