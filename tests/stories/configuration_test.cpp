@@ -57,7 +57,7 @@ tools::CommonOptions common_options() {
   std::ofstream(file) << "arm_mode: t1\ndecision: {weights: {omega1_per_m: 7}}\ncandidates: {step_m: 0.02}\n";
   tools::CommonOptions common;
   common.config_files = {file.string()};
-  common.settings = {"task.partner_timeout_s=0.1", "decision.near_partner_m=0.2"};
+  common.settings = {"task.partner_timeout_s=1", "decision.near_partner_m=0.2"};
   return common;
 }
 std::string words_of(const tools::CommonOptions& common) {
