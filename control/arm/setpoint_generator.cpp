@@ -39,7 +39,7 @@ SetpointGenerator::SetpointGenerator(const hal::RobotModel& model, const TaskCon
     : model_(&model),
       limits_(limits),
       contact_limit_n_(task.contact_n),
-      slow_part_(task.slow_part),
+      slow_part_(task.slow_fraction),
       lower_(model.lower_rad().array() + limits.limit_margin_rad),
       upper_(model.upper_rad().array() - limits.limit_margin_rad),
       velocity_((limits.velocity_fraction * model.velocity_rad_s()).cwiseMin(limits.velocity_rad_s)),

@@ -23,7 +23,7 @@ namespace colift::control {
 /// cut off like that can be taken up again with resume() or back(), from where the arm stands.
 ///
 /// While the controller warns (ArmState::slow), and when asked to, trajectories run with
-/// TaskConfig::slow_part of their speed; the change is as smooth as a stop.
+/// TaskConfig::slow_fraction of their speed; the change is as smooth as a stop.
 class SetpointGenerator {
  public:
   enum class Contact { None, Force, Lag };
@@ -78,7 +78,7 @@ class SetpointGenerator {
   [[nodiscard]] std::uint32_t starts() const { return starts_; }
   /// The controller takes commands; else the cycle repeats the measured pose.
   [[nodiscard]] bool running() const { return running_; }
-  /// Part of the speed that is to be used now, 1 or changing to TaskConfig::slow_part; for whoever feeds
+  /// Part of the speed that is to be used now, 1 or changing to TaskConfig::slow_fraction; for whoever feeds
   /// servo().
   [[nodiscard]] double pace() const { return pace_; }
   [[nodiscard]] bool slow() const { return slow_left_s_ > 0.0; }

@@ -55,6 +55,10 @@ hal::Result<std::vector<File>> read_files(const std::vector<std::string>& names)
 /// A configuration in the making: one source of values after the other.
 class Layers {
  public:
+  Layers() = default;
+  Layers(const Layers&) = delete;  // the table points into the configuration
+  Layers& operator=(const Layers&) = delete;
+
   [[nodiscard]] const Config& config() const { return config_; }
 
   /// What the program itself says; only what it changes gets the origin.

@@ -55,7 +55,7 @@ struct AttemptConfig {
     v("failed_grip_radius_m", failed_grip_radius_m, hal::Range{0, 1},
       "No grasp is tried so near to a grip that failed (m).");
     v("second_partner_timeout_s", second_partner_timeout_s, hal::Range{0.1, 3600},
-      "Timeout for a partner who has grasped before; never more than task.patience_s (s).");
+      "Timeout for a partner who has grasped before; never more than task.partner_timeout_s (s).");
     v("object_moved_m", object_moved_m, hal::Range{0, 0.1},
       "An object that was put down farther from where it stood is taken as moved (m).");
     v("max_object_moved_m", max_object_moved_m, hal::Range{0, 1},
@@ -73,7 +73,7 @@ struct EmptyHandConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v("approach_timeout_factor", approach_timeout_factor, hal::Range{1, 100},
-      "Timeout of the approach, as a multiple of its planned time at task.slow_part of the speed.");
+      "Timeout of the approach, as a multiple of its planned time at task.slow_fraction of the speed.");
     v("approach_timeout_margin_s", approach_timeout_margin_s, hal::Range{0, 600}, "Added to that (s).");
     v("back_off_scale", back_off_scale, hal::Range{0.05, 1},
       "Speed scale of the motion back along the approach.");
@@ -157,7 +157,7 @@ struct CarryConfig {
 /// The job as a whole. SI units.
 struct TaskConfig {
   int reference_frames = 15;
-  double patience_s = 30.0;
+  double partner_timeout_s = 30.0;
   int asks = 2;
   double ready_s = 0.5;
   double lift_height_m = 0.05;
@@ -169,8 +169,8 @@ struct TaskConfig {
   double max_slip_m = 0.02;
   double max_load_n = 60.0;
   double contact_n = 30.0;
-  double slow_part = 0.3;
-  double arm_patience_s = 1.0;
+  double slow_fraction = 0.3;
+  double arm_timeout_s = 1.0;
   double limit_margin_deg = 1.2;
   AttemptConfig attempts;
   SupervisionConfig supervision;
@@ -183,7 +183,8 @@ struct TaskConfig {
   void visit(Visitor& v) {
     v("reference_frames", reference_frames, hal::Range{1, 60},
       "Frames that the picture of the scene is made of.");
-    v("patience_s", patience_s, hal::Range{0.1, 3600}, "How long a partner is waited for (s).");
+    v.renamed("patience_s", "partner_timeout_s");
+    v("partner_timeout_s", partner_timeout_s, hal::Range{0.1, 3600}, "How long a partner is waited for (s).");
     v("asks", asks, hal::Range{0, 20},
       "How often the partner is asked to take hold elsewhere where the robot has no grasp as he stands.");
     v("ready_s", ready_s, hal::Range{0, 10}, "How long the partner has to hold still before the lift (s).");
@@ -199,9 +200,11 @@ struct TaskConfig {
       "Greatest load of the arm (N); it bears 7 kg with its hand.");
     v("contact_n", contact_n, hal::Range{1, 200},
       "Force that counts as an unexpected contact on the way (N).");
-    v("slow_part", slow_part, hal::Range{0.05, 1},
+    v.renamed("slow_part", "slow_fraction");
+    v("slow_fraction", slow_fraction, hal::Range{0.05, 1},
       "Part of its speed that the arm goes on with while its controller warns.");
-    v("arm_patience_s", arm_patience_s, hal::Range{0, 30},
+    v.renamed("arm_patience_s", "arm_timeout_s");
+    v("arm_timeout_s", arm_timeout_s, hal::Range{0, 30},
       "How long the arm may stand because its controller takes no commands, before the job ends (s).");
     v("limit_margin_deg", limit_margin_deg, hal::Range{1.2, 45},
       "Kept from the joints' limits while the object is borne; plans keep motion.limit_margin_deg (deg).");

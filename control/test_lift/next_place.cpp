@@ -88,7 +88,7 @@ std::optional<PartnerPlace> next_place(std::span<const planner::GraspCandidate> 
       for (std::size_t i = 0; i < some.size(); ++i) {
         const CogBelief::Case& c = cases.cases[i];
         const double share = lever_share(c.cog, place, grasp);
-        if (share < config.least_share || share > config.most_share) continue;
+        if (share < config.min_share || share > config.max_share) continue;
         const double level =
             chance_level(c, cases.grip_nm_rad, place, grasp, max_turn_rad, config.belief.grip_sigma);
         some[i] = std::max(some[i], level);
@@ -101,7 +101,7 @@ std::optional<PartnerPlace> next_place(std::span<const planner::GraspCandidate> 
     }
     for (std::size_t i = 0; i < some.size(); ++i) at.chance += cases.cases[i].weight * some[i];
     const double worth = 0.5 * (at.chance + single);
-    if (at.chance < config.least_chance_elsewhere || worth <= best_worth) continue;
+    if (at.chance < config.min_level_probability_elsewhere || worth <= best_worth) continue;
     best_worth = worth;
     best = at;
   }

@@ -49,11 +49,11 @@ hal::Result<TestLift> understand_test_lift(const CarriedObject& object, std::spa
   }
   const FeltLift& last = tests.back();
   const double load_n = -last.felt.force.z();
-  if (load_n < config.least_load_n)
+  if (load_n < config.min_load_n)
     return hal::failure(
         hal::ErrorCode::NotFound, "test_lift",
         fmt::format("the robot bears {:.1f} N (least {:.1f} N): the object stands on the ground", load_n,
-                    config.least_load_n));
+                    config.min_load_n));
   auto belief = weigh_cog(object, tests, config.belief);
   if (!belief) return tl::unexpected(belief.error());
 
@@ -102,7 +102,7 @@ std::optional<NextGrip> next_grip(std::span<const planner::GraspCandidate> grasp
                                   double wanted_share, const TestLiftConfig& config) {
   const Vec2 mean = belief.mean();
   std::vector<NextGrip> possible;
-  double best = config.least_chance;
+  double best = config.min_level_probability;
   for (std::size_t i = 0; i < grasps.size(); ++i) {
     using planner::Verdict;
     const planner::GraspCandidate& c = grasps[i];
@@ -120,7 +120,7 @@ std::optional<NextGrip> next_grip(std::span<const planner::GraspCandidate> grasp
     best = std::max(best, chance);
   }
   std::optional<NextGrip> next;
-  const double least = std::max(config.least_chance, best - config.level_probability_tolerance);
+  const double least = std::max(config.min_level_probability, best - config.level_probability_tolerance);
   for (const NextGrip& grip : possible) {
     if (grip.chance < least) continue;
     if (!next || std::abs(grip.share - wanted_share) < std::abs(next->share - wanted_share)) next = grip;

@@ -21,18 +21,18 @@ struct TestLiftConfig {
   double raise_s = 15.0;
   double hold_s = 1.0;
   double slow_turn_deg = 0.8;
-  double slow_part = 0.2;
+  double slow_fraction = 0.2;
   double good_turn_deg = 1.5;
   double max_turn_deg = 1.75;
   double max_drift_deg_s = 0.2;
   double max_share_error = 0.10;
-  double least_load_n = 2.0;
+  double min_load_n = 2.0;
   int grips = 4;
-  double least_chance = 0.03;
+  double min_level_probability = 0.03;
   int asks = 2;
-  double least_chance_elsewhere = 0.2;
-  double least_share = 0.15;
-  double most_share = 0.85;
+  double min_level_probability_elsewhere = 0.2;
+  double min_share = 0.15;
+  double max_share = 0.85;
   int agreeing_frames = 6;
   double clear_factor = 2.0;
   double standing_turn_deg = 0.3;
@@ -55,7 +55,8 @@ struct TestLiftConfig {
     v("slow_turn_deg", slow_turn_deg, hal::Range{0.1, 10},
       "An object that has turned so far about the line between both hands is raised slowly from there "
       "(deg).");
-    v("slow_part", slow_part, hal::Range{0.05, 1}, "Part of the speed that is slow.");
+    v.renamed("slow_part", "slow_fraction");
+    v("slow_fraction", slow_fraction, hal::Range{0.05, 1}, "Part of the speed that is slow.");
     v("good_turn_deg", good_turn_deg, hal::Range{0.1, 10},
       "An object that hangs at this tilt or less is lifted on; at more, another grip is looked for (deg).");
     v("max_turn_deg", max_turn_deg, hal::Range{0.1, 10},
@@ -64,19 +65,24 @@ struct TestLiftConfig {
       "One that still turns faster at the top slips in the hand, and is put down (deg/s).");
     v("max_share_error", max_share_error, hal::kFraction,
       "Difference of the robot's share from what was predicted that is still lifted.");
-    v("least_load_n", least_load_n, hal::kNotNegative,
+    v.renamed("least_load_n", "min_load_n");
+    v("min_load_n", min_load_n, hal::kNotNegative,
       "A load below this says nothing: the object stands still on the ground (N).");
     v("grips", grips, hal::Range{1, 20},
       "Places where the hand takes hold, for each place of the partner's, before it gives up.");
-    v("least_chance", least_chance, hal::kFraction,
+    v.renamed("least_chance", "min_level_probability");
+    v("min_level_probability", min_level_probability, hal::kFraction,
       "A grasp is not tried when the chance that it holds the object level is below this.");
     v("asks", asks, hal::Range{0, 10},
       "How often the partner is asked to take hold elsewhere where no level grip is found.");
-    v("least_chance_elsewhere", least_chance_elsewhere, hal::kFraction,
+    v.renamed("least_chance_elsewhere", "min_level_probability_elsewhere");
+    v("min_level_probability_elsewhere", min_level_probability_elsewhere, hal::kFraction,
       "For less of a chance of a level grip he is not asked.");
-    v("least_share", least_share, hal::kFraction,
+    v.renamed("least_share", "min_share");
+    v("min_share", min_share, hal::kFraction,
       "Least part of the load that the robot should bear where he is asked to.");
-    v("most_share", most_share, hal::kFraction, "Greatest part of it: the rest is the partner's.");
+    v.renamed("most_share", "max_share");
+    v("max_share", max_share, hal::kFraction, "Greatest part of it: the rest is the partner's.");
     v("agreeing_frames", agreeing_frames, hal::Range{1, 100},
       "Frames in a row that have to agree on how the object is raised.");
     v("clear_factor", clear_factor, hal::Range{1, 20},
@@ -139,7 +145,7 @@ struct TestLift {
 /// Of the grasps that are possible (Ok or Chosen), where the hand takes hold next while the partner holds at
 /// `partner` (W): where chance_level() is best; of those that are as good to within a twentieth, the one
 /// whose share is nearest to `wanted_share`. Places that a test lift was made at are left out, unless the
-/// partner was elsewhere then. nullopt when no chance is as good as TestLiftConfig::least_chance.
+/// partner was elsewhere then. nullopt when no chance is as good as TestLiftConfig::min_level_probability.
 struct NextGrip {
   std::size_t index = 0;  ///< Of the grasps.
   double chance = 0.0;

@@ -208,7 +208,7 @@ GuardedArm::GuardedArm(std::unique_ptr<Arm> inner, const RobotModel& model, cons
   impl_->hard_upper = model.upper_rad();
   impl_->torque_limit = model.effort_nm().cwiseMin(config.max_superposed_nm);
   const JointVector velocity =
-      (config.velocity_part * model.velocity_rad_s()).cwiseMin(config.max_velocity_rad_s);
+      (config.velocity_fraction * model.velocity_rad_s()).cwiseMin(config.max_velocity_rad_s);
   const double margin = deg_to_rad(config.limit_margin_deg);
   for (int i = 0; i < kArmJoints; ++i)
     impl_->bounds[static_cast<std::size_t>(i)] = {impl_->hard_lower[i] + margin,

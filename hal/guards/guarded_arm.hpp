@@ -12,7 +12,7 @@ namespace colift::hal {
 /// Limits of commands and states at the last gate before the arm.
 struct GuardConfig {
   double limit_margin_deg = 1.0;
-  double velocity_part = 1.0;
+  double velocity_fraction = 1.0;
   double max_velocity_rad_s = 4.0;
   double acceleration_rad_s2 = 15.0;
   double max_stiffness_nm_rad = 2000.0;
@@ -23,7 +23,8 @@ struct GuardConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v("limit_margin_deg", limit_margin_deg, Range{0, 20}, "No command comes nearer to a joint limit (deg).");
-    v("velocity_part", velocity_part, kFraction,
+    v.renamed("velocity_part", "velocity_fraction");
+    v("velocity_fraction", velocity_fraction, kFraction,
       "Part of the joints' velocity limits that commands may use.");
     v("max_velocity_rad_s", max_velocity_rad_s, kPositive, "No joint is commanded faster (rad/s).");
     v("acceleration_rad_s2", acceleration_rad_s2, kPositive, "Greatest acceleration of commands (rad/s^2).");

@@ -86,7 +86,7 @@ struct GuardedCamera::Impl {
     const auto all = static_cast<double>(pixels);
     if (static_cast<double>(wrong) > kWrongDepths * all)
       return fmt::format("{} depths that no depth camera measures", wrong);
-    if (static_cast<double>(seen - wrong) < config.least_seen * all)
+    if (static_cast<double>(seen - wrong) < config.min_valid_fraction * all)
       return fmt::format("a frame that shows nothing: {:.1f} % of its pixels have a depth",
                          1e2 * static_cast<double>(seen) / all);
     return std::nullopt;
@@ -128,8 +128,8 @@ struct GuardedCamera::Impl {
     moved.reset();
     if (!same_bits(f.depth_m, picture)) {
       changed_at = now;
-      if (config.stuck_s > 0.0) picture = f.depth_m;
-    } else if (seconds(now - changed_at) > config.stuck_s) {
+      if (config.frozen_s > 0.0) picture = f.depth_m;
+    } else if (seconds(now - changed_at) > config.frozen_s) {
       ++rejected;
       last_error = fmt::format("the same picture for {:.1f} s", seconds(now - changed_at));
       lose(last_error);
@@ -137,7 +137,7 @@ struct GuardedCamera::Impl {
     }
     const double age = seconds(now - f.exposed_at);
     age_s = age_s == 0.0 ? age : (1.0 - kAgeShare) * age_s + kAgeShare * age;
-    if (age_s > config.most_age_s) {
+    if (age_s > config.max_age_s) {
       ++rejected;
       last_error = fmt::format("frames are {:.0f} ms old when they come", 1e3 * age_s);
       lose(last_error);

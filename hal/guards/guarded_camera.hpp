@@ -11,24 +11,28 @@ namespace colift::hal {
 /// What a frame needs to pass, and when the camera counts as lost.
 struct CameraGuardConfig {
   double silent_s = 0.2;
-  double stuck_s = 0.2;
-  double least_seen = 0.02;
+  double frozen_s = 0.2;
+  double min_valid_fraction = 0.02;
   int bad_in_a_row = 5;
   int good_to_return = 30;
-  double most_age_s = 0.3;
+  double max_age_s = 0.3;
   double moved_deg = 0.5;
   double mounted_deg = 3.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v("silent_s", silent_s, kPositive, "Without a good frame for this long the camera is lost (s).");
-    v("stuck_s", stuck_s, kNotNegative,
+    v.renamed("stuck_s", "frozen_s");
+    v("frozen_s", frozen_s, kNotNegative,
       "The same picture to the last bit for this long is a dead camera (s); 0: not looked at.");
-    v("least_seen", least_seen, kFraction, "A frame with a smaller part of pixels with depth shows nothing.");
+    v.renamed("least_seen", "min_valid_fraction");
+    v("min_valid_fraction", min_valid_fraction, kFraction,
+      "A frame with a smaller part of pixels with depth shows nothing.");
     v("bad_in_a_row", bad_in_a_row, Range{1, 1000}, "So many bad frames in a row and the camera is lost.");
     v("good_to_return", good_to_return, Range{1, 1000},
       "So many good frames in a row and a lost one is back.");
-    v("most_age_s", most_age_s, kPositive,
+    v.renamed("most_age_s", "max_age_s");
+    v("max_age_s", max_age_s, kPositive,
       "Frames that are older than this when they come, in the mean: the camera is lost (s).");
     v("moved_deg", moved_deg, kPositive,
       "A camera whose gravity turns by more than this since the start was moved (deg).");

@@ -172,10 +172,10 @@ class Solver {
 std::optional<CalibrationRefusal> objection(std::span<const EmitterSample> samples,
                                             const CalibrationConfig& config, PoseDiversity& diversity) {
   if (samples.size() < kLeastPoses)
-    return CalibrationRefusal{"few-poses",
-                              fmt::format("{} poses are too few; {} agreeing ones are needed", samples.size(),
-                                          config.least_inliers),
-                              {}};
+    return CalibrationRefusal{
+        "few-poses",
+        fmt::format("{} poses are too few; {} agreeing ones are needed", samples.size(), config.min_inliers),
+        {}};
   double shortest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const EmitterSample& s = samples[i];
@@ -196,27 +196,27 @@ std::optional<CalibrationRefusal> objection(std::span<const EmitterSample> sampl
   const Vec3& turn = diversity.rotation_deg;
   if (turn[0] < 0.05 && diversity.position_m[0] < 1e-4)
     return CalibrationRefusal{"one-pose", "all poses are the same one", {}};
-  if (turn[0] < config.least_rotation_deg)
+  if (turn[0] < config.min_rotation_deg)
     return CalibrationRefusal{
         "one-orientation",
         fmt::format(
             "the palm has nearly one orientation at all poses (spread {:.1f} deg, needed {:.0f} about "
             "two axes): the emitter's place in the palm cannot be told from the camera's",
-            turn[0], config.least_rotation_deg),
+            turn[0], config.min_rotation_deg),
         {}};
-  if (turn[1] < config.least_rotation_deg)
+  if (turn[1] < config.min_rotation_deg)
     return CalibrationRefusal{
         "one-axis",
         fmt::format(
             "the palm turns about one axis only (spread {:.1f} deg about it and {:.1f} about the next, "
             "needed {:.0f}): turn it about a second one",
-            turn[0], turn[1], config.least_rotation_deg),
+            turn[0], turn[1], config.min_rotation_deg),
         {}};
-  if (diversity.position_m[2] < config.least_thickness_m)
+  if (diversity.position_m[2] < config.min_thickness_m)
     return CalibrationRefusal{
         "one-plane",
         fmt::format("all poses are nearly in one plane ({:.0f} mm off it, needed {:.0f})",
-                    1e3 * diversity.position_m[2], 1e3 * config.least_thickness_m),
+                    1e3 * diversity.position_m[2], 1e3 * config.min_thickness_m),
         {}};
   return std::nullopt;
 }
@@ -240,7 +240,7 @@ std::string explain_misfit(std::span<const EmitterSample> samples, const hal::Ca
     std::vector<EmitterSample> changed(samples.begin(), samples.end());
     for (EmitterSample& s : changed) s.pixel = change.apply(s.pixel, camera);
     const auto e = Solver(changed, camera, config).run(seed);
-    if (e && static_cast<int>(e->rows.samples.size()) >= config.least_inliers &&
+    if (e && static_cast<int>(e->rows.samples.size()) >= config.min_inliers &&
         static_cast<double>(e->rows.samples.size()) >= 0.8 * static_cast<double>(samples.size()))
       return fmt::format("; the images are {}", change.what);
   }
@@ -333,7 +333,7 @@ tl::expected<Calibration, CalibrationRefusal> calibrate(std::span<const EmitterS
 
   const Solver solver(samples, camera, config);
   const auto estimate = solver.run(seed);
-  const auto few = static_cast<std::size_t>(config.least_inliers);
+  const auto few = static_cast<std::size_t>(config.min_inliers);
   if (!estimate || estimate->rows.samples.size() < kLeastPoses)
     return refuse("few-inliers", fmt::format("no {} of the {} poses fit any place of the camera{}", few,
                                              samples.size(), explain_misfit(samples, camera, config, seed)));
@@ -349,29 +349,29 @@ tl::expected<Calibration, CalibrationRefusal> calibrate(std::span<const EmitterS
                     c.model.t_CB.norm(), c.model.p_H.norm(), config.max_camera_distance_m,
                     config.max_emitter_distance_m),
         std::move(c));
-  if (c.inliers < config.least_inliers)
+  if (c.inliers < config.min_inliers)
     return refuse("few-inliers",
                   fmt::format("only {} of {} poses agree; {} are needed{}", c.inliers, samples.size(), few,
                               explain_misfit(samples, camera, config, seed)),
                   std::move(c));
-  if (share < config.least_inlier_share)
+  if (share < config.min_inlier_fraction)
     return refuse("few-inliers",
                   fmt::format("only {} of {} poses agree, {:.0f} % ({:.0f} % are needed)", c.inliers,
-                              samples.size(), 100 * share, 100 * config.least_inlier_share),
+                              samples.size(), 100 * share, 100 * config.min_inlier_fraction),
                   std::move(c));
   if (config.intrinsics && estimate->rows.released != Released::Intrinsics)
     return refuse("not-observable",
                   "intrinsics can be estimated only with depths near the emitter at most poses",
                   std::move(c));
   // the poses that agree may turn less than all did
-  if (c.diversity.rotation_deg[1] < config.least_rotation_deg ||
-      c.diversity.position_m[2] < config.least_thickness_m)
+  if (c.diversity.rotation_deg[1] < config.min_rotation_deg ||
+      c.diversity.position_m[2] < config.min_thickness_m)
     return refuse(
         "alike",
         fmt::format("the {} agreeing poses are too alike (rotation about the second axis {:.1f} deg, "
                     "needed {:.0f}; {:.0f} mm off a plane, needed {:.0f})",
-                    c.inliers, c.diversity.rotation_deg[1], config.least_rotation_deg,
-                    1e3 * c.diversity.position_m[2], 1e3 * config.least_thickness_m),
+                    c.inliers, c.diversity.rotation_deg[1], config.min_rotation_deg,
+                    1e3 * c.diversity.position_m[2], 1e3 * config.min_thickness_m),
         std::move(c));
   if (!(c.rms_px <= config.max_rms_px))
     return refuse("misfit",

@@ -22,14 +22,14 @@ struct CalibrationConfig {
   bool intrinsics = false;
   double inlier_px = 2.0;
   int draws = 400;
-  int least_inliers = 12;
-  double least_inlier_share = 0.6;
+  int min_inliers = 12;
+  double min_inlier_fraction = 0.6;
   double max_rms_px = 1.0;
   double max_emitter_sigma_m = 0.005;
   double max_error_m = 0.005;
   double max_condition = 1e5;
-  double least_rotation_deg = 6.0;
-  double least_thickness_m = 0.015;
+  double min_rotation_deg = 6.0;
+  double min_thickness_m = 0.015;
   double shift_m = 0.002;
   int min_draws = 40;
   double inlier_sigmas = 3.5;
@@ -51,17 +51,21 @@ struct CalibrationConfig {
     v("inlier_px", inlier_px, hal::Range{0.1, 50},
       "Max distance of an inlier from its predicted pixel (px).");
     v("draws", draws, hal::Range{20, 5000}, "Max number of random draws of seven poses.");
-    v("least_inliers", least_inliers, hal::Range{8, 1000}, "Min number of inlier poses.");
-    v("least_inlier_share", least_inlier_share, hal::kFraction, "Min fraction of inlier poses.");
+    v.renamed("least_inliers", "min_inliers");
+    v("min_inliers", min_inliers, hal::Range{8, 1000}, "Min number of inlier poses.");
+    v.renamed("least_inlier_share", "min_inlier_fraction");
+    v("min_inlier_fraction", min_inlier_fraction, hal::kFraction, "Min fraction of inlier poses.");
     v("max_rms_px", max_rms_px, hal::kPositive, "Max root mean square residual (px).");
     v("max_emitter_sigma_m", max_emitter_sigma_m, hal::kPositive,
       "Max standard deviation of the emitter's position (m).");
     v("max_error_m", max_error_m, hal::kPositive,
       "Max predicted error of a point in the workspace, root mean square (m).");
     v("max_condition", max_condition, hal::kPositive, "Max condition number of the normal equations.");
-    v("least_rotation_deg", least_rotation_deg, hal::Range{0, 90},
+    v.renamed("least_rotation_deg", "min_rotation_deg");
+    v("min_rotation_deg", min_rotation_deg, hal::Range{0, 90},
       "Min spread of the poses' rotation about a second axis (deg).");
-    v("least_thickness_m", least_thickness_m, hal::kNotNegative,
+    v.renamed("least_thickness_m", "min_thickness_m");
+    v("min_thickness_m", min_thickness_m, hal::kNotNegative,
       "Min spread of the emitter's positions out of one plane (m).");
     v("shift_m", shift_m, hal::kPositive,
       "Shift of points in the workspace without one pose, above which that pose is reported (m).");

@@ -33,9 +33,9 @@ hal::Result<> check(const CalibrationFile& f, const std::string& yaml, const std
   if (f.rms_px > limits.max_rms_px)
     return refuse("rms_px",
                   fmt::format("found {:.2f} px; at most {:.2f} is good enough", f.rms_px, limits.max_rms_px));
-  if (f.inliers < limits.least_inliers)
+  if (f.inliers < limits.min_inliers)
     return refuse("inliers",
-                  fmt::format("found {} poses that agree; {} are needed", f.inliers, limits.least_inliers));
+                  fmt::format("found {} poses that agree; {} are needed", f.inliers, limits.min_inliers));
   return {};
 }
 

@@ -171,7 +171,7 @@ PoseCheck check_pose(const hal::DepthFrame& frame, const Pose& X_BC,
   const std::vector<Vec3> points = points_near(frame, X_BC, solids, around, config);
   const bool arm_seen =
       points.size() * static_cast<std::size_t>(config.stride) * static_cast<std::size_t>(config.stride) >=
-      static_cast<std::size_t>(config.least_points);
+      static_cast<std::size_t>(config.min_points);
   if (arm_seen) {
     out.arm_points = static_cast<int>(points.size());
     out.arm_off_B = -fit_shift(points, solids, config);

@@ -16,7 +16,7 @@ struct PoseCheckConfig {
   double max_tilt_deg = 2.0;
   double max_height_m = 0.04;
   double max_arm_m = 0.025;
-  int least_points = 400;
+  int min_points = 400;
   double reach_m = 0.08;
   int stride = 3;
   int iterations = 12;
@@ -33,7 +33,8 @@ struct PoseCheckConfig {
       "Max depth of the ground below the robot's floor (m).");
     v("max_arm_m", max_arm_m, hal::Range{0.001, 0.5},
       "Max offset of the arm from its model, which is as coarse as the links' solids (m).");
-    v("least_points", least_points, hal::Range{20, 100000},
+    v.renamed("least_points", "min_points");
+    v("min_points", min_points, hal::Range{20, 100000},
       "Min number of pixels of the arm in view for its offset to be judged.");
     v("reach_m", reach_m, hal::Range{0.01, 0.3}, "Max distance of the arm's points from the model (m).");
     v("stride", stride, hal::Range{1, 32}, "Every n-th pixel of every n-th row is used.");

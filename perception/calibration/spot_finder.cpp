@@ -73,7 +73,7 @@ struct Blob {
   bool steady = false, at_border = false;
 };
 
-std::vector<Blob> find_blobs(const Difference& d, float threshold, double steady_part) {
+std::vector<Blob> find_blobs(const Difference& d, float threshold, double steady_fraction) {
   std::vector<Blob> out;
   std::vector<char> seen(d.mean.size(), 0);
   for (std::size_t start = 0; start < d.mean.size(); ++start) {
@@ -102,7 +102,7 @@ std::vector<Blob> find_blobs(const Difference& d, float threshold, double steady
         }
     }
     blob.peak = static_cast<double>(d.mean[peak]);
-    blob.steady = static_cast<double>(d.steady[peak]) >= steady_part * blob.peak;
+    blob.steady = static_cast<double>(d.steady[peak]) >= steady_fraction * blob.peak;
     out.push_back(std::move(blob));
   }
   return out;
@@ -240,7 +240,7 @@ Found find(const Kept& off, const Kept& on, const SpotConfig& config) {
   for (std::size_t i = 0; i < d.mean.size(); ++i) {
     const auto m = static_cast<double>(d.mean[i]);
     any = std::max(any, m);
-    if (static_cast<double>(d.steady[i]) >= config.steady_part * m) peak = std::max(peak, m);
+    if (static_cast<double>(d.steady[i]) >= config.steady_fraction * m) peak = std::max(peak, m);
   }
   if (peak < least) {
     if (any >= 2.0 * least)
@@ -250,17 +250,17 @@ Found find(const Kept& off, const Kept& on, const SpotConfig& config) {
     return refuse(
         "dark", fmt::format("nothing is brighter with the emitter on: {:.1f}, noise {:.1f}", peak, d.sigma));
   }
-  const double threshold = std::max(least, config.peak_part * peak);
-  const auto blobs = find_blobs(d, static_cast<float>(threshold), config.steady_part);
+  const double threshold = std::max(least, config.peak_fraction * peak);
+  const auto blobs = find_blobs(d, static_cast<float>(threshold), config.steady_fraction);
   const Blob *best = nullptr, *second = nullptr, *large = nullptr;
   int small = 0, moving = 0;
   for (const Blob& blob : blobs) {
     const auto area = static_cast<int>(blob.pixels.size());
     if (!blob.steady) {
       ++moving;
-    } else if (area < config.least_px) {
+    } else if (area < config.min_px) {
       ++small;
-    } else if (area > config.most_px) {
+    } else if (area > config.max_px) {
       if (!large || blob.light > large->light) large = &blob;
     } else if (!best || blob.light > best->light) {
       second = best;
@@ -272,11 +272,11 @@ Found find(const Kept& off, const Kept& on, const SpotConfig& config) {
   if (!best) {
     if (large)
       return refuse("large", fmt::format("what is brighter has {} px (at most {}): light from elsewhere",
-                                         large->pixels.size(), config.most_px));
+                                         large->pixels.size(), config.max_px));
     if (moving > 0) return refuse("moving", "something moves in the picture, and no spot is in all images");
-    return refuse("faint", fmt::format("{} bright places, none of {} px", small, config.least_px));
+    return refuse("faint", fmt::format("{} bright places, none of {} px", small, config.min_px));
   }
-  if (second && second->light > config.rival_part * best->light)
+  if (second && second->light > config.rival_fraction * best->light)
     return refuse("rival",
                   fmt::format("two spots are alike (light {:.0f} and {:.0f}): one may be a reflection",
                               best->light, second->light));

@@ -15,11 +15,11 @@ namespace colift::perception {
 /// What counts as the emitter's spot in an infrared image.
 struct SpotConfig {
   double sigmas = 8.0;
-  double peak_part = 0.10;
-  double steady_part = 0.4;
-  int least_px = 4;
-  int most_px = 200;
-  double rival_part = 0.7;
+  double peak_fraction = 0.10;
+  double steady_fraction = 0.4;
+  int min_px = 4;
+  int max_px = 200;
+  double rival_fraction = 0.7;
   double move_px = 0.3;
   int saturation = 1015;
   int window_px = 2;
@@ -31,13 +31,18 @@ struct SpotConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v("sigmas", sigmas, hal::Range{3, 50}, "Min brightness of a spot, in standard deviations of the noise.");
-    v("peak_part", peak_part, hal::kFraction,
+    v.renamed("peak_part", "peak_fraction");
+    v("peak_fraction", peak_fraction, hal::kFraction,
       "Min brightness of a spot's pixels, as a fraction of its peak.");
-    v("steady_part", steady_part, hal::kFraction,
+    v.renamed("steady_part", "steady_fraction");
+    v("steady_fraction", steady_fraction, hal::kFraction,
       "Min fraction of a spot's brightness that every pair of images shows; less is something that moves.");
-    v("least_px", least_px, hal::Range{1, 100}, "Min area of a spot (px).");
-    v("most_px", most_px, hal::Range{10, 5000}, "Max area of a spot (px).");
-    v("rival_part", rival_part, hal::kFraction,
+    v.renamed("least_px", "min_px");
+    v("min_px", min_px, hal::Range{1, 100}, "Min area of a spot (px).");
+    v.renamed("most_px", "max_px");
+    v("max_px", max_px, hal::Range{10, 5000}, "Max area of a spot (px).");
+    v.renamed("rival_part", "rival_fraction");
+    v("rival_fraction", rival_fraction, hal::kFraction,
       "Max light of a second spot, as a fraction of the first one's.");
     v("move_px", move_px, hal::kPositive, "Max motion of a spot between images (px).");
     v("saturation", saturation, hal::Range{100, 65535}, "Brightness at which a pixel is saturated.");

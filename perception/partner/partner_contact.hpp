@@ -102,7 +102,7 @@ enum class HeldPart {
   Corner,  ///< Two faces meet in an edge under the hand.
   Rim,     ///< The end of a face, with nothing visible beyond it.
   Plate,   ///< The same, and the face is that of a thin plate.
-  LocalFace,    ///< A face without an end near the hand, or nothing that a shape could be read from.
+  Face,    ///< A face without an end near the hand, or nothing that a shape could be read from.
 };
 
 /// Standard deviations of a contact (m).

@@ -161,15 +161,15 @@ void PartnerFinder::choose_components() {
   const auto& components = change_.components();
   chosen_.assign(components.size(), 0);
   for (std::size_t i = 0; i < components.size(); ++i) {
-    if (components[i].area_m2 < config_.smallest_part_m2) continue;
-    bool beside = components[i].blob_m2 >= config_.smallest_body_m2;
+    if (components[i].area_m2 < config_.min_part_m2) continue;
+    bool beside = components[i].blob_m2 >= config_.min_body_m2;
     const PixelWindow& box = components[i].box;
     for (std::size_t j = 0; j < components.size() && !beside; ++j) {
       const PixelWindow& big = components[j].box;
       beside =
-          components[j].area_m2 >= config_.smallest_body_m2 &&
-          box.u_begin <= big.u_end + config_.body_gap_px && box.u_end >= big.u_begin - config_.body_gap_px &&
-          box.v_begin <= big.v_end + config_.body_gap_px && box.v_end >= big.v_begin - config_.body_gap_px;
+          components[j].area_m2 >= config_.min_body_m2 && box.u_begin <= big.u_end + config_.body_gap_px &&
+          box.u_end >= big.u_begin - config_.body_gap_px && box.v_begin <= big.v_end + config_.body_gap_px &&
+          box.v_end >= big.v_begin - config_.body_gap_px;
     }
     chosen_[i] = beside ? 1 : 0;
   }
@@ -241,7 +241,7 @@ std::optional<PartnerContact> PartnerFinder::contact(int hand) {
     if (count++ % stride != 0) continue;
     hand_.push_back({s.point, patches[static_cast<std::size_t>(s.patch)], s.area_m2});
   }
-  if (area < config_.smallest_touch_m2 || touching < config_.fingertip_m2) return std::nullopt;
+  if (area < config_.min_touch_m2 || touching < config_.fingertip_m2) return std::nullopt;
   const ContactEstimate found = estimate_contact(
       hand_, {patches, rim_, X_WC_.translation().cast<float>()},
       {config_.along_sigma_m, config_.cross_sigma_m, 0.5 * noise_.sigma(depth / area)}, config_.contact);
@@ -298,7 +298,7 @@ hal::Result<PartnerSighting> PartnerFinder::find(const OrganisedCloud& current) 
   collect_skin(current, sighting);
   if (body_m2_ == 0.0) {
     sighting.because = fmt::format("nothing of a hand's size ({:.0f} cm2) came within {:.2f} m of the object",
-                                   1e4 * config_.smallest_body_m2, config_.reach_m);
+                                   1e4 * config_.min_body_m2, config_.reach_m);
     return sighting;
   }
   if (!sighting.nearest_m || *sighting.nearest_m >= config_.clear_m) {

@@ -21,16 +21,15 @@ namespace colift::perception {
 /// What counts as a hand on the object.
 struct PartnerConfig {
   ChangeConfig change;
-  double reach_m = 0.50;            ///< Changes farther from the object's box than this are not looked at.
-  double smallest_body_m2 = 0.003;  ///< A hand covers more than this, even half hidden.
-  double smallest_part_m2 =
+  double reach_m = 0.50;       ///< Changes farther from the object's box than this are not looked at.
+  double min_body_m2 = 0.003;  ///< A hand covers more than this, even half hidden.
+  double min_part_m2 =
       0.0006;  ///< Smallest connected part of it that is looked at: two fingers over an edge.
   double touch_m =
       0.030;  ///< Skin this near to the object, plus noise, touches it: the back of a holding hand.
   double hand_thickness_m = 0.045;  ///< The visible side of a touching hand may be this far from the object.
   double clear_m = 0.10;            ///< A body that keeps this distance passes by.
-  double smallest_touch_m2 =
-      0.0004;  ///< Area of skin within hand_thickness_m that a holding hand shows at least.
+  double min_touch_m2 = 0.0004;  ///< Area of skin within hand_thickness_m that a holding hand shows at least.
   double along_sigma_m =
       0.005;  ///< Error of a contact along the object's edge, measured on synthetic frames ...
   double cross_sigma_m = 0.005;  ///< ... and across it.
@@ -54,16 +53,18 @@ struct PartnerConfig {
     v("change", change, "Which pixels count as changed.");
     v("reach_m", reach_m, hal::Range{0.1, 5.0},
       "Distance around the object within which a partner is searched (m).");
-    v("smallest_body_m2", smallest_body_m2, hal::Range{0.0, 1.0},
+    v.renamed("smallest_body_m2", "min_body_m2");
+    v("min_body_m2", min_body_m2, hal::Range{0.0, 1.0},
       "Min visible area of a partner's hand and forearm (m^2).");
-    v("smallest_part_m2", smallest_part_m2, hal::Range{0.0, 1.0},
+    v.renamed("smallest_part_m2", "min_part_m2");
+    v("min_part_m2", min_part_m2, hal::Range{0.0, 1.0},
       "Min visible area of a connected part of a partner's body (m^2).");
     v("touch_m", touch_m, hal::Range{0.0, 0.1}, "Max gap between skin and object that is a touch (m).");
     v("hand_thickness_m", hand_thickness_m, hal::Range{0.0, 0.2},
       "Max thickness of a hand on the object (m).");
     v("clear_m", clear_m, hal::Range{0.0, 0.5}, "Min distance of a passer-by from the object (m).");
-    v("smallest_touch_m2", smallest_touch_m2, hal::Range{0.0, 0.1},
-      "Min visible area of a touching hand (m^2).");
+    v.renamed("smallest_touch_m2", "min_touch_m2");
+    v("min_touch_m2", min_touch_m2, hal::Range{0.0, 0.1}, "Min visible area of a touching hand (m^2).");
     v("along_sigma_m", along_sigma_m, hal::Range{0.001, 0.1},
       "Standard deviation of a contact along the object's edge (m).");
     v("cross_sigma_m", cross_sigma_m, hal::Range{0.001, 0.1},

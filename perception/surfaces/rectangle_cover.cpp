@@ -108,7 +108,7 @@ class FaceCover {
     const bool whole = fill.ratio() >= config_.fill_threshold &&
                        outside(frame, rim, inner) <= config_.cover.max_outside_fraction;
     if (whole || depth >= config_.max_splits) {
-      if (fill.ratio() >= (whole ? config_.fill_threshold : config_.least_fill) &&
+      if (fill.ratio() >= (whole ? config_.fill_threshold : config_.min_fill) &&
           fill.known() >= config_.cover.min_known_fraction)
         parts_.push_back({frame, fill.ratio(), pixels});
       return;

@@ -153,7 +153,7 @@ struct SurfaceConfig {
   double min_area_m2 = 0.002;
   double max_normal_sigma_deg = 3.0;
   double fill_threshold = 0.80;
-  double least_fill = 0.60;
+  double min_fill = 0.60;
   int max_splits = 6;
   double max_edge_m = 0.08;
   double min_edge_view_deg = 8.0;
@@ -180,7 +180,8 @@ struct SurfaceConfig {
     v("max_normal_sigma_deg", max_normal_sigma_deg, hal::kPositive,
       "Max standard deviation of a rectangle's normal by depth noise (deg).");
     v("fill_threshold", fill_threshold, hal::kFraction, "Covered fraction below which a rectangle is split.");
-    v("least_fill", least_fill, hal::kFraction,
+    v.renamed("least_fill", "min_fill");
+    v("min_fill", min_fill, hal::kFraction,
       "Covered fraction below which a rectangle is dropped after all splits.");
     v("max_splits", max_splits, hal::Range{0, 8}, "Max depth of splits of a rectangle.");
     v("max_edge_m", max_edge_m, hal::kPositive,

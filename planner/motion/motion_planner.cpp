@@ -19,7 +19,8 @@ using hal::JointVector;
 
 MotionLimits limits_of(const hal::RobotModel& model, const PlannerConfig& config) {
   MotionLimits limits;
-  limits.velocity_rad_s = (config.joint_speed * model.velocity_rad_s()).cwiseMin(config.max_joint_rad_s);
+  limits.velocity_rad_s =
+      (config.velocity_fraction * model.velocity_rad_s()).cwiseMin(config.max_joint_rad_s);
   limits.acceleration_rad_s2 = JointVector::Constant(config.acceleration_rad_s2);
   limits.jerk_rad_s3 = JointVector::Constant(config.jerk_rad_s3);
   return limits;

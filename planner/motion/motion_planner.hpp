@@ -27,12 +27,12 @@ struct PlannerConfig {
   double cartesian_step_m = 0.01;
   int elbow_steps = 24;
   int goals = 8;
-  double plan_s = 0.5;
+  double planning_budget_s = 0.5;
   double exact_step_rad = 0.03;
   double blend_rad = 0.05;
   double approach_speed_m_s = 0.10;
   double transit_speed_m_s = 0.25;
-  double joint_speed = 0.5;
+  double velocity_fraction = 0.5;
   double max_joint_rad_s = 4.0;
   double acceleration_rad_s2 = 2.0;
   double jerk_rad_s3 = 20.0;
@@ -54,7 +54,8 @@ struct PlannerConfig {
     v("elbow_steps", elbow_steps, hal::Range{4, 360}, "Number of elbow angles that are tried for a pose.");
     v("goals", goals, hal::Range{1, 64},
       "Max number of joint positions of the pre-grasp that are planned to, best first.");
-    v("plan_s", plan_s, hal::Range{0.01, 30},
+    v.renamed("plan_s", "planning_budget_s");
+    v("planning_budget_s", planning_budget_s, hal::Range{0.01, 30},
       "Timeout of the search for a path (s, as work at the speed of docs/benchmarks.md: the same on every "
       "machine).");
     v("exact_step_rad", exact_step_rad, hal::Range{0.005, 0.3},
@@ -65,7 +66,8 @@ struct PlannerConfig {
       "Speed of the palm along the approach (m/s).");
     v("transit_speed_m_s", transit_speed_m_s, hal::Range{0.01, 1.0},
       "Max speed of the palm elsewhere (m/s).");
-    v("joint_speed", joint_speed, hal::kFraction,
+    v.renamed("joint_speed", "velocity_fraction");
+    v("velocity_fraction", velocity_fraction, hal::kFraction,
       "Fraction of the joints' own velocity limits that is used.");
     v("max_joint_rad_s", max_joint_rad_s, hal::kPositive, "Max planned speed of any joint (rad/s).");
     v("acceleration_rad_s2", acceleration_rad_s2, hal::kPositive, "Max joint acceleration (rad/s^2).");

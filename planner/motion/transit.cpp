@@ -37,7 +37,7 @@ hal::Result<FoundPath> search(TransitTools& tools, const FreeSpace& space, const
                         fmt::format("{} at the goal", tools.checkers.fast.what_touches(goals[0]).text()));
   }
   const SearchBudget budget{
-      std::max<std::size_t>(1, static_cast<std::size_t>(tools.config.plan_s * kSamplesPerSecond)),
+      std::max<std::size_t>(1, static_cast<std::size_t>(tools.config.planning_budget_s * kSamplesPerSecond)),
       tools.config.search.max_edge_rad};
   std::size_t used = 0;
   auto found = rrt_connect(space, box, from, free_goals, budget, seed, used);

@@ -271,7 +271,7 @@ int run() {
   const auto arm = planner::arm_geometry(model);
   if (!arm) return 1;
   planner::MotionLimits limits;
-  limits.velocity_rad_s = config.joint_speed * model.velocity_rad_s();
+  limits.velocity_rad_s = config.velocity_fraction * model.velocity_rad_s();
   const JointVector margin = JointVector::Constant(config.limit_margin_deg * std::numbers::pi / 180.0);
   const planner::JointBox box{model.lower_rad() + margin, model.upper_rad() - margin};
   const ThreadClock clock;

@@ -23,7 +23,7 @@ namespace {
 constexpr control::Method kMethods[] = {control::Method::Fast, control::Method::Thesis};
 
 const char* word(control::Method method) {
-  return method == control::Method::Fast ? "fast" : "thesis";
+  return control::to_string(method);
 }
 
 const char* word(control::RunRecord::Result outcome) {

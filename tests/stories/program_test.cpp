@@ -247,6 +247,27 @@ TEST_CASE("--version and --help are not errors", "[program]") {
   }
 }
 
+TEST_CASE("every command is there, whichever program has it", "[program]") {
+  for (const char* command : {"run", "log", "experiment", "look", "decide", "rank", "check", "hal",
+                              "calibrate", "doctor", "emulate"}) {
+    const Run r = colift(std::string(command) + " --help");
+    INFO(command << "\n" << r.err);
+    CHECK(r.code == 0);
+    CHECK_THAT(r.out, Catch::Contains(std::string("colift ") + command));
+  }
+}
+
+TEST_CASE("a command whose program was not built yet says which and who builds it", "[program]") {
+  const auto alone = scratch() / "alone";
+  std::filesystem::create_directories(alone);
+  std::filesystem::copy_file(COLIFT_PROGRAM, alone / "colift",
+                             std::filesystem::copy_options::overwrite_existing);
+  const Run r = story::run_program(alone / "colift", "log info some.mcap");
+  CHECK(r.code == 4);
+  CHECK_THAT(r.err, Catch::Contains("colift-log is not there yet; tools/build builds it"));
+  CHECK(story::run_program(alone / "colift", "run --help").code == 0);
+}
+
 TEST_CASE("a file behind --view is the recording, a number is the port", "[program]") {
   for (const char* arguments : {"log replay --view nowhere.mcap", "log replay nowhere.mcap --view 0"}) {
     const Run r = colift(arguments);

@@ -30,13 +30,16 @@ inline std::string slurp(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// The program as a user starts it.
-inline ProgramRun colift(const std::string& arguments) {
+/// A program as a user starts it.
+inline ProgramRun run_program(const std::filesystem::path& program, const std::string& arguments) {
   const auto out = scratch() / "out", err = scratch() / "err";
-  const std::string command =
-      std::string(COLIFT_PROGRAM) + " " + arguments + " >" + out.string() + " 2>" + err.string();
+  const std::string command = program.string() + " " + arguments + " >" + out.string() + " 2>" + err.string();
   const int status = std::system(command.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), slurp(out), slurp(err)};
+}
+
+inline ProgramRun colift(const std::string& arguments) {
+  return run_program(COLIFT_PROGRAM, arguments);
 }
 
 }  // namespace story

@@ -82,7 +82,7 @@ TEST_CASE("who holds where no grip helps is asked to go elsewhere, and does", "[
   SECTION("and stays: the robot goes home and says what it had asked for") {
     scenario.partner.obliging = false;
     auto config = tested();
-    config.task.patience_s = 5.0;
+    config.task.partner_timeout_s = 5.0;
     const auto lift = tests::simulate(scenario, control::Method::Fast, 1, config);
     CHECK(lift.record.outcome == Result::Aborted);
     CHECK(lift.record.asked.size() == 1);

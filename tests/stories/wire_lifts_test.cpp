@@ -177,7 +177,7 @@ TEST_CASE("faults of wire and controller on the way back from a grasp that is of
   REQUIRE(scenario);
   scenario->camera.noise = "none";
   control::Config config = control::run_defaults();
-  config.task.patience_s = 2.5;
+  config.task.partner_timeout_s = 2.5;
   const Phase& back_off = kPhases.back();
   std::vector<tests::ForkedFault> faults;
   for (const Row& row : kRows) faults.push_back(fault_at(row.fault, back_off));

@@ -69,7 +69,7 @@ hal::Result<ArmTask> move_task(const HalOptions& o, const Bench& bench) {
     return bad("--speed", "expected more than 0 deg/s");
   const double careful = hal::rad_to_deg(kT1Velocity_rad_s);
   const double most =
-      hal::rad_to_deg(0.5 * bench.guard.velocity_part * bench.model->velocity_rad_s()[task.joint]);
+      hal::rad_to_deg(0.5 * bench.guard.velocity_fraction * bench.model->velocity_rad_s()[task.joint]);
   if (o.speed_deg_s > careful && !o.yes)
     return bad("--speed",
                fmt::format("{:.1f} deg/s is more than T1 grants ({:.1f}); in another mode say --yes",

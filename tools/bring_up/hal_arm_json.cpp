@@ -139,7 +139,7 @@ std::string limits_document(const hal::RobotModel& model, const hal::GuardConfig
          {"upper", high},
          {"guarded", {low + margin, high - margin}},
          {"velocity", speed},
-         {"guarded_velocity", std::min(guard.velocity_part * speed, guard.max_velocity_rad_s)},
+         {"guarded_velocity", std::min(guard.velocity_fraction * speed, guard.max_velocity_rad_s)},
          {"t1_velocity", std::min(kT1Velocity_rad_s, speed)},
          {"torque", model.effort_nm()[i]}});
   }

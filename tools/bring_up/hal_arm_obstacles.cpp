@@ -18,9 +18,9 @@ constexpr double kStraight_deg = 15.0;
 constexpr float kGoodRate = 0.99f, kLeastRate = 0.95f;
 
 FriQuality least(const hal::FriConfig& c) {
-  return c.least_quality == "perfect" ? FriQuality::Perfect
-         : c.least_quality == "bad"   ? FriQuality::Bad
-                                      : FriQuality::Ok;
+  return c.min_quality == "perfect" ? FriQuality::Perfect
+         : c.min_quality == "bad"   ? FriQuality::Bad
+                                    : FriQuality::Ok;
 }
 
 std::string link_text(const hal::FriStatus& s) {
@@ -82,7 +82,7 @@ class Finder {
           "from the KRC's network card to this machine, no switch, and no firewall for UDP";
     if (!enough)
       refuse("quality",
-             fmt::format("the quality is {}, needed is {} ({})", name_of(s.quality), v_.config.least_quality,
+             fmt::format("the quality is {}, needed is {} ({})", name_of(s.quality), v_.config.min_quality,
                          link_text(s)),
              s.received < 150 ? "the KRC judges by 100 answers: wait a second and look again" : next);
     else if (s.answer_rate < kLeastRate)

@@ -32,7 +32,7 @@ control::TaskConfig task_config() {
 
 control::SetpointLimits setpoint_limits(const ArmTask& task, const hal::GuardConfig& guard) {
   control::SetpointLimits l;
-  l.velocity_part = std::min(l.velocity_part, 0.9 * guard.velocity_part);
+  l.velocity_fraction = std::min(l.velocity_fraction, 0.9 * guard.velocity_fraction);
   l.velocity_rad_s = 0.9 * guard.max_velocity_rad_s;
   l.acceleration_rad_s2 = std::min(std::max(1.0, task.acceleration_rad_s2), 0.9 * guard.acceleration_rad_s2);
   l.limit_margin_rad = 0.0;  // the guard keeps one; a start inside of it has to be possible

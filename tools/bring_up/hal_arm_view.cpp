@@ -273,7 +273,7 @@ std::string limits_table(const hal::RobotModel& model, const hal::GuardConfig& g
         "{:>5.0f}\n",
         i + 1, krl_name(i), low, high, low + guard.limit_margin_deg, high - guard.limit_margin_deg,
         hal::rad_to_deg(speed),
-        hal::rad_to_deg(std::min(guard.velocity_part * speed, guard.max_velocity_rad_s)),
+        hal::rad_to_deg(std::min(guard.velocity_fraction * speed, guard.max_velocity_rad_s)),
         hal::rad_to_deg(std::min(kT1Velocity_rad_s, speed)), model.effort_nm()[i]);
   }
   t += fmt::format(

@@ -118,7 +118,7 @@ GroundCheck check_ground(const hal::DepthFrame& frame, const hal::Pose& X_BC, co
   }
   // of the arm nothing is known here
   perception::PoseCheckConfig ground_only = config.pose_check;
-  ground_only.least_points = std::numeric_limits<int>::max();
+  ground_only.min_points = std::numeric_limits<int>::max();
   const auto seen = perception::check_pose(frame, X_BC, found.ground->plane, hal::built_in_robot(),
                                            hal::JointVector::Zero(), hal::HandPosture{}, ground_only);
   out.tilt_deg = hal::rad_to_deg(seen.tilt_rad);

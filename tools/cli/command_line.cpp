@@ -41,7 +41,7 @@ bool says_for(const std::string& word) {
   return word == kFor || word.starts_with("--for=");
 }
 
-// "run --share 0.3 --json" of "check --json --for run --share 0.3": the command first, then everything else.
+// "run --json --share 0.3" of "check --json --for run --share 0.3".
 std::vector<std::string> words_of_command(const std::vector<std::string>& words) {
   std::vector<std::string> before, command;
   for (std::size_t i = 1; i < words.size(); ++i) {
@@ -56,7 +56,10 @@ std::vector<std::string> words_of_command(const std::vector<std::string>& words)
     command.insert(command.end(), words.begin() + static_cast<std::ptrdiff_t>(i) + 1, words.end());
     break;
   }
-  command.insert(command.end(), before.begin(), before.end());
+  // behind the names of command and verb, before its options: a --config before --for stays the earlier one
+  const auto options = std::find_if(command.begin(), command.end(),
+                                    [](const std::string& word) { return word.starts_with('-'); });
+  command.insert(options, before.begin(), before.end());
   return command;
 }
 

@@ -1,6 +1,6 @@
 # Half of the time of a whole build goes into reading the same headers and making the same templates for every file.
-# With -DCOLIFT_UNITY=ON several files of a target are compiled as one: what tools/build and tools/test do. For working on
-# the code it is off: a change then compiles one file.
+# With -DCOLIFT_UNITY=ON several files of a library are compiled as one: what the scripts in tools/ do. For working on the code it is off: a change then
+# compiles one file.
 option(COLIFT_UNITY "Compile several files as one unit" OFF)
 find_program(AWK NAMES awk REQUIRED)
 

@@ -117,7 +117,9 @@ set(COLIFT_PUBLIC_HEADERS
   control/task/task_machine.hpp
   # ... and what these include
   control/arm/drive.hpp
+  control/config/check_config.hpp
   control/config/method.hpp
+  control/config/setpoint_limits.hpp
   control/config/task_config.hpp
   control/lift/load_estimator.hpp
   control/task/job_status.hpp

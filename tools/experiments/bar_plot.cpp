@@ -1,7 +1,5 @@
 #include "tools/experiments/bar_plot.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -13,11 +11,6 @@ namespace {
 using namespace picture;
 
 constexpr double kWidth = 620, kHeight = 380, kLeft = 66, kRight = 18, kTop = 54, kBottom = 58;
-
-std::string tick_text(double value, double step) {
-  const int digits = std::clamp(static_cast<int>(-std::floor(std::log10(step) + 1e-9)), 0, 4);
-  return fmt::format("{:.{}f}", value + 0.0, digits);  // no minus before a zero
-}
 
 void draw_panel(Canvas& canvas, const Px& corner, const BarPanel& panel) {
   const Box area{corner.x() + kLeft, corner.y() + kTop, kWidth - kLeft - kRight, kHeight - kTop - kBottom};

@@ -117,7 +117,7 @@ void open_camera(const RobotFile& file, const sim_hal::Scenario& scenario, const
   }
   hal::CameraGuardConfig guard = config.guard_camera;
   // an ideal camera shows a scene at rest alike
-  if (file.emulator != "never" && scenario.camera.noise == "none") guard.stuck_s = 0.0;
+  if (file.emulator != "never" && scenario.camera.noise == "none") guard.frozen_s = 0.0;
   std::optional<hal::Vec3> up_C;
   if (pose_known) up_C = rig.X_WC.linear().transpose() * hal::Vec3::UnitZ();
   hal::GuardedKinect made = hal::make_guarded_kinect(kinect, guard, *rig.robot.clock, up_C);

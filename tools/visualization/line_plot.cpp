@@ -56,12 +56,6 @@ Span y_span(const PlotPanel& panel) {
   return span;
 }
 
-std::string tick_text(double value, double step) {
-  const int digits = step >= 1 ? 0 : std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 6);
-  // no minus before a zero
-  return fmt::format("{:.{}f}", std::abs(value) < 1e-9 * step ? 0.0 : value, digits);
-}
-
 class Panel {
  public:
   Panel(Canvas& canvas, const Box& area, const Span& x, const PlotPanel& what)
@@ -196,6 +190,12 @@ std::vector<double> axis_ticks(double low, double high, int most) {
   for (double i = std::ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i)
     ticks.push_back(i * step);
   return ticks;
+}
+
+std::string tick_text(double value, double step) {
+  const int digits = step >= 1 ? 0 : std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 6);
+  // no minus before a zero
+  return fmt::format("{:.{}f}", std::abs(value) < 1e-9 * step ? 0.0 : value, digits);
 }
 
 Canvas draw_line_plot(const LinePlot& plot) {

@@ -53,5 +53,7 @@ struct LinePlot {
 
 /// Round values of an axis: 4 to 9 of them, steps of 1, 2 or 5 times a power of ten, inside [low, high].
 [[nodiscard]] std::vector<double> axis_ticks(double low, double high, int most = 7);
+/// A value beside its tick: as many digits as the step between two ticks needs.
+[[nodiscard]] std::string tick_text(double value, double step);
 
 }  // namespace colift::picture

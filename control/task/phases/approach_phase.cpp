@@ -30,8 +30,8 @@ std::optional<TaskEvent> ApproachPhase::approach() {
   c_.done = total_s > 0.0 ? passed_s / total_s : 1.0;
   c_.doing = leg_ == Leg::Transit ? "on the way to the pre-grasp" : "straight to the grasp";
   const EmptyHandConfig& limits = c_.config.task.empty_hand;
-  if (c_.in_state_s() >
-      limits.approach_timeout_factor * total_s / c_.config.task.slow_part + limits.approach_timeout_margin_s)
+  if (c_.in_state_s() > limits.approach_timeout_factor * total_s / c_.config.task.slow_fraction +
+                            limits.approach_timeout_margin_s)
     return TaskEvent{Event::TimeOut, "the way takes too long"};
   if (c_.readings.hand.moving || !c_.arm.done()) return std::nullopt;
   if (leg_ == Leg::Transit) {
@@ -45,7 +45,7 @@ std::optional<TaskEvent> ApproachPhase::approach() {
 
 std::optional<TaskEvent> ApproachPhase::halt() const {
   if (!c_.readings.camera_lost) return TaskEvent{Event::CameraBack, ""};
-  if (c_.in_state_s() > c_.config.task.patience_s) return TaskEvent{Event::TimeOut, ""};
+  if (c_.in_state_s() > c_.config.task.partner_timeout_s) return TaskEvent{Event::TimeOut, ""};
   return std::nullopt;
 }
 

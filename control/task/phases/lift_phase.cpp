@@ -42,7 +42,7 @@ std::optional<TaskEvent> LiftPhase::lift() {
   c_.doing =
       arm.role == LiftController::Role::Lead ? "lifts, the partner comes along" : "follows the partner";
   if (auto limit = object_.beyond_limits()) return limit;
-  if (c_.in_state_s() > lift_s_ + c_.config.task.patience_s)
+  if (c_.in_state_s() > lift_s_ + c_.config.task.partner_timeout_s)
     return TaskEvent{Event::TimeOut,
                      fmt::format("{:.1f} cm after {:.0f} s", 1e2 * arm.height_m, c_.in_state_s())};
   if (!settled()) return std::nullopt;

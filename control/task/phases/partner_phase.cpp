@@ -32,7 +32,7 @@ std::optional<TaskEvent> PartnerPhase::await_partner() {
   } else {
     c_.doing = c_.partner_note;
   }
-  const double first_s = c_.config.task.patience_s;
+  const double first_s = c_.config.task.partner_timeout_s;
   const double second_s = c_.config.task.attempts.second_partner_timeout_s;
   const bool was_there = c_.attempts.approaches > 0 && !requests_.pending();
   const double waited_s = c_.in_state_s();

@@ -17,7 +17,7 @@ std::optional<TaskEvent> ScenePhase::observe() {
   c_.doing = fmt::format("{} of {} frames of the scene", have, want);
   c_.done = static_cast<double>(have) / want;
   if (have < want) {
-    if (c_.in_state_s() <= task.patience_s) return std::nullopt;
+    if (c_.in_state_s() <= task.partner_timeout_s) return std::nullopt;
     return TaskEvent{Event::TimeOut,
                      last_error_.empty()
                          ? fmt::format("the camera showed nothing for {:.1f} s", c_.in_state_s())
@@ -45,7 +45,7 @@ std::optional<TaskEvent> ScenePhase::observe() {
 }
 
 bool ScenePhase::try_again(const std::string& error) {
-  if (c_.in_state_s() >= c_.config.task.patience_s) return false;
+  if (c_.in_state_s() >= c_.config.task.partner_timeout_s) return false;
   c_.session.forget_reference();
   c_.doing = last_error_ = error;
   return true;

@@ -30,7 +30,7 @@ std::optional<TaskEvent> TestLiftPhase::test_lift() {
                      fmt::format("his end is {:.0f} mm up: the robot follows", 1e3 * rise_m)};
   }
   const TaskConfig& task = c_.config.task;
-  if (c_.in_state_s() > c_.config.test_lift.raise_s / task.slow_part + task.patience_s)
+  if (c_.in_state_s() > c_.config.test_lift.raise_s / task.slow_fraction + task.partner_timeout_s)
     return TaskEvent{Event::TimeOut, fmt::format("{:.0f} mm after {:.0f} s", 1e3 * now_m, c_.in_state_s())};
   if (leg_ == Leg::Measuring) return measure();
   raise();

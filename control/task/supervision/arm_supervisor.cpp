@@ -55,7 +55,7 @@ void ArmSupervisor::not_commanded() {
   } else if (gone) {
     c_.note_device("arm", why);
   } else if (const double stood = hal::seconds(c_.now - *interrupted_since_);
-             stood > c_.config.task.arm_patience_s) {
+             stood > c_.config.task.arm_timeout_s) {
     gone = true;
     why += fmt::format(" (for {:.1f} s)", stood);
     c_.note_device("arm", why);

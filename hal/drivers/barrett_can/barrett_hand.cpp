@@ -191,8 +191,8 @@ Result<> BarrettHand::configure() {
   if (h.config.limit_c <= h.config.warn_c)
     return h.fail(ErrorCode::BadConfig, kWhere,
                   fmt::format("limit_c ({}) has to be above warn_c ({})", h.config.limit_c, h.config.warn_c));
-  if (h.config.least_torque_units > h.config.move_torque_units)
-    return h.fail(ErrorCode::BadConfig, kWhere, "least_torque_units is above move_torque_units");
+  if (h.config.min_torque_units > h.config.move_torque_units)
+    return h.fail(ErrorCode::BadConfig, kWhere, "min_torque_units is above move_torque_units");
   h.motion.abandon();
   h.motion.forget_pressing();
   h.stop_wished = false;

@@ -15,7 +15,7 @@ struct BarrettHandConfig {
 
   double max_torque_nm = 1.0;
   double torque_units_per_nm = 2900.0;
-  double least_torque_units = 700.0;
+  double min_torque_units = 700.0;
   double move_torque_units = 2200.0;
   double hold_torque_units = 1100.0;
   double warm_hold_torque_units = 500.0;
@@ -45,8 +45,8 @@ struct BarrettHandConfig {
   double verify_s = 0.15;
   double reopen_s = 1.0;
 
-  double felt_nm = 0.08;
-  double felt_n = 0.3;
+  double contact_nm = 0.08;
+  double contact_n = 0.3;
   double slip_rad = 0.03;
   double slip_share = 0.5;
 
@@ -62,7 +62,8 @@ struct BarrettHandConfig {
     v("max_torque_nm", max_torque_nm, kPositive, "Greatest closing torque at the fingertips (N m).");
     v("torque_units_per_nm", torque_units_per_nm, kPositive,
       "Units of a puck for 1 N m at the fingertip; to be measured on the hand.");
-    v("least_torque_units", least_torque_units, kUnits, "Below it a finger does not overcome its friction.");
+    v.renamed("least_torque_units", "min_torque_units");
+    v("min_torque_units", min_torque_units, kUnits, "Below it a finger does not overcome its friction.");
     v("move_torque_units", move_torque_units, kUnits, "Torque limit of free moves, and of closing.");
     v("hold_torque_units", hold_torque_units, kUnits, "Most torque that is kept up while something is held.");
     v("warm_hold_torque_units", warm_hold_torque_units, kUnits, "The same above warn_c.");
@@ -90,8 +91,10 @@ struct BarrettHandConfig {
     v("stopped_ms", stopped_ms, Range{20, 1000}, "A puck ends its move after this long without motion (ms).");
     v("verify_s", verify_s, kPositive, "How long a grip is felt before it counts (s).");
     v("reopen_s", reopen_s, Range{0.1, 60}, "A lost bus is opened again no more often than this (s).");
-    v("felt_nm", felt_nm, kPositive, "Strain above idle that counts as contact (N m).");
-    v("felt_n", felt_n, kPositive, "Force on a pad that counts as contact (N).");
+    v.renamed("felt_nm", "contact_nm");
+    v("contact_nm", contact_nm, kPositive, "Strain above idle that counts as contact (N m).");
+    v.renamed("felt_n", "contact_n");
+    v("contact_n", contact_n, kPositive, "Force on a pad that counts as contact (N).");
     v("slip_rad", slip_rad, kPositive,
       "Holding fingers that close by this much in the mean have slipped (rad).");
     v("slip_share", slip_share, kFraction, "A grip force that falls to this share at once is a slip.");

@@ -17,8 +17,8 @@ bool HandMotion::felt(Puck finger, Timestamp now) const {
   const Told& p = link_.told(finger, Property::P);
   const Told& joint = link_.told(finger, Property::Jp);
   // comparisons with NaN are false
-  return strain_above_idle(link_, facts_, finger) > config_.felt_nm ||
-         pad_force(link_, facts_, finger, now) > config_.felt_n ||
+  return strain_above_idle(link_, facts_, finger) > config_.contact_nm ||
+         pad_force(link_, facts_, finger, now) > config_.contact_n ||
          broken_away(p.value, joint.known ? std::optional(joint.value) : std::nullopt);
 }
 

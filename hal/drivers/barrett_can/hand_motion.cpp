@@ -18,7 +18,7 @@ HandMotion::HandMotion(const BarrettHandConfig& config, PuckLink& link, HandFact
       link_(link),
       facts_(facts),
       hold_limit_units_(config.hold_torque_units),
-      slip_({config.slip_rad, config.slip_share, config.felt_nm, config.felt_n}) {}
+      slip_({config.slip_rad, config.slip_share, config.contact_nm, config.contact_n}) {}
 
 bool HandMotion::any_active() const {
   return std::any_of(moves_.begin(), moves_.end(), [](const Move& m) { return m.active; });
@@ -101,7 +101,7 @@ void HandMotion::begin_closing() {
   gripped_up_ = false;
   for (const Puck finger : kFingerPucks) {
     const double torque_nm = share(finger) * torque_nm_;
-    const double units = std::clamp(torque_nm * config_.torque_units_per_nm, config_.least_torque_units,
+    const double units = std::clamp(torque_nm * config_.torque_units_per_nm, config_.min_torque_units,
                                     config_.move_torque_units);
     hold_units_[index(finger)] = std::min(units, hold_limit_units_);
     int strain_limit = 0;

@@ -24,7 +24,7 @@ struct KinectConfig {
   double frames_s = 3.0;
   double kill_s = 1.0;
   double first_pause_s = 0.25;
-  double most_pause_s = 2.0;
+  double max_pause_s = 2.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -51,7 +51,8 @@ struct KinectConfig {
     v("kill_s", kill_s, kDeadline, "A killed process that is still there after this is left alone (s).");
     v("first_pause_s", first_pause_s, kDeadline,
       "Pause before a process is started anew; grows by half (s).");
-    v("most_pause_s", most_pause_s, kDeadline, "Longest such pause, and that without a device (s).");
+    v.renamed("most_pause_s", "max_pause_s");
+    v("max_pause_s", max_pause_s, kDeadline, "Longest such pause, and that without a device (s).");
   }
 };
 

@@ -15,7 +15,7 @@ struct FriConfig {
   double cycle_ms = 2.0;
   std::string script = "colift";
   std::string control = "joint_impedance";
-  std::string least_quality = "ok";
+  std::string min_quality = "ok";
   bool check_header = true;
   bool check_sequence = true;
   std::string external_torque = "on_arm";
@@ -24,7 +24,7 @@ struct FriConfig {
   double script_s = 2.0;
   double stop_s = 10.0;
   double silent_s = 0.1;
-  double velocity_part = 1.0;
+  double velocity_fraction = 1.0;
   double acceleration_rad_s2 = 15.0;
   double max_superposed_nm = 60.0;
   double superposed_slope_nm_s = 200.0;
@@ -53,7 +53,8 @@ struct FriConfig {
       "KRL program that runs on the KRC; none: a person starts command mode at the panel.");
     v("control", control, Choices{"joint_impedance", "position", "cartesian_impedance"},
       "Control strategy that is asked for and commanded.");
-    v("least_quality", least_quality, Choices{"bad", "ok", "perfect"},
+    v.renamed("least_quality", "min_quality");
+    v("min_quality", min_quality, Choices{"bad", "ok", "perfect"},
       "Quality of the connection that is needed to start.");
     v("check_header", check_header, "Refuse datagrams with another id or size in their header.");
     v("check_sequence", check_sequence,
@@ -65,7 +66,9 @@ struct FriConfig {
     v("script_s", script_s, kPositive, "Longest wait for an answer of the KRL program (s).");
     v("stop_s", stop_s, kPositive, "Longest wait for monitor mode at the end (s).");
     v("silent_s", silent_s, Range{0.01, 10}, "Without a datagram for so long the link counts as lost (s).");
-    v("velocity_part", velocity_part, kFraction, "Part of the joints' velocity limits that a step may use.");
+    v.renamed("velocity_part", "velocity_fraction");
+    v("velocity_fraction", velocity_fraction, kFraction,
+      "Part of the joints' velocity limits that a step may use.");
     v("acceleration_rad_s2", acceleration_rad_s2, kPositive,
       "Acceleration of the driver's own stops and approaches (rad/s^2).");
     v("max_superposed_nm", max_superposed_nm, kNotNegative, "Greatest superposed torque (N m).");

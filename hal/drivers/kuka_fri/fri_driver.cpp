@@ -21,7 +21,7 @@ FriQuality quality(const std::string& name) {
 SessionMachine::Settings settings(const FriConfig& c) {
   SessionMachine::Settings s;
   s.control = FriMode::of(c).control;
-  s.least_quality = quality(c.least_quality);
+  s.min_quality = quality(c.min_quality);
   s.start_external_nm = c.start_external_nm;
   s.warm_c = c.warm_c;
   s.hot_c = c.hot_c;
@@ -56,7 +56,7 @@ FriDriver::FriDriver(const FriConfig& c, const Endpoint& krc, std::unique_ptr<Da
       wire(std::move(link), k, krc, {c.check_header, true}, c.check_sequence),
       session(settings(c)),
       hand_shake(make_hand_shake(c.script, mode.strategy)),
-      joint_({lwr_limit_rad(), c.velocity_part * lwr_velocity_rad_s(), c.acceleration_rad_s2}),
+      joint_({lwr_limit_rad(), c.velocity_fraction * lwr_velocity_rad_s(), c.acceleration_rad_s2}),
       cart_({c.cart_velocity_m_s, c.cart_velocity_rad_s, 1.0, 3.0}),
       period_s_(1e-3 * c.cycle_ms) {
   start_gains();

@@ -143,7 +143,7 @@ std::string why_not(const FriStatus& s, const FriConfig& c) {
       return fmt::format(
           "the quality of the connection is {} and has to be {} ({}); the answers come too late or "
           "not at all: a quiet machine, a cable of its own, a longer FRI period",
-          name(s.quality), c.least_quality, link(s));
+          name(s.quality), c.min_quality, link(s));
     case FriReason::QualityLost:
       return fmt::format("the quality of the connection fell to {} ({}): no commands until it is back",
                          name(s.quality), link(s));

@@ -188,7 +188,7 @@ void SessionMachine::get_ready(const FriMeasurement& m, double since_s) {
 
   if (stage_ == ReadyStage::Quality) {
     reason_ = FriReason::QualityLow;
-    if (m.quality < settings_.least_quality) return;
+    if (m.quality < settings_.min_quality) return;
     for (std::size_t i = 0; i < 7; ++i) {
       const double nm = std::abs(static_cast<double>(m.tau_external_nm[i]));
       if (nm > settings_.start_external_nm) return refuse(FriReason::ExternalTorque, static_cast<int>(i), nm);

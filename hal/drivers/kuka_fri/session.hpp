@@ -60,7 +60,7 @@ class SessionMachine {
  public:
   struct Settings {
     FriControl control = FriControl::JointImpedance;
-    FriQuality least_quality = FriQuality::Ok;
+    FriQuality min_quality = FriQuality::Ok;
     double start_external_nm = 20.0;
     double warm_c = 70.0, hot_c = 85.0;
     JointVector velocity_rad_s = JointVector::Zero();

@@ -51,7 +51,7 @@ class Lift {
       now_s_ = hal::seconds(world_.elapsed());
       step();
       commander_.end_cycle();
-      if (now_s_ > kTooLong_s + config_.task.lift_s / (eye_ ? config_.task.slow_part : 1.0))
+      if (now_s_ > kTooLong_s + config_.task.lift_s / (eye_ ? config_.task.slow_fraction : 1.0))
         end("it takes too long");
       if (commander_.blocked()) end("the arm met something: " + commander_.why_blocked());
     }

@@ -34,7 +34,7 @@ struct DirectLift {
 };
 
 /// Who looks on: asked with every frame of the scenario's camera from the closing of the hand to the end.
-/// While the arm raises, his answer is how it goes on (slowly: config.task.slow_part).
+/// While the arm raises, his answer is how it goes on (slowly: config.task.slow_fraction).
 enum class LiftPart { Before, Raising, Top };
 using LiftEye = std::function<control::Raise(hal::DepthFrame, const control::RobotPosture&, LiftPart)>;
 

@@ -31,7 +31,7 @@ class Search {
     small_.task.lift_height_m = test_config.height_m;
     small_.task.lift_s = test_config.raise_s;
     small_.task.hold_s = test_config.hold_s;
-    small_.task.slow_part = test_config.slow_part;
+    small_.task.slow_fraction = test_config.slow_fraction;
   }
 
   GripSearch run(Sighting& first, const sim_hal::Scenario& scenario, const control::Outcome& decided) {

@@ -98,13 +98,21 @@ class Painter {
     hits_.resize(pixels);
     light_.resize(pixels);
     const sim_hal::Rendering seen = cast(0.0, 0.0);
-    for (int y = 0; y < height_; ++y)
+    std::vector<SurfacePoint> row;
+    std::vector<std::size_t> pixel;
+    for (int y = 0; y < height_; ++y) {
+      row.clear();
+      pixel.clear();
       for (int x = 0; x < width_; ++x) {
-        const std::size_t i = index(x, y);
-        hits_[i] = hit(seen, x, y);
-        if (hits_[i].shape != kSky && fade(hits_[i]) < 1.0f)
-          light_[i] = lights.at(hits_[i].p, hits_[i].normal);
+        Hit& at = hits_[index(x, y)];
+        at = hit(seen, x, y);
+        if (at.shape == kSky || fade(at) >= 1.0f) continue;
+        row.push_back({at.p, at.normal});
+        pixel.push_back(index(x, y));
       }
+      const std::vector<SolidLight> lit = lights.at(row);
+      for (std::size_t i = 0; i < lit.size(); ++i) light_[pixel[i]] = lit[i];
+    }
     std::vector<Vec3f> colours(pixels);
     std::vector<std::pair<int, int>> edges;
     for (int y = 0; y < height_; ++y)

@@ -67,8 +67,9 @@ void SolidLights::add(const sim_hal::World& world, std::vector<Map>& maps, const
   const sim_hal::Rendering seen = sim_hal::cast_rays(world, {side, side, focal, focal, centre, centre}, X_WC);
   Map map;
   map.towards = towards;
-  map.right = X_WC.linear().col(0).cast<float>();
-  map.down = X_WC.linear().col(1).cast<float>();
+  const float texels_m = 0.5f * static_cast<float>(side) / radius_;
+  map.right = texels_m * X_WC.linear().col(0).cast<float>();
+  map.down = texels_m * X_WC.linear().col(1).cast<float>();
   map.height_m.reserve(seen.depth_m.size());
   for (const float z : seen.depth_m)
     map.height_m.push_back(std::isnan(z) ? -std::numeric_limits<float>::infinity()
@@ -76,34 +77,40 @@ void SolidLights::add(const sim_hal::World& world, std::vector<Map>& maps, const
   maps.push_back(std::move(map));
 }
 
-bool SolidLights::lit(const Map& map, int side, const Vec3f& p, const Vec3f& normal) const {
-  const float texel = 2.0f * radius_ / static_cast<float>(side);
-  const Vec3f from = p + kOff_px * texel * normal - middle_;
-  const float middle = 0.5f * static_cast<float>(side);
-  const auto u = static_cast<int>(std::floor(middle + map.right.dot(from) / texel)),
-             v = static_cast<int>(std::floor(middle + map.down.dot(from) / texel));
-  if (u < 0 || v < 0 || u >= side || v >= side) return true;
-  const auto i = static_cast<std::size_t>(v) * static_cast<std::size_t>(side) + static_cast<std::size_t>(u);
-  return map.towards.dot(from) + 0.5f * texel >= map.height_m[i];
+std::vector<SolidLights::Sum> SolidLights::cast(const std::vector<Map>& maps, int side,
+                                                std::span<const SurfacePoint> points) const {
+  std::vector<Sum> sums(points.size());
+  const float texel = 2.0f * radius_ / static_cast<float>(side), middle = 0.5f * static_cast<float>(side);
+  const auto limit = static_cast<float>(side);
+  for (const Map& map : maps)
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const float facing = map.towards.dot(points[i].normal);
+      if (facing <= 0.0f) continue;
+      sums[i].all += facing;
+      const Vec3f from = points[i].p + kOff_px * texel * points[i].normal - middle_;
+      const float u = middle + map.right.dot(from), v = middle + map.down.dot(from);
+      if (u >= 0.0f && v >= 0.0f && u < limit && v < limit) {
+        const auto at =
+            static_cast<std::size_t>(v) * static_cast<std::size_t>(side) + static_cast<std::size_t>(u);
+        if (map.towards.dot(from) + 0.5f * texel < map.height_m[at]) continue;
+      }
+      sums[i].lit += facing;
+      ++sums[i].count;
+    }
+  return sums;
 }
 
-SolidLight SolidLights::at(const Vec3f& p, const Vec3f& normal) const {
-  SolidLight light;
-  int dark = 0;
-  for (const Map& map : key_) dark += map.towards.dot(normal) <= 0.0f || !lit(map, kKeySide, p, normal);
-  if (!key_.empty()) light.key = 1.0f - static_cast<float>(dark) / static_cast<float>(key_.size());
-  float open = 0.0f, all = 0.0f;
-  for (const Map& map : sky_) {
-    const float facing = map.towards.dot(normal);
-    if (facing <= 0.0f) continue;
-    all += facing;
-    if (lit(map, kSkySide, p, normal)) open += facing;
+std::vector<SolidLight> SolidLights::at(std::span<const SurfacePoint> points) const {
+  const std::vector<Sum> key = cast(key_, kKeySide, points), sky = cast(sky_, kSkySide, points);
+  std::vector<SolidLight> lights(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!key_.empty()) lights[i].key = static_cast<float>(key[i].count) / static_cast<float>(key_.size());
+    // what faces the ground gets its light from there, less where it is close
+    const float up = 0.5f * (1.0f + points[i].normal.z());
+    const float from_ground = std::clamp(points[i].p.z() / kGroundShade_m, 0.0f, 1.0f);
+    lights[i].sky = up * (sky[i].all > 0.0f ? sky[i].lit / sky[i].all : 1.0f) + (1.0f - up) * from_ground;
   }
-  // what faces the ground gets its light from there, less where it is close
-  const float up = 0.5f * (1.0f + normal.z());
-  const float from_ground = std::clamp(p.z() / kGroundShade_m, 0.0f, 1.0f);
-  light.sky = up * (all > 0.0f ? open / all : 1.0f) + (1.0f - up) * from_ground;
-  return light;
+  return lights;
 }
 
 }  // namespace colift::picture

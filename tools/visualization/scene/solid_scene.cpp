@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "hal/types/units.hpp"
-
 #include "sim_hal/synthetic/ray_caster.hpp"
 #include "sim_hal/synthetic/scene_objects.hpp"
 

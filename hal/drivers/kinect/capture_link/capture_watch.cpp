@@ -42,8 +42,8 @@ std::string CaptureWatch::overdue(Timestamp now) const {
 
 void CaptureWatch::pause(const Sight& sight, Timestamp now) {
   if (frames_ >= kSteady) pause_s_ = 0.0;
-  pause_s_ = pause_s_ == 0.0 ? config_.first_pause_s : std::min(kGrowth * pause_s_, config_.most_pause_s);
-  if (sight.no_device) pause_s_ = config_.most_pause_s;
+  pause_s_ = pause_s_ == 0.0 ? config_.first_pause_s : std::min(kGrowth * pause_s_, config_.max_pause_s);
+  if (sight.no_device) pause_s_ = config_.max_pause_s;
   phase_ = Phase::Pausing;
   until_ = now + of_seconds(pause_s_);
 }

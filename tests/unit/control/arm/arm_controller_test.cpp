@@ -130,8 +130,8 @@ TEST_CASE("a lift under a warning takes longer, and ends at the same height") {
   rig.ask_lift();
   const double t = rig.lift();
   CHECK(rig.motion.view().slow);
-  CHECK(t > 0.85 * planned_s / rig.task.slow_part);
-  CHECK(t < 1.1 * planned_s / rig.task.slow_part);
+  CHECK(t > 0.85 * planned_s / rig.task.slow_fraction);
+  CHECK(t < 1.1 * planned_s / rig.task.slow_fraction);
   CHECK(rig.palm_m() - floor == Approx(rig.task.lift_height_m).margin(2e-4));
 }
 

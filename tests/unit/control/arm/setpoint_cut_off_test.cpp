@@ -143,8 +143,8 @@ TEST_CASE("while the controller warns a way runs at the slow part of its speed, 
   rig.steps(600);  // on the way to the lower speed
   const double from = rig.cycle.progress();
   rig.steps(1000);
-  CHECK((rig.cycle.progress() - from) * w->duration_s() == Approx(rig.task.slow_part).margin(0.01));
-  CHECK(rig.cycle.pace() == Approx(rig.task.slow_part));
+  CHECK((rig.cycle.progress() - from) * w->duration_s() == Approx(rig.task.slow_fraction).margin(0.01));
+  CHECK(rig.cycle.pace() == Approx(rig.task.slow_fraction));
   warn(false);
   rig.steps(10);
   CHECK(rig.cycle.slow());  // a warning that comes and goes is one
@@ -161,6 +161,6 @@ TEST_CASE("a way that begins under a warning is slow from its start", "[cycle]")
   rig.steps(10);
   const auto w = way({home(), there()});
   REQUIRE(rig.cycle.follow(w));
-  CHECK(rig.run() > 0.8 / rig.task.slow_part * w->duration_s());
+  CHECK(rig.run() > 0.8 / rig.task.slow_fraction * w->duration_s());
   CHECK(rig.last.q_rad == w->goal());
 }

@@ -113,7 +113,7 @@ TEST_CASE("a halt ends when the camera is back, or at its timeout", "[phases]") 
   rig.c->readings.camera_lost = true;
   auto event = rig.approach.halt();
   CHECK_FALSE(event);
-  rig.c->now += duration_of(rig.c->config.task.patience_s + 0.1);
+  rig.c->now += duration_of(rig.c->config.task.partner_timeout_s + 0.1);
   event = rig.approach.halt();
   REQUIRE(event);
   CHECK(event->event == Event::TimeOut);

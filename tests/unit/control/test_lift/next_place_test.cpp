@@ -129,10 +129,10 @@ TEST_CASE("a place in vain, one at the feet and one without a sensible share are
   for (auto& c : low) c.position.z() = 0.05;
   CHECK_FALSE(next_place(low, rim(), {&table.partner, 1}, belief, {}));
   TestLiftConfig all_ours;
-  all_ours.least_share = 0.99;
+  all_ours.min_share = 0.99;
   CHECK_FALSE(next_place(rim(), rim(), {&table.partner, 1}, belief, all_ours));
   TestLiftConfig certain;
-  certain.least_chance_elsewhere = 1.0;
+  certain.min_level_probability_elsewhere = 1.0;
   CHECK_FALSE(next_place(rim(), rim(), {&table.partner, 1}, belief, certain));
 }
 

@@ -134,7 +134,7 @@ TEST_CASE("the same picture under new times is a dead camera within 0.3 s", "[gu
 TEST_CASE("an ideal camera in front of a scene at rest may show the same picture, where that is said",
           "[guards]") {
   CameraGuardConfig config;
-  config.stuck_s = 0.0;
+  config.frozen_s = 0.0;
   Rig rig(config);
   const auto last = rig.show();
   REQUIRE(last);

@@ -23,7 +23,7 @@ struct Limits {
     const double margin = c.limit_margin_deg * 3.14159265358979323846 / 180.0;
     lower = model.lower_rad().array() + margin;
     upper = model.upper_rad().array() - margin;
-    velocity = (c.velocity_part * model.velocity_rad_s()).cwiseMin(c.max_velocity_rad_s);
+    velocity = (c.velocity_fraction * model.velocity_rad_s()).cwiseMin(c.max_velocity_rad_s);
     torque = model.effort_nm().cwiseMin(c.max_superposed_nm);
     acceleration = c.acceleration_rad_s2;
     stiffness = c.max_stiffness_nm_rad;

@@ -48,7 +48,7 @@ void check_limits(const planner::Trajectory& trajectory, const planner::PlannerC
   const hal::RobotModel& robot = hal::built_in_robot();
   const JointVector margin = JointVector::Constant(config.limit_margin_deg * std::numbers::pi / 180.0);
   const JointVector lower = robot.lower_rad() + margin, upper = robot.upper_rad() - margin;
-  const JointVector fastest = config.joint_speed * robot.velocity_rad_s();
+  const JointVector fastest = config.velocity_fraction * robot.velocity_rad_s();
   bool inside = true, slow = true, gentle = true;
   for (double t = 0.0; t <= trajectory.duration_s(); t += 0.004) {
     const planner::JointSample s = trajectory.sample(t);

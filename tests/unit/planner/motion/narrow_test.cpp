@@ -86,7 +86,7 @@ TEST_CASE("a way that does not exist is given up within its budget, and says so"
   }
   const auto world = tests::see_from_all_sides(truth);
   planner::PlannerConfig config;
-  config.plan_s = 0.05;
+  config.planning_budget_s = 0.05;
   MotionPlanner planner(hal::built_in_robot(), planner::HandModel{}, config, 1);
   planner.set_scene(world.scene, world.map, Vec3::UnitZ());
   JointVector outside = JointVector::Zero();
