@@ -55,7 +55,7 @@ class CanBus {
   virtual void close() noexcept = 0;
 
   /// Waits for the next frame, no longer than `patience`; zero only looks.
-  [[nodiscard]] virtual Received receive(CanFrame& into, Duration patience) noexcept = 0;
+  [[nodiscard]] virtual Received receive(CanFrame& into, Duration timeout) noexcept = 0;
 
   /// Never waits. Full: the frame is known not to be sent.
   [[nodiscard]] virtual Sent send(const CanFrame& frame) noexcept = 0;

@@ -40,7 +40,7 @@ class DatagramLink {
   virtual void close() noexcept = 0;
 
   /// Waits for a datagram, no longer than `patience`; zero only looks. Real-time safe.
-  [[nodiscard]] virtual Datagram receive(std::span<std::byte> into, Duration patience) noexcept = 0;
+  [[nodiscard]] virtual Datagram receive(std::span<std::byte> into, Duration timeout) noexcept = 0;
 
   /// False when it could not be sent: nothing is queued then. Real-time safe, never waits.
   virtual bool send(const Endpoint& to, std::span<const std::byte> bytes) noexcept = 0;

@@ -38,7 +38,7 @@ class DepthCamera : public Device {
   /// Waits for a frame newer than the last one returned.
   /// Errors: Timeout (none within `patience`), LinkLost (unplugged or end of recording; configure() again).
   /// Call from one thread only. Allocates, so keep it off the real-time thread.
-  [[nodiscard]] virtual Result<DepthFrame> next_frame(std::chrono::milliseconds patience) = 0;
+  [[nodiscard]] virtual Result<DepthFrame> next_frame(std::chrono::milliseconds timeout) = 0;
 };
 
 }  // namespace colift::hal

@@ -41,7 +41,7 @@ class InfraredCamera {
 
   /// Waits for an image newer than the last one returned. Errors: those of DepthCamera::next_frame(), and
   /// NotReady where none were asked for. The same thread as next_frame().
-  [[nodiscard]] virtual Result<InfraredFrame> next_infrared(std::chrono::milliseconds patience) = 0;
+  [[nodiscard]] virtual Result<InfraredFrame> next_infrared(std::chrono::milliseconds timeout) = 0;
 };
 
 }  // namespace colift::hal

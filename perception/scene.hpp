@@ -57,8 +57,8 @@ struct Target {
   OrientedBox obb;                      ///< Of the visible points; third axis is the ground's normal.
   Vec3 cog = Vec3::Zero();              ///< Estimated centre of gravity.
   Eigen::Matrix3d cog_covariance = Eigen::Matrix3d::Zero();
-  OrientedBox shape;    ///< The box that the completed shape fills; equals obb where nothing was completed.
-  std::string because;  ///< Why this object was chosen, in a person's words, with numbers.
+  OrientedBox shape;   ///< The box that the completed shape fills; equals obb where nothing was completed.
+  std::string reason;  ///< Why this object was chosen, in a person's words, with numbers.
 };
 
 /// What one look at a frame found. No ground or no target is a finding, not an error: `because` says why.
@@ -66,7 +66,7 @@ struct Scene {
   std::optional<Ground> ground;
   std::optional<Target> target;
   std::vector<Surface> surfaces;
-  std::string because;
+  std::string reason;
 };
 
 /// Where the partner holds the object.

@@ -35,7 +35,7 @@ struct GraspCandidate {
   std::optional<double>
       stability;  ///< Margin of the grasp against slipping; unset where it is assumed (thesis).
   Verdict verdict = Verdict::Ok;
-  std::string because;           ///< The reason for the verdict, as a person would give it.
+  std::string reason;            ///< The reason for the verdict, as a person would give it.
   std::optional<double> miss_m;  ///< By how much it was refused, where that is a length (m).
   std::optional<double> gap_m;   ///< Palm plane to the surface (m), where it is not the hand's usual one.
 };

@@ -215,7 +215,7 @@ bool ArmCommander::blocked() const {
 }
 
 std::string ArmCommander::why_blocked() const {
-  if (view_.trajectory_refused) return "the arm does not stand on its way: it was moved in the meantime";
+  if (view_.trajectory_refused) return "the arm is not on its path: it was moved meanwhile";
   return describe(view_.blocked);
 }
 

@@ -58,21 +58,22 @@ void SetpointGenerator::hold() {
 hal::Result<> can_follow(const planner::Trajectory& trajectory, bool running, bool at_rest,
                          const hal::JointVector& commanded_rad, const SetpointLimits& limits) {
   constexpr const char* kWhere = "arm.follow";
-  if (trajectory.empty()) return hal::failure(hal::ErrorCode::BadInput, kWhere, "the way is empty");
+  if (trajectory.empty()) return hal::failure(hal::ErrorCode::BadInput, kWhere, "the trajectory is empty");
   if (!running) return hal::failure(hal::ErrorCode::NotReady, kWhere, "the arm is not commanded yet");
   if (!at_rest)
     return hal::failure(hal::ErrorCode::NotReady, kWhere, "the arm is still moving; hold() first");
   int joint = 0;
   const double off = (commanded_rad - trajectory.start()).cwiseAbs().maxCoeff(&joint);
   if (!(off <= limits.start_tolerance_rad))
-    return hal::failure(hal::ErrorCode::BadInput, kWhere,
-                        fmt::format("the way starts {:.4f} rad away from the command in A{} (limit {:.4f})",
-                                    off, joint + 1, limits.start_tolerance_rad));
+    return hal::failure(
+        hal::ErrorCode::BadInput, kWhere,
+        fmt::format("the trajectory starts {:.4f} rad from the commanded position in A{} (limit {:.4f})", off,
+                    joint + 1, limits.start_tolerance_rad));
   return {};
 }
 
 hal::Result<> SetpointGenerator::follow(std::shared_ptr<const planner::Trajectory> trajectory) {
-  if (!trajectory) return hal::failure(hal::ErrorCode::BadInput, "arm.follow", "there is no way");
+  if (!trajectory) return hal::failure(hal::ErrorCode::BadInput, "arm.follow", "there is no trajectory");
   if (auto can = can_follow(*trajectory, running_, at_rest(), q_, limits_); !can) return can;
   trajectory_ = std::move(trajectory);
   trajectory_offset_ = q_ - trajectory_->start();
@@ -304,7 +305,7 @@ double SetpointGenerator::progress() const {
 std::string describe(const SetpointGenerator::Blockage& b) {
   using Contact = SetpointGenerator::Contact;
   if (b.why == Contact::Force)
-    return fmt::format("met something with {:.0f} N on the way (limit {:.0f} N)", b.force_n, b.force_limit_n);
+    return fmt::format("unexpected contact: {:.0f} N (limit {:.0f} N)", b.force_n, b.force_limit_n);
   if (b.why == Contact::Lag)
     return fmt::format("A{} does not follow: {:.3f} rad behind (limit {:.3f} rad)", b.joint + 1, b.lag_rad,
                        b.lag_limit_rad);

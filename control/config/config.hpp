@@ -3,11 +3,11 @@
 #include <string>
 
 #include "control/config/check_config.hpp"
+#include "control/config/load_config.hpp"
 #include "control/config/method.hpp"
 #include "control/config/setpoint_limits.hpp"
 #include "control/config/task_config.hpp"
-#include "control/lift/load_estimator.hpp"
-#include "control/test_lift/test_lift.hpp"
+#include "control/config/test_lift_config.hpp"
 #include "hal/config/range.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_camera.hpp"
@@ -71,7 +71,7 @@ struct Config {
   template <class Visitor>
   void visit(Visitor& v) {
     v("method", method, hal::Choices{"fast", "thesis"},
-      "How CoLift sees and decides: its own way, or the thesis's.");
+      "Perception and decision: CoLift's own method, or the thesis's.");
     v("hand_file", hand_file, "Description of the hand; empty: the built-in BarrettHand BH8-282.");
     v("calibration_file", calibration_file,
       "Result of colift calibrate: where the camera is; empty: as the scenario or --camera-pose says.");
@@ -81,25 +81,25 @@ struct Config {
     v("ground", ground, "How the ground is found.");
     v("target", target, "Which object is the target.");
     v("surfaces", surfaces, "How the object's faces are found.");
-    v("completion", completion, "How the unseen part of the object is guessed.");
+    v("completion", completion, "Shape completion of the unobserved side of the object.");
     v("candidates", candidates, "Where the hand may grasp.");
-    v("partner", partner, "How the partner's grasp is seen.");
+    v("partner", partner, "Detection of the partner's grasp.");
     v("tracker", tracker, "When a touch is a grasp.");
-    v("decision", decision, "How the load is shared.");
+    v("decision", decision, "Load sharing.");
     v("thesis", thesis, "Parameters of the thesis's method.");
     v("map", map, "The collision world.");
     v("self_filter", self_filter, "How the robot's own pixels are removed.");
     v("object_motion", object_motion, "How the object is followed while it is lifted.");
-    v("motion", motion, "How the arm's way is planned.");
-    v("task", task, "The order of the job: patience, lift, limits that end it.");
-    v("test_lift", test_lift, "Whether and how the load is tested before the lift.");
-    v("load", load, "How the load is felt.");
+    v("motion", motion, "Motion planning of the arm.");
+    v("task", task, "The job: timeouts, lift, limits that end it.");
+    v("test_lift", test_lift, "Test lifts before the lift.");
+    v("load", load, "Estimation of the external wrench.");
     v("setpoints", setpoints, "Limits of the arm's set points: stops, corrections, ramps, contact.");
     v("map_check", map_check, "When a collision map is refused.");
     v("image_check", image_check, "When a depth image has too many holes.");
-    v("guard_arm", guard_arm, "The last gate before the arm.");
-    v("guard_hand", guard_hand, "The last gate before the hand.");
-    v("guard_camera", guard_camera, "The last gate behind the camera.");
+    v("guard_arm", guard_arm, "Limits that the guard of the arm enforces on every command.");
+    v("guard_hand", guard_hand, "Limits that the guard of the hand enforces.");
+    v("guard_camera", guard_camera, "Checks of every camera frame.");
     v("calibration", calibration, "How the camera's pose is calibrated, and when that is refused.");
     v("calibration_poses", calibration_poses, "Poses of the arm for a calibration.");
     v("spot", spot, "How the emitter is found in infrared images.");

@@ -28,7 +28,7 @@ OwnDefaults defaults_of(Command command) {
       return {"run's default", run_defaults()};
     case Command::Experiment:
       return {"experiment's default", run_defaults()};
-    case Command::Look:
+    case Command::SceneAnalysis:
     case Command::Decide:
     case Command::Calibrate:
     case Command::Hal:

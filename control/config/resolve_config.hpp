@@ -12,7 +12,7 @@
 namespace colift::control {
 
 /// What has a configuration. Each has defaults of its own.
-enum class Command { Run, Look, Decide, Calibrate, Hal, Experiment, Replay };
+enum class Command { Run, SceneAnalysis, Decide, Calibrate, Hal, Experiment, Replay };
 
 /// What a scenario, or an experiment, says about the task.
 struct TaskSaid {

@@ -7,7 +7,7 @@ namespace {
 // grasps lie. A rim of 25 mm keeps its points: with voxels of 1 cm one row of them is left, and what lies
 // within 1 cm of the top's plane goes to the top. It has but some hundredths of a table's points, so the
 // search for faces has to go on when a tenth is left.
-constexpr double kVoxel_m = 0.005, kOfFace_m = 0.006, kLeastRectangle_m = 0.008, kRestPart = 0.02;
+constexpr double kVoxel_m = 0.005, kOfFace_m = 0.006, kMinRectangle_m = 0.008, kRestPart = 0.02;
 // The space in which the object is expected, in the robot's base frame: what the arm reaches, and the length
 // of an object beyond that. Elsewhere the floor alone would keep the chain busy.
 const hal::Vec3 kSpaceMin_m(-0.3, -1.3, -1.5), kSpaceMax_m(2.3, 1.3, 1.9);
@@ -24,7 +24,7 @@ Config run_defaults() {
   config.thesis.voxel_leaf_m = kVoxel_m;
   config.thesis.surface_distance_m = kOfFace_m;
   config.thesis.surface_rest_fraction = kRestPart;
-  config.thesis.rectangle_min_size_m = kLeastRectangle_m;
+  config.thesis.rectangle_min_size_m = kMinRectangle_m;
   config.thesis.crop_min_m = kSpaceMin_m;
   config.thesis.crop_max_m = kSpaceMax_m;
   return config;

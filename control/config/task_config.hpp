@@ -184,9 +184,10 @@ struct TaskConfig {
     v("reference_frames", reference_frames, hal::Range{1, 60},
       "Frames that the picture of the scene is made of.");
     v.renamed("patience_s", "partner_timeout_s");
-    v("partner_timeout_s", partner_timeout_s, hal::Range{0.1, 3600}, "How long a partner is waited for (s).");
+    v("partner_timeout_s", partner_timeout_s, hal::Range{0.1, 3600},
+      "Timeout for the partner's grasp, and for a lost camera (s).");
     v("asks", asks, hal::Range{0, 20},
-      "How often the partner is asked to take hold elsewhere where the robot has no grasp as he stands.");
+      "Max number of requests to the partner to grasp elsewhere when the robot has no feasible grasp.");
     v("ready_s", ready_s, hal::Range{0, 10}, "How long the partner has to hold still before the lift (s).");
     v("lift_height_m", lift_height_m, hal::Range{0.005, 0.5}, "Height of the lift (m).");
     v("lift_s", lift_s, hal::Range{0.2, 30}, "Time of the lift (s).");
@@ -194,20 +195,20 @@ struct TaskConfig {
     v("close_torque_nm", close_torque_nm, hal::Range{0.05, 2},
       "Torque with which fingers close (N m at the tips).");
     v("stiffness_nm_rad", stiffness_nm_rad, hal::Range{50, 2000}, "Joint stiffness of the arm (N m/rad).");
-    v("max_tilt_deg", max_tilt_deg, hal::Range{0.5, 45}, "A lift that tilts the object further ends (deg).");
-    v("max_slip_m", max_slip_m, hal::Range{0.002, 0.2}, "A grip that slips further ends the lift (m).");
+    v("max_tilt_deg", max_tilt_deg, hal::Range{0.5, 45},
+      "Max tilt of the object; beyond it the lift ends (deg).");
+    v("max_slip_m", max_slip_m, hal::Range{0.002, 0.2}, "Max slip in the hand; beyond it the lift ends (m).");
     v("max_load_n", max_load_n, hal::Range{1, 70},
-      "Greatest load of the arm (N); it bears 7 kg with its hand.");
+      "Max load of the arm (N); its rated payload is 7 kg with the hand.");
     v("contact_n", contact_n, hal::Range{1, 200},
-      "Force that counts as an unexpected contact on the way (N).");
+      "Force threshold of an unexpected contact during free motion (N).");
     v.renamed("slow_part", "slow_fraction");
-    v("slow_fraction", slow_fraction, hal::Range{0.05, 1},
-      "Part of its speed that the arm goes on with while its controller warns.");
+    v("slow_fraction", slow_fraction, hal::Range{0.05, 1}, "Speed scale while the arm's controller warns.");
     v.renamed("arm_patience_s", "arm_timeout_s");
     v("arm_timeout_s", arm_timeout_s, hal::Range{0, 30},
-      "How long the arm may stand because its controller takes no commands, before the job ends (s).");
+      "Timeout while the arm's controller accepts no commands; after it the job ends (s).");
     v("limit_margin_deg", limit_margin_deg, hal::Range{1.2, 45},
-      "Kept from the joints' limits while the object is borne; plans keep motion.limit_margin_deg (deg).");
+      "Margin to the joint limits while the object is carried; plans keep motion.limit_margin_deg (deg).");
     v("attempts", attempts, "What is tried how often before the job is given up.");
     v("supervision", supervision, "When a device counts as lost, and when the arm goes slowly.");
     v("empty_hand", empty_hand, "Motion with an empty hand: approach, back-off, retreat.");

@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kLargestStep_rad = 0.05;  // in one cycle; more is a jump to another posture
 constexpr double kAtRest_m = 0.002;        // and m/s: the camera sees the partner's end no finer
-constexpr double kLeastSpan = 0.25;        // of the time of a whole lift: for what is left of one
-constexpr double kLeastWay_m = 0.001;      // against division by no height
+constexpr double kMinSpan = 0.25;          // of the time of a whole lift: for what is left of one
+constexpr double kMinPath_m = 0.001;       // against division by no height
 
 // height along a minimum-jerk profile from 0 to 1
 double minimum_jerk(double s) {
@@ -38,7 +38,7 @@ void LiftController::aim(double to_m, double time_s) {
   to_m_ = to_m;
   time_s_ = 0.0;
   span_s_ = time_s;
-  s_per_m_ = time_s / std::max(std::abs(to_m_ - from_m_), kLeastWay_m);
+  s_per_m_ = time_s / std::max(std::abs(to_m_ - from_m_), kMinPath_m);
 }
 
 void LiftController::lift(Role role, double height_m, double time_s) {
@@ -64,7 +64,7 @@ void LiftController::restart(const hal::JointVector& q_commanded_rad) {
   height_m_ = X_WF0_.translation().z() - floor_m;
   X_WF0_.translation().z() = floor_m;
   speed_m_s_ = 0.0;
-  aim(to_m_, std::max(std::abs(to_m_ - height_m_) * s_per_m_, kLeastSpan * config_.lift_s));
+  aim(to_m_, std::max(std::abs(to_m_ - height_m_) * s_per_m_, kMinSpan * config_.lift_s));
 }
 
 double LiftController::next_height(double dt_s) {
@@ -87,7 +87,7 @@ bool LiftController::at_rest() const {
 }
 
 std::optional<LiftController::Command> LiftController::step(double dt_s,
-                                                            const std::optional<hal::Wrench>& felt,
+                                                            const std::optional<hal::Wrench>& measured,
                                                             double pace) {
   if (at_end_) return std::nullopt;
   const double before_m = height_m_;
@@ -103,12 +103,12 @@ std::optional<LiftController::Command> LiftController::step(double dt_s,
   }
   q_rad_ = *q;
 
-  if (felt) {
+  if (measured) {
     // sideways the arm stays as soft as its impedance: that is the partner's freedom. What pushes up is the
     // ground under the object: fed forward, it would be pressed down ever harder
     hal::Wrench borne;
-    borne.force.z() = std::clamp(felt->force.z(), -config_.max_load_n, 0.0);
-    if (borne.force.z() < 0.0) borne.torque = felt->torque;
+    borne.force.z() = std::clamp(measured->force.z(), -config_.max_load_n, 0.0);
+    if (borne.force.z() < 0.0) borne.torque = measured->torque;
     const double a = dt_s / (config_.lift.feed_forward_filter_s + dt_s);
     fed_.force += a * (borne.force - fed_.force);
     fed_.torque += a * (borne.torque - fed_.torque);

@@ -43,7 +43,7 @@ class LiftController {
   /// One cycle of `dt_s`; `felt` is the wrench of the environment on the hand about the palm, in W; `pace` is
   /// the part of its speed that the palm moves with. nullopt when the arm cannot follow: a joint limit or a
   /// singularity lies on the way.
-  [[nodiscard]] std::optional<Command> step(double dt_s, const std::optional<hal::Wrench>& felt,
+  [[nodiscard]] std::optional<Command> step(double dt_s, const std::optional<hal::Wrench>& measured,
                                             double pace = 1.0);
 
   [[nodiscard]] double height_m() const { return height_m_; }  ///< Commanded, over where the hand closed.

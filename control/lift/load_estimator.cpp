@@ -12,7 +12,7 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 // Of the arm's kinematics, not of a job: below this manipulability (m^3) a posture counts as nearly singular.
 // The damping is that of Nakamura and Hanafusa 1986; both figures were chosen, not measured.
-constexpr double kLeastManipulability = 0.01;
+constexpr double kMinManipulability = 0.01;
 constexpr double kMostDamping = 0.05;
 
 }  // namespace
@@ -22,8 +22,8 @@ hal::Wrench palm_wrench(const hal::RobotModel& model, const hal::JointVector& q_
   const hal::ArmJacobian J = hal::jacobian(model, q_rad, hal::Vec3::Zero());
   Matrix6 JJ = J * J.transpose();
   const double manipulability = std::sqrt(std::max(0.0, JJ.determinant()));
-  if (manipulability < kLeastManipulability) {
-    const double near = 1.0 - manipulability / kLeastManipulability;
+  if (manipulability < kMinManipulability) {
+    const double near = 1.0 - manipulability / kMinManipulability;
     JJ.diagonal().array() += kMostDamping * kMostDamping * near * near;
   }
   const Vector6 F = JJ.ldlt().solve(J * tau_external_nm);

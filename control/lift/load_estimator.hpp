@@ -2,23 +2,13 @@
 
 #include <optional>
 
-#include "hal/config/range.hpp"
+#include "control/config/load_config.hpp"
 #include "hal/robot_model/robot_model.hpp"
 #include "hal/types/geometry.hpp"
 #include "hal/types/joints.hpp"
 #include "hal/types/time.hpp"
 
 namespace colift::control {
-
-/// How the load at the palm is estimated from external joint torques.
-struct LoadConfig {
-  double filter_s = 0.05;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v("filter_s", filter_s, hal::Range{0, 2}, "Time constant of the force estimate (s).");
-  }
-};
 
 /// Wrench on the hand about the palm, in W, that explains external joint torques: tau = J^T F by damped least
 /// squares. Damping sets in near singular postures only, where it makes the wrench too small rather than wild

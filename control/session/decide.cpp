@@ -14,27 +14,28 @@ namespace {
 
 using perception::PartnerGrasp;
 
-hal::Result<> find_partner(const Look& look, const PartnerInput& input, const Config& c, Outcome& out) {
+hal::Result<> find_partner(const SceneAnalysis& analysis, const PartnerInput& input, const Config& c,
+                           Outcome& out) {
   if (input.position_W) {
     out.partner = PartnerGrasp{*input.position_W, Eigen::Matrix3d::Zero(), 0, {}};
-    out.partner_because = "the partner's grasp was given";
+    out.partner_reason = "the partner's grasp was given";
     return {};
   }
   if (!input.frame)
     return hal::failure(hal::ErrorCode::BadInput, "partner", "neither a position nor a frame was given");
-  if (input.frame->depth_m.size() != look.frame.depth_m.size()) {
+  if (input.frame->depth_m.size() != analysis.frame.depth_m.size()) {
     return hal::failure(
         hal::ErrorCode::BadInput, "partner",
         fmt::format("the second frame has {} pixels, the first {}; both have to come from the same camera",
-                    input.frame->depth_m.size(), look.frame.depth_m.size()));
+                    input.frame->depth_m.size(), analysis.frame.depth_m.size()));
   }
-  const auto pipeline = make_pipeline(look.method);
+  const auto pipeline = make_pipeline(analysis.method);
   if (!pipeline) return tl::unexpected(pipeline.error());
-  auto seen = (*pipeline)->find_partner(look, *input.frame, c);
+  auto seen = (*pipeline)->find_partner(analysis, *input.frame, c);
   if (!seen) return tl::unexpected(seen.error());
   out.partner = seen->grasp;
   out.partner_pixels = std::move(seen->pixels);
-  out.partner_because = std::move(seen->because);
+  out.partner_reason = std::move(seen->reason);
   return {};
 }
 
@@ -57,35 +58,36 @@ std::vector<double> holds(const std::vector<planner::GraspCandidate>& candidates
 }
 
 // The nominal choice in, that over the what-ifs out.
-hal::Result<> choose_robustly(const Look& look, const planner::DecisionConfig& config, Outcome& out) {
+hal::Result<> choose_robustly(const SceneAnalysis& analysis, const planner::DecisionConfig& config,
+                              Outcome& out) {
   planner::Decision& d = out.decision;
   if (config.robust == "nominal" || !d.chosen) return {};
-  const planner::UncertainScene scene = uncertain_scene(look, *out.partner, config);
+  const planner::UncertainScene scene = uncertain_scene(analysis, *out.partner, config);
   auto robust = planner::RobustChoice::create(config.weights, kAtOnce, config.what_ifs);
   if (!robust) return tl::unexpected(robust.error());
   const bool worst = config.robust == "worst";
   const auto best = robust->choose(
       scene, out.candidates, worst ? planner::RobustChoice::Aim::Worst : planner::RobustChoice::Aim::Expected,
-      holds(out.candidates, look.finder->hand(), scene));
+      holds(out.candidates, analysis.finder->hand(), scene));
   const std::string over = fmt::format(
       "over {} what-ifs (centre of gravity +- {:.0f} mm, partner +- {:.0f} mm, {:.1f} kg)", config.what_ifs,
       sigma_mm(scene.cog_covariance), sigma_mm(scene.partner_covariance), config.mass_kg);
   planner::GraspCandidate& before = out.candidates[*d.chosen];
   if (!best || *best == *d.chosen) {
-    d.because += "; the same " + over;
-    before.because = d.because;
+    d.reason += "; the same " + over;
+    before.reason = d.reason;
     return {};
   }
   planner::GraspCandidate& after = out.candidates[*best];
   const planner::ScoredCandidate& score = *d.scores[*best];
-  d.because = fmt::format(
-      "candidate {} costs least {} {} and carries {:.0f} % of the load; with what is "
+  d.reason = fmt::format(
+      "candidate {} has the lowest cost {} {} and carries {:.0f} % of the load; with what is "
       "believed it would be {}: {}",
-      after.id, worst ? "at worst" : "on average", over, 100 * score.share, before.id, d.because);
+      after.id, worst ? "at worst" : "on average", over, 100 * score.share, before.id, d.reason);
   before.verdict = planner::Verdict::Ok;
-  before.because.clear();
+  before.reason.clear();
   after.verdict = planner::Verdict::Chosen;
-  after.because = d.because;
+  after.reason = d.reason;
   d.chosen = *best;
   d.cost = score.cost;
   d.share = score.share;
@@ -93,32 +95,32 @@ hal::Result<> choose_robustly(const Look& look, const planner::DecisionConfig& c
 }
 
 // out.candidates and out.partner in, the rest out
-hal::Result<> choose(const Look& look, const Config& config, const hal::Clock& clock, const Judge& judge_more,
-                     Outcome& out) {
+hal::Result<> choose(const SceneAnalysis& analysis, const Config& config, const hal::Clock& clock,
+                     const Judge& judge_more, Outcome& out) {
   const hal::Timestamp start = clock.now();
-  const planner::DecisionInput input{*out.partner, look.scene.target->cog, look.scene.ground->plane.normal,
-                                     look.base_frame_known};
+  const planner::DecisionInput input{*out.partner, analysis.scene.target->cog,
+                                     analysis.scene.ground->plane.normal, analysis.base_frame_known};
   if (config.candidates.refine_lines > 0) {
     // the list is coarse; what matters lies around the closed-form optimum
     const auto best = planner::best_robot_position(input, config.decision);
     if (!best) return tl::unexpected(best.error());
-    auto more = look.finder->near(*best, out.candidates);
+    auto more = analysis.finder->near(*best, out.candidates);
     if (judge_more) judge_more(more);
     out.candidates.insert(out.candidates.end(), more.begin(), more.end());
   }
   auto decision = planner::decide_grasp(out.candidates, input, config.decision);
   if (!decision) return tl::unexpected(decision.error());
   out.decision = std::move(*decision);
-  if (auto done = choose_robustly(look, config.decision, out); !done) return tl::unexpected(done.error());
+  if (auto done = choose_robustly(analysis, config.decision, out); !done) return tl::unexpected(done.error());
   out.decision_ms = 1e3 * hal::seconds(clock.now() - start);
   return {};
 }
 
 }  // namespace
 
-planner::UncertainScene uncertain_scene(const Look& look, const PartnerGrasp& partner,
+planner::UncertainScene uncertain_scene(const SceneAnalysis& analysis, const PartnerGrasp& partner,
                                         const planner::DecisionConfig& config) {
-  const perception::Target& target = *look.scene.target;
+  const perception::Target& target = *analysis.scene.target;
   const hal::Vec3 uneven = config.unevenness * target.shape.size;
   planner::UncertainScene scene;
   scene.cog = target.cog;
@@ -126,38 +128,39 @@ planner::UncertainScene uncertain_scene(const Look& look, const PartnerGrasp& pa
                          target.shape.axes * uneven.cwiseAbs2().asDiagonal() * target.shape.axes.transpose();
   scene.partner = partner.position;
   scene.partner_covariance = partner.covariance;
-  scene.up = look.scene.ground->plane.normal;
+  scene.up = analysis.scene.ground->plane.normal;
   scene.weight_n = kGravity * config.mass_kg;
   return scene;
 }
 
-hal::Result<Outcome> decide(const Look& look, const PartnerInput& partner, const Config& config,
+hal::Result<Outcome> decide(const SceneAnalysis& analysis, const PartnerInput& partner, const Config& config,
                             const hal::Clock& clock) {
   Outcome out;
-  out.candidates = look.candidates;
-  if (!look.scene.target) {
-    out.decision.because = look.because;
-    out.partner_because = "without a target nobody holds it";
+  out.candidates = analysis.candidates;
+  if (!analysis.scene.target) {
+    out.decision.reason = analysis.reason;
+    out.partner_reason = "there is no target that a partner could hold";
     return out;
   }
   const hal::Timestamp start = clock.now();
-  if (auto seen = find_partner(look, partner, config, out); !seen) return tl::unexpected(seen.error());
+  if (auto seen = find_partner(analysis, partner, config, out); !seen) return tl::unexpected(seen.error());
   out.partner_ms = 1e3 * hal::seconds(clock.now() - start);
   if (!out.partner) {
-    out.decision.because = "no decision without the partner's grasp: " + out.partner_because;
+    out.decision.reason = "no decision without the partner's grasp: " + out.partner_reason;
     return out;
   }
-  if (auto done = choose(look, config, clock, {}, out); !done) return tl::unexpected(done.error());
+  if (auto done = choose(analysis, config, clock, {}, out); !done) return tl::unexpected(done.error());
   return out;
 }
 
-hal::Result<Outcome> decide_for(const Look& look, const PartnerGrasp& partner, const Config& config,
-                                const hal::Clock& clock, const Judge& judge_more) {
+hal::Result<Outcome> decide_for(const SceneAnalysis& analysis, const PartnerGrasp& partner,
+                                const Config& config, const hal::Clock& clock, const Judge& judge_more) {
   Outcome out;
-  out.candidates = look.candidates;
+  out.candidates = analysis.candidates;
   out.partner = partner;
-  out.partner_because = "the partner's hand rests on the object";
-  if (auto done = choose(look, config, clock, judge_more, out); !done) return tl::unexpected(done.error());
+  out.partner_reason = "the partner's hand rests on the object";
+  if (auto done = choose(analysis, config, clock, judge_more, out); !done)
+    return tl::unexpected(done.error());
   return out;
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "control/session/look.hpp"
+#include "control/session/scene_analysis.hpp"
 #include "planner/grasp/grasp_decision.hpp"
 #include "planner/grasp/robust_choice.hpp"
 
@@ -21,7 +21,7 @@ struct PartnerInput {
 struct Outcome {
   std::optional<perception::PartnerGrasp> partner;
   std::vector<std::uint32_t> partner_pixels;  ///< Changed pixels near the object, ascending.
-  std::string partner_because;
+  std::string partner_reason;
   std::vector<planner::GraspCandidate>
       candidates;  ///< Those of the look, and some around the closed-form optimum.
   planner::Decision decision;
@@ -30,12 +30,12 @@ struct Outcome {
 
 /// Sees where the partner holds the object and decides where the robot takes hold of it.
 /// Errors: BadInput (second frame of another size), BadConfig (weights or limits), and look()'s.
-[[nodiscard]] hal::Result<Outcome> decide(const Look& look, const PartnerInput& partner, const Config& config,
-                                          const hal::Clock& clock);
+[[nodiscard]] hal::Result<Outcome> decide(const SceneAnalysis& analysis, const PartnerInput& partner,
+                                          const Config& config, const hal::Clock& clock);
 
 /// What a robust choice rests on: the belief and covariances of a look and a partner, that of the centre of
 /// gravity widened by uneven density, config.unevenness of the completed box along its axes. Needs a target.
-[[nodiscard]] planner::UncertainScene uncertain_scene(const Look& look,
+[[nodiscard]] planner::UncertainScene uncertain_scene(const SceneAnalysis& analysis,
                                                       const perception::PartnerGrasp& partner,
                                                       const planner::DecisionConfig& config);
 
@@ -44,8 +44,8 @@ using Judge = std::function<void(std::vector<planner::GraspCandidate>&)>;
 
 /// The decision for a partner who is known: candidates of the look, and some around the closed-form optimum
 /// (config.candidates.refine_lines), judged by `judge_more`. Errors: BadConfig (weights or limits).
-[[nodiscard]] hal::Result<Outcome> decide_for(const Look& look, const perception::PartnerGrasp& partner,
-                                              const Config& config, const hal::Clock& clock,
-                                              const Judge& judge_more = {});
+[[nodiscard]] hal::Result<Outcome> decide_for(const SceneAnalysis& analysis,
+                                              const perception::PartnerGrasp& partner, const Config& config,
+                                              const hal::Clock& clock, const Judge& judge_more = {});
 
 }  // namespace colift::control

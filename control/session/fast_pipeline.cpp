@@ -16,13 +16,14 @@ class FastSight final : public PartnerSight {
  public:
   FastSight(PartnerFinder finder, const hal::Pose& X_WC) : finder_(std::move(finder)), X_WC_(X_WC) {}
 
-  hal::Result<PartnerSighting> find(hal::DepthFrame& frame, std::vector<Eigen::Vector3f>& points) override {
+  hal::Result<PartnerObservation> find(hal::DepthFrame& frame,
+                                       std::vector<Eigen::Vector3f>& points) override {
     const OrganisedCloud cloud = deproject(frame, X_WC_);
-    auto sighting = finder_.find(cloud);
-    if (!sighting) return sighting;
+    auto observation = finder_.find(cloud);
+    if (!observation) return observation;
     points.clear();
-    for (const std::uint32_t p : sighting->pixels) points.emplace_back(cloud.x[p], cloud.y[p], cloud.z[p]);
-    return sighting;
+    for (const std::uint32_t p : observation->pixels) points.emplace_back(cloud.x[p], cloud.y[p], cloud.z[p]);
+    return observation;
   }
 
  private:
@@ -32,7 +33,8 @@ class FastSight final : public PartnerSight {
 
 class FastPipeline final : public Pipeline {
  public:
-  void analyse(const LookInput& input, const Config& c, Stopwatch& watch, Look& out) const override {
+  void analyse(const SceneAnalysisInput& input, const Config& c, Stopwatch& watch,
+               SceneAnalysis& out) const override {
     out.cloud = deproject(input.frame, input.X_WC);
     std::optional<hal::Vec3> up;
     if (input.base_frame_known)
@@ -44,12 +46,12 @@ class FastPipeline final : public Pipeline {
     GroundResult ground = find_ground(out.cloud, blocks, up, c.noise, c.ground);
     out.ms.ground = watch.lap();
     out.scene.ground = ground.ground;
-    out.scene.because = ground.because;
+    out.scene.reason = ground.reason;
     if (!ground.ground) return;
 
     TargetResult found = find_target(out.cloud, blocks, *ground.ground, c.noise, c.target, input.at_W);
     out.ms.target = watch.lap();
-    out.scene.because = found.because;
+    out.scene.reason = found.reason;
     out.rejected = std::move(found.rejected);
     if (!found.target) return;
 
@@ -66,27 +68,29 @@ class FastPipeline final : public Pipeline {
 
   [[nodiscard]] bool judges_surroundings() const override { return true; }
 
-  [[nodiscard]] std::vector<std::uint32_t> target_pixels(const Look& look,
+  [[nodiscard]] std::vector<std::uint32_t> target_pixels(const SceneAnalysis& analysis,
                                                          const Config& /*config*/) const override {
-    return look.scene.target->pixels;
+    return analysis.scene.target->pixels;
   }
 
-  [[nodiscard]] hal::Result<PartnerSighting> find_partner(const Look& look, const hal::DepthFrame& frame,
-                                                          const Config& c) const override {
+  [[nodiscard]] hal::Result<PartnerObservation> find_partner(const SceneAnalysis& analysis,
+                                                             const hal::DepthFrame& frame,
+                                                             const Config& c) const override {
     const auto reference =
-        build_reference(std::array{look.frame}, look.cloud.X_WC, c.noise, c.partner.reference);
+        build_reference(std::array{analysis.frame}, analysis.cloud.X_WC, c.noise, c.partner.reference);
     if (!reference) return tl::unexpected(reference.error());
-    auto finder = PartnerFinder::make(*reference, *look.scene.target, *look.scene.ground, c.noise, c.partner);
+    auto finder =
+        PartnerFinder::make(*reference, *analysis.scene.target, *analysis.scene.ground, c.noise, c.partner);
     if (!finder) return tl::unexpected(finder.error());
-    return finder->find(deproject(frame, look.cloud.X_WC));
+    return finder->find(deproject(frame, analysis.cloud.X_WC));
   }
 
   [[nodiscard]] hal::Result<std::unique_ptr<PartnerSight>> watch_partner(const ReferenceView& reference,
                                                                          const Config& c) const override {
-    const Scene& scene = reference.look.scene;
+    const Scene& scene = reference.analysis.scene;
     auto finder = PartnerFinder::make(reference.image, *scene.target, *scene.ground, c.noise, c.partner);
     if (!finder) return tl::unexpected(finder.error());
-    return std::make_unique<FastSight>(std::move(*finder), reference.look.cloud.X_WC);
+    return std::make_unique<FastSight>(std::move(*finder), reference.analysis.cloud.X_WC);
   }
 
   [[nodiscard]] int frames_per_sight() const override { return 1; }

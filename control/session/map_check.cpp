@@ -24,9 +24,8 @@ bool holds(const CellGrid& grid, const std::vector<char>& is_something, const Ei
 
 }  // namespace
 
-std::optional<std::string> map_trouble(const perception::WorldMap& map,
-                                       const perception::OrganisedCloud& cloud,
-                                       const MapCheckConfig& config) {
+std::optional<std::string> map_fault(const perception::WorldMap& map, const perception::OrganisedCloud& cloud,
+                                     const MapCheckConfig& config) {
   const CellGrid& grid = map.grid();
   std::vector<char> is_something(grid.cells.size());
   std::size_t known = 0, occupied = 0;

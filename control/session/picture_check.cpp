@@ -12,8 +12,8 @@ constexpr std::size_t kEvery = 5;  // points of the target that its rectangle is
 
 }  // namespace
 
-std::optional<std::string> picture_trouble(const perception::OrganisedCloud& cloud,
-                                           const perception::Target& target, const ImageCheckConfig& config) {
+std::optional<std::string> image_fault(const perception::OrganisedCloud& cloud,
+                                       const perception::Target& target, const ImageCheckConfig& config) {
   int u0 = cloud.width(), u1 = -1, v0 = cloud.height(), v1 = -1;
   for (std::size_t i = 0; i < target.points.size(); i += kEvery) {
     const auto at = cloud.project(target.points[i].cast<double>());

@@ -12,8 +12,8 @@ namespace colift::control {
 /// Why nothing is to be grasped in a picture: too many of the pixels on the target and about it see nothing
 /// (sunlight, dark or shiny things). What is left of a large face looks like small ones, and behind a hole
 /// may be anything. Unset: it has few enough. One sentence with numbers.
-[[nodiscard]] std::optional<std::string> picture_trouble(const perception::OrganisedCloud& cloud,
-                                                         const perception::Target& target,
-                                                         const ImageCheckConfig& config = {});
+[[nodiscard]] std::optional<std::string> image_fault(const perception::OrganisedCloud& cloud,
+                                                     const perception::Target& target,
+                                                     const ImageCheckConfig& config = {});
 
 }  // namespace colift::control

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "control/config/config.hpp"
-#include "control/session/look.hpp"
+#include "control/session/scene_analysis.hpp"
 #include "control/session/stopwatch.hpp"
 #include "hal/types/result.hpp"
 #include "perception/partner/partner_grasp.hpp"
@@ -16,7 +16,7 @@ namespace colift::control {
 /// The scene before anybody came.
 struct ReferenceView {
   const perception::ReferenceImage& image;
-  const Look& look;                    ///< With a target and a ground.
+  const SceneAnalysis& analysis;       ///< With a target and a ground.
   const std::vector<char>& robot_hid;  ///< By pixel: the robot was there in one of its frames.
 };
 
@@ -26,7 +26,7 @@ class PartnerSight {
   virtual ~PartnerSight() = default;
   /// In a frame of the same fixed camera without the robot's own pixels, which may lose more of them.
   /// `points` becomes what is seen of him (W).
-  [[nodiscard]] virtual hal::Result<perception::PartnerSighting> find(
+  [[nodiscard]] virtual hal::Result<perception::PartnerObservation> find(
       hal::DepthFrame& frame, std::vector<Eigen::Vector3f>& points) = 0;
 };
 
@@ -38,20 +38,20 @@ class Pipeline {
 
   /// Finds ground, target, its surfaces and its centre of gravity: fills cloud, scene, rejected objects and
   /// times of `out`.
-  virtual void analyse(const LookInput& input, const Config& config, Stopwatch& watch, Look& out) const = 0;
+  virtual void analyse(const SceneAnalysisInput& input, const Config& config, Stopwatch& watch,
+                       SceneAnalysis& out) const = 0;
 
   /// Whether candidates are judged against the whole cloud (surroundings, edges, unseen space), or against
   /// the object's points alone.
   [[nodiscard]] virtual bool judges_surroundings() const = 0;
 
   /// The target's pixels, ascending.
-  [[nodiscard]] virtual std::vector<std::uint32_t> target_pixels(const Look& look,
+  [[nodiscard]] virtual std::vector<std::uint32_t> target_pixels(const SceneAnalysis& analysis,
                                                                  const Config& config) const = 0;
 
   /// The partner in a second frame, of the same size. The look has a target.
-  [[nodiscard]] virtual hal::Result<perception::PartnerSighting> find_partner(const Look& look,
-                                                                              const hal::DepthFrame& frame,
-                                                                              const Config& config) const = 0;
+  [[nodiscard]] virtual hal::Result<perception::PartnerObservation> find_partner(
+      const SceneAnalysis& analysis, const hal::DepthFrame& frame, const Config& config) const = 0;
 
   /// The partner in a running camera. Keeps no reference to its arguments.
   [[nodiscard]] virtual hal::Result<std::unique_ptr<PartnerSight>> watch_partner(

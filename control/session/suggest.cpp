@@ -9,7 +9,7 @@
 namespace colift::control {
 namespace {
 
-constexpr double kLeastGain = 0.1;
+constexpr double kMinGain = 0.1;
 constexpr double kGravity_m_s2 = 9.80665;
 constexpr double kAsHigh_m = 0.15;  // as he holds it now: a table is not carried by its feet
 
@@ -56,15 +56,15 @@ std::optional<Suggestion> suggest_to_partner(const Outcome& outcome,
   s.position = best.place;
   const double away_m = (best.place - outcome.partner->position).norm();
   if (!outcome.decision.chosen) {
-    s.because =
-        fmt::format("if the partner took hold at {}, {:.2f} m from where he is, the robot could at {}",
+    s.reason =
+        fmt::format("if the partner grasped at {}, {:.2f} m from his hand, the robot could grasp at {}",
                     place_text(best.place), away_m, place_text(best.robot));
     return s;
   }
   s.gain = 1.0 - best.cost / outcome.decision.cost;
-  if (*s.gain < kLeastGain) return std::nullopt;
-  s.because = fmt::format(
-      "the partner would better take hold at {}, {:.2f} m from where he is: both together would need "
+  if (*s.gain < kMinGain) return std::nullopt;
+  s.reason = fmt::format(
+      "the partner should rather grasp at {}, {:.2f} m from his hand: both together would need "
       "{:.0f} % less effort",
       place_text(best.place), away_m, 1e2 * *s.gain);
   return s;

@@ -13,7 +13,7 @@ struct Suggestion {
   hal::Vec3 position = hal::Vec3::Zero();  ///< W, m.
   std::optional<double> gain;  ///< Part of the effort of both (eq. 4.5) that it saves, 0 to 1; unset where
                                ///< the robot has no grasp as he stands now.
-  std::string because;         ///< As a person would say it.
+  std::string reason;          ///< As a person would say it.
 };
 
 /// The place for him with which, and with the grasp that the robot would take then, both together need least.

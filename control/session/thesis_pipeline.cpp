@@ -38,27 +38,29 @@ class ThesisSight final : public PartnerSight {
  public:
   ThesisSight(const ReferenceView& reference, const ThesisConfig& config)
       : near_(config),
-        X_WC_(reference.look.cloud.X_WC),
-        object_(reference.look.scene.target->points.begin(), reference.look.scene.target->points.end()),
-        never_seen_(find_never_seen(reference.look.cloud, reference.robot_hid)) {
-    const Target& target = *reference.look.scene.target;
+        X_WC_(reference.analysis.cloud.X_WC),
+        object_(reference.analysis.scene.target->points.begin(),
+                reference.analysis.scene.target->points.end()),
+        never_seen_(find_never_seen(reference.analysis.cloud, reference.robot_hid)) {
+    const Target& target = *reference.analysis.scene.target;
     const hal::Vec3 beside = hal::Vec3::Constant(kBeside_m);
     near_.crop_min_m = config.crop_min_m.cwiseMax(target.aabb.min() - beside);
     near_.crop_max_m = config.crop_max_m.cwiseMin(target.aabb.max() + beside);
-    before_ = thesis_cloud(reference.look.cloud, near_);
+    before_ = thesis_cloud(reference.analysis.cloud, near_);
   }
 
-  hal::Result<PartnerSighting> find(hal::DepthFrame& frame, std::vector<Eigen::Vector3f>& points) override {
-    PartnerSighting sighting;
+  hal::Result<PartnerObservation> find(hal::DepthFrame& frame,
+                                       std::vector<Eigen::Vector3f>& points) override {
+    PartnerObservation observation;
     for (const std::uint32_t p : never_seen_)
       if (p < frame.depth_m.size()) frame.depth_m[p] = NAN;
     const auto now = thesis_cloud(deproject(frame, X_WC_), near_);
     const auto changed = changed_points(before_, now, near_);
-    sighting.grasp = thesis_grasp(changed, object_, near_, &sighting.because);
-    sighting.kind = sighting.grasp ? PartnerKind::Grasp : PartnerKind::None;
+    observation.grasp = thesis_grasp(changed, object_, near_, &observation.reason);
+    observation.kind = observation.grasp ? PartnerKind::Grasp : PartnerKind::None;
     points.clear();
-    if (sighting.grasp) points = thesis_person(changed, *sighting.grasp, near_);
-    return sighting;
+    if (observation.grasp) points = thesis_person(changed, *observation.grasp, near_);
+    return observation;
   }
 
  private:
@@ -71,7 +73,8 @@ class ThesisSight final : public PartnerSight {
 
 class ThesisPipeline final : public Pipeline {
  public:
-  void analyse(const LookInput& input, const Config& c, Stopwatch& watch, Look& out) const override {
+  void analyse(const SceneAnalysisInput& input, const Config& c, Stopwatch& watch,
+               SceneAnalysis& out) const override {
     out.cloud = deproject(input.frame, input.X_WC);
     out.scene = thesis_scene(out.cloud, c.thesis);
     out.ms.target = watch.lap();
@@ -79,17 +82,20 @@ class ThesisPipeline final : public Pipeline {
 
   [[nodiscard]] bool judges_surroundings() const override { return false; }
 
-  [[nodiscard]] std::vector<std::uint32_t> target_pixels(const Look& look, const Config& c) const override {
-    return thesis_pixels(look.cloud, *look.scene.target, c.thesis);
+  [[nodiscard]] std::vector<std::uint32_t> target_pixels(const SceneAnalysis& analysis,
+                                                         const Config& c) const override {
+    return thesis_pixels(analysis.cloud, *analysis.scene.target, c.thesis);
   }
 
-  [[nodiscard]] hal::Result<PartnerSighting> find_partner(const Look& look, const hal::DepthFrame& frame,
-                                                          const Config& c) const override {
-    const auto before = thesis_cloud(look.cloud, c.thesis);
-    const auto now = thesis_cloud(deproject(frame, look.cloud.X_WC), c.thesis);
-    PartnerSighting sighting;
-    sighting.grasp = thesis_partner(before, now, look.scene.target->points, c.thesis, &sighting.because);
-    return sighting;
+  [[nodiscard]] hal::Result<PartnerObservation> find_partner(const SceneAnalysis& analysis,
+                                                             const hal::DepthFrame& frame,
+                                                             const Config& c) const override {
+    const auto before = thesis_cloud(analysis.cloud, c.thesis);
+    const auto now = thesis_cloud(deproject(frame, analysis.cloud.X_WC), c.thesis);
+    PartnerObservation observation;
+    observation.grasp =
+        thesis_partner(before, now, analysis.scene.target->points, c.thesis, &observation.reason);
+    return observation;
   }
 
   [[nodiscard]] hal::Result<std::unique_ptr<PartnerSight>> watch_partner(const ReferenceView& reference,

@@ -11,16 +11,16 @@
 namespace colift::control {
 
 void GraspSelector::set_scene() {
-  Look& look = c_.session.look();
-  judge_reach(look.candidates);
-  look.because = planner::explain(look.candidates);
-  c_.record.look = look;
+  SceneAnalysis& analysis = c_.session.analysis();
+  judge_reach(analysis.candidates);
+  analysis.reason = planner::explain(analysis.candidates);
+  c_.record.analysis = analysis;
   judged_.clear();
 }
 
 void GraspSelector::begin_decision() {
-  if (judged_.empty()) judged_ = c_.session.look().candidates;
-  c_.session.look().candidates = judged_;
+  if (judged_.empty()) judged_ = c_.session.analysis().candidates;
+  c_.session.analysis().candidates = judged_;
   without_path_.clear();
 }
 
@@ -28,28 +28,27 @@ void GraspSelector::apply_refusals(std::vector<planner::GraspCandidate>& candida
   for (auto& c : candidates)
     for (const auto& r : without_path_)
       if ((c.position - r.position).norm() < 1e-6 && c.approach.dot(r.approach) > 1.0 - 1e-9)
-        c.verdict = planner::Verdict::Unreachable, c.because = r.because;
+        c.verdict = planner::Verdict::Unreachable, c.reason = r.reason;
   for (auto& c : candidates)
     for (const auto& f : failed_grips_)
       if ((c.position - f.position).norm() < c_.config.task.attempts.failed_grip_radius_m)
-        c.verdict = planner::Verdict::Unstable, c.because = f.why;
+        c.verdict = planner::Verdict::Unstable, c.reason = f.why;
 }
 
 void GraspSelector::judge_reach(std::vector<planner::GraspCandidate>& candidates) {
   const double lift = c_.config.task.lift_height_m;
   c_.motion_planner.judge(candidates, lift);
-  const Look& look = c_.session.look();
-  if (!look.finder) return;
+  const SceneAnalysis& analysis = c_.session.analysis();
+  if (!analysis.finder) return;
   const double step = c_.config.candidates.turn_step_deg, most = c_.config.candidates.max_turn_deg;
   for (planner::GraspCandidate& c : candidates) {
     if (c.verdict != planner::Verdict::Unreachable) continue;
     for (double turn = step; turn <= most && c.verdict == planner::Verdict::Unreachable; turn += step) {
       for (const double side : {1.0, -1.0}) {
-        auto other = look.finder->turned(c, side * turn * hal::kRadPerDeg);
+        auto other = analysis.finder->turned(c, side * turn * hal::kRadPerDeg);
         if (!other || other->verdict != planner::Verdict::Ok || !c_.motion_planner.reach(*other, lift))
           continue;
-        other->because =
-            fmt::format("the hand comes at {:.0f} deg to the face: straight, {}", turn, c.because);
+        other->reason = fmt::format("the hand comes at {:.0f} deg to the face: straight, {}", turn, c.reason);
         c = *std::move(other);
         break;
       }
@@ -64,9 +63,9 @@ bool GraspSelector::choose() {
     judge_reach(more);
     apply_refusals(more);
   };
-  apply_refusals(c_.session.look().candidates);
+  apply_refusals(c_.session.analysis().candidates);
   if (c_.test_lifts.known()) return choose_level(*grasp, reach);
-  auto outcome = decide_for(c_.session.look(), *grasp, c_.config, c_.stopwatch, reach);
+  auto outcome = decide_for(c_.session.analysis(), *grasp, c_.config, c_.stopwatch, reach);
   if (!outcome) {
     c_.attempts.failure = outcome.error().text();
     return false;
@@ -75,7 +74,7 @@ bool GraspSelector::choose() {
   const planner::Decision& decision = c_.record.decision->decision;
   if (!decision.chosen) {
     // the rule says already that no grasp fits
-    std::string& failure = c_.attempts.failure = decision.because;
+    std::string& failure = c_.attempts.failure = decision.reason;
     if (failure.starts_with("no grasp: ")) failure.erase(0, 10);
   }
   return decision.chosen.has_value();
@@ -87,29 +86,30 @@ bool GraspSelector::choose_level(const perception::PartnerGrasp& partner, const 
   Config config = c_.config;
   config.decision.max_lever_m = kNoLever_m;
   const auto decide = [&](const hal::Vec3& cog) {
-    hal::Vec3& believed = c_.session.look().scene.target->cog;
+    hal::Vec3& believed = c_.session.analysis().scene.target->cog;
     const hal::Vec3 of_shape = std::exchange(believed, cog);
-    auto outcome = decide_for(c_.session.look(), partner, config, c_.stopwatch, reach);
+    auto outcome = decide_for(c_.session.analysis(), partner, config, c_.stopwatch, reach);
     believed = of_shape;
     return outcome;
   };
   const TestLift& known = *c_.test_lifts.known();
   const double epsilon = c_.config.decision.weights.epsilon;
   const double wanted = 1.0 / (1.0 + epsilon * epsilon);
-  const auto felt = c_.test_lifts.felt();
-  const auto tried = std::count_if(felt.begin(), felt.end(), [&](const FeltLift& t) {
+  const auto measured = c_.test_lifts.measured();
+  const auto tried = std::count_if(measured.begin(), measured.end(), [&](const MeasuredLift& t) {
     return (t.partner - partner.position).norm() < c_.config.test_lift.same_partner_m;
   });
   std::optional<LevelGrip> grip;
   if (tried < c_.config.test_lift.grips)
-    grip = choose_level_grip(decide, c_.test_lifts.object(), partner.position, felt, known.belief, wanted,
+    grip = choose_level_grip(decide, c_.test_lifts.object(), partner.position, measured, known.belief, wanted,
                              c_.config.test_lift);
   if (grip) {
     c_.record.decision = std::move(grip->outcome);
     return true;
   }
-  c_.attempts.failure = fmt::format(
-      "after {} test lifts no other grasp promises to hold the object level: {}", felt.size(), known.because);
+  c_.attempts.failure =
+      fmt::format("after {} test lifts no other grasp promises to hold the object level: {}", measured.size(),
+                  known.reason);
   if (auto outcome = decide(known.cog)) c_.record.decision = std::move(*outcome);
   planner::Decision& decision = c_.record.decision->decision;
   auto& candidates = c_.record.decision->candidates;
@@ -120,15 +120,15 @@ bool GraspSelector::choose_level(const perception::PartnerGrasp& partner, const 
   decision.scores.emplace_back();
   decision.chosen = candidates.size() - 1;
   decision.share = bearable_->share;
-  decision.because = fmt::format("grasp {}: the most level of {} test lifts, {:.1f} deg", bearable_->grasp.id,
-                                 felt.size(), bearable_->tilt_rad / hal::kRadPerDeg);
+  decision.reason = fmt::format("grasp {}: the most level of {} test lifts, {:.1f} deg", bearable_->grasp.id,
+                                measured.size(), bearable_->tilt_rad / hal::kRadPerDeg);
   accepts_bearable_ = true;
   return true;
 }
 
 void GraspSelector::refuse_path(const std::string& why) {
   without_path_.push_back(c_.chosen());
-  without_path_.back().because = why;
+  without_path_.back().reason = why;
 }
 
 void GraspSelector::refuse_grip(const std::string& why) {

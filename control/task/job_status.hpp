@@ -6,7 +6,7 @@
 #include <string>
 
 #include "control/arm/drive.hpp"
-#include "control/session/watch.hpp"
+#include "control/session/perception_session.hpp"
 #include "control/task/run_record.hpp"
 
 namespace colift::control {
@@ -18,7 +18,7 @@ struct JobStatus {
   hal::Timestamp now{0};
   Task state = Task::Observe;
   hal::Timestamp since{0};     ///< When it came into this state.
-  std::string because;         ///< Why it did.
+  std::string reason;          ///< Why it did.
   std::string doing;           ///< What it is doing in particular.
   std::optional<double> done;  ///< Fraction of the state's work that is done, 0 to 1.
   std::optional<hal::Vec3> partner_W;

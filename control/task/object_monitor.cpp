@@ -45,7 +45,7 @@ void ObjectMonitor::update() {
     tilt_rad_ = motion_->tilt(up);
     // along the lift: across it a flat or round object may not show how far it went
     slip_m_ = std::abs(motion_->rise(grip, up) - (X_WH.translation() - grip).dot(up));
-    sample.object_rise_m = motion_->rise(c_.session.look().scene.target->cog, up);
+    sample.object_rise_m = motion_->rise(c_.session.analysis().scene.target->cog, up);
     sample.tilt_rad = tilt_rad_;
     sample.slip_m = slip_m_;
     c_.arm.see_partner(partner_rise_m_);
@@ -60,7 +60,7 @@ std::optional<TaskEvent> ObjectMonitor::beyond_limits() const {
   const TaskConfig& task = c_.config.task;
   if (!hand.held) return TaskEvent{Event::HandEmpty, "the hand has lost the object"};
   // it has gripped up by itself already
-  if (hand.slips) return TaskEvent{Event::HandUnfit, "the fingers feel the object slip"};
+  if (hand.slips) return TaskEvent{Event::HandUnfit, "slip detected by the fingers"};
   if (hand.hot) return TaskEvent{Event::HandUnfit, hand.warning.str()};
   if (frames_tilting_ >= task.carry.limit_frames)
     return TaskEvent{Event::LimitReached, fmt::format("the object tilts by {:.1f} deg (limit {:.1f})",
@@ -76,7 +76,7 @@ std::optional<TaskEvent> ObjectMonitor::beyond_limits() const {
 
 std::optional<TaskEvent> ObjectMonitor::end_of_reach() const {
   if (!c_.arm.end_of_reach()) return std::nullopt;
-  return TaskEvent{Event::EndOfReach, fmt::format("{:.1f} cm up, the palm cannot go on straight: {}",
+  return TaskEvent{Event::EndOfReach, fmt::format("{:.1f} cm up, the palm cannot continue straight: {}",
                                                   1e2 * c_.arm.view().height_m,
                                                   nearest_limit(c_.rig.model, c_.arm.commanded()))};
 }
@@ -85,7 +85,7 @@ double ObjectMonitor::displacement_m() const {
   if (!motion_) return 0.0;
   double max_m = 0.0;
   // a rotation shows at the corners
-  const hal::OrientedBox& box = c_.session.look().scene.target->obb;
+  const hal::OrientedBox& box = c_.session.analysis().scene.target->obb;
   for (int corner = 0; corner < 8; ++corner) {
     const hal::Vec3 half(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5);
     const hal::Vec3 p = box.center + box.axes * box.size.cwiseProduct(half);

@@ -13,7 +13,7 @@ std::optional<PartnerEvent> PartnerMonitor::update() {
     c_.partner_note = sight.error().detail;
     return std::nullopt;
   }
-  c_.partner_note = sight->event ? sight->event->because : sight->partner.because;
+  c_.partner_note = sight->event ? sight->event->reason : sight->partner.reason;
   compute_ms_ = sight->compute_ms;
   return sight->event;
 }
@@ -21,7 +21,7 @@ std::optional<PartnerEvent> PartnerMonitor::update() {
 std::optional<TaskEvent> PartnerMonitor::let_go() {
   const auto event = update();
   if (!event || event->kind != PartnerEvent::Kind::LetGo) return std::nullopt;
-  return TaskEvent{Event::PartnerLetGo, event->because};
+  return TaskEvent{Event::PartnerLetGo, event->reason};
 }
 
 }  // namespace colift::control

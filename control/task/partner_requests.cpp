@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "control/session/suggest.hpp"
-#include "control/test_lift/next_place.hpp"
+#include "control/test_lift/partner_request.hpp"
 
 namespace colift::control {
 namespace {
@@ -22,16 +22,17 @@ bool PartnerRequests::ask(const std::vector<planner::GraspCandidate>& judged) {
   std::string request;
   if (test_lift) {
     std::vector<hal::Vec3> held{from};
-    for (const FeltLift& t : c_.test_lifts.felt()) held.push_back(t.partner);
+    for (const MeasuredLift& t : c_.test_lifts.measured()) held.push_back(t.partner);
     const auto place = next_place(judged, judged, held, test_lift->belief, c_.config.test_lift);
     if (!place) return false;
-    to = place->position, request = place->because;
+    to = place->position, request = place->reason;
   } else {
-    const Look& look = c_.session.look();
-    const auto better = suggest_to_partner(*c_.record.decision, look.candidates, look.scene.target->cog,
-                                           hal::Vec3::UnitZ(), c_.config.decision);
+    const SceneAnalysis& analysis = c_.session.analysis();
+    const auto better =
+        suggest_to_partner(*c_.record.decision, analysis.candidates, analysis.scene.target->cog,
+                           hal::Vec3::UnitZ(), c_.config.decision);
     if (!better) return false;
-    to = better->position, request = better->because;
+    to = better->position, request = better->reason;
   }
   c_.attempts.failure += "; " + request;
   const int max_requests = test_lift ? c_.config.test_lift.asks : c_.config.task.asks;

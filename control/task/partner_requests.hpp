@@ -24,14 +24,14 @@ class PartnerRequests {
   void fulfilled() { asked_.reset(); }
 
   // of the pending request
-  [[nodiscard]] const hal::Vec3& place() const { return asked_->to; }            ///< W, m.
-  [[nodiscard]] const std::string& sentence() const { return asked_->because; }  ///< As it is said to him.
-  [[nodiscard]] const std::string& reason() const { return asked_->why; }        ///< The whole reason.
+  [[nodiscard]] const hal::Vec3& place() const { return asked_->to; }           ///< W, m.
+  [[nodiscard]] const std::string& sentence() const { return asked_->reason; }  ///< As it is said to him.
+  [[nodiscard]] const std::string& reason() const { return asked_->why; }       ///< The whole reason.
 
  private:
   struct Asked {
     hal::Vec3 from, to;
-    std::string because, why;
+    std::string reason, why;
   };
 
   TaskContext& c_;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "control/session/decide.hpp"
-#include "control/session/look.hpp"
+#include "control/session/scene_analysis.hpp"
 #include "control/task/task_machine.hpp"
 #include "control/test_lift/test_lift.hpp"
 #include "hal/device.hpp"
@@ -17,7 +17,7 @@ namespace colift::control {
 struct StateChange {
   hal::Timestamp at{0};
   Task state = Task::Observe;
-  std::string because;
+  std::string reason;
 };
 
 /// One point of the curves of a lift, 30 a second from Close to Release.
@@ -56,14 +56,14 @@ struct TestLiftRecord {
   int candidate = 0;  ///< Its id.
   double height_m = 0.0;
   std::optional<TestLift> known;  ///< Unset where it said nothing.
-  std::string because;
+  std::string reason;
 };
 
 /// The partner was asked to take hold elsewhere.
 struct AskRecord {
   hal::Timestamp at{0};
   hal::Vec3 place = hal::Vec3::Zero();  ///< W, m.
-  std::string because;
+  std::string reason;
 };
 
 /// Something about a device that is worth saying, and when (robot's clock).
@@ -75,10 +75,10 @@ struct DeviceNote {
 /// Everything that a run leaves behind for screen, JSON and report.
 struct RunRecord {
   enum class Result { Lifted, Aborted, Refused } outcome = Result::Refused;
-  std::string because;
+  std::string reason;
   std::vector<StateChange> states;
-  std::optional<Look> look;         ///< Of the reference frame.
-  std::optional<Outcome> decision;  ///< The one that was carried out, or the last that was tried.
+  std::optional<SceneAnalysis> analysis;  ///< Of the reference frame.
+  std::optional<Outcome> decision;        ///< The one that was carried out, or the last that was tried.
   std::optional<hal::DepthFrame> frame_partner, frame_lifted;  ///< When decided; at the top.
   std::optional<planner::MotionPlan> plan;
   std::vector<LiftSample> curve;

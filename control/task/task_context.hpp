@@ -5,7 +5,7 @@
 #include <string>
 
 #include "control/arm/arm_commander.hpp"
-#include "control/session/watch.hpp"
+#include "control/session/perception_session.hpp"
 #include "control/task/job_status.hpp"
 #include "control/task/run_record.hpp"
 #include "control/test_lift/test_lifts.hpp"
@@ -74,7 +74,7 @@ struct TaskContext {
   const hal::Clock& stopwatch;  ///< Measures computing time only.
 
   ArmCommander arm;
-  Watch session;
+  PerceptionSession session;
   planner::MotionPlanner motion_planner;
 
   Task state = Task::Observe;

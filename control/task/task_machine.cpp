@@ -14,132 +14,127 @@ using enum Event;
 constexpr std::string_view kArmGone = "the arm does not answer or reports a fault; it has stopped by itself";
 constexpr std::string_view kUnfit = "the hand may not grip now";
 constexpr std::string_view kHoldsBadly =
-    "the hand may not hold on for long: holds, the grip stays closed; lower the object on request";
+    "the hand may not hold for long: holds, the grip stays closed; lower the object on request";
 constexpr std::string_view kHandGone = "the hand does not answer; its fingers stay where they are";
-constexpr std::string_view kAsked = "interrupted before the arm set out";
-constexpr std::string_view kAskedOnTheWay = "interrupted; the arm comes to rest and holds";
+constexpr std::string_view kAsked = "interrupted before the arm moved";
+constexpr std::string_view kAskedInTransit = "interrupted; the arm comes to rest and holds";
 constexpr std::string_view kAskedLoaded = "interrupted; the arm holds and the grip stays closed";
 constexpr std::string_view kPulled =
     "the object is pulled with more force than allowed; holds and keeps the grip";
-constexpr std::string_view kHit = "met something on the way; holds, and goes back only on request";
-constexpr std::string_view kFell = "the load vanished from the hand; holds";
+constexpr std::string_view kHit = "unexpected contact; holds, returns only on request";
+constexpr std::string_view kFell = "load lost from the hand; holds";
 constexpr std::string_view kReachEnds =
-    "a joint has come near its limit: holds, the grip stays closed; lower the object on request";
+    "joint near its limit: holds, the grip stays closed; lower the object on request";
 constexpr std::string_view kAlone =
     "the partner let go while the object was carried; holds, the grip stays closed";
 
 constexpr auto kRules = std::to_array<Rule>({
     // looking: nothing has moved yet
-    {Observe, SceneKnown, AwaitPartner, "there is something to carry, and places to grasp it"},
-    {Observe, NothingToCarry, Refused, "nothing that could be carried was seen"},
-    {Observe, CameraOff, Refused, "what is seen does not fit the robot"},
-    {Observe, TimeOut, Refused, "the camera gave no usable picture in time"},
+    {Observe, SceneKnown, AwaitPartner, "an object to carry and feasible grasps were found"},
+    {Observe, NothingToCarry, Refused, "no object to carry was found"},
+    {Observe, CameraOff, Refused, "the camera image does not match the robot model: check the calibration"},
+    {Observe, TimeOut, Refused, "timeout: no usable camera image"},
     {Observe, ArmLost, Stopped, kArmGone},
     {Observe, HandLost, Stopped, kHandGone},
     {Observe, Interrupted, Refused, kAsked},
 
-    {AwaitPartner, PartnerGrasped, Decide, "the partner holds the object"},
-    {AwaitPartner, NobodyCame, Refused, "nobody took hold of the object"},
-    {AwaitPartner, TimeOut, Refused, "waited long enough for a partner"},
+    {AwaitPartner, PartnerGrasped, Decide, "the partner grasps the object"},
+    {AwaitPartner, NobodyCame, Refused, "no partner grasped the object"},
+    {AwaitPartner, TimeOut, Refused, "timeout: no partner"},
     {AwaitPartner, ArmLost, Stopped, kArmGone},
     {AwaitPartner, HandLost, Stopped, kHandGone},
     {AwaitPartner, HandUnfit, Refused, kUnfit},
     {AwaitPartner, Interrupted, Refused, kAsked},
 
-    {Decide, GraspChosen, Plan, "a reachable grasp shares the load as wished"},
-    {Decide, NoGraspFits, Refused, "no grasp fits"},
-    {Decide, PartnerAsked, AwaitPartner, "no grasp fits: asks the partner to take hold elsewhere"},
+    {Decide, GraspChosen, Plan, "a reachable grasp gives the requested load share"},
+    {Decide, NoGraspFits, Refused, "no feasible grasp"},
+    {Decide, PartnerAsked, AwaitPartner, "no feasible grasp: asks the partner to grasp elsewhere"},
     {Decide, PartnerMoved, AwaitPartner, "the partner's grasp moved before it was decided"},
     {Decide, PartnerLetGo, AwaitPartner, "the partner let go before it was decided"},
-    {Decide, CameraLost, AwaitPartner, "the camera is gone: waits until it sees again"},
-    {Decide, TimeOut, Refused, "the decision took too long"},
+    {Decide, CameraLost, AwaitPartner, "camera lost: waits for it"},
+    {Decide, TimeOut, Refused, "timeout: decision"},
     {Decide, ArmLost, Stopped, kArmGone},
     {Decide, HandLost, Stopped, kHandGone},
     {Decide, HandUnfit, Refused, kUnfit},
     {Decide, Interrupted, Refused, kAsked},
 
-    {Plan, PlanReady, Approach, "there is a way to the grasp that touches nothing"},
-    {Plan, NoWay, Refused, "no way leads to the grasp"},
-    {Plan, PartnerMoved, AwaitPartner, "the partner's grasp moved while the way was planned"},
-    {Plan, PartnerLetGo, AwaitPartner, "the partner let go while the way was planned"},
-    {Plan, CameraLost, AwaitPartner, "the camera is gone: waits until it sees again, then plans anew"},
-    {Plan, TimeOut, Refused, "planning took too long"},
+    {Plan, PlanReady, Approach, "collision-free path to the grasp found"},
+    {Plan, NoPath, Refused, "no collision-free path to the grasp"},
+    {Plan, PartnerMoved, AwaitPartner, "the partner's grasp moved during planning"},
+    {Plan, PartnerLetGo, AwaitPartner, "the partner let go during planning"},
+    {Plan, CameraLost, AwaitPartner, "camera lost: waits for it, then plans again"},
+    {Plan, TimeOut, Refused, "timeout: planning"},
     {Plan, ArmLost, Stopped, kArmGone},
     {Plan, HandLost, Stopped, kHandGone},
     {Plan, HandUnfit, Refused, kUnfit},
     {Plan, Interrupted, Refused, kAsked},
 
     // on the way, hand open
-    {Approach, Arrived, Close, "the hand is around the grasp"},
-    {Approach, PartnerMoved, BackOff, "the partner moved: the grasp no longer shares the load as wished"},
-    {Approach, PartnerLetGo, BackOff, "the partner let go before the hand was there"},
-    {Approach, CameraLost, Halt, "cannot see whether the way is free: stands still"},
+    {Approach, Arrived, Close, "hand at the grasp"},
+    {Approach, PartnerMoved, BackOff, "the partner moved: the grasp no longer gives the requested share"},
+    {Approach, PartnerLetGo, BackOff, "the partner let go before the hand arrived"},
+    {Approach, CameraLost, Halt, "camera lost: cannot check the path, stopped"},
     {Approach, Blocked, Stopped, kHit},
-    {Approach, TimeOut, Stopped, "the arm did not arrive in time; holds"},
+    {Approach, TimeOut, Stopped, "timeout: the arm did not arrive; holds"},
     {Approach, ArmLost, Stopped, kArmGone},
     {Approach, HandLost, Stopped, kHandGone},
-    {Approach, HandUnfit, BackOff, "the hand may not grip now: goes back"},
-    {Approach, Interrupted, Stopped, kAskedOnTheWay},
+    {Approach, HandUnfit, BackOff, "the hand may not grip now: returns"},
+    {Approach, Interrupted, Stopped, kAskedInTransit},
 
-    {Halt, CameraBack, BackOff, "sees again: goes back, then looks and plans anew"},
+    {Halt, CameraBack, BackOff, "camera back: returns, then observes and plans again"},
     {Halt, Blocked, Stopped, kHit},
-    {Halt, TimeOut, Stopped, "the camera did not come back; holds"},
+    {Halt, TimeOut, Stopped, "timeout: the camera did not come back; holds"},
     {Halt, ArmLost, Stopped, kArmGone},
     {Halt, HandLost, Stopped, kHandGone},
-    {Halt, Interrupted, Stopped, kAskedOnTheWay},
+    {Halt, Interrupted, Stopped, kAskedInTransit},
 
-    {BackOff, BackHome, AwaitPartner, "back home: waits for a grasp of the partner again"},
-    {BackOff, BackInVain, Aborted, "back home without the goal; tried often enough"},
-    {BackOff, CameraLost, Halt, "cannot see whether the way is free: stands still"},
+    {BackOff, BackHome, AwaitPartner, "at home: waits for the partner's grasp again"},
+    {BackOff, BackInVain, Aborted, "at home without the goal: no attempts left"},
+    {BackOff, CameraLost, Halt, "camera lost: cannot check the path, stopped"},
     {BackOff, Blocked, Stopped, kHit},
-    {BackOff, TimeOut, Stopped, "did not get back home in time; holds"},
+    {BackOff, TimeOut, Stopped, "timeout: did not reach home; holds"},
     {BackOff, ArmLost, Stopped, kArmGone},
     {BackOff, HandLost, Stopped, kHandGone},
-    {BackOff, Interrupted, Stopped, kAskedOnTheWay},
+    {BackOff, Interrupted, Stopped, kAskedInTransit},
 
     // the hand is at the object, which stands on the ground: only Release opens it
-    {Close, HandHeld, Verify, "every finger is held by contact"},
+    {Close, HandHeld, Verify, "every finger is in contact"},
     {Close, HandEmpty, Release, "the hand closed on nothing: opens it again"},
-    {Close, PartnerLetGo, Release,
-     "the partner let go before the lift: opens, the object stands on the ground"},
+    {Close, PartnerLetGo, Release, "the partner let go before the lift: opens, the object is on the ground"},
     {Close, Blocked, Stopped, kPulled},
     {Close, TimeOut, Release, "the hand did not finish closing: opens it again"},
     {Close, ArmLost, Stopped, kArmGone},
     {Close, HandLost, Stopped, kHandGone},
-    {Close, FingerLost, Release,
-     "one part of the hand does not answer: opens the others, the object stands on the ground"},
+    {Close, FingerLost, Release, "one finger does not answer: opens the others, the object is on the ground"},
     {Close, Interrupted, Stopped, kAskedLoaded},
 
-    {Verify, GripGood, AwaitReady, "the grip is as wide and as firm as planned"},
-    {Verify, GripBad, Release, "the grip is not good enough to lift: opens, the object stands on the ground"},
-    {Verify, HandEmpty, Release, "the grip is lost: opens, the object stands on the ground"},
-    {Verify, PartnerLetGo, Release,
-     "the partner let go before the lift: opens, the object stands on the ground"},
+    {Verify, GripGood, AwaitReady, "the grip has the planned width and force"},
+    {Verify, GripBad, Release, "the grip is not good enough to lift: opens, the object is on the ground"},
+    {Verify, HandEmpty, Release, "the grip is lost: opens, the object is on the ground"},
+    {Verify, PartnerLetGo, Release, "the partner let go before the lift: opens, the object is on the ground"},
     {Verify, Blocked, Stopped, kPulled},
-    {Verify, TimeOut, Release,
-     "the grip could not be checked in time: opens, the object stands on the ground"},
+    {Verify, TimeOut, Release, "the grip could not be checked in time: opens, the object is on the ground"},
     {Verify, ArmLost, Stopped, kArmGone},
     {Verify, HandLost, Stopped, kHandGone},
     {Verify, Interrupted, Stopped, kAskedLoaded},
 
     {AwaitReady, PartnerReady, Lift, "the partner holds and is at rest"},
-    {AwaitReady, TestDue, TestLift, "the partner holds and is at rest: first a little, slowly"},
+    {AwaitReady, TestDue, TestLift, "the partner holds and is at rest: test lift first"},
     {AwaitReady, PartnerLetGo, Release,
-     "the partner let go before the lift: opens, the object stands on the ground"},
-    {AwaitReady, HandEmpty, Release, "the grip is lost: opens, the object stands on the ground"},
-    {AwaitReady, GripBad, Release,
-     "the grip is not good enough to lift: opens, the object stands on the ground"},
+     "the partner let go before the lift: opens, the object is on the ground"},
+    {AwaitReady, HandEmpty, Release, "the grip is lost: opens, the object is on the ground"},
+    {AwaitReady, GripBad, Release, "the grip is not good enough to lift: opens, the object is on the ground"},
     {AwaitReady, Blocked, Stopped, kPulled},
-    {AwaitReady, TimeOut, Release, "the partner was never ready: opens, the object stands on the ground"},
+    {AwaitReady, TimeOut, Release, "the partner was never ready: opens, the object is on the ground"},
     {AwaitReady, ArmLost, Stopped, kArmGone},
     {AwaitReady, HandLost, Stopped, kHandGone},
     {AwaitReady, Interrupted, Stopped, kAskedLoaded},
 
     // some millimetres, as slowly as it takes to see the object turn
-    {TestLift, HangsLevel, Lift, "the object hangs level: lifts on"},
-    {TestLift, HangsAskew, Lower, "the object does not hang level: sets it down, takes hold elsewhere"},
-    {TestLift, PartnerReady, Lift, "the partner lifts by himself"},
-    {TestLift, CameraLost, Lower, "the camera is gone, nobody sees how the object hangs: sets it down"},
+    {TestLift, HangsLevel, Lift, "the object is level: lift continues"},
+    {TestLift, HangsAskew, Lower, "the object is not level: sets it down, grasps elsewhere"},
+    {TestLift, PartnerReady, Lift, "the partner lifts first"},
+    {TestLift, CameraLost, Lower, "camera lost, the tilt is not observed: sets the object down"},
     {TestLift, LimitReached, Lower, "a limit of tilt, slip or load was reached: sets the object down"},
     {TestLift, EndOfReach, Stopped, kReachEnds},
     {TestLift, TimeOut, Lower, "the test lift took too long: sets the object down"},
@@ -152,7 +147,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {TestLift, Interrupted, Stopped, kAskedLoaded},
 
     // the object is in the air
-    {Lift, AtHeight, Hold, "the object is at its height"},
+    {Lift, AtHeight, Hold, "target height reached"},
     {Lift, LimitReached, Lower, "a limit of tilt, slip or load was reached: sets the object down"},
     {Lift, EndOfReach, Stopped, kReachEnds},
     {Lift, TimeOut, Lower, "the height was not reached in time: sets the object down"},
@@ -164,7 +159,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Lift, HandUnfit, Stopped, kHoldsBadly},
     {Lift, Interrupted, Stopped, kAskedLoaded},
 
-    {Hold, HoldOver, Lower, "held as long as wished"},
+    {Hold, HoldOver, Lower, "hold time over"},
     {Hold, LimitReached, Lower, "a limit of tilt, slip or load was reached: sets the object down"},
     {Hold, EndOfReach, Stopped, kReachEnds},
     {Hold, TimeOut, Lower, "held long enough: sets the object down"},
@@ -176,7 +171,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Hold, HandUnfit, Stopped, kHoldsBadly},
     {Hold, Interrupted, Stopped, kAskedLoaded},
 
-    {Lower, OnGround, Release, "the object stands on the ground again"},
+    {Lower, OnGround, Release, "the object is on the ground"},
     {Lower, EndOfReach, Stopped, kReachEnds},
     {Lower, TimeOut, Stopped, "found no ground under the object; holds, the grip stays closed"},
     {Lower, PartnerLetGo, Stopped, kAlone},
@@ -191,16 +186,16 @@ constexpr auto kRules = std::to_array<Rule>({
     {Release, TimeOut, Stopped, "the hand did not open; holds"},
     {Release, ArmLost, Stopped, kArmGone},
     {Release, HandLost, Stopped, kHandGone},
-    {Release, Interrupted, Stopped, kAskedOnTheWay},
+    {Release, Interrupted, Stopped, kAskedInTransit},
 
     {Retreat, BackHome, Done, "lifted, set down, released, and back home"},
     {Retreat, TryAgain, AwaitPartner, "back home after a grip that failed: tries again"},
-    {Retreat, BackInVain, Aborted, "back home without the goal"},
+    {Retreat, BackInVain, Aborted, "at home without the goal"},
     {Retreat, Blocked, Stopped, kHit},
-    {Retreat, TimeOut, Stopped, "did not get back home in time; holds"},
+    {Retreat, TimeOut, Stopped, "timeout: did not reach home; holds"},
     {Retreat, ArmLost, Stopped, kArmGone},
     {Retreat, HandLost, Stopped, kHandGone},
-    {Retreat, Interrupted, Stopped, kAskedOnTheWay},
+    {Retreat, Interrupted, Stopped, kAskedInTransit},
 });
 
 struct TaskWords {
@@ -212,11 +207,11 @@ constexpr TaskWords words(Task task) {
     case Observe:
       return {"observe", "a picture of the scene"};
     case AwaitPartner:
-      return {"await-partner", "a partner who takes hold of the object"};
+      return {"await-partner", "a partner who grasps the object"};
     case Decide:
       return {"decide", "the choice of a grasp"};
     case Plan:
-      return {"plan", "a free way to the grasp"};
+      return {"plan", "a collision-free path to the grasp"};
     case Approach:
       return {"approach", "the arm to arrive at the grasp"};
     case Close:
@@ -226,21 +221,21 @@ constexpr TaskWords words(Task task) {
     case AwaitReady:
       return {"await-ready", "the partner to hold still"};
     case TestLift:
-      return {"test-lift", "the object to show how it hangs"};
+      return {"test-lift", "the measurement of tilt and load"};
     case Lift:
       return {"lift", "the object to reach its height"};
     case Hold:
       return {"hold", "the end of the holding time"};
     case Lower:
-      return {"lower", "the object to stand on the ground"};
+      return {"lower", "the object to reach the ground"};
     case Release:
       return {"release", "the hand to open"};
     case Retreat:
-      return {"retreat", "the arm to be back home"};
+      return {"retreat", "the arm to reach home"};
     case BackOff:
-      return {"back-off", "the arm to be back home"};
+      return {"back-off", "the arm to reach home"};
     case Halt:
-      return {"halt", "the camera to see again"};
+      return {"halt", "the camera to return"};
     case Done:
       return {"done", "nothing: the job is done"};
     case Refused:
@@ -293,12 +288,12 @@ std::string_view word(Event event) {
     case GraspChosen:
       return "grasp chosen";
     case NoGraspFits:
-      return "no grasp fits";
+      return "no feasible grasp";
     case PartnerAsked:
       return "partner asked";
     case PlanReady:
       return "plan ready";
-    case NoWay:
+    case NoPath:
       return "no way";
     case Arrived:
       return "arrived";

@@ -43,7 +43,7 @@ enum class Event {
   NoGraspFits,
   PartnerAsked,  ///< PartnerAsked: no grasp fits while he holds there; he was told where one would.
   PlanReady,
-  NoWay,
+  NoPath,
   Arrived,
   Blocked,  ///< Blocked: unexpected contact, or the arm does not follow.
   HandHeld,
@@ -78,7 +78,7 @@ struct Rule {
   Task from;
   Event on;
   Task to;
-  std::string_view because;
+  std::string_view reason;
 };
 
 inline constexpr int kTasks = static_cast<int>(Task::Stopped) + 1;

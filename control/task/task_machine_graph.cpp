@@ -17,17 +17,17 @@ struct Group {
   bool (*has)(Task);
 };
 
-bool is_empty_handed_on_its_way(Task t) {
+bool is_empty_handed_in_motion(Task t) {
   return (is_moving(t) || t == Task::Halt) && !is_loaded(t);
 }
 
-bool is_before_the_way(Task t) {
-  return !is_end(t) && !is_loaded(t) && !is_empty_handed_on_its_way(t);
+bool is_before_motion(Task t) {
+  return !is_end(t) && !is_loaded(t) && !is_empty_handed_in_motion(t);
 }
 
 constexpr std::array<Group, 3> kGroups = {{
-    {"looks", "looks and decides: nothing moves", "#e8f1fb", is_before_the_way},
-    {"way", "on its way: hand empty", "#fdf3dc", is_empty_handed_on_its_way},
+    {"looks", "looks and decides: nothing moves", "#e8f1fb", is_before_motion},
+    {"way", "on its way: hand empty", "#fdf3dc", is_empty_handed_in_motion},
     {"loaded", "hand at the object: only release opens it", "#e6f4e6", is_loaded},
 }};
 
@@ -47,22 +47,22 @@ std::string arrow(Task from, Task to, const std::vector<Event>& on) {
   std::string label, tooltip;
   for (const Event e : on) {
     if (!is_everywhere(e)) label += fmt::format("{}{}", label.empty() ? "" : "\\n", word(e));
-    tooltip += fmt::format("{}{}: {}", tooltip.empty() ? "" : "\\n", word(e), next(from, e)->because);
+    tooltip += fmt::format("{}{}: {}", tooltip.empty() ? "" : "\\n", word(e), next(from, e)->reason);
   }
   const auto first =
       std::find_if(rules().begin(), rules().end(), [&](const Rule& rule) { return rule.from == from; });
   const bool backwards = !is_end(to) && static_cast<int>(to) <= static_cast<int>(from);
-  std::string_view look;
+  std::string_view analysis;
   if (to == Task::Stopped)
-    look = ", color=\"#c0504d\", fontcolor=\"#c0504d\", style=dashed";
+    analysis = ", color=\"#c0504d\", fontcolor=\"#c0504d\", style=dashed";
   else if (backwards)
-    look = ", color=\"#808080\", fontcolor=\"#606060\", constraint=false";
+    analysis = ", color=\"#808080\", fontcolor=\"#606060\", constraint=false";
   else if (first->to == to)
-    look = ", penwidth=2, weight=8";
+    analysis = ", penwidth=2, weight=8";
   else
-    look = ", color=\"#808080\", fontcolor=\"#606060\"";
+    analysis = ", color=\"#808080\", fontcolor=\"#606060\"";
   return fmt::format("  \"{}\" -> \"{}\" [label=\"{}\", tooltip=\"{}\"{}];\n", word(from), word(to), label,
-                     tooltip, look);
+                     tooltip, analysis);
 }
 
 }  // namespace

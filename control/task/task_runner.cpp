@@ -43,7 +43,7 @@ hal::Result<> TaskRunner::start() {
   speed_.start();
   c_.readings.arm = c_.arm.view().state;
   retreat_phase_.set_home(c_.readings.arm.q_commanded_rad);
-  reason_ = "starts to look";
+  reason_ = "observing the scene";
   c_.record.states.push_back({hal::Timestamp(0), c_.state, reason_});
   return {};
 }
@@ -73,7 +73,7 @@ bool TaskRunner::cycle(const JobHooks& hooks) {
   if (fault && next(c_.state, fault->event)) {
     apply(*fault, hooks);
   } else if (waits_for_arm()) {
-    c_.doing = "the arm stands until its controller takes commands again";
+    c_.doing = "the arm is stopped until its controller accepts commands again";
   } else {
     if (arm_.take_restart()) resume_after_restart();
     if (const auto event = work()) apply(*event, hooks);
@@ -113,7 +113,7 @@ bool TaskRunner::waits_for_arm() const {
 }
 
 void TaskRunner::resume_after_restart() {
-  c_.note_device("arm", "goes on from where it stands");
+  c_.note_device("arm", "continues from the current position");
   // a hand at work continues by itself, and so does a lift: from its height
   if (c_.state == Task::Approach) approach_phase_.resume_after_restart();
   if (c_.state == Task::BackOff) back_off_phase_.resume_after_restart();
@@ -210,7 +210,7 @@ void TaskRunner::apply(const TaskEvent& event, const JobHooks& hooks) {
   c_.since = c_.now;
   c_.doing.clear();
   c_.done.reset();
-  reason_ = rule->because;
+  reason_ = rule->reason;
   if (!event.detail.empty()) reason_ += ": " + event.detail;
   c_.record.states.push_back({c_.now - c_.began, c_.state, reason_});
   if (is_failure(from, event.event, c_.state)) {
@@ -236,7 +236,7 @@ void TaskRunner::report(const JobHooks& hooks) {
   s.now = c_.now - c_.began;
   s.state = c_.state;
   s.since = c_.since - c_.began;
-  s.because = reason_;
+  s.reason = reason_;
   s.doing = c_.doing;
   s.done = c_.done;
   if (const auto grasp = c_.session.tracker().grasp()) s.partner_W = grasp->position;
@@ -247,7 +247,7 @@ void TaskRunner::report(const JobHooks& hooks) {
     if (!std::isnan(object_.tilt_rad())) s.tilt_rad = object_.tilt_rad(), s.slip_m = object_.slip_m();
   }
   s.record = &c_.record;
-  if (c_.record.look && c_.record.look->scene.target) s.map = &c_.session.map();
+  if (c_.record.analysis && c_.record.analysis->scene.target) s.map = &c_.session.map();
   hooks.status(s);
 }
 
@@ -262,16 +262,16 @@ RunRecord TaskRunner::finish() {
   switch (c_.state) {
     case Task::Done:
       record.outcome = Result::Lifted;
-      record.because = fmt::format("held {:.1f} cm for {:.0f} s, lowered, released",
-                                   1e2 * (record.lift ? record.lift->height_m : 0.0), c_.config.task.hold_s);
+      record.reason = fmt::format("held {:.1f} cm for {:.0f} s, lowered, released",
+                                  1e2 * (record.lift ? record.lift->height_m : 0.0), c_.config.task.hold_s);
       break;
     case Task::Refused:
       record.outcome = c_.attempts.approaches > 0 ? Result::Aborted : Result::Refused;
-      record.because = reason_;
+      record.reason = reason_;
       break;
     default:
       record.outcome = Result::Aborted;
-      record.because =
+      record.reason =
           c_.state == Task::Aborted && !c_.attempts.failure.empty() ? c_.attempts.failure : reason_;
   }
   record.timing.sim_s = hal::seconds(c_.robot.clock->now() - c_.began);

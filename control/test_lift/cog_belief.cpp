@@ -33,8 +33,8 @@ Vec2 along_hands(const hal::Vec3& partner, const hal::Vec3& grasp) {
 // one test lift, made ready for many places
 struct Reading {
   Vec2 partner = Vec2::Zero();
-  Vec2 felt = Vec2::Zero();  // q (kg m)
-  std::optional<Vec2> foot;  // from the partner; set where one stands
+  Vec2 measured = Vec2::Zero();  // q (kg m)
+  std::optional<Vec2> foot;      // from the partner; set where one stands
 };
 
 // Several feet that stand act as one between them, nearer to the lower.
@@ -60,16 +60,16 @@ struct Fit {
   double mass_kg = 0.0, off_m = 0.0;
 };
 std::optional<Fit> fit(const Reading& test, const Vec2& arm) {
-  const Vec2 ray = test.felt.normalized();
+  const Vec2 ray = test.measured.normalized();
   const double along = ray.dot(arm);
   if (test.foot) {
-    const double span = cross(arm, *test.foot), side = cross(test.felt, *test.foot);
+    const double span = cross(arm, *test.foot), side = cross(test.measured, *test.foot);
     if (span * side <= 0.0) return std::nullopt;  // beyond the foot: it would tip over it
-    if (cross(test.felt, arm) * side >= 0.0) return Fit{side / span, 0.0};
+    if (cross(test.measured, arm) * side >= 0.0) return Fit{side / span, 0.0};
     // on the wrong side of the felt direction, as far as errors go
   }
   if (along < kNearest_m) return std::nullopt;
-  return Fit{test.felt.norm() / along, std::abs(cross(ray, arm))};
+  return Fit{test.measured.norm() / along, std::abs(cross(ray, arm))};
 }
 
 bool inside(const std::vector<hal::Vec3>& corners, const Vec2& p) {
@@ -84,12 +84,13 @@ bool inside(const std::vector<hal::Vec3>& corners, const Vec2& p) {
 }
 
 // torque about the line between the hands against the turn about it, over all tests
-double grip_of(const CarriedObject& object, std::span<const FeltLift> tests, const CogBeliefConfig& config) {
+double grip_of(const CarriedObject& object, std::span<const MeasuredLift> tests,
+               const CogBeliefConfig& config) {
   double product = config.grip_nm_rad * kSureTurn_rad * kSureTurn_rad, square = kSureTurn_rad * kSureTurn_rad;
-  for (const FeltLift& test : tests) {
+  for (const MeasuredLift& test : tests) {
     const Vec2 axis = along_hands(test.partner, test.grasp);
     const double turn = std::abs(hanging(object, test.partner, test.grasp, test.X_WTnow_WTref).turn_rad);
-    const double torque = kGravity * std::abs(cross(felt_moment(test), axis));
+    const double torque = kGravity * std::abs(cross(measured_moment(test), axis));
     product += torque * turn;
     square += turn * turn;
   }
@@ -105,15 +106,15 @@ Hanging hanging(const CarriedObject& object, const hal::Vec3& partner, const hal
   Hanging out;
   out.turn_rad = turn.angle() * level(turn.axis()).dot(along_hands(partner, grasp));
   out.tilt_rad = std::atan2(level(up).norm(), up.z());
-  out.least_rise_m = INFINITY;
-  for (const hal::Vec3& f : object.feet) out.least_rise_m = std::min(out.least_rise_m, (moved * f - f).z());
+  out.min_rise_m = INFINITY;
+  for (const hal::Vec3& f : object.feet) out.min_rise_m = std::min(out.min_rise_m, (moved * f - f).z());
   return out;
 }
 
-Vec2 felt_moment(const FeltLift& test) {
+Vec2 measured_moment(const MeasuredLift& test) {
   // what the hand does to the object, about the partner; z x (d x z) = d for level d
-  const hal::Vec3 force = -test.felt.force;
-  const hal::Vec3 about = (test.palm - test.partner).cross(force) - test.felt.torque;
+  const hal::Vec3 force = -test.measured.force;
+  const hal::Vec3 about = (test.palm - test.partner).cross(force) - test.measured.torque;
   return Vec2(-about.y(), about.x()) / kGravity;
 }
 
@@ -136,17 +137,17 @@ double CogBelief::mass_kg() const {
   return std::exp(sum);
 }
 
-hal::Result<CogBelief> weigh_cog(const CarriedObject& object, std::span<const FeltLift> tests,
+hal::Result<CogBelief> weigh_cog(const CarriedObject& object, std::span<const MeasuredLift> tests,
                                  const CogBeliefConfig& config) {
   if (object.feet.size() < 3 || tests.empty())
     return hal::failure(
         hal::ErrorCode::BadInput, "test_lift",
         fmt::format("{} test lifts of an object with {} feet", tests.size(), object.feet.size()));
   std::vector<Reading> readings;
-  for (const FeltLift& test : tests) {
-    Reading reading{level(test.partner), felt_moment(test), {}};
+  for (const MeasuredLift& test : tests) {
+    Reading reading{level(test.partner), measured_moment(test), {}};
     const Hanging seen = hanging(object, test.partner, test.grasp, test.X_WTnow_WTref);
-    if (seen.least_rise_m < config.clear_m) {
+    if (seen.min_rise_m < config.clear_m) {
       if (std::abs(seen.turn_rad) < kSureTurn_rad) continue;  // it stands as it stood
       reading.foot = standing_foot(object, test.partner, test.X_WTnow_WTref);
     }
@@ -193,7 +194,7 @@ hal::Result<CogBelief> weigh_cog(const CarriedObject& object, std::span<const Fe
   }
   if (belief.cases.empty())
     return hal::failure(hal::ErrorCode::NotFound, "test_lift",
-                        "no centre of gravity over the object's base fits what was felt and seen");
+                        "no centre of gravity over the object's base fits the measured wrench and tilt");
   const double best = *std::max_element(chance.begin(), chance.end());
   double sum = 0.0;
   for (std::size_t i = 0; i < chance.size(); ++i) sum += belief.cases[i].weight = std::exp(chance[i] - best);

@@ -4,43 +4,11 @@
 #include <span>
 #include <vector>
 
-#include "hal/config/range.hpp"
+#include "control/config/test_lift_config.hpp"
 #include "hal/types/geometry.hpp"
 #include "hal/types/result.hpp"
 
 namespace colift::control {
-
-/// What is believed of the centre of gravity before a test lift, and how much a test lift can tell.
-struct CogBeliefConfig {
-  double density_sigma_m = 0.13;
-  double step_m = 0.01;
-  double mass_sigma = 0.25;
-  double partner_nm = 0.2;
-  double place_m = 0.01;
-  double grip_nm_rad = 60.0;
-  double grip_sigma = 0.4;
-  double clear_m = 0.0015;
-  double min_mass_kg = 0.2;
-  double max_mass_kg = 30.0;
-
-  template <class Visitor>
-  void visit(Visitor& v) {
-    v("density_sigma_m", density_sigma_m, hal::Range{0.0, 1.0},
-      "How far uneven density may put the centre of gravity off the shape's, standard deviation (m).");
-    v("step_m", step_m, hal::Range{0.002, 0.1}, "Distance between the places that are weighed (m).");
-    v("mass_sigma", mass_sigma, hal::Range{0.01, 2.0},
-      "Relative difference of the mass from one test lift to the next that is no contradiction.");
-    v("partner_nm", partner_nm, hal::kNotNegative,
-      "Torque of the partner's hand, which the arm does not feel (N m).");
-    v("place_m", place_m, hal::kPositive, "Error of hands and feet, as seen (m).");
-    v("grip_nm_rad", grip_nm_rad, hal::kPositive,
-      "Torque per turn with which hands hold an object, until test lifts tell it (N m/rad).");
-    v("grip_sigma", grip_sigma, hal::Range{0.0, 2.0}, "Relative difference of that from grasp to grasp.");
-    v("min_mass_kg", min_mass_kg, hal::kPositive, "Min mass of an object that two carry by hand (kg).");
-    v("max_mass_kg", max_mass_kg, hal::kPositive, "Max mass of one (kg).");
-    v("clear_m", clear_m, hal::Range{0.0, 0.02}, "A foot that has risen by less may still stand (m).");
-  }
-};
 
 /// The object as seen before it is lifted. Frame W, z up.
 struct CarriedObject {
@@ -51,8 +19,8 @@ struct CarriedObject {
 };
 
 /// One test lift: means over the time at its top. Frame W.
-struct FeltLift {
-  hal::Wrench felt;  ///< Of the object on the hand, about `palm` (LoadEstimator::wrench_W).
+struct MeasuredLift {
+  hal::Wrench measured;  ///< Of the object on the hand, about `palm` (LoadEstimator::wrench_W).
   hal::Vec3 palm = hal::Vec3::Zero();
   hal::Vec3 partner = hal::Vec3::Zero();  ///< Where the partner held it meanwhile.
   hal::Vec3 grasp = hal::Vec3::Zero();    ///< Where the load hangs in the hand.
@@ -80,16 +48,16 @@ struct CogBelief {
 
 /// How the object hangs or stands, from what the camera saw.
 struct Hanging {
-  double turn_rad = 0.0;      ///< About the line from the partner's hand to the robot's, right-handed.
-  double tilt_rad = 0.0;      ///< Of its up axis, in any direction.
-  double least_rise_m = 0.0;  ///< Of the foot that has risen least.
+  double turn_rad = 0.0;    ///< About the line from the partner's hand to the robot's, right-handed.
+  double tilt_rad = 0.0;    ///< Of its up axis, in any direction.
+  double min_rise_m = 0.0;  ///< Of the foot that has risen least.
 };
 [[nodiscard]] Hanging hanging(const CarriedObject& object, const hal::Vec3& partner, const hal::Vec3& grasp,
                               const hal::Pose& X_WTnow_WTref);
 
 /// Level part of m (c - p1) as if nothing but both hands held the object: torques about the partner's grasp
 /// p1 balance without his force (kg m).
-[[nodiscard]] Eigen::Vector2d felt_moment(const FeltLift& test);
+[[nodiscard]] Eigen::Vector2d measured_moment(const MeasuredLift& test);
 
 /// Weighs the places c of the centre of gravity over the object's base: a normal prior about that of its
 /// shape, and what test lifts say.
@@ -104,7 +72,8 @@ struct Hanging {
 /// tells mass and distance apart. The partner's hand is taken as a point, but for a torque of
 /// about `partner_nm`. Errors: NotFound (no place fits, or no test lift says anything),
 /// BadInput (fewer than three feet).
-[[nodiscard]] hal::Result<CogBelief> weigh_cog(const CarriedObject& object, std::span<const FeltLift> tests,
+[[nodiscard]] hal::Result<CogBelief> weigh_cog(const CarriedObject& object,
+                                               std::span<const MeasuredLift> tests,
                                                const CogBeliefConfig& config);
 
 /// The robot's part of the weight by the lever rule.

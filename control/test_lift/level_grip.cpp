@@ -22,10 +22,10 @@ void choose(Outcome& outcome, std::size_t candidate, const NextGrip& grip) {
   if (const auto& score = decision.scores[candidate]) decision.cost = score->cost;
   planner::GraspCandidate& c = outcome.candidates[candidate];
   c.verdict = Verdict::Chosen;
-  decision.because =
-      fmt::format("grasp {}: by what test lifts told, it holds the object level with a chance of {:.0f} %",
+  decision.reason =
+      fmt::format("grasp {}: after the test lifts it holds the object level with a probability of {:.0f} %",
                   c.id, 1e2 * grip.chance);
-  c.because = decision.because;
+  c.reason = decision.reason;
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ std::vector<hal::Vec3> likely_places(const CarriedObject& object, const hal::Vec
 }
 
 std::optional<LevelGrip> choose_level_grip(const DecideAt& decide, const CarriedObject& object,
-                                           const hal::Vec3& partner, std::span<const FeltLift> tests,
+                                           const hal::Vec3& partner, std::span<const MeasuredLift> tests,
                                            const CogBelief& belief, double wanted_share,
                                            const TestLiftConfig& config) {
   std::vector<Outcome> outcomes;

@@ -34,7 +34,7 @@ struct LevelGrip {
 /// that. nullopt when no grasp is worth a try.
 [[nodiscard]] std::optional<LevelGrip> choose_level_grip(const DecideAt& decide, const CarriedObject& object,
                                                          const hal::Vec3& partner,
-                                                         std::span<const FeltLift> tests,
+                                                         std::span<const MeasuredLift> tests,
                                                          const CogBelief& belief, double wanted_share,
                                                          const TestLiftConfig& config);
 

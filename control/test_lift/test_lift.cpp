@@ -21,8 +21,8 @@ bool is_finite(const CarriedObject& object) {
                      [](const hal::Vec3& f) { return f.allFinite(); });
 }
 
-bool is_finite(const FeltLift& test) {
-  return test.felt.force.allFinite() && test.felt.torque.allFinite() && test.palm.allFinite() &&
+bool is_finite(const MeasuredLift& test) {
+  return test.measured.force.allFinite() && test.measured.torque.allFinite() && test.palm.allFinite() &&
          test.partner.allFinite() && test.grasp.allFinite() && std::isfinite(test.drift_rad_s) &&
          test.X_WTnow_WTref.matrix().allFinite();
 }
@@ -31,35 +31,34 @@ bool is_finite(const FeltLift& test) {
 
 Raise raise_on(const Hanging& now, const TestLiftConfig& config) {
   const double turn_deg = hal::rad_to_deg(std::abs(now.turn_rad));
-  if (turn_deg > config.max_turn_deg || now.least_rise_m > config.clear_factor * config.belief.clear_m)
+  if (turn_deg > config.max_turn_deg || now.min_rise_m > config.clear_factor * config.belief.clear_m)
     return Raise::Enough;
   return turn_deg > config.slow_turn_deg ? Raise::Slowly : Raise::On;
 }
 
-hal::Result<TestLift> understand_test_lift(const CarriedObject& object, std::span<const FeltLift> tests,
+hal::Result<TestLift> understand_test_lift(const CarriedObject& object, std::span<const MeasuredLift> tests,
                                            const TestLiftConfig& config) {
   const auto bad = [](std::string why) {
     return hal::failure(hal::ErrorCode::BadInput, "test_lift", std::move(why));
   };
   if (tests.empty()) return bad("no test lift was made");
-  for (const FeltLift& test : tests) {
+  for (const MeasuredLift& test : tests) {
     if (!is_finite(object) || !is_finite(test)) return bad("a number is not finite");
     const double span = (test.grasp - test.partner).head<2>().norm();
     if (span < kSameHand_m) return bad(fmt::format("the hands are {:.0f} mm apart", 1e3 * span));
   }
-  const FeltLift& last = tests.back();
-  const double load_n = -last.felt.force.z();
+  const MeasuredLift& last = tests.back();
+  const double load_n = -last.measured.force.z();
   if (load_n < config.min_load_n)
-    return hal::failure(
-        hal::ErrorCode::NotFound, "test_lift",
-        fmt::format("the robot bears {:.1f} N (least {:.1f} N): the object stands on the ground", load_n,
-                    config.min_load_n));
+    return hal::failure(hal::ErrorCode::NotFound, "test_lift",
+                        fmt::format("the robot carries {:.1f} N (min {:.1f} N): the object is on the ground",
+                                    load_n, config.min_load_n));
   auto belief = weigh_cog(object, tests, config.belief);
   if (!belief) return tl::unexpected(belief.error());
 
   TestLift out;
   out.seen = hanging(object, last.partner, last.grasp, last.X_WTnow_WTref);
-  out.stands = out.seen.least_rise_m < config.belief.clear_m;
+  out.stands = out.seen.min_rise_m < config.belief.clear_m;
   out.belief = std::move(*belief);
   out.mass_kg = out.belief.mass_kg();
   out.cog = object.cog;
@@ -78,27 +77,27 @@ hal::Result<TestLift> understand_test_lift(const CarriedObject& object, std::spa
                  drift_deg_s <= config.max_drift_deg_s;
   if (out.stands && out.seen.tilt_rad < hal::deg_to_rad(config.standing_turn_deg)) {
     out.next = TestLift::Next::Regrasp;
-    out.because = fmt::format("the object stands as it stood, so the hand slides on it at {:.0f} N", load_n);
+    out.reason = fmt::format("the object did not move: the hand slides on it at {:.0f} N", load_n);
   } else if (out.stands || out.seen.tilt_rad > hal::deg_to_rad(config.good_turn_deg)) {
     out.next = TestLift::Next::Regrasp;
-    out.because = fmt::format("turned by {:.1f} deg (limit {:.1f}){}: {}", hal::rad_to_deg(out.seen.tilt_rad),
-                              config.good_turn_deg, out.stands ? " and stands on a foot" : "", facts);
+    out.reason = fmt::format("turned by {:.1f} deg (limit {:.1f}){}: {}", hal::rad_to_deg(out.seen.tilt_rad),
+                             config.good_turn_deg, out.stands ? " and stands on a foot" : "", facts);
   } else if (drift_deg_s > config.max_drift_deg_s) {
     out.next = TestLift::Next::Regrasp;
-    out.because = fmt::format("turns in the hand by {:.1f} deg in a second (limit {:.1f}): {}", drift_deg_s,
-                              config.max_drift_deg_s, facts);
+    out.reason = fmt::format("turns in the hand by {:.1f} deg in a second (limit {:.1f}): {}", drift_deg_s,
+                             config.max_drift_deg_s, facts);
   } else if (std::abs(out.share - last.share_predicted) > config.max_share_error) {
     out.next = TestLift::Next::OtherShare;
-    out.because = fmt::format("{}; the robot bears {:.0f} % where {:.0f} % were expected", facts,
-                              100 * out.share, 100 * last.share_predicted);
+    out.reason = fmt::format("{}; the robot carries {:.0f} % (predicted {:.0f} %)", facts, 100 * out.share,
+                             100 * last.share_predicted);
   } else {
-    out.because = facts;
+    out.reason = facts;
   }
   return out;
 }
 
 std::optional<NextGrip> next_grip(std::span<const planner::GraspCandidate> grasps, const hal::Vec3& partner,
-                                  std::span<const FeltLift> tests, const CogBelief& belief,
+                                  std::span<const MeasuredLift> tests, const CogBelief& belief,
                                   double wanted_share, const TestLiftConfig& config) {
   const Vec2 mean = belief.mean();
   std::vector<NextGrip> possible;
@@ -109,7 +108,7 @@ std::optional<NextGrip> next_grip(std::span<const planner::GraspCandidate> grasp
     if (c.verdict != Verdict::Ok && c.verdict != Verdict::Chosen) continue;
     const hal::Vec3 grasp = planner::load_point(c);
     if ((grasp - partner).head<2>().norm() < kSameHand_m) continue;
-    if (std::any_of(tests.begin(), tests.end(), [&](const FeltLift& t) {
+    if (std::any_of(tests.begin(), tests.end(), [&](const MeasuredLift& t) {
           return (t.grasp - grasp).norm() < config.same_grip_m &&
                  (t.partner - partner).norm() < config.same_partner_m;
         }))

@@ -13,9 +13,9 @@ void TestLifts::begin(const CarriedObject& object, const hal::Vec3& partner, con
   eye_.emplace(object, partner, grasp, config_);
 }
 
-void TestLifts::feel(const hal::Wrench& felt, const hal::Vec3& palm) {
-  now_.felt.force += felt.force;
-  now_.felt.torque += felt.torque;
+void TestLifts::feel(const hal::Wrench& measured, const hal::Vec3& palm) {
+  now_.measured.force += measured.force;
+  now_.measured.torque += measured.torque;
   now_.palm += palm;
   ++cycles_;
 }
@@ -23,19 +23,20 @@ void TestLifts::feel(const hal::Wrench& felt, const hal::Vec3& palm) {
 hal::Result<TestLift> TestLifts::end() {
   const auto moved = eye_->moved();
   if (!moved) return hal::failure(hal::ErrorCode::NotFound, "test_lift", "the camera did not see the object");
-  if (cycles_ == 0) return hal::failure(hal::ErrorCode::NotFound, "test_lift", "the arm felt nothing");
-  FeltLift lift = now_;
-  lift.felt.force /= cycles_;
-  lift.felt.torque /= cycles_;
+  if (cycles_ == 0)
+    return hal::failure(hal::ErrorCode::NotFound, "test_lift", "no external wrench was measured");
+  MeasuredLift lift = now_;
+  lift.measured.force /= cycles_;
+  lift.measured.torque /= cycles_;
   lift.palm /= cycles_;
   lift.X_WTnow_WTref = *moved;
   lift.drift_rad_s = eye_->drift_rad_s();
-  felt_.push_back(lift);
-  auto known = understand_test_lift(object_, felt_, config_);
+  measured_.push_back(lift);
+  auto known = understand_test_lift(object_, measured_, config_);
   if (known)
     known_ = *known;
   else
-    felt_.pop_back();  // it would spoil what the next ones tell
+    measured_.pop_back();  // it would spoil what the next ones tell
   return known;
 }
 
@@ -43,8 +44,8 @@ void TestLifts::move(const hal::Pose& X) {
   const auto turned = [&](const hal::Wrench& w) {
     return hal::Wrench{X.linear() * w.force, X.linear() * w.torque};
   };
-  for (FeltLift& t : felt_) {
-    t.felt = turned(t.felt);
+  for (MeasuredLift& t : measured_) {
+    t.measured = turned(t.measured);
     t.palm = X * t.palm;
     t.partner = X * t.partner;
     t.grasp = X * t.grasp;

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "control/test_lift/test_lift_eye.hpp"
+#include "control/test_lift/test_lift_observer.hpp"
 
 namespace colift::control {
 
@@ -25,7 +25,7 @@ class TestLifts {
   Raise rising(const perception::ObjectMotion& motion) { return eye_->rising(motion); }
   void at_top(hal::Timestamp at, const perception::ObjectMotion& motion) { eye_->at_top(at, motion); }
   /// What the hand feels of the object, about the palm's origin, and where that is (W).
-  void feel(const hal::Wrench& felt, const hal::Vec3& palm);
+  void feel(const hal::Wrench& measured, const hal::Vec3& palm);
   /// Errors: NotFound (object not seen or not felt at the top; and understand_test_lift()'s).
   [[nodiscard]] hal::Result<TestLift> end();
 
@@ -33,7 +33,7 @@ class TestLifts {
   /// from where it stood.
   void move(const hal::Pose& X_Wnow_Wthen);
 
-  [[nodiscard]] std::span<const FeltLift> felt() const { return felt_; }
+  [[nodiscard]] std::span<const MeasuredLift> measured() const { return measured_; }
   [[nodiscard]] const CarriedObject& object() const { return object_; }
   /// What the last one that was understood says.
   [[nodiscard]] const std::optional<TestLift>& known() const { return known_; }
@@ -42,9 +42,9 @@ class TestLifts {
  private:
   TestLiftConfig config_;
   CarriedObject object_;
-  std::vector<FeltLift> felt_;
-  std::optional<TestLiftEye> eye_;
-  FeltLift now_;
+  std::vector<MeasuredLift> measured_;
+  std::optional<TestLiftObserver> eye_;
+  MeasuredLift now_;
   int cycles_ = 0;
   std::optional<TestLift> known_;
 };

@@ -147,7 +147,7 @@ class Change {
     if (!value) {
       // an empty value has no place of its own
       const YamlPlace place = tree_.at(index).kind == Kind::Null ? key_place : value.error().place;
-      return refuse(place, fmt::format("{}{} {}", around, field.path, value.error().because));
+      return refuse(place, fmt::format("{}{} {}", around, field.path, value.error().reason));
     }
     visited_ += tree_.at(index).children.size();
     values_.push_back({&field, std::move(*value), origin(key_place)});
@@ -194,8 +194,8 @@ class Change {
     std::string origin;
   };
 
-  Result<> refuse(YamlPlace place, std::string because) const {
-    return failure(ErrorCode::BadConfig, is_file() ? place_text(name_, place) : name_, std::move(because));
+  Result<> refuse(YamlPlace place, std::string reason) const {
+    return failure(ErrorCode::BadConfig, is_file() ? place_text(name_, place) : name_, std::move(reason));
   }
 
   [[nodiscard]] std::string origin(YamlPlace place) const {
@@ -303,8 +303,8 @@ std::optional<std::string> objection_to_fields(const FieldTable& table, const st
 
 Result<> apply_at(FieldTable& table, std::string path, const std::string& around, std::string_view value,
                   const std::string& where, const std::string& origin) {
-  const auto refuse = [&](std::string because) {
-    return failure(ErrorCode::BadConfig, where, std::move(because));
+  const auto refuse = [&](std::string reason) {
+    return failure(ErrorCode::BadConfig, where, std::move(reason));
   };
   if (const auto indexed = split_index(path)) {
     Field* list = table.find(indexed->list);
@@ -358,8 +358,8 @@ Result<> apply_at(FieldTable& table, std::string path, const std::string& around
 }  // namespace
 
 Result<std::string> read_yaml_file(const std::filesystem::path& path) {
-  const auto refuse = [&](std::string because) {
-    return failure(ErrorCode::BadConfig, quotable(path.string(), 300), std::move(because));
+  const auto refuse = [&](std::string reason) {
+    return failure(ErrorCode::BadConfig, quotable(path.string(), 300), std::move(reason));
   };
   std::error_code error;
   const auto status = std::filesystem::status(path, error);

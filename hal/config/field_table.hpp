@@ -151,9 +151,9 @@ class TableVisitor {
 
   /// What was named before had another name once. Files with the old one stay readable, with a warning:
   ///   v("timeout_s", timeout_s, Range{0.1, 3600}, "How long a partner is waited for (s).");
-  ///   v.renamed("patience_s", "timeout_s");
+  ///   v.renamed("timeout_s", "timeout_s");
   /// Both names count from the struct; what moved between groups is renamed by the struct around them,
-  /// v.renamed("task.patience_s", "partner.timeout_s"). A group is renamed like an entry.
+  /// v.renamed("task.timeout_s", "partner.timeout_s"). A group is renamed like an entry.
   void renamed(std::string_view old_name, std::string_view name) {
     table_.add_renamed({prefix_ + std::string(old_name), prefix_ + std::string(name)});
   }

@@ -127,7 +127,7 @@ class Reader {
       const auto value = read(child, static_cast<const double*>(nullptr));
       // the file's person wants the number's place, not the list's
       const auto objection =
-          value ? objection_to_number(field_, *value) : std::optional(value.error().because);
+          value ? objection_to_number(field_, *value) : std::optional(value.error().reason);
       if (objection) {
         return tl::unexpected(Objection{tree_.at(child).place, *objection + number_of_list(values.size())});
       }

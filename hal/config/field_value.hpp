@@ -14,7 +14,7 @@ namespace colift::hal {
 struct Objection {
   YamlPlace place;
   std::string
-      because;  ///< Ends a sentence that begins with the field's name: "expects a number, but found a map".
+      reason;  ///< Ends a sentence that begins with the field's name: "expects a number, but found a map".
 };
 
 /// The value for `field` that stands at `node`, of the field's type and within its range or choices.

@@ -15,7 +15,7 @@ namespace {
 
 struct Refusal {
   YamlPlace place;
-  std::string because;
+  std::string reason;
 };
 
 YamlPlace place_of(const YAML::Mark& mark) {
@@ -220,7 +220,7 @@ std::string quotable(std::string_view text, std::size_t longest) {
 
 Result<YamlTree> parse_yaml(std::string_view text, const std::string& name) {
   const auto refuse = [&](const Refusal& refusal) {
-    return failure(ErrorCode::BadConfig, place_text(name, refusal.place), refusal.because);
+    return failure(ErrorCode::BadConfig, place_text(name, refusal.place), refusal.reason);
   };
   if (text.size() > kMaxYamlBytes) {
     return failure(

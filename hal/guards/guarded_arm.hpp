@@ -25,11 +25,11 @@ struct GuardConfig {
     v("limit_margin_deg", limit_margin_deg, Range{0, 20}, "No command comes nearer to a joint limit (deg).");
     v.renamed("velocity_part", "velocity_fraction");
     v("velocity_fraction", velocity_fraction, kFraction,
-      "Part of the joints' velocity limits that commands may use.");
-    v("max_velocity_rad_s", max_velocity_rad_s, kPositive, "No joint is commanded faster (rad/s).");
-    v("acceleration_rad_s2", acceleration_rad_s2, kPositive, "Greatest acceleration of commands (rad/s^2).");
-    v("max_stiffness_nm_rad", max_stiffness_nm_rad, kPositive, "Greatest joint stiffness (N m/rad).");
-    v("max_superposed_nm", max_superposed_nm, kNotNegative, "Greatest superposed torque (N m).");
+      "Velocity scale: fraction of the joints' velocity limits that commands may use.");
+    v("max_velocity_rad_s", max_velocity_rad_s, kPositive, "Max commanded joint velocity (rad/s).");
+    v("acceleration_rad_s2", acceleration_rad_s2, kPositive, "Max acceleration of commands (rad/s^2).");
+    v("max_stiffness_nm_rad", max_stiffness_nm_rad, kPositive, "Max joint stiffness (N m/rad).");
+    v("max_superposed_nm", max_superposed_nm, kNotNegative, "Max superposed torque (N m).");
     v("superposed_slope_nm_s", superposed_slope_nm_s, kPositive,
       "Fastest change of superposed torque (N m/s).");
     v("stale_s", stale_s, kPositive, "A measured state older than this ends command mode (s).");

@@ -39,7 +39,7 @@ struct GuardedCamera::Impl {
   std::optional<Vec3> calibrated_up_C, first_up_C;
 
   bool active = false, lost = false;
-  std::string because, last_error;  // of the loss; of the last frame that was dropped
+  std::string reason, last_error;  // of the loss; of the last frame that was dropped
   Timestamp newest{Timestamp::min()}, good_at{0}, changed_at{0};
   std::vector<float> picture;
   int bad = 0, good = 0;
@@ -57,11 +57,11 @@ struct GuardedCamera::Impl {
     moved.reset();
   }
 
-  void lose(std::string why) {
+  void note_device(std::string why) {
     good = 0;
     if (lost) return;
     lost = true;
-    because = std::move(why);
+    reason = std::move(why);
   }
 
   /// Why a frame cannot be used; nothing when it can.
@@ -97,13 +97,13 @@ struct GuardedCamera::Impl {
     if (!first_up_C) first_up_C = f.up_C;
     const double turned = angle_deg(*first_up_C, *f.up_C);
     if (turned > config.moved_deg)
-      return fmt::format(
-          "the camera was moved: it hangs {:.1f} deg otherwise than at the start; calibrate it", turned);
+      return fmt::format("the camera was moved: {:.1f} deg against gravity since the start; calibrate it",
+                         turned);
     if (!calibrated_up_C) return std::nullopt;
     const double off = angle_deg(*calibrated_up_C, *f.up_C);
     if (off > config.mounted_deg)
-      return fmt::format("the camera hangs {:.1f} deg otherwise than when it was calibrated; calibrate it",
-                         off);
+      return fmt::format(
+          "the camera was moved: {:.1f} deg against gravity since its calibration; calibrate it", off);
     return std::nullopt;
   }
 
@@ -114,7 +114,8 @@ struct GuardedCamera::Impl {
       ++rejected;
       last_error = std::move(*why);
       good = 0;
-      if (++bad >= config.bad_in_a_row) lose(fmt::format("{} bad frames in a row: {}", bad, last_error));
+      if (++bad >= config.bad_in_a_row)
+        note_device(fmt::format("{} bad frames in a row: {}", bad, last_error));
       return false;
     }
     bad = 0;
@@ -122,7 +123,7 @@ struct GuardedCamera::Impl {
     if (auto why = was_moved(f)) {
       ++rejected;
       moved = last_error = std::move(*why);
-      lose(*moved);
+      note_device(*moved);
       return false;
     }
     moved.reset();
@@ -132,7 +133,7 @@ struct GuardedCamera::Impl {
     } else if (seconds(now - changed_at) > config.frozen_s) {
       ++rejected;
       last_error = fmt::format("the same picture for {:.1f} s", seconds(now - changed_at));
-      lose(last_error);
+      note_device(last_error);
       return false;
     }
     const double age = seconds(now - f.exposed_at);
@@ -140,7 +141,7 @@ struct GuardedCamera::Impl {
     if (age_s > config.max_age_s) {
       ++rejected;
       last_error = fmt::format("frames are {:.0f} ms old when they come", 1e3 * age_s);
-      lose(last_error);
+      note_device(last_error);
       return false;
     }
     good_at = now;  // also while it is still counted: it is silent no more
@@ -188,28 +189,28 @@ DeviceHealth GuardedCamera::health() const {
   if (!g.last_error.empty() && h.last_error.empty()) h.last_error = g.last_error;
   if (g.active && g.lost) {
     h.state = DeviceHealth::State::Lost;
-    h.last_error = g.because;
+    h.last_error = g.reason;
   }
   return h;
 }
 
-Result<DepthFrame> GuardedCamera::next_frame(milliseconds patience) {
+Result<DepthFrame> GuardedCamera::next_frame(milliseconds timeout) {
   constexpr auto kWhere = "camera.next_frame";
   Impl& g = *impl_;
-  const Timestamp deadline = g.clock->now() + std::max(patience, milliseconds(0));
+  const Timestamp deadline = g.clock->now() + std::max(timeout, milliseconds(0));
   for (;;) {
     const auto left = std::chrono::duration_cast<milliseconds>(deadline - g.clock->now());
     auto frame = g.inner->next_frame(std::max(left, milliseconds(0)));
     if (!frame) {
       const bool silent = seconds(g.clock->now() - g.good_at) > g.config.silent_s;
       if (frame.error().code == ErrorCode::LinkLost)
-        g.lose(frame.error().detail);
+        g.note_device(frame.error().detail);
       else if (frame.error().code == ErrorCode::Timeout && silent && g.active)
-        g.lose(fmt::format("no good frame for {:.1f} s", seconds(g.clock->now() - g.good_at)));
+        g.note_device(fmt::format("no good frame for {:.1f} s", seconds(g.clock->now() - g.good_at)));
       if (g.moved && frame.error().code == ErrorCode::Timeout)
         return failure(ErrorCode::DeviceFault, kWhere, *g.moved);
       if (frame.error().code == ErrorCode::Timeout && g.lost)
-        return failure(ErrorCode::LinkLost, kWhere, g.because);
+        return failure(ErrorCode::LinkLost, kWhere, g.reason);
       return frame;
     }
     if (g.judge(*frame)) {
@@ -218,9 +219,9 @@ Result<DepthFrame> GuardedCamera::next_frame(milliseconds patience) {
     }
     if (g.moved) return failure(ErrorCode::DeviceFault, kWhere, *g.moved);
     if (g.clock->now() < deadline) continue;
-    if (g.lost) return failure(ErrorCode::LinkLost, kWhere, g.because);
+    if (g.lost) return failure(ErrorCode::LinkLost, kWhere, g.reason);
     return failure(ErrorCode::Timeout, kWhere,
-                   fmt::format("no good frame within {} ms: {}", patience.count(), g.last_error));
+                   fmt::format("no good frame within {} ms: {}", timeout.count(), g.last_error));
   }
 }
 

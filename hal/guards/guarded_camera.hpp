@@ -27,7 +27,7 @@ struct CameraGuardConfig {
       "The same picture to the last bit for this long is a dead camera (s); 0: not looked at.");
     v.renamed("least_seen", "min_valid_fraction");
     v("min_valid_fraction", min_valid_fraction, kFraction,
-      "A frame with a smaller part of pixels with depth shows nothing.");
+      "Min fraction of pixels with depth in a usable frame.");
     v("bad_in_a_row", bad_in_a_row, Range{1, 1000}, "So many bad frames in a row and the camera is lost.");
     v("good_to_return", good_to_return, Range{1, 1000},
       "So many good frames in a row and a lost one is back.");
@@ -60,7 +60,7 @@ class GuardedCamera final : public DepthCamera {
   [[nodiscard]] DeviceHealth health() const override;
   /// Errors: Timeout (none within `patience`, or only bad ones), LinkLost (the camera is lost; frames come
   /// again by themselves where the inner camera's do), DeviceFault (it was moved).
-  [[nodiscard]] Result<DepthFrame> next_frame(std::chrono::milliseconds patience) override;
+  [[nodiscard]] Result<DepthFrame> next_frame(std::chrono::milliseconds timeout) override;
 
  private:
   struct Impl;

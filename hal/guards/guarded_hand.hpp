@@ -15,7 +15,7 @@ struct HandGuardConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("max_torque_nm", max_torque_nm, kPositive, "Greatest closing torque at the fingertips (N m).");
+    v("max_torque_nm", max_torque_nm, kPositive, "Max closing torque at the fingertips (N m).");
     v("stale_s", stale_s, kPositive, "A state older than this is no state (s).");
   }
 };

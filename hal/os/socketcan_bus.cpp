@@ -65,9 +65,9 @@ class SocketcanBus final : public CanBus {
     health_.state = State::Closed;
   }
 
-  Received receive(CanFrame& into, Duration patience) noexcept override {
+  Received receive(CanFrame& into, Duration timeout) noexcept override {
     if (socket_ < 0) return Received::Down;
-    const Timestamp until = read_clock(CLOCK_MONOTONIC) + patience;
+    const Timestamp until = read_clock(CLOCK_MONOTONIC) + timeout;
     for (;;) {
       if (const auto got = read_one(into)) return *got;
       const Timestamp now = read_clock(CLOCK_MONOTONIC);

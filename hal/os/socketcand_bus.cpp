@@ -23,11 +23,11 @@ namespace {
 using State = CanHealth::State;
 using Kind = GatewayMessage::Kind;
 
-constexpr Duration kPatience = std::chrono::seconds(2);
+constexpr Duration kTimeout = std::chrono::seconds(2);
 
-bool wait_for(int socket, short events, Duration patience) {
-  const timespec wait{static_cast<time_t>(patience.count() / 1'000'000'000),
-                      static_cast<long>(patience.count() % 1'000'000'000)};
+bool wait_for(int socket, short events, Duration timeout) {
+  const timespec wait{static_cast<time_t>(timeout.count() / 1'000'000'000),
+                      static_cast<long>(timeout.count() % 1'000'000'000)};
   pollfd poll{socket, events, 0};
   return ::ppoll(&poll, 1, &wait, nullptr) > 0;
 }
@@ -49,7 +49,7 @@ class SocketcandBus final : public CanBus {
 
   Result<> open() override {
     close();
-    deadline_ = clock_.now() + kPatience;
+    deadline_ = clock_.now() + kTimeout;
     auto done = connect();
     if (done) done = shake_hands();
     if (!done) {
@@ -68,9 +68,9 @@ class SocketcandBus final : public CanBus {
     health_.state = State::Closed;
   }
 
-  Received receive(CanFrame& into, Duration patience) noexcept override {
+  Received receive(CanFrame& into, Duration timeout) noexcept override {
     if (socket_ < 0) return Received::Down;
-    const Timestamp until = clock_.now() + patience;
+    const Timestamp until = clock_.now() + timeout;
     for (;;) {
       if (take(into)) return Received::Frame;
       (void)flush();
@@ -120,7 +120,7 @@ class SocketcandBus final : public CanBus {
     addrinfo* found = nullptr;
     const int error = ::getaddrinfo(host_.c_str(), fmt::format("{}", port_).c_str(), &hints, &found);
     if (error != 0) return lost(fmt::format("no address for \"{}\": {}", host_, ::gai_strerror(error)));
-    deadline_ = clock_.now() + kPatience;
+    deadline_ = clock_.now() + kTimeout;
     int why = 0;
     for (const addrinfo* a = found; a != nullptr && socket_ < 0; a = a->ai_next) why = try_address(*a);
     ::freeaddrinfo(found);

@@ -48,13 +48,13 @@ class UdpLink final : public DatagramLink {
     socket_ = -1;
   }
 
-  Datagram receive(std::span<std::byte> into, Duration patience) noexcept override {
+  Datagram receive(std::span<std::byte> into, Duration timeout) noexcept override {
     Datagram got;
     if (socket_ < 0) {
       got.kind = Datagram::Kind::Broken;
       return got;
     }
-    const Timestamp until = clock_.now() + patience;
+    const Timestamp until = clock_.now() + timeout;
     for (;;) {
       sockaddr_in from{};
       socklen_t length = sizeof from;

@@ -18,13 +18,13 @@ namespace {
 constexpr std::size_t kDraw = 7;  // 9 unknowns, 14 equations
 // bounds of the iterations; they end earlier where they converge
 constexpr int kStartRounds = 12, kDrawSteps = 12, kFinalSteps = 60;
-constexpr std::size_t kLeastPoses = 5;  // 10 equations for 9 unknowns
+constexpr std::size_t kMinPoses = 5;  // 10 equations for 9 unknowns
 
 using Refusal = tl::unexpected<CalibrationRefusal>;
 
-Refusal refuse(std::string kind, std::string because, std::optional<Calibration> solved = std::nullopt) {
+Refusal refuse(std::string kind, std::string reason, std::optional<Calibration> solved = std::nullopt) {
   return tl::unexpected<CalibrationRefusal>(
-      CalibrationRefusal{std::move(kind), std::move(because), std::move(solved)});
+      CalibrationRefusal{std::move(kind), std::move(reason), std::move(solved)});
 }
 
 /// Model and inliers, before anything is said about them.
@@ -50,13 +50,13 @@ class Solver {
     const double least = config_.inlier_sigmas;
     for (const double sigmas : {2.0 * least, least, least}) {
       out.rows.samples = inliers(out.model, sigmas);
-      if (out.rows.samples.size() < kLeastPoses) return out;
+      if (out.rows.samples.size() < kMinPoses) return out;
       out.rows.huber = true;
       refine(samples_, out.rows, noise_, prior_, kFinalSteps, out.model);
     }
     add_depth(out);
     out.rows.samples = inliers(out.model, config_.inlier_sigmas);
-    if (out.rows.samples.size() < kLeastPoses) return out;
+    if (out.rows.samples.size() < kMinPoses) return out;
     out.rows.huber = false;
     refine(samples_, out.rows, noise_, prior_, kFinalSteps, out.model);
     return out;
@@ -136,24 +136,24 @@ class Solver {
   void add_depth(Estimate& e) const {
     if (!config_.use_depth) return;
     std::vector<bool> use(samples_.size(), false);
-    const auto fits = [&](double least_m) {
+    const auto fits = [&](double min_m) {
       int count = 0;
       for (const int i : e.rows.samples) {
         const EmitterSample& s = samples_[static_cast<std::size_t>(i)];
         const double z = e.model.in_camera(s.X_BH).z();
         const bool near = s.depth_m && std::abs(e.model.depth_scale * z + e.model.depth_offset_m -
-                                                *s.depth_m) < least_m + 4.0 * depth_sigma(z);
+                                                *s.depth_m) < min_m + 4.0 * depth_sigma(z);
         use[static_cast<std::size_t>(i)] = near;
         count += near ? 1 : 0;
       }
       return count;
     };
-    constexpr int kLeastDepths = 6;  // for a scale and an offset of their own
-    if (fits(config_.depth_gate_m) < kLeastDepths) return;
+    constexpr int kMinDepths = 6;  // for a scale and an offset of their own
+    if (fits(config_.depth_gate_m) < kMinDepths) return;
     e.rows.released = config_.intrinsics ? Released::Intrinsics : Released::DepthTerms;
     e.rows.use_depth = use;
     refine(samples_, e.rows, noise_, prior_, kFinalSteps, e.model);
-    if (fits(0.0) < kLeastDepths) {
+    if (fits(0.0) < kMinDepths) {
       e.rows.released = Released::Nothing;
       e.rows.use_depth.clear();
       return;
@@ -171,7 +171,7 @@ class Solver {
 /// Why these samples cannot be solved at all; nothing if they can.
 std::optional<CalibrationRefusal> objection(std::span<const EmitterSample> samples,
                                             const CalibrationConfig& config, PoseDiversity& diversity) {
-  if (samples.size() < kLeastPoses)
+  if (samples.size() < kMinPoses)
     return CalibrationRefusal{
         "few-poses",
         fmt::format("{} poses are too few; {} agreeing ones are needed", samples.size(), config.min_inliers),
@@ -201,7 +201,7 @@ std::optional<CalibrationRefusal> objection(std::span<const EmitterSample> sampl
         "one-orientation",
         fmt::format(
             "the palm has nearly one orientation at all poses (spread {:.1f} deg, needed {:.0f} about "
-            "two axes): the emitter's place in the palm cannot be told from the camera's",
+            "two axes): the emitter's position in the palm cannot be separated from the camera's",
             turn[0], config.min_rotation_deg),
         {}};
   if (turn[1] < config.min_rotation_deg)
@@ -334,7 +334,7 @@ tl::expected<Calibration, CalibrationRefusal> calibrate(std::span<const EmitterS
   const Solver solver(samples, camera, config);
   const auto estimate = solver.run(seed);
   const auto few = static_cast<std::size_t>(config.min_inliers);
-  if (!estimate || estimate->rows.samples.size() < kLeastPoses)
+  if (!estimate || estimate->rows.samples.size() < kMinPoses)
     return refuse("few-inliers", fmt::format("no {} of the {} poses fit any place of the camera{}", few,
                                              samples.size(), explain_misfit(samples, camera, config, seed)));
   Calibration c = describe(solver, *estimate, samples, config);

@@ -123,7 +123,7 @@ struct Calibration {
 /// Why there is no calibration.
 struct CalibrationRefusal {
   std::string kind;  ///< One word, for programs: "few-inliers", "one-orientation", "uncertain", ...
-  std::string because;
+  std::string reason;
   std::optional<Calibration> solved;  ///< As far as it came.
 };
 

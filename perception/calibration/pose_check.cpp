@@ -179,25 +179,25 @@ PoseCheck check_pose(const hal::DepthFrame& frame, const Pose& X_BC,
   const double off = out.arm_off_B.norm();
   if (ground_B && hal::rad_to_deg(out.tilt_rad) > config.max_tilt_deg) {
     out.good = false;
-    out.because = fmt::format(
+    out.reason = fmt::format(
         "the camera is not where its calibration says: the ground is seen tilted by {:.1f} deg "
         "(at most {:.1f}); calibrate again",
         hal::rad_to_deg(out.tilt_rad), config.max_tilt_deg);
   } else if (ground_B && out.height_m < -config.max_height_m) {
     out.good = false;
-    out.because = fmt::format(
+    out.reason = fmt::format(
         "the camera is not where its calibration says: the ground is seen {:.0f} mm below the "
         "robot's floor (at most {:.0f}); calibrate again",
         -1e3 * out.height_m, 1e3 * config.max_height_m);
   } else if (arm_seen && off > config.max_arm_m) {
     out.good = false;
-    out.because = fmt::format(
+    out.reason = fmt::format(
         "the camera is not where its calibration says: the arm is seen {:.0f} mm beside its "
         "model, at ({:.0f}, {:.0f}, {:.0f}) mm in the base (at most {:.0f}); calibrate again",
         1e3 * off, 1e3 * out.arm_off_B.x(), 1e3 * out.arm_off_B.y(), 1e3 * out.arm_off_B.z(),
         1e3 * config.max_arm_m);
   } else {
-    out.because = fmt::format(
+    out.reason = fmt::format(
         "ground {}, {}",
         ground_B ? fmt::format("{:.1f} deg from level", hal::rad_to_deg(out.tilt_rad))
                  : std::string("not seen"),

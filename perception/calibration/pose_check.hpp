@@ -53,7 +53,7 @@ struct PoseCheckConfig {
 /// What was seen of the camera's pose.
 struct PoseCheck {
   bool good = true;
-  std::string because;  ///< One sentence with numbers, either way.
+  std::string reason;  ///< One sentence with numbers, either way.
   double tilt_rad = 0.0;
   double height_m = 0.0;          ///< Of the ground seen, over the robot's floor.
   int arm_points = 0;             ///< 0: the arm is not in view.

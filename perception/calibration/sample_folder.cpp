@@ -152,7 +152,7 @@ hal::Result<SampleSet> load_samples(const std::filesystem::path& folder, const h
       if (spot)
         read.spot = *spot;
       else
-        read.refused = spot.error().because;
+        read.refused = spot.error().reason;
     }
     out.read.push_back(read);
     if (!read.spot) continue;

@@ -16,8 +16,8 @@ using Eigen::Vector2d;
 using Kept = std::vector<const hal::InfraredFrame*>;
 using Found = tl::expected<Spot, SpotRefusal>;
 
-tl::unexpected<SpotRefusal> refuse(const char* kind, std::string because) {
-  return tl::unexpected<SpotRefusal>(SpotRefusal{kind, std::move(because)});
+tl::unexpected<SpotRefusal> refuse(const char* kind, std::string reason) {
+  return tl::unexpected<SpotRefusal>(SpotRefusal{kind, std::move(reason)});
 }
 
 bool fits(const hal::InfraredFrame& f, int width, int height) {
@@ -304,7 +304,7 @@ Found find_spot(std::span<const hal::InfraredFrame> off, std::span<const hal::In
 Found find_blinking_spot(std::span<const hal::InfraredFrame> frames, const SpotConfig& config) {
   if (frames.size() < 4)
     return refuse("images",
-                  fmt::format("{} images are too few to tell which show the emitter", frames.size()));
+                  fmt::format("{} images are too few to find out which show the emitter", frames.size()));
   const int width = frames.front().width, height = frames.front().height;
   for (const auto& f : frames)
     if (!fits(f, width, height))
@@ -372,7 +372,7 @@ Found find_blinking_spot(std::span<const hal::InfraredFrame> frames, const SpotC
 
 std::optional<double> depth_near(const hal::DepthFrame& depth, const Eigen::Vector2d& pixel) {
   constexpr double kInner_px = 5.0, kOuter_px = 12.0, kDeep_m = 0.04;
-  constexpr std::size_t kLeast = 8;
+  constexpr std::size_t kMin = 8;
   const int width = depth.intrinsics.width, height = depth.intrinsics.height;
   if (!pixel.allFinite() || width <= 0 || height <= 0 ||
       depth.depth_m.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height))
@@ -388,7 +388,7 @@ std::optional<double> depth_near(const hal::DepthFrame& depth, const Eigen::Vect
       const float z = depth.depth_m[static_cast<std::size_t>(v * width + u)];
       if (r >= kInner_px && r <= kOuter_px && z > 0.0f) ring.push_back(z);
     }
-  if (ring.size() < kLeast) return std::nullopt;
+  if (ring.size() < kMin) return std::nullopt;
   std::sort(ring.begin(), ring.end());
   // fingers and floor are in the ring too; the quarter points tell whether the palm fills it
   if (static_cast<double>(ring[3 * ring.size() / 4] - ring[ring.size() / 4]) > kDeep_m) return std::nullopt;

@@ -71,7 +71,7 @@ struct Spot {
 /// Why an image has no spot: "dark", "faint", "large", "moving", "rival", "border", "unsteady", "images".
 struct SpotRefusal {
   std::string kind;
-  std::string because;
+  std::string reason;
 };
 
 /// Finds what is brighter with the emitter on: difference of the mean images, connected blobs above noise

@@ -55,7 +55,7 @@ struct GroundConfig {
 /// The ground, where one was found.
 struct GroundResult {
   std::optional<Ground> ground;
-  std::string because;  ///< What was found, or why nothing was.
+  std::string reason;  ///< What was found, or why nothing was.
 };
 
 /// The plane that things stand on. Level planes are voted by the planes of image blocks; of those with a fair

@@ -247,9 +247,9 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
       if (d < best) std::tie(best, chosen) = std::pair(d, &f);
     }
     if (chosen)
-      result.because = fmt::format("the object {:.0f} mm from the given point", 1000 * best);
+      result.reason = fmt::format("the object {:.0f} mm from the given point", 1000 * best);
     else
-      result.because = "nothing stands on the ground";
+      result.reason = "there is no object on the ground";
   } else {
     for (const Fragment& f : objects) {
       if (auto no = objection(f, c)) {
@@ -269,32 +269,32 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
                                  fmt::format("it shows {:.0f} cm2, less than the target", 1e4 * rank(f))});
     }
     if (chosen) {
-      result.because =
+      result.reason =
           fmt::format("the largest free-standing object: {:.0f} cm2 visible at {:.2f} m, {:.2f} m high",
                       1e4 * chosen->area_m2, chosen->mean_depth_m, chosen->max_height_m);
-      if (second) result.because += fmt::format("; the next one shows {:.0f} cm2", 1e4 * rank(*second));
+      if (second) result.reason += fmt::format("; the next one shows {:.0f} cm2", 1e4 * rank(*second));
       const double top = top_cut(*chosen);
       if (top > kReportedTopCut)
-        result.because +=
+        result.reason +=
             fmt::format("; the view cuts {:.0f} % of its upper side, so its height is not known", 100 * top);
       const Cut cut = lateral_cut(*chosen);
       if (cut.fraction > kReportedSideCut)
-        result.because +=
+        result.reason +=
             fmt::format("; {:.0f} % of its {} side touch the rim of the view", 100 * cut.fraction, cut.side);
     } else if (result.rejected.empty()) {
-      result.because = "no target: nothing stands on the ground";
+      result.reason = "no target: there is no object on the ground";
     } else {
       std::stable_sort(result.rejected.begin(), result.rejected.end(),
                        [](const auto& a, const auto& b) { return a.pixels > b.pixels; });
-      result.because = fmt::format("no target: none of {} objects stands free; the largest: {}",
-                                   result.rejected.size(), result.rejected.front().because);
+      result.reason = fmt::format("no target: none of {} objects is free-standing; the largest: {}",
+                                  result.rejected.size(), result.rejected.front().reason);
     }
   }
   std::stable_sort(result.rejected.begin(), result.rejected.end(),
                    [](const auto& a, const auto& b) { return a.pixels > b.pixels; });
   if (chosen) {
     result.target = make_target(*chosen, cloud, components, ground, on_wall, jump, c);
-    result.target->because = result.because;
+    result.target->reason = result.reason;
   }
   return result;
 }

@@ -83,14 +83,14 @@ struct RejectedObject {
   Kind kind = Kind::Small;
   Vec3 center = Vec3::Zero();  ///< Middle of its box in W (m).
   std::size_t pixels = 0;
-  std::string because;
+  std::string reason;
 };
 
 /// The target, where there is one, and the objects that were refused.
 struct TargetResult {
   std::optional<Target> target;  ///< Without surfaces and completion: shape equals obb, cog its centre.
   std::vector<RejectedObject> rejected;  ///< Largest first.
-  std::string because;
+  std::string reason;
 };
 
 /// The object to be carried: the largest free-standing one on the ground, or the one nearest to `at_W`.

@@ -16,7 +16,7 @@ namespace {
 using hal::Vec3;
 
 // OctoMap's defaults: hit 0.7, miss 0.4, clamped at 0.12 and 0.97, as hundredths of log odds.
-constexpr std::int16_t kHit = 85, kMiss = -40, kLeast = -200, kMost = 350;
+constexpr std::int16_t kHit = 85, kMiss = -40, kMin = -200, kMost = 350;
 constexpr double kLargestGrid = 4e8;  // cells; beyond it a configuration is a mistake
 
 /// Whole cells around the mapped space, corners at multiples of the cell as OctoMap has them.
@@ -114,7 +114,7 @@ void WorldMap::insert(const OrganisedCloud& cloud, std::span<const std::uint32_t
   for (std::size_t i = 0; i < m.view.size(); ++i) {
     int odds = m.log_odds[i];
     if (m.view[i] == CellView::Hit) odds = std::min<int>(odds + kHit, kMost);
-    if (m.view[i] == CellView::Through) odds = std::max<int>(odds + kMiss, kLeast);
+    if (m.view[i] == CellView::Through) odds = std::max<int>(odds + kMiss, kMin);
     m.set(i, static_cast<std::int16_t>(odds));
   }
 }
@@ -122,7 +122,7 @@ void WorldMap::insert(const OrganisedCloud& cloud, std::span<const std::uint32_t
 void WorldMap::carve(const hal::Aabb& box_W) {
   Impl& m = *impl_;
   m.tree.reset();
-  m.in_box(box_W, [&](std::size_t cell, const Vec3&) { m.set(cell, kLeast); });
+  m.in_box(box_W, [&](std::size_t cell, const Vec3&) { m.set(cell, kMin); });
 }
 
 void WorldMap::carve_robot(const hal::RobotModel& model, const hal::JointVector& q_rad,
@@ -138,7 +138,7 @@ void WorldMap::carve_robot(const hal::RobotModel& model, const hal::JointVector&
       const Vec3 reach = X_WS.linear().cwiseAbs() * half_size(shape) + Vec3::Constant(padding);
       m.in_box({X_WS.translation() - reach, X_WS.translation() + reach},
                [&](std::size_t cell, const Vec3& middle) {
-                 if (distance_to(shape, X_SW * middle) <= padding) m.set(cell, kLeast);
+                 if (distance_to(shape, X_SW * middle) <= padding) m.set(cell, kMin);
                });
     }
   }
@@ -207,7 +207,7 @@ hal::Result<WorldMap> WorldMap::from_tree(const octomap::OcTree& tree, const Wor
       for (int x = 0; x < m.grid.nx; ++x) {
         const Vec3 p = m.grid.middle(x, y, z);
         if (const auto* node = tree.search(p.x(), p.y(), p.z()))
-          m.set(m.grid.index(x, y, z), tree.isNodeOccupied(node) ? kMost : kLeast);
+          m.set(m.grid.index(x, y, z), tree.isNodeOccupied(node) ? kMost : kMin);
       }
     }
   }

@@ -197,12 +197,12 @@ struct ObjectFollower::Impl {
     const double part = static_cast<double>(sums.found) / static_cast<double>(samples.size());
     const Information sure = sums.information - part * uncertain_normals;
     const Eigen::SelfAdjointEigenSolver<Information> eigen(sure);
-    constexpr double kLeast = 1.0 / (ObjectMotion::kUnknown * ObjectMotion::kUnknown);
+    constexpr double kMin = 1.0 / (ObjectMotion::kUnknown * ObjectMotion::kUnknown);
     const double misfit = sums.squares / static_cast<double>(std::max<std::size_t>(1, sums.found));
     const double spread = config.shared_noise_factor * std::max(1.0, misfit);
     Twist variance;
     for (int i = 0; i < 6; ++i)
-      variance[i] = std::min(spread / std::max(eigen.eigenvalues()[i], kLeast), 1.0 / kLeast);
+      variance[i] = std::min(spread / std::max(eigen.eigenvalues()[i], kMin), 1.0 / kMin);
     Information to_W = Information::Zero();
     to_W.topLeftCorner<3, 3>() = X_WC.linear();
     to_W.bottomRightCorner<3, 3>() = X_WC.linear() / kTurn_m;
@@ -224,10 +224,10 @@ struct ObjectFollower::Impl {
   }
 
   std::optional<ObjectMotion> update(const hal::CameraIntrinsics& now, const std::vector<float>& depth_m,
-                                     std::string* because) {
+                                     std::string* reason) {
     const auto refuse = [&](auto&& reason) -> std::optional<ObjectMotion> {
       missed = std::min(missed + 1, config.max_search_steps);
-      if (because) *because = reason();
+      if (reason) *reason = reason();
       return std::nullopt;
     };
     if (now.width != k.width || now.height != k.height || depth_m.size() != ray_x.size() * ray_y.size())
@@ -256,7 +256,7 @@ struct ObjectFollower::Impl {
 
     last = motion;
     missed = 0;
-    if (because) because->clear();
+    if (reason) reason->clear();
     ObjectMotion result;
     Pose X_C = Pose::Identity();
     X_C.linear() = motion.turn;
@@ -310,14 +310,14 @@ void ObjectFollower::start_again() {
   last_.center_W = impl_->X_WC * impl_->samples.middle;
 }
 
-std::optional<ObjectMotion> ObjectFollower::update(const OrganisedCloud& current, std::string* because) {
-  auto motion = impl_->update(current.intrinsics, current.depth_m, because);
+std::optional<ObjectMotion> ObjectFollower::update(const OrganisedCloud& current, std::string* reason) {
+  auto motion = impl_->update(current.intrinsics, current.depth_m, reason);
   if (motion) last_ = *motion;
   return motion;
 }
 
-std::optional<ObjectMotion> ObjectFollower::update(const hal::DepthFrame& current, std::string* because) {
-  auto motion = impl_->update(current.intrinsics, current.depth_m, because);
+std::optional<ObjectMotion> ObjectFollower::update(const hal::DepthFrame& current, std::string* reason) {
+  auto motion = impl_->update(current.intrinsics, current.depth_m, reason);
   if (motion) last_ = *motion;
   return motion;
 }

@@ -105,10 +105,10 @@ class ObjectFollower {
   /// or what was found is no small motion; the last motion then stays, and the next frame is searched wider.
   /// Does not allocate (but for the reason). Only the depths are read.
   [[nodiscard]] std::optional<ObjectMotion> update(const OrganisedCloud& current,
-                                                   std::string* because = nullptr);
+                                                   std::string* reason = nullptr);
   /// The same from a frame of the camera that took the reference; no points in W are needed.
   [[nodiscard]] std::optional<ObjectMotion> update(const hal::DepthFrame& current,
-                                                   std::string* because = nullptr);
+                                                   std::string* reason = nullptr);
 
   /// It stands where the reference saw it, or near: what was followed before is forgotten.
   void start_again();

@@ -175,7 +175,7 @@ void PartnerFinder::choose_components() {
   }
 }
 
-void PartnerFinder::collect_skin(const OrganisedCloud& current, PartnerSighting& sighting) {
+void PartnerFinder::collect_skin(const OrganisedCloud& current, PartnerObservation& observation) {
   skin_.clear();
   body_m2_ = 0.0;
   const double per_pixel = 1.0 / (intrinsics_.fx * intrinsics_.fy);
@@ -201,14 +201,14 @@ void PartnerFinder::collect_skin(const OrganisedCloud& current, PartnerSighting&
       if (bin < histogram.size()) histogram[bin] += area;
     }
     for (std::int32_t u = run.u_begin; u < run.u_end; ++u) {
-      sighting.pixels.push_back(static_cast<std::uint32_t>(row) + static_cast<std::uint32_t>(u));
+      observation.pixels.push_back(static_cast<std::uint32_t>(row) + static_cast<std::uint32_t>(u));
     }
   }
   double area = 0.0;
   for (std::size_t bin = 0; bin < histogram.size(); ++bin) {
     area += histogram[bin];
     if (area < config_.fingertip_m2) continue;
-    sighting.nearest_m = (static_cast<double>(bin) + 0.5) * kBin_m;
+    observation.nearest_m = (static_cast<double>(bin) + 0.5) * kBin_m;
     break;
   }
 }
@@ -249,100 +249,101 @@ std::optional<PartnerContact> PartnerFinder::contact(int hand) {
 }
 
 // All touches that may be hands go to the sighting; returns the number of the others.
-std::size_t PartnerFinder::drop_legs(const OrganisedCloud& current, PartnerSighting& sighting) {
+std::size_t PartnerFinder::drop_legs(const OrganisedCloud& current, PartnerObservation& observation) {
   std::vector<Vec3> legs;
   for (int hand = 0; hand < hands_; ++hand) {
     const auto found = contact(hand);
     if (!found) continue;
-    if (leg_sign(current, sighting.pixels, found->position, ground_, false, config_.legs) == LegSign::None)
-      sighting.contacts.push_back(*found);
+    if (leg_sign(current, observation.pixels, found->position, ground_, false, config_.legs) == LegSign::None)
+      observation.contacts.push_back(*found);
     else
       legs.push_back(found->position);
   }
   // who leans against the object with one leg does so with the other, which the object may hide
-  const std::size_t others = std::erase_if(sighting.contacts, [&](const PartnerContact& c) {
+  const std::size_t others = std::erase_if(observation.contacts, [&](const PartnerContact& c) {
     return std::any_of(
                legs.begin(), legs.end(),
                [&](const Vec3& leg) { return (leg - c.position).norm() < config_.legs.leg_distance_m; }) &&
-           leg_sign(current, sighting.pixels, c.position, ground_, true, config_.legs) != LegSign::None;
+           leg_sign(current, observation.pixels, c.position, ground_, true, config_.legs) != LegSign::None;
   });
   return legs.size() + others;
 }
 
-hal::Result<PartnerSighting> PartnerFinder::find(const OrganisedCloud& current) {
+hal::Result<PartnerObservation> PartnerFinder::find(const OrganisedCloud& current) {
   if (!same_camera(current)) {
     return failure(
         ErrorCode::BadInput, "partner: frame",
         fmt::format("{} x {} pixels; the reference has {} x {}, and the camera must not have moved",
                     current.width(), current.height(), intrinsics_.width, intrinsics_.height));
   }
-  PartnerSighting sighting;
+  PartnerObservation observation;
   if (const double moved = moved_part(current); moved > config_.max_uncovered_fraction) {
-    sighting.kind = PartnerKind::ObjectMoved;
-    sighting.because = fmt::format(
+    observation.kind = PartnerKind::ObjectMoved;
+    observation.reason = fmt::format(
         "{:.0f} % of the object's pixels show what was behind it (at most {:.0f} %): it is no "
         "longer where the reference shows it",
         100.0 * moved, 100.0 * config_.max_uncovered_fraction);
-    return sighting;
+    return observation;
   }
   if (const double receded = receded_part(current); receded > config_.max_receded_fraction) {
-    sighting.kind = PartnerKind::ObjectMoved;
-    sighting.because = fmt::format(
-        "{:.1f} % of the view lie farther than in the reference (at most {:.1f} %), and nobody uncovers so "
+    observation.kind = PartnerKind::ObjectMoved;
+    observation.reason = fmt::format(
+        "{:.1f} % of the view lie farther than in the reference (max {:.1f} %), and no person uncovers so "
         "much by "
         "coming: the camera or the scene moved",
         100.0 * receded, 100.0 * config_.max_receded_fraction);
-    return sighting;
+    return observation;
   }
   change_.compare(current);
-  collect_skin(current, sighting);
+  collect_skin(current, observation);
   if (body_m2_ == 0.0) {
-    sighting.because = fmt::format("nothing of a hand's size ({:.0f} cm2) came within {:.2f} m of the object",
-                                   1e4 * config_.min_body_m2, config_.reach_m);
-    return sighting;
+    observation.reason =
+        fmt::format("nothing of a hand's size ({:.0f} cm2) came within {:.2f} m of the object",
+                    1e4 * config_.min_body_m2, config_.reach_m);
+    return observation;
   }
-  if (!sighting.nearest_m || *sighting.nearest_m >= config_.clear_m) {
-    sighting.kind = PartnerKind::PasserBy;
-    sighting.because = fmt::format("a body of {:.0f} cm2 keeps {} {:.0f} cm from the object", 1e4 * body_m2_,
-                                   sighting.nearest_m ? "about" : "more than",
-                                   100.0 * sighting.nearest_m.value_or(config_.clear_m));
-    return sighting;
+  if (!observation.nearest_m || *observation.nearest_m >= config_.clear_m) {
+    observation.kind = PartnerKind::PasserBy;
+    observation.reason = fmt::format("a body of {:.0f} cm2 keeps {} {:.0f} cm from the object",
+                                     1e4 * body_m2_, observation.nearest_m ? "about" : "more than",
+                                     100.0 * observation.nearest_m.value_or(config_.clear_m));
+    return observation;
   }
   separate_hands();
-  const std::size_t legs = drop_legs(current, sighting);
-  std::stable_sort(sighting.contacts.begin(), sighting.contacts.end(),
+  const std::size_t legs = drop_legs(current, observation);
+  std::stable_sort(observation.contacts.begin(), observation.contacts.end(),
                    [](const PartnerContact& a, const PartnerContact& b) { return a.points > b.points; });
   const auto max_hands = static_cast<std::size_t>(config_.max_hands);
-  if (sighting.contacts.size() > max_hands) sighting.contacts.resize(max_hands);
-  if (sighting.contacts.empty()) {
-    sighting.kind = PartnerKind::Near;
-    sighting.because =
+  if (observation.contacts.size() > max_hands) observation.contacts.resize(max_hands);
+  if (observation.contacts.empty()) {
+    observation.kind = PartnerKind::Near;
+    observation.reason =
         legs > 0
             ? "a leg or the trunk of a person touches the object, and no hand does"
             : fmt::format("the nearest part of a body is {:.0f} mm from the object and does not touch it",
-                          1000.0 * *sighting.nearest_m);
-    return sighting;
+                          1000.0 * *observation.nearest_m);
+    return observation;
   }
-  sighting.kind = PartnerKind::Grasp;
+  observation.kind = PartnerKind::Grasp;
   PartnerGrasp grasp;
-  const double n = static_cast<double>(sighting.contacts.size());
-  for (const PartnerContact& hand : sighting.contacts) {
+  const double n = static_cast<double>(observation.contacts.size());
+  for (const PartnerContact& hand : observation.contacts) {
     grasp.position += hand.position / n;
     grasp.covariance += hand.covariance / (n * n);
     grasp.points += hand.points;
     grasp.skin = grasp.skin.value_or(Vec3::Zero()) + hand.skin / n;
   }
-  sighting.grasp = grasp;
+  observation.grasp = grasp;
   const double sigma = std::sqrt(grasp.covariance.trace() / 3.0);
-  sighting.because =
-      sighting.contacts.size() == 1
+  observation.reason =
+      observation.contacts.size() == 1
           ? fmt::format(
                 "a hand touches the object at ({:.2f}, {:.2f}, {:.2f}) m, +- {:.0f} mm, seen in {} points",
                 grasp.position.x(), grasp.position.y(), grasp.position.z(), 1000.0 * sigma, grasp.points)
           : fmt::format("{} hands touch the object; their middle is ({:.2f}, {:.2f}, {:.2f}) m, +- {:.0f} mm",
-                        sighting.contacts.size(), grasp.position.x(), grasp.position.y(), grasp.position.z(),
-                        1000.0 * sigma);
-  return sighting;
+                        observation.contacts.size(), grasp.position.x(), grasp.position.y(),
+                        grasp.position.z(), 1000.0 * sigma);
+  return observation;
 }
 
 }  // namespace colift::perception

@@ -115,7 +115,7 @@ struct PartnerContact {
 };
 
 /// What one frame shows of the partner.
-struct PartnerSighting {
+struct PartnerObservation {
   PartnerKind kind = PartnerKind::None;
   /// Set with kind Grasp. With two hands the position is the middle between the contacts: two hands that
   /// share their load equally act like one there, which is what the load-sharing decision asks for.
@@ -124,7 +124,7 @@ struct PartnerSighting {
   std::optional<double>
       nearest_m;  ///< Smallest distance of a changed body from the object, when within reach.
   std::vector<std::uint32_t> pixels;  ///< Changed pixels of the bodies near the object, ascending.
-  std::string because;                ///< What was seen, in a person's words, with numbers.
+  std::string reason;                 ///< What was seen, in a person's words, with numbers.
 };
 
 /// Finds the partner's hands on one object. The reference image and the object are digested once (a few
@@ -140,7 +140,7 @@ class PartnerFinder {
                                                        const PartnerConfig& config);
 
   /// Errors: BadInput when the frame's size or camera pose is not the reference's.
-  [[nodiscard]] hal::Result<PartnerSighting> find(const OrganisedCloud& current);
+  [[nodiscard]] hal::Result<PartnerObservation> find(const OrganisedCloud& current);
 
   /// Outline of the object as the camera sees it (points in W): where a hand can reach around.
   [[nodiscard]] const std::vector<Eigen::Vector3f>& rim() const { return rim_; }
@@ -164,12 +164,12 @@ class PartnerFinder {
   [[nodiscard]] double moved_part(const OrganisedCloud& current) const;
   [[nodiscard]] double receded_part(const OrganisedCloud& current) const;
   void choose_components();
-  void collect_skin(const OrganisedCloud& current, PartnerSighting& sighting);
+  void collect_skin(const OrganisedCloud& current, PartnerObservation& observation);
   void separate_hands();
   [[nodiscard]] float touch_gap(float depth_m) const;
   [[nodiscard]] float hand_gap(float depth_m) const;
   [[nodiscard]] std::optional<PartnerContact> contact(int hand);
-  std::size_t drop_legs(const OrganisedCloud& current, PartnerSighting& sighting);
+  std::size_t drop_legs(const OrganisedCloud& current, PartnerObservation& observation);
   void number_patch_cells();
   void find_rim(const ReferenceImage& reference);
 

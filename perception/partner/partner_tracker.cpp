@@ -70,7 +70,7 @@ bool PartnerTracker::strays(const PartnerGrasp& seen) const {
          (seen.position - mean_).norm() > config_.rest_m;
 }
 
-std::optional<PartnerEvent> PartnerTracker::lose(hal::Timestamp at, const std::string& seen_instead) {
+std::optional<PartnerEvent> PartnerTracker::note_device(hal::Timestamp at, const std::string& seen_instead) {
   const bool held = state_ == State::Holding;
   state_ = State::Away;
   if (!held) return std::nullopt;
@@ -90,34 +90,34 @@ std::optional<PartnerEvent> PartnerTracker::confirm(hal::Timestamp at) {
 
 std::optional<PartnerEvent> PartnerTracker::tick(hal::Timestamp now) {
   if (state_ == State::Away || hal::seconds(now - last_contact_) <= config_.let_go_s) return std::nullopt;
-  return lose(now, "no new frame shows it");
+  return note_device(now, "no new frame shows it");
 }
 
-std::optional<PartnerEvent> PartnerTracker::update(hal::Timestamp at, const PartnerSighting& sighting) {
+std::optional<PartnerEvent> PartnerTracker::update(hal::Timestamp at, const PartnerObservation& observation) {
   if (last_frame_ && at <= *last_frame_) return std::nullopt;
   last_frame_ = at;
 
-  const bool contact = sighting.kind == PartnerKind::Grasp && sighting.grasp.has_value();
+  const bool contact = observation.kind == PartnerKind::Grasp && observation.grasp.has_value();
   if (state_ != State::Away && hal::seconds(at - last_contact_) > config_.let_go_s) {
     // what happened in the gap is unknown, so a contact after it begins a new dwell
-    auto event = lose(at, contact ? "the frames between are missing" : sighting.because);
-    if (contact) start(at, *sighting.grasp);
+    auto event = note_device(at, contact ? "the frames between are missing" : observation.reason);
+    if (contact) start(at, *observation.grasp);
     return event;
   }
   if (!contact) return std::nullopt;
   if (state_ == State::Away) {
-    start(at, *sighting.grasp);
+    start(at, *observation.grasp);
     return confirm(at);
   }
   // a hand that is still on its way does not dwell; one frame that shows less of it is no way
-  if (state_ == State::Touching && strays(*sighting.grasp)) {
+  if (state_ == State::Touching && strays(*observation.grasp)) {
     last_contact_ = at;
     if (++elsewhere_in_a_row_ < config_.moved_frames) return std::nullopt;
-    start(at, *sighting.grasp);
+    start(at, *observation.grasp);
     return confirm(at);
   }
-  if (!elsewhere(*sighting.grasp)) {
-    add(at, *sighting.grasp);
+  if (!elsewhere(*observation.grasp)) {
+    add(at, *observation.grasp);
     return confirm(at);
   }
 
@@ -126,7 +126,7 @@ std::optional<PartnerEvent> PartnerTracker::update(hal::Timestamp at, const Part
   if (++elsewhere_in_a_row_ < config_.moved_frames) return std::nullopt;
   const bool held = state_ == State::Holding;
   const Vec3 before = mean_;
-  start(at, *sighting.grasp);
+  start(at, *observation.grasp);
   if (!held) return confirm(at);
   return PartnerEvent{
       PartnerEvent::Kind::Moved, at,

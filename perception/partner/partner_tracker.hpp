@@ -47,7 +47,7 @@ struct PartnerEvent {
   };
   Kind kind;
   hal::Timestamp at{0};
-  std::string because;  ///< In a person's words, with numbers.
+  std::string reason;  ///< In a person's words, with numbers.
 };
 
 /// Follows one partner over frames. Pure: its answers depend only on what it was handed, times included.
@@ -62,7 +62,7 @@ class PartnerTracker {
   explicit PartnerTracker(const TrackerConfig& config) : config_(config) {}
 
   /// A frame measured at `at`. A frame that is not newer than the last one is ignored.
-  std::optional<PartnerEvent> update(hal::Timestamp at, const PartnerSighting& sighting);
+  std::optional<PartnerEvent> update(hal::Timestamp at, const PartnerObservation& observation);
 
   /// No frame came, and it is `now`: a camera that fell silent must not keep a grasp alive.
   std::optional<PartnerEvent> tick(hal::Timestamp now);
@@ -83,7 +83,7 @@ class PartnerTracker {
   void add(hal::Timestamp at, const PartnerGrasp& seen);
   [[nodiscard]] bool strays(const PartnerGrasp& seen) const;
   [[nodiscard]] bool elsewhere(const PartnerGrasp& seen) const;
-  std::optional<PartnerEvent> lose(hal::Timestamp at, const std::string& seen_instead);
+  std::optional<PartnerEvent> note_device(hal::Timestamp at, const std::string& seen_instead);
   std::optional<PartnerEvent> confirm(hal::Timestamp at);
 
   TrackerConfig config_;

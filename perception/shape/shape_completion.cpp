@@ -30,7 +30,7 @@ void doubt_load(CompletedShape& shape, const ShapeEvidence& seen, const Rectangl
     const Vec3 away = config.load_sigma * (sum / count - shape.cog);
     shape.covariance += away * away.transpose();
   }
-  shape.because += fmt::format(
+  shape.reason += fmt::format(
       "; {:.0f} % of its points stand on it, and what that weighs is not known (no chair: its top is {:.2f} "
       "x "
       "{:.2f} m at {:.2f} m)",

@@ -103,8 +103,8 @@ struct CompletedShape {
   Kind kind = Kind::Mirrored;
   Vec3 cog = Vec3::Zero();                               ///< Centroid at uniform density, in W (m).
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< Of the centroid (m^2).
-  OrientedBox box;      ///< That the whole object fills; third axis nearest to up.
-  std::string because;  ///< What was assumed, in a person's words, with numbers.
+  OrientedBox box;     ///< That the whole object fills; third axis nearest to up.
+  std::string reason;  ///< What was assumed, in a person's words, with numbers.
 };
 
 /// Completes the visible side of an object, by the first of these that fits: a cylinder is as its mantle

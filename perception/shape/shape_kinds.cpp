@@ -70,8 +70,8 @@ CompletedShape complete_cylinder(const ShapeEvidence& seen, const CompletionConf
   const double along = 2.0 * seen.end_sigma(c.length), across = 0.02 * c.radius + 0.15 * seen.depth_sigma_m();
   s.covariance = spread(s.box.axes, Vec3(along, across, across));
   put_up_last(s.box, up);
-  s.because = fmt::format("a cylinder of radius {:.0f} mm and length {:.2f} m, symmetric about its axis{}",
-                          1000 * c.radius, c.length, stands ? ", standing on the ground" : "");
+  s.reason = fmt::format("a cylinder of radius {:.0f} mm and length {:.2f} m, symmetric about its axis{}",
+                         1000 * c.radius, c.length, stands ? ", standing on the ground" : "");
   return s;
 }
 
@@ -89,15 +89,15 @@ CompletedShape complete_block(const ShapeEvidence& seen, const ShapeEvidence::Wi
       s.box.axes, Vec3(seen.side_sigma(widened, 0), seen.side_sigma(widened, 1), seen.level_sigma(0.5)));
   // without a look at the sides it may as well be a plate
   if (!(support == support)) s.covariance += 0.04 * height * height * up * up.transpose();
-  s.because = support == support
-                  ? fmt::format(
-                        "a closed body under its {:.2f} x {:.2f} m top: {:.0f} % of the sides that face "
-                        "the camera were seen; continued to the ground {:.2f} m below",
-                        top.size.x(), top.size.y(), 100 * support, height)
-                  : fmt::format(
-                        "no side of what lies under its {:.2f} x {:.2f} m top was in view: taken as a "
-                        "closed body down to the ground {:.2f} m below",
-                        top.size.x(), top.size.y(), height);
+  s.reason = support == support
+                 ? fmt::format(
+                       "a closed body under its {:.2f} x {:.2f} m top: {:.0f} % of the sides that face "
+                       "the camera were seen; continued to the ground {:.2f} m below",
+                       top.size.x(), top.size.y(), 100 * support, height)
+                 : fmt::format(
+                       "no side of what lies under its {:.2f} x {:.2f} m top was in view: taken as a "
+                       "closed body down to the ground {:.2f} m below",
+                       top.size.x(), top.size.y(), height);
   return s;
 }
 
@@ -123,7 +123,7 @@ CompletedShape complete_plate(const ShapeEvidence& seen, const ShapeEvidence::Wi
   const double doubt = (thickness ? 0.12 : 0.3) + (leg ? 0.15 : 0.4);
   const double vertical = std::hypot(seen.level_sigma(1.0), doubt * in_legs * (1 - in_legs) * 0.5 * height);
   s.covariance = spread(s.box.axes, Vec3(seen.side_sigma(widened, 0), seen.side_sigma(widened, 1), vertical));
-  s.because = fmt::format(
+  s.reason = fmt::format(
       "a {:.2f} x {:.2f} m plate, {:.0f} mm thick{}, {:.2f} m over the ground on four legs of {:.0f} mm{}: "
       "{:.0f} % of the sides of a closed body would be there",
       top.size.x(), top.size.y(), 1000 * t, thickness ? "" : " (assumed)", height, 1000 * a,
@@ -180,7 +180,7 @@ CompletedShape complete_chair(const ShapeEvidence& seen, const Rectangle& seat,
                                      seen.end_sigma(seat.size.x()));
   s.covariance =
       spread(s.box.axes, Vec3(horizontal, horizontal, config.shape_sigma * seen.footprint().size[2]));
-  s.because = fmt::format(
+  s.reason = fmt::format(
       "a {:.2f} x {:.2f} m seat {:.2f} m over the ground with a back of {:.0f} cm2 seen above it and four "
       "legs, symmetric about the seat's middle",
       seat.size.x(), seat.size.y(), height, 1e4 * back.mass / config.thickness_m);
@@ -229,7 +229,7 @@ std::optional<CompletedShape> complete_open_box(const ShapeEvidence& seen, const
   s.box.center = floor + 0.5 * h * up;
   const double wall = std::hypot(0.7 * seen.end_sigma(std::max(w, d)), 0.1 * t);
   s.covariance = spread(s.box.axes, Vec3(wall, wall, std::hypot(seen.level_sigma(1.0), 0.01 * h)));
-  s.because = fmt::format(
+  s.reason = fmt::format(
       "an open box, {:.2f} x {:.2f} x {:.2f} m: {:.0f} % of the upright faces look inwards; four walls and "
       "a bottom, all {:.0f} mm thick, were assumed",
       w, d, h, 100 * inward / (inward + outward), 1000 * t);
@@ -257,7 +257,7 @@ CompletedShape complete_mirrored(const ShapeEvidence& seen, const CompletionConf
   s.covariance = spread(seen.footprint().axes,
                         2 * config.shape_sigma * seen.footprint().size + Vec3::Constant(seen.pixel_m())) +
                  pushed * pushed * ahead * ahead.transpose();
-  s.because = fmt::format(
+  s.reason = fmt::format(
       "no known shape: what was seen is mirrored about the middle of its {:.2f} x {:.2f} m footprint, "
       "moved {:.0f} mm away from the camera for its hidden side",
       seen.footprint().size[0], seen.footprint().size[1], 1000 * pushed);

@@ -17,7 +17,7 @@ using Eigen::Vector2d;
 
 // In standard deviations; beyond it a residual is no noise, and counts no more.
 constexpr double kOutlier = 3.0;
-constexpr double kLeastSlant =
+constexpr double kMinSlant =
     0.35;  // a ray along the surface moves its point sideways, which costs something too
 
 double capped(double residual) {
@@ -44,7 +44,7 @@ std::vector<FlatPoint> flatten(std::span<const SightedPoint> points, const Vec3&
 }
 
 double sigma_along(const Vector2d& normal, const FlatPoint& f) {
-  return f.sigma_m * std::max(std::abs(normal.dot(f.ray)), kLeastSlant);
+  return f.sigma_m * std::max(std::abs(normal.dot(f.ray)), kMinSlant);
 }
 
 struct Circle {
@@ -170,21 +170,21 @@ double corner_cost(const std::vector<FlatPoint>& some, const std::vector<FlatPoi
 }
 
 /// Residual of a point across the axis, and the mantle's outward normal there.
-struct Sighting {
+struct Observation {
   Vec3 normal;
   double residual_m, sigma_m;
 };
 
-Sighting at_point(const Vec3& across, const Vec3& ray, double sigma_m, double radius) {
+Observation at_point(const Vec3& across, const Vec3& ray, double sigma_m, double radius) {
   const double r = std::max(across.norm(), 1e-9);
   const Vec3 normal = across / r;
-  return {normal, r - radius, sigma_m * std::max(std::abs(normal.dot(ray)), kLeastSlant)};
+  return {normal, r - radius, sigma_m * std::max(std::abs(normal.dot(ray)), kMinSlant)};
 }
 
 // Weight and normal where the ray meets the mantle. Where the point is, they would follow its noise: points
 // of the flanks that lie too deep would weigh more than those that lie too near, and make a far, thin
 // cylinder too thin by a sixth.
-Sighting at_ray(const Vec3& across, const Vec3& ray, double sigma_m, double radius) {
+Observation at_ray(const Vec3& across, const Vec3& ray, double sigma_m, double radius) {
   constexpr double kGrazing = 0.94;  // of the radius; beyond, depth tells little
   const double length = ray.norm();
   if (length < 1e-9) return at_point(across, ray, sigma_m, radius);
@@ -195,7 +195,7 @@ Sighting at_ray(const Vec3& across, const Vec3& ray, double sigma_m, double radi
   if (beside.squaredNorm() > kGrazing * kGrazing * radius * radius)
     return at_point(across, ray, sigma_m, radius);
   return {(beside - half * along) / radius, -(depth + half) * slant,
-          sigma_m * std::max(length * slant, kLeastSlant)};
+          sigma_m * std::max(length * slant, kMinSlant)};
 }
 
 // Eight steps in (two offsets, two tilts, radius). `residual` is at_point or at_ray; residuals over `cut`
@@ -259,7 +259,7 @@ MantleDistance distance_to(const Cylinder& c, const SightedPoint& s) {
   const Vec3 across = d - c.axis.dot(d) * c.axis;
   const double r = across.norm();
   const double slant = r > 1e-9 ? std::abs(across.dot(s.ray)) / r : 1.0;
-  return {r - c.radius, s.sigma_m * std::max(slant, kLeastSlant)};
+  return {r - c.radius, s.sigma_m * std::max(slant, kMinSlant)};
 }
 
 std::optional<CylinderFit> fit_cylinder(std::span<const SightedPoint> points, std::span<const Vec3> axes,

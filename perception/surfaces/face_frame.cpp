@@ -123,7 +123,7 @@ FaceFrame along_sides(const std::vector<Vector2d>& hull, const std::vector<FaceP
   // Ratio of areas, and of points at the sides. These choose between two frames around the same points:
   // limits that depend on neither camera nor object.
   constexpr double kHardlyMore = 1.15, kClearly = 1.5;
-  constexpr double kOtherWay = 0.17;  // sine; a smaller turn is what trimmed() finds
+  constexpr double kOtherDirection = 0.17;  // sine; a smaller turn is what trimmed() finds
   const FlatRectangle least = minimum_area_rectangle(hull);
   const FaceFrame first = frame_along(least.u, hull);
   FaceFrame best = first;
@@ -133,7 +133,7 @@ FaceFrame along_sides(const std::vector<Vector2d>& hull, const std::vector<FaceP
     if (edge.norm() < 4.0 * pixel_m) continue;  // a corner cut off
     const Vector2d u = edge.normalized();
     const double cosine = std::abs(u.dot(least.u)), sine = std::abs(u.dot(least.v()));
-    if (std::min(cosine, sine) < kOtherWay) continue;
+    if (std::min(cosine, sine) < kOtherDirection) continue;
     const FaceFrame other = frame_along(u, hull);
     if (other.width() * other.height() > kHardlyMore * least.area()) continue;
     if (most == 0)

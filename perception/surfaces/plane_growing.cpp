@@ -360,10 +360,10 @@ void refit_faces(const ObjectImage& image, std::vector<Face>& faces) {
 }
 
 double slant_of(const Face& face, const ImageGeometry& geometry) {
-  constexpr double kLeast = 0.25;  // keeps the tolerance of grazing faces finite
+  constexpr double kMin = 0.25;  // keeps the tolerance of grazing faces finite
   if (!face.bowed || face.moments.n < 1) return 1.0;
   const hal::Vec3 ray = geometry.ray_W(face.moments.u / face.moments.n, face.moments.v / face.moments.n);
-  return std::max(std::abs(geometry.to_W(face.plane).normal.dot(ray)), kLeast);
+  return std::max(std::abs(geometry.to_W(face.plane).normal.dot(ray)), kMin);
 }
 
 FaceExtent extent_of(const Face& face, const ImageGeometry& geometry) {

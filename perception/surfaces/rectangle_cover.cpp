@@ -46,7 +46,7 @@ class FaceCover {
     step_.along_column = Vector2d(static_cast<double>(c.s - a.s), static_cast<double>(c.t - a.t));
     pixel_m_ = step_.longest();
     most_lean_ = hal::deg_to_rad(config.max_normal_sigma_deg);
-    least_pixels_ = std::max(config.min_pixels, static_cast<int>(0.5 * config.min_area_m2 / pixel_area_m2()));
+    min_pixels_ = std::max(config.min_pixels, static_cast<int>(0.5 * config.min_area_m2 / pixel_area_m2()));
   }
 
   void run(const std::vector<std::uint32_t>& pixels, std::vector<FaceRectangle>& out) {
@@ -99,7 +99,7 @@ class FaceCover {
 
   /// `inner` is not needed for the whole face.
   void cover(const std::vector<FacePoint>& rim, const std::vector<InnerPoint>& inner, int pixels, int depth) {
-    if (pixels < least_pixels_ || rim.size() < 8) return;
+    if (pixels < min_pixels_ || rim.size() < 8) return;
     const FaceFrame outer = bounding_frame(rim, pixel_m_);
     if (!(outer.width() > 0 && outer.height() > 0)) return;
     const FaceFrame frame = trimmed(outer, rim, step_);
@@ -274,7 +274,7 @@ class FaceCover {
   PixelStep step_;
   double pixel_m_;
   double most_lean_;  // rad
-  int least_pixels_;  // half of what the smallest rectangle has
+  int min_pixels_;    // half of what the smallest rectangle has
 };
 
 }  // namespace

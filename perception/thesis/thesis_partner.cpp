@@ -32,9 +32,9 @@ PclCloud changed_points(const PclCloud& reference, const PclCloud& current, cons
 }
 
 std::optional<PartnerGrasp> thesis_grasp(const PclCloud& changed, std::span<const Eigen::Vector3f> object,
-                                         const ThesisConfig& config, std::string* because) {
+                                         const ThesisConfig& config, std::string* reason) {
   const auto answer = [&](std::string why) {
-    if (because) *because = std::move(why);
+    if (reason) *reason = std::move(why);
   };
   const PclCloud solid{object};
   if (solid.size() == 0) {
@@ -129,8 +129,8 @@ std::vector<Eigen::Vector3f> thesis_person(const PclCloud& changed, const Partne
 
 std::optional<PartnerGrasp> thesis_partner(const PclCloud& reference, const PclCloud& current,
                                            std::span<const Eigen::Vector3f> object,
-                                           const ThesisConfig& config, std::string* because) {
-  return thesis_grasp(changed_points(reference, current, config), object, config, because);
+                                           const ThesisConfig& config, std::string* reason) {
+  return thesis_grasp(changed_points(reference, current, config), object, config, reason);
 }
 
 }  // namespace colift::perception

@@ -31,7 +31,7 @@ namespace colift::perception {
 [[nodiscard]] std::optional<PartnerGrasp> thesis_grasp(const PclCloud& changed,
                                                        std::span<const Eigen::Vector3f> object,
                                                        const ThesisConfig& config,
-                                                       std::string* because = nullptr);
+                                                       std::string* reason = nullptr);
 
 /// The changed points that hang together with those of a grasp: the person's hand, arm and body, without the
 /// ragged pixels that come and go at edges elsewhere. The thesis has no use for them; a planner that keeps
@@ -43,6 +43,6 @@ namespace colift::perception {
 [[nodiscard]] std::optional<PartnerGrasp> thesis_partner(const PclCloud& reference, const PclCloud& current,
                                                          std::span<const Eigen::Vector3f> object,
                                                          const ThesisConfig& config,
-                                                         std::string* because = nullptr);
+                                                         std::string* reason = nullptr);
 
 }  // namespace colift::perception

@@ -45,13 +45,13 @@ Target thesis_target(const std::vector<PclCloud>& clusters, const Ground& ground
   const Vec3 sigma = target.aabb.sizes() / 6.0;
   target.cog_covariance = sigma.cwiseAbs2().asDiagonal();
 
-  target.because = fmt::format("largest of {} clusters above the ground: {} points, {}", clusters.size(),
-                               target.points.size(), meters(target.obb.size));
+  target.reason = fmt::format("largest of {} clusters above the ground: {} points, {}", clusters.size(),
+                              target.points.size(), meters(target.obb.size));
   if (clusters.size() == 1)
-    target.because = fmt::format("the only cluster above the ground: {} points, {}", target.points.size(),
-                                 meters(target.obb.size));
+    target.reason = fmt::format("the only cluster above the ground: {} points, {}", target.points.size(),
+                                meters(target.obb.size));
   else
-    target.because += fmt::format("; the next has {}", clusters[1].size());
+    target.reason += fmt::format("; the next has {}", clusters[1].size());
   return target;
 }
 
@@ -61,7 +61,7 @@ Scene thesis_scene(const OrganisedCloud& frame, const ThesisConfig& config) {
   const PclCloud seen = points_in_depth_range(frame, config);
   const PclCloud cropped = pass_through(seen, config);
   if (cropped.size() < 4) {
-    scene.because = fmt::format(
+    scene.reason = fmt::format(
         "no ground: of {} pixels {} have a depth between {} and {} m, and {} of these lie inside the crop "
         "box",
         frame.size(), seen.size(), config.depth_min_m, config.depth_max_m, cropped.size());
@@ -73,7 +73,7 @@ Scene thesis_scene(const OrganisedCloud& frame, const ThesisConfig& config) {
   const double part =
       split ? static_cast<double>(split->ground.inliers) / static_cast<double>(thinned.size()) : 0.0;
   if (!split || part < config.ground_min_fraction) {
-    scene.because =
+    scene.reason =
         split ? fmt::format(
                     "no ground: the largest plane holds {} of {} points ({:.1f} %), a ground holds at least "
                     "{:.1f} %",
@@ -86,7 +86,7 @@ Scene thesis_scene(const OrganisedCloud& frame, const ThesisConfig& config) {
   const PclCloud clean = without_outliers(split->above, config);
   const std::vector<PclCloud> clusters = euclidean_clusters(clean, config);
   if (clusters.empty()) {
-    scene.because = fmt::format(
+    scene.reason = fmt::format(
         "no target: {} points lie more than {:.1f} cm above the ground, {} remain without outliers, and no "
         "cluster of them "
         "has {} points",
@@ -96,7 +96,7 @@ Scene thesis_scene(const OrganisedCloud& frame, const ThesisConfig& config) {
   scene.target = thesis_target(clusters, *scene.ground);
   for (Rectangle& rectangle : thesis_surfaces(scene.target->points, eye_W, config))
     scene.surfaces.emplace_back(std::move(rectangle));
-  scene.because = scene.target->because;
+  scene.reason = scene.target->reason;
   return scene;
 }
 

@@ -12,9 +12,9 @@ namespace {
 
 /// What a collision is with. Which finger it is says the candidate's own reason; here it would only make the
 /// list long.
-std::string obstacle_of(const std::string& because) {
-  const auto speaks_of = [&](const char* words) { return because.find(words) != std::string::npos; };
-  if (speaks_of("not seen")) return "would move through unseen space";
+std::string obstacle_of(const std::string& reason) {
+  const auto speaks_of = [&](const char* words) { return reason.find(words) != std::string::npos; };
+  if (speaks_of("not seen")) return "would move through unobserved space";
   if (speaks_of("the ground")) return "would meet the ground";
   if (speaks_of("beside the object")) return "would meet something beside the object";
   if (speaks_of("the object")) return "would meet the object";
@@ -35,7 +35,7 @@ std::string group_of(const GraspCandidate& c) {
     case Verdict::NearPartner:
       return "too near the partner";
     case Verdict::Collision:
-      return obstacle_of(c.because);
+      return obstacle_of(c.reason);
     case Verdict::Ok:
     case Verdict::Chosen:
       break;
@@ -79,7 +79,7 @@ std::string explain(const std::vector<GraspCandidate>& candidates) {
   if (free > 0) return text;
   // a grip that only slips is nearer to a grasp than one that collides
   const GraspCandidate* miss = firmest != nullptr ? firmest : nearest;
-  if (miss != nullptr) text += fmt::format("; nearest miss: candidate {}, {}", miss->id, miss->because);
+  if (miss != nullptr) text += fmt::format("; nearest miss: candidate {}, {}", miss->id, miss->reason);
   return text;
 }
 

@@ -21,7 +21,7 @@ GraspCandidate on_line(const GraspLine& line, const Vec3& position) {
   c.closing = line.closing;
   c.width = line.width;
   c.surface = line.surface;
-  c.because = line.note;
+  c.reason = line.note;
   return c;
 }
 
@@ -51,8 +51,8 @@ std::vector<GraspCandidate> too_wide(const Scene& scene, const HandModel& hand) 
       c.position = r->center;
       c.approach = -r->normal;
       c.closing = r->size.x() < r->size.y() ? r->u : r->v;
-      c.because = fmt::format("the face is {:.0f} x {:.0f} mm, the hand opens {:.0f} mm",
-                              1000 * r->size.maxCoeff(), 1000 * c.width, 1000 * hand.opening_m);
+      c.reason = fmt::format("the face is {:.0f} x {:.0f} mm, the hand opens {:.0f} mm",
+                             1000 * r->size.maxCoeff(), 1000 * c.width, 1000 * hand.opening_m);
     } else if (const auto* cyl = std::get_if<Cylinder>(&scene.surfaces[i])) {
       c.kind = GraspKind::Wrap;
       c.width = 2.0 * cyl->radius;
@@ -60,8 +60,8 @@ std::vector<GraspCandidate> too_wide(const Scene& scene, const HandModel& hand) 
       c.position = cyl->center + cyl->radius * out;
       c.approach = -out;
       c.closing = cyl->axis.cross(out);
-      c.because = fmt::format("the cylinder is {:.0f} mm thick, the hand opens {:.0f} mm", 1000 * c.width,
-                              1000 * hand.opening_m);
+      c.reason = fmt::format("the cylinder is {:.0f} mm thick, the hand opens {:.0f} mm", 1000 * c.width,
+                             1000 * hand.opening_m);
     }
     c.miss_m = c.width - hand.opening_m;
     if (c.width > hand.opening_m) found.push_back(c);
@@ -235,7 +235,7 @@ std::optional<GraspCandidate> CandidateFinder::turned(const GraspCandidate& cand
   if (candidate.kind == GraspKind::Wrap) return std::nullopt;
   GraspCandidate c = candidate;
   c.verdict = Verdict::Ok;
-  c.because.clear();
+  c.reason.clear();
   c.miss_m.reset();
   c.approach = Eigen::AngleAxisd(angle_rad, candidate.closing.normalized()) * candidate.approach;
   const double lean = std::tan(std::abs(angle_rad));
@@ -276,17 +276,17 @@ void CandidateFinder::judge(GraspCandidate& candidate) const {
   }
   if (met) {
     candidate.verdict = Verdict::Collision;
-    candidate.because = met->text();
+    candidate.reason = met->text();
     candidate.miss_m = met->miss_m();
   } else if (const auto near_by = beside(candidate)) {
     candidate.verdict = Verdict::Collision;
-    candidate.because = fmt::format("{:.0f} mm aside {}: only part of what stands there is seen",
-                                    1e3 * config_.side_clearance_m, near_by->text());
+    candidate.reason = fmt::format("{:.0f} mm aside {}: only part of what stands there is seen",
+                                   1e3 * config_.side_clearance_m, near_by->text());
     candidate.miss_m = near_by->miss_m();
   } else if (candidate.stability && *candidate.stability < config_.stability.min_margin) {
     candidate.verdict = Verdict::Unstable;
-    candidate.because = fmt::format("the fingers hold {:.0f} % of a share of {:.0f} N",
-                                    100 * *candidate.stability, config_.stability.load_n);
+    candidate.reason = fmt::format("the fingers hold {:.0f} % of a share of {:.0f} N",
+                                   100 * *candidate.stability, config_.stability.load_n);
   }
 }
 

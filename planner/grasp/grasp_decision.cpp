@@ -12,7 +12,7 @@ constexpr double kGravity = 9.80665;  // m/s^2, standard
 
 void refuse(GraspCandidate& c, Verdict verdict, std::string why) {
   c.verdict = verdict;
-  c.because = std::move(why);
+  c.reason = std::move(why);
 }
 
 // how far the centre of gravity lies beside the vertical plane through both hands (m)
@@ -28,13 +28,13 @@ void judge_geometry(GraspCandidate& c, const DecisionInput& in, const DecisionCo
   const double gap = (c.position - in.partner.position).norm();
   if (gap < config.near_partner_m) {
     return refuse(c, Verdict::NearPartner,
-                  fmt::format("{:.0f} mm from the partner's hand (least {:.0f} mm)", 1e3 * gap,
+                  fmt::format("{:.0f} mm from the partner's hand (min {:.0f} mm)", 1e3 * gap,
                               1e3 * config.near_partner_m));
   }
   if (const double lever = lever_of(c, in); lever > config.max_lever_m) {
     return refuse(c, Verdict::Unstable,
                   fmt::format("the object would tip: its centre of gravity lies {:.0f} mm beside the line "
-                              "between both hands (most {:.0f} mm)",
+                              "between both hands (max {:.0f} mm)",
                               1e3 * lever, 1e3 * config.max_lever_m));
   }
   if (in.base_frame_known && config.check_reach) {
@@ -58,7 +58,7 @@ std::string reason(const std::vector<GraspCandidate>& candidates, const Decision
   const ScoredCandidate& s = *d.scores[*d.chosen];
   std::string text = fmt::format(
       "candidate {} carries {:.0f} % of the load with {:.2f} N m of torque in both hands per kilogram "
-      "lifted, {:.0f} mm from the best place",
+      "lifted, {:.0f} mm from the optimum",
       best.id, 100 * s.share, torque_of(s.wrenches) / mass_kg, 1e3 * (best.position - d.optimum).norm());
   std::size_t ok = 1;
   const ScoredCandidate* next = nullptr;
@@ -109,7 +109,7 @@ std::string why_none(const std::vector<GraspCandidate>& candidates, const Vec3& 
   for (const Count& k : counts) {
     if (k.n == 0) continue;
     text +=
-        fmt::format("{}{} {} (candidate {}: {})", separator, k.n, k.words, k.nearest->id, k.nearest->because);
+        fmt::format("{}{} {} (candidate {}: {})", separator, k.n, k.words, k.nearest->id, k.nearest->reason);
     separator = ", ";
   }
   if (!in.base_frame_known || !config.check_reach) return text;
@@ -154,7 +154,7 @@ hal::Result<Decision> decide_grasp(std::vector<GraspCandidate>& candidates, cons
     // a candidate that is over a limit still shows what it would take
     if (!wrenches) wrenches = sharing->wrenches(partner, robot, lift);
     const double share = wrenches->robot.force.dot(lift.force) / lift.force.squaredNorm();
-    d.scores[i] = ScoredCandidate{sharing->price(*wrenches), share, *wrenches};
+    d.scores[i] = ScoredCandidate{sharing->cost_weight(*wrenches), share, *wrenches};
     const double sideways =
         (wrenches->partner.force - wrenches->partner.force.dot(input.up) * input.up).norm() /
         lift.force.norm();
@@ -171,12 +171,12 @@ hal::Result<Decision> decide_grasp(std::vector<GraspCandidate>& candidates, cons
     }
   }
   if (!d.chosen) {
-    d.because = why_none(candidates, d.optimum, input, config);
+    d.reason = why_none(candidates, d.optimum, input, config);
     return d;
   }
-  d.because = reason(candidates, d, input, config.mass_kg);
+  d.reason = reason(candidates, d, input, config.mass_kg);
   candidates[*d.chosen].verdict = Verdict::Chosen;
-  candidates[*d.chosen].because = d.because;
+  candidates[*d.chosen].reason = d.reason;
   return d;
 }
 

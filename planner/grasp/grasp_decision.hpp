@@ -33,7 +33,8 @@ struct DecisionConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v("share", share, hal::kFraction,
-      "Share of the load that the robot shall carry, more than 0 and less than 1; sets weights.epsilon. Of the "
+      "Share of the load that the robot shall carry, more than 0 and less than 1; sets weights.epsilon. Of "
+      "the "
       "two, the one that was set last counts. ~: weights.epsilon.");
     v("weights", weights, "Cost weights of effort, thesis eq. 4.5.");
     v("limits", limits, "What either agent can exert; without entries there is no limit.");
@@ -50,7 +51,8 @@ struct DecisionConfig {
     v.or_infinite("max_lever_m");
     v("check_reach", check_reach,
       "Whether a grasp beyond the arm's reach is refused (needs the camera's pose).");
-    v("shoulder_m", shoulder_m, hal::Range{-10, 10}, "Intersection of axes 1 to 3 of the arm, in the robot base frame (m).");
+    v("shoulder_m", shoulder_m, hal::Range{-10, 10},
+      "Intersection of axes 1 to 3 of the arm, in the robot base frame (m).");
     v("arm_reach_m", arm_reach_m, hal::kPositive,
       "Max distance of the wrist from the shoulder: upper arm and forearm in line (m).");
     v("wrist_to_palm_m", wrist_to_palm_m, hal::kNotNegative,
@@ -79,8 +81,8 @@ struct Decision {
   double cost = 0.0;
   Vec3 optimum = Vec3::Zero();  ///< Where the robot would best take hold if it could do so anywhere (W, m).
   std::vector<std::optional<ScoredCandidate>>
-      scores;           ///< One per candidate; unset where nothing can be computed.
-  std::string because;  ///< Why this one, or why none, as a person would say it.
+      scores;          ///< One per candidate; unset where nothing can be computed.
+  std::string reason;  ///< Why this one, or why none, as a person would say it.
 };
 
 /// What the decision rests on. Frame W, SI units.

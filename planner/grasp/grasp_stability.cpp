@@ -13,7 +13,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Search for the first factor of a load that slips: bounds and steps, then halvings, which leave 3e-8 of a
 // step. A margin above the largest factor counts as infinite.
-constexpr double kLeastFactor = 0.01, kLargestFactor = 100.0, kStep = 1.25;
+constexpr double kMinFactor = 0.01, kLargestFactor = 100.0, kStep = 1.25;
 constexpr int kHalvings = 25;
 
 /// The fingers of one side and of the other, and what presses between them.
@@ -134,7 +134,7 @@ StabilityMargin stability_margins(const GraspCandidate& candidate, const HandMod
   StabilityMargin margin{kInfinity, bears > 0.0 ? 1.0 / bears : kInfinity};
 
   // pads that bear rub more, so the use of friction does not grow with the load alone: the first crossing
-  double low = 0.0, high = kLeastFactor;
+  double low = 0.0, high = kMinFactor;
   while (high < kLargestFactor && friction_used(g, high * f, high * t) <= 1.0) low = high, high *= kStep;
   if (high >= kLargestFactor) return margin;
   for (int i = 0; i < kHalvings; ++i) {

@@ -18,7 +18,7 @@ struct StabilityConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v("enabled", enabled, "Whether the margin is computed; off: every grasp is assumed stable (thesis).");
-    v("load_n", load_n, hal::Range{0.1, 1000}, "The hand's share of the object's weight (N).");
+    v("load_n", load_n, hal::Range{0.1, 1000}, "Load of the hand for the nominal margin (N).");
     v("cog_lever_m", cog_lever_m, hal::Range{0, 1},
       "Lever of that share about the line between both grasps (m).");
     v("min_margin", min_margin, hal::Range{0, 100}, "Min stability margin of a grasp.");

@@ -64,8 +64,8 @@ hal::Result<RobustChoice> RobustChoice::create(const SharingWeights& weights, st
 RobustChoice::RobustChoice(const LoadSharing& sharing, const SharingWeights& weights,
                            std::size_t most_candidates, int what_ifs, std::uint64_t seed)
     : sharing_(sharing),
-      force_price_(sharing.partner_part()),  // 1/(u+v)
-      alone_torque_price_(weights.omega1_per_m * weights.omega1_per_m),
+      force_weight_(sharing.partner_part()),  // 1/(u+v)
+      alone_torque_weight_(weights.omega1_per_m * weights.omega1_per_m),
       normal_(6 * static_cast<std::size_t>(what_ifs)),
       bx_(most_candidates),
       by_(most_candidates),
@@ -127,7 +127,7 @@ void RobustChoice::evaluate(const UncertainScene& scene, std::span<const Vec3> p
     const double sx = part1 * dp.x() - dc.x(), sy = part1 * dp.y() - dc.y();
     const double px = dp.x(), py = dp.y(), pz = dp.z();
     const double lx = p.x() + dp.x() - dc.x(), ly = p.y() + dp.y() - dc.y();
-    const double alone = 1.0 - force_price_ + alone_torque_price_ * (lx * lx + ly * ly);
+    const double alone = 1.0 - force_weight_ + alone_torque_weight_ * (lx * lx + ly * ly);
     for (std::size_t i = 0; i < n; ++i) {
       // with f = z, c x f = (c_y, -c_x, 0); signs drop out of the squares
       const double cx = bx[i] + sx, cy = by[i] + sy;
@@ -142,7 +142,7 @@ void RobustChoice::evaluate(const UncertainScene& scene, std::span<const Vec3> p
     }
   }
   for (std::size_t i = 0; i < n; ++i)
-    out[i] = {force_price_ + sum_[i] / static_cast<double>(what_ifs), force_price_ + worst_[i]};
+    out[i] = {force_weight_ + sum_[i] / static_cast<double>(what_ifs), force_weight_ + worst_[i]};
 }
 
 std::optional<std::size_t> RobustChoice::choose(const UncertainScene& scene,

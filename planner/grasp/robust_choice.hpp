@@ -63,7 +63,7 @@ class RobustChoice {
                int what_ifs, std::uint64_t seed);
 
   LoadSharing sharing_;
-  double force_price_, alone_torque_price_;     ///< Of a shared lift; of torque about a partner left alone.
+  double force_weight_, alone_torque_weight_;   ///< Of a shared lift; of torque about a partner left alone.
   std::vector<double> normal_;                  ///< Six per what-if.
   std::vector<double> bx_, by_, ex_, ey_, ez_;  ///< Per candidate: c and d of the belief, up along z.
   std::vector<double> limit_;                   ///< Part of the weight that the grasp holds.

@@ -123,7 +123,7 @@ struct HandModel {
     v("pad_height_m", pad_height_m, hal::Range{0.001, 0.2}, "Contact patch of a pad along the finger (m).");
     v("finger_force_n", finger_force_n, hal::Range{0.1, 1000},
       "Normal force that a finger presses with (N).");
-    v("finger_hold_n", finger_hold_n, hal::Range{0.1, 1000}, "Force that a locked finger bears (N).");
+    v("finger_hold_n", finger_hold_n, hal::Range{0.1, 1000}, "Max force on a locked finger (N).");
     v("friction", friction, hal::Range{0.01, 3}, "Coefficient of friction between pad and object.");
     v("min_hold_m", min_hold_m, hal::Range{0, 0.2},
       "Min distance of the pads behind the grasped face at which they still hold the object (m).");

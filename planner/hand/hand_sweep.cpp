@@ -44,7 +44,7 @@ HandSweep::HandSweep(const HandModel& hand, double approach_m, double step_deg, 
       if (&a != &b && std::abs(a.x - b.x) <= 2.0 * half_width) apart_ = false;
     }
   }
-  greatest_depth_ = hand.finger.half_thickness_m;
+  max_depth_ = hand.finger.half_thickness_m;
 
   // the cells of the tables count steps in a byte; a finer step than that is of no use to anybody
   const double step = std::max(step_deg, 0.75);
@@ -123,13 +123,13 @@ std::optional<SweepHit> HandSweep::first_hit(const Vec3& p, int last) const {
   return std::nullopt;
 }
 
-std::optional<SweepHit> HandSweep::quick_hit(const Vec3& p, int last, double least_m) const {
+std::optional<SweepHit> HandSweep::quick_hit(const Vec3& p, int last, double min_m) const {
   for (std::size_t i = 0; i < fixed_swept_.size(); ++i) {
     const double depth = fixed_swept_[i].depth(p.x(), p.y(), p.z());
     if (depth >= 0.0) return SweepHit{static_cast<int>(i), 0, depth};
   }
   std::optional<SweepHit> first;
-  if (!apart_) least_m = 0.0;
+  if (!apart_) min_m = 0.0;
   for (std::size_t f = 0; f < slabs_.size(); ++f) {
     const double inside = slabs_[f].half - std::abs(p.x() - slabs_[f].x);
     if (inside < 0.0) continue;
@@ -142,7 +142,7 @@ std::optional<SweepHit> HandSweep::quick_hit(const Vec3& p, int last, double lea
       }
     }
     // the first hit decides; what it may leave out is a point whose first hit is not deep enough
-    if (inside < least_m || greatest_depth_ < least_m) continue;
+    if (inside < min_m || max_depth_ < min_m) continue;
     const int end = first ? first->step - 1 : last;
     for (int k = std::max(1, from); k <= end; ++k) {
       const HandBox* boxes = finger_boxes(k) + 2 * f;

@@ -37,8 +37,8 @@ class HandSweep {
   [[nodiscard]] std::optional<SweepHit> first_hit(const Vec3& p_H, int last) const;
 
   /// The same from the tables, in a fraction of the time. May leave out a hit while closing that is less than
-  /// `least_m` deep.
-  [[nodiscard]] std::optional<SweepHit> quick_hit(const Vec3& p_H, int last, double least_m = 0.0) const;
+  /// `min_m` deep.
+  [[nodiscard]] std::optional<SweepHit> quick_hit(const Vec3& p_H, int last, double min_m = 0.0) const;
 
   static constexpr std::uint8_t kNever = 255;
 
@@ -128,7 +128,7 @@ class HandSweep {
   std::vector<std::string> names_;    ///< Body parts, then fingers.
   std::vector<Slab> slabs_;           ///< Of the fingers.
   bool apart_ = true;                 ///< No two fingers ever hold the same point.
-  double greatest_depth_ = 0.0;       ///< That a finger's box allows.
+  double max_depth_ = 0.0;            ///< That a finger's box allows.
   hal::Aabb bounds_;
   FingerTable finger_table_;
   Table point_table_, cell_table_;

@@ -100,7 +100,7 @@ class LimitedSharing {
   void enumerate(const Problem& q, Vec3& force, Vec3& torque) const;
   [[nodiscard]] double slope_scale(const Problem& q) const;
   [[nodiscard]] double torque_at(double multiplier, double free_give, double& slope) const;
-  [[nodiscard]] double torque_price(double torque) const;
+  [[nodiscard]] double torque_weight(double torque) const;
   [[nodiscard]] AgentWrenches split(const Wrench& task, const Vec3& partner_force, const Vec3& torque) const;
 
   LoadSharing sharing_;

@@ -65,7 +65,7 @@ double LimitedSharing::slope_scale(const Problem& q) const {
 }
 
 /// Cost of the torque about one axis, split at its cheapest; infinite beyond both limits.
-double LimitedSharing::torque_price(double torque) const {
+double LimitedSharing::torque_weight(double torque) const {
   const double t = std::abs(torque);
   if (t <= knee_torque_) return t * t / sharing_.give();
   const double over = t - first_limit_;
@@ -247,7 +247,7 @@ void LimitedSharing::enumerate(const Problem& q, Vec3& force, Vec3& torque) cons
     const Vec3 t = q.need - cross * z;
     const double over = std::max(0.0, t.cwiseAbs().maxCoeff() - torque_sum_) / std::max(torque_scale, 1e-300);
     double cost = (z - q.free).squaredNorm() / k;
-    for (int c = 0; c < 3; ++c) cost += torque_price(std::min(std::abs(t[c]), torque_sum_));
+    for (int c = 0; c < 3; ++c) cost += torque_weight(std::min(std::abs(t[c]), torque_sum_));
     // within the limits first, cheapest next; where rounding leaves nothing within, the nearest
     const double excess = over <= 1e-11 ? 0.0 : over;
     if (!(excess < best_over || (excess == best_over && cost < best_cost))) return;

@@ -34,7 +34,7 @@ hal::Result<double> epsilon_for_share(double share) {
   if (!(share > 0.0 && share < 1.0)) {
     return hal::failure(
         hal::ErrorCode::BadInput, "share",
-        fmt::format("is {}, expected more than 0 and less than 1 (the robot's part of the load)", share));
+        fmt::format("is {}, expected more than 0 and less than 1 (the robot's share of the load)", share));
   }
   return std::sqrt((1.0 - share) / share);
 }
@@ -51,7 +51,7 @@ LoadSharing::LoadSharing(const SharingWeights& weights)
   const double e2 = epsilon_ * epsilon_;
   partner_part_ = e2 / (1.0 + e2);
   robot_part_ = 1.0 / (1.0 + e2);
-  force_price_ = partner_part_;  // 1/(u+v) = e2/(1+e2)
+  force_weight_ = partner_part_;  // 1/(u+v) = e2/(1+e2)
   partner_give_ = omega1_ == 0.0 ? kInfinity : 1.0 / (omega1_ * omega1_);
   robot_give_ = omega2_ == 0.0 ? kInfinity : 1.0 / (epsilon_ * omega2_) / (epsilon_ * omega2_);
   give_ = partner_give_ + robot_give_;
@@ -68,7 +68,7 @@ LoadSharing::LoadSharing(const SharingWeights& weights)
 double LoadSharing::cost(const Vec3& p_partner, const Vec3& p_robot, std::span<const Wrench> tasks) const {
   const Lever l = lever(p_partner, p_robot);
   double sum = 0.0;
-  for (const Wrench& task : tasks) sum += force_price_ * task.force.squaredNorm() + torque_cost(l, task);
+  for (const Wrench& task : tasks) sum += force_weight_ * task.force.squaredNorm() + torque_cost(l, task);
   return sum;
 }
 
@@ -89,7 +89,7 @@ AgentWrenches LoadSharing::wrenches(const Vec3& p_partner, const Vec3& p_robot, 
   return w;
 }
 
-double LoadSharing::price(const AgentWrenches& w) const {
+double LoadSharing::cost_weight(const AgentWrenches& w) const {
   const double e2 = epsilon_ * epsilon_;
   return w.partner.force.squaredNorm() + (omega1_ * w.partner.torque).squaredNorm() +
          e2 * (w.robot.force.squaredNorm() + (omega2_ * w.robot.torque).squaredNorm());
@@ -106,7 +106,7 @@ void LoadSharing::costs(const Vec3& p_partner, std::span<const double> x_m, std:
   double* __restrict sum = out.data();
 
   double force_cost = 0.0;
-  for (const Wrench& task : tasks) force_cost += force_price_ * task.force.squaredNorm();
+  for (const Wrench& task : tasks) force_cost += force_weight_ * task.force.squaredNorm();
   for (std::size_t i = 0; i < n; ++i) sum[i] = force_cost;
 
   // Everything constant leaves the loop, so that the compiler can run two candidates per instruction.

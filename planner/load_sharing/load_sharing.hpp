@@ -64,7 +64,7 @@ class LoadSharing {
 
   /// Smallest cost of one pose.
   [[nodiscard]] double cost(const Vec3& p_partner, const Vec3& p_robot, const Wrench& task) const {
-    return force_price_ * task.force.squaredNorm() + torque_cost(lever(p_partner, p_robot), task);
+    return force_weight_ * task.force.squaredNorm() + torque_cost(lever(p_partner, p_robot), task);
   }
 
   /// Smallest cost of a sequence of poses, each with its own wrench (eq. 4.6).
@@ -79,7 +79,7 @@ class LoadSharing {
              std::span<const double> z_m, std::span<const Wrench> tasks, std::span<double> out) const;
 
   /// Cost of given wrenches by eq. 4.5, whether or not they are the best.
-  [[nodiscard]] double price(const AgentWrenches& w) const;
+  [[nodiscard]] double cost_weight(const AgentWrenches& w) const;
 
   /// The robot position without torque for a pure lift: on the line from the partner through the centre of
   /// gravity.
@@ -124,8 +124,8 @@ class LoadSharing {
 
   double epsilon_, omega1_, omega2_;
   double partner_part_,
-      robot_part_;      // u/(u+v), v/(u+v) with u = 1, v = 1/epsilon^2; mu = u v/(u+v) is robot_part_ too
-  double force_price_;  // 1/(u+v)
+      robot_part_;       // u/(u+v), v/(u+v) with u = 1, v = 1/epsilon^2; mu = u v/(u+v) is robot_part_ too
+  double force_weight_;  // 1/(u+v)
   double partner_give_, robot_give_, give_;
   double stiffness_ratio_;      // mu/s
   double partner_torque_part_;  // the partner's part of the torque that forces leave over

@@ -63,7 +63,7 @@ RankEntry assess(const RankProblem& problem, const LimitedSharing& limited, std:
         return entry;
       }
       w = *best;
-      cost += sharing.price(w);
+      cost += sharing.cost_weight(w);
     }
     carried += w.robot.force.dot(task.force);
     asked += task.force.squaredNorm();

@@ -11,7 +11,7 @@ namespace colift::planner {
 /// One of those who carry: a person or a robot, at a grasp point relative to the centre of gravity (m).
 struct CarryingAgent {
   Vec3 position = Vec3::Zero();
-  double force_price = 1.0;               ///< Of |f|^2; a strong agent is cheap.
+  double force_weight = 1.0;              ///< Of |f|^2; a strong agent is cheap.
   double omega_per_m = kHandOmega_per_m;  ///< Price of torque against force; above 0.
 };
 

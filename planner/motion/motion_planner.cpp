@@ -105,7 +105,7 @@ std::vector<GraspPosture> MotionPlanner::Impl::postures(const GraspCandidate& gr
 tl::expected<Reach, std::string> MotionPlanner::reach(const GraspCandidate& grasp, double lift_m) {
   ReachRefusal why;
   const auto found = impl_->postures(grasp, lift_m, 1, why);
-  if (found.empty()) return tl::unexpected(why.because);
+  if (found.empty()) return tl::unexpected(why.reason);
   return found.front().reach;
 }
 
@@ -115,7 +115,7 @@ void MotionPlanner::judge(std::vector<GraspCandidate>& candidates, double lift_m
     ReachRefusal why;
     if (!impl_->postures(candidate, lift_m, 1, why).empty()) continue;
     candidate.verdict = Verdict::Unreachable;
-    candidate.because = why.because;
+    candidate.reason = why.reason;
     candidate.miss_m = why.miss_m;
   }
 }
@@ -173,13 +173,13 @@ hal::Result<MotionPlan> MotionPlanner::plan(const JointVector& start_rad, const 
     const Timed timed(m.clock, times.plan_ms);
     postures = m.postures(grasp, lift_m, static_cast<std::size_t>(m.config.goals), why);
   }
-  if (postures.empty()) return hal::failure(ErrorCode::NotFound, "plan.reach", why.because);
+  if (postures.empty()) return hal::failure(ErrorCode::NotFound, "plan.reach", why.reason);
   // near ones first, good ones a little farther away too
   std::stable_sort(postures.begin(), postures.end(), [&](const GraspPosture& a, const GraspPosture& b) {
-    const auto price = [&](const GraspPosture& p) {
+    const auto cost_weight = [&](const GraspPosture& p) {
       return joint_distance(p.reach.pre_grasp_rad, start_rad) * (1.5 - p.reach.score);
     };
-    return price(a) < price(b);
+    return cost_weight(a) < cost_weight(b);
   });
 
   hal::Error last{ErrorCode::NotFound, "transit", {}};

@@ -203,7 +203,7 @@ ReachRefusal GraspReach::explain() const {
       where = "before the grasp";
       break;
     case Stage::Approach:
-      where = "on the straight way to the grasp";
+      where = "on the straight approach to the grasp";
       break;
     default:
       where = "during the lift";

@@ -25,7 +25,7 @@ struct GraspPosture {
 
 /// Why there is none.
 struct ReachRefusal {
-  std::string because;           ///< By the posture that got farthest, with numbers.
+  std::string reason;            ///< By the posture that got farthest, with numbers.
   std::optional<double> miss_m;  ///< By how much, where that is a length.
 };
 

@@ -28,7 +28,7 @@ OnPath at_length(const JointPath& path, double length) {
 }
 
 /// From each way point straight to the farthest one that can be reached, looking from the far end.
-JointPath skip_way_points(const JointPath& path, const FreeSpace& space) {
+JointPath skip_waypoints(const JointPath& path, const FreeSpace& space) {
   JointPath out{path.front()};
   for (std::size_t at = 0; at + 1 < path.size();) {
     std::size_t next = path.size() - 1;
@@ -126,7 +126,7 @@ void drop_doubles(JointPath& path) {
 JointPath shortcut(JointPath path, const FreeSpace& space, std::uint64_t seed, const ShortcutConfig& config) {
   if (path.size() < 3) return path;
   JointRandom random(seed);
-  path = skip_way_points(path, space);
+  path = skip_waypoints(path, space);
   random_shortcuts(path, space, random, config);
   double length = length_of(path);
   for (int pass = 0; pass < config.passes && path.size() > 2; ++pass) {

@@ -42,10 +42,11 @@ hal::Result<FoundPath> search(TransitTools& tools, const FreeSpace& space, const
   std::size_t used = 0;
   auto found = rrt_connect(space, box, from, free_goals, budget, seed, used);
   if (!found) {
-    return hal::failure(ErrorCode::NotFound, "transit",
-                        fmt::format("no free way to any of {} joint positions of the goal was found with {} "
-                                    "random joint positions",
-                                    free_goals.size(), used));
+    return hal::failure(
+        ErrorCode::NotFound, "transit",
+        fmt::format("no collision-free path to any of {} goal configurations was found with {} "
+                    "random joint positions",
+                    free_goals.size(), used));
   }
   found->goal = index[found->goal];
   return *std::move(found);
@@ -121,14 +122,14 @@ hal::Result<Transit> find_transit(TransitTools tools, const JointBox& limits_box
       }
       if (!free) {
         last = {ErrorCode::NotFound, "transit",
-                "the way that was found touches something between the states that were checked"};
+                "the path is in collision between the states that were checked"};
         continue;
       }
     }
     const Timed timed(tools.clock, times.exact_ms);
     const std::string contact = exact_contact(out.trajectory, exact, config.exact_step_rad);
     if (contact.empty()) return out;
-    last = {ErrorCode::NotFound, "exact check", fmt::format("on the way {}", contact)};
+    last = {ErrorCode::NotFound, "exact check", fmt::format("in transit {}", contact)};
   }
   return tl::unexpected(last);
 }

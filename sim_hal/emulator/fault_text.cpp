@@ -8,8 +8,8 @@
 
 namespace colift::sim_hal {
 
-tl::unexpected<hal::Error> bad_fault(std::string_view text, std::string because) {
-  return hal::failure(hal::ErrorCode::BadInput, fmt::format("fault \"{}\"", text), std::move(because));
+tl::unexpected<hal::Error> bad_fault(std::string_view text, std::string reason) {
+  return hal::failure(hal::ErrorCode::BadInput, fmt::format("fault \"{}\"", text), std::move(reason));
 }
 
 std::optional<double> read_number(std::string_view text) {

@@ -49,7 +49,7 @@ struct TimedText {
 /// Cuts off what follows the last `mark`; nullopt without one.
 [[nodiscard]] std::optional<std::string_view> cut_after(std::string_view& text, char mark);
 
-[[nodiscard]] tl::unexpected<hal::Error> bad_fault(std::string_view text, std::string because);
+[[nodiscard]] tl::unexpected<hal::Error> bad_fault(std::string_view text, std::string reason);
 
 /// The value of a kind of fault, in its range. Errors: BadInput.
 [[nodiscard]] hal::Result<double> read_fault_value(std::string_view text, std::string_view name, double min,

@@ -53,9 +53,9 @@ class MemoryCan {
       health_.state = State::Closed;
     }
 
-    Received receive(hal::CanFrame& into, hal::Duration patience) noexcept override {
+    Received receive(hal::CanFrame& into, hal::Duration timeout) noexcept override {
       if (!open_) return Received::Down;
-      const hal::Timestamp until = bus_.clock_.now() + patience;
+      const hal::Timestamp until = bus_.clock_.now() + timeout;
       for (;;) {
         if (down_) return Received::Down;
         if (take(into)) return Received::Frame;

@@ -48,14 +48,14 @@ class MemoryWire {
     }
     void close() noexcept override { open_ = false; }
 
-    hal::Datagram receive(std::span<std::byte> into, hal::Duration patience) noexcept override {
+    hal::Datagram receive(std::span<std::byte> into, hal::Duration timeout) noexcept override {
       hal::Datagram got;
       got.arrived_at = wire_.clock_.now();
       if (!open_) {
         got.kind = hal::Datagram::Kind::Broken;
         return got;
       }
-      const hal::Timestamp until = got.arrived_at + patience;
+      const hal::Timestamp until = got.arrived_at + timeout;
       while (!take(into, got)) {
         if (wire_.clock_.now() >= until || !waiting_ || !waiting_(until)) break;
       }

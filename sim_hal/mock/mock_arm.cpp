@@ -69,7 +69,7 @@ hal::ArmState MockArm::measure() const {
   return state;
 }
 
-tl::unexpected<hal::Error> MockArm::lose_link(const char* where) {
+tl::unexpected<hal::Error> MockArm::drop_link(const char* where) {
   active_ = false;
   goal_rad_ = q_rad_;
   health_.state = State::Lost;
@@ -90,7 +90,7 @@ hal::Result<> MockArm::configure() {
                     script_.period.count());
     return hal::failure(ErrorCode::BadConfig, kWhere, health_.last_error);
   }
-  if (faults_.at(cycles_until_now()) == Fault::Unplug) return lose_link(kWhere);
+  if (faults_.at(cycles_until_now()) == Fault::Unplug) return drop_link(kWhere);
   active_ = false;
   health_.state = State::Opening;
   return {};
@@ -131,7 +131,7 @@ hal::Result<hal::ArmState> MockArm::wait_cycle() {
   cycle_ = cycle;
   answered_ = false;
 
-  if (fault == Fault::Unplug) return lose_link(kWhere);
+  if (fault == Fault::Unplug) return drop_link(kWhere);
   if (fault == Fault::Drop) {
     answered_ = true;
     ++health_.rejected;

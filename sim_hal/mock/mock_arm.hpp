@@ -69,7 +69,7 @@ class MockArm final : public hal::Arm {
   void move(hal::Duration by);
   [[nodiscard]] bool may_command() const;
   [[nodiscard]] hal::ArmState measure() const;
-  [[nodiscard]] tl::unexpected<hal::Error> lose_link(const char* where);
+  [[nodiscard]] tl::unexpected<hal::Error> drop_link(const char* where);
 
   ArmScript script_;
   hal::ManualClock& clock_;

@@ -25,7 +25,7 @@ std::uint64_t MockCamera::newest_due() const {
       std::max<hal::Duration::rep>((clock_.now() - start_) / script_.period, 0));
 }
 
-tl::unexpected<hal::Error> MockCamera::lose_link(std::string where) {
+tl::unexpected<hal::Error> MockCamera::drop_link(std::string where) {
   health_.state = State::Lost;
   health_.last_error = fmt::format("the camera is unplugged since {:.3f} s", hal::seconds(clock_.now()));
   return hal::failure(ErrorCode::LinkLost, std::move(where), health_.last_error);
@@ -40,7 +40,7 @@ hal::Result<> MockCamera::configure() {
         script_.world ? "a" : "no", k.width, k.height, script_.period.count());
     return hal::failure(ErrorCode::BadConfig, "mock_camera.configure", health_.last_error);
   }
-  if (faults_.at(newest_due()) == Fault::Unplug) return lose_link("mock_camera.configure");
+  if (faults_.at(newest_due()) == Fault::Unplug) return drop_link("mock_camera.configure");
   // what went by while the link was down was never seen
   if (health_.state == State::Lost) next_ = std::max(next_, newest_due());
   health_.state = State::Opening;
@@ -64,13 +64,13 @@ hal::DepthFrame MockCamera::render(std::uint64_t frame) const {
   return script_.ideal ? measure_ideal(truth) : measure(truth, script_.noise, hash(script_.seed, 0, frame));
 }
 
-hal::Result<hal::DepthFrame> MockCamera::next_frame(std::chrono::milliseconds patience) {
+hal::Result<hal::DepthFrame> MockCamera::next_frame(std::chrono::milliseconds timeout) {
   constexpr auto kWhere = "mock_camera.next_frame";
   if (health_.state == State::Lost) return hal::failure(ErrorCode::LinkLost, kWhere, health_.last_error);
   if (health_.state != State::Streaming && health_.state != State::Stalled)
     return hal::failure(ErrorCode::NotReady, kWhere, "the camera does not stream, call activate() first");
 
-  const hal::Timestamp deadline = clock_.now() + std::max(patience, std::chrono::milliseconds(0));
+  const hal::Timestamp deadline = clock_.now() + std::max(timeout, std::chrono::milliseconds(0));
   // the newest frame that is due already, unless a fault keeps it back
   std::uint64_t frame = std::max(next_, newest_due());
   if (due(frame) <= clock_.now())
@@ -83,12 +83,12 @@ hal::Result<hal::DepthFrame> MockCamera::next_frame(std::chrono::milliseconds pa
       next_ = frame + 1;
       continue;
     }
-    if (fault == Fault::Unplug) return lose_link(kWhere);
+    if (fault == Fault::Unplug) return drop_link(kWhere);
     return deliver(frame, fault);
   }
   if (deadline > clock_.now()) clock_.advance(deadline - clock_.now());
   health_.state = State::Stalled;
-  health_.last_error = fmt::format("no frame within {} ms", patience.count());
+  health_.last_error = fmt::format("no frame within {} ms", timeout.count());
   return hal::failure(ErrorCode::Timeout, kWhere, health_.last_error);
 }
 

@@ -50,14 +50,14 @@ class MockCamera final : public hal::DepthCamera {
   [[nodiscard]] hal::Result<> activate() override;
   void deactivate() noexcept override;
   [[nodiscard]] hal::DeviceHealth health() const override { return health_; }
-  [[nodiscard]] hal::Result<hal::DepthFrame> next_frame(std::chrono::milliseconds patience) override;
+  [[nodiscard]] hal::Result<hal::DepthFrame> next_frame(std::chrono::milliseconds timeout) override;
 
  private:
   [[nodiscard]] hal::Timestamp due(std::uint64_t frame) const;
   [[nodiscard]] std::uint64_t newest_due() const;
   [[nodiscard]] hal::DepthFrame render(std::uint64_t frame) const;
   [[nodiscard]] hal::Result<hal::DepthFrame> deliver(std::uint64_t frame, std::optional<Fault> fault);
-  [[nodiscard]] tl::unexpected<hal::Error> lose_link(std::string where);
+  [[nodiscard]] tl::unexpected<hal::Error> drop_link(std::string where);
 
   CameraScript script_;
   hal::ManualClock& clock_;

@@ -20,7 +20,7 @@ std::uint64_t MockHand::cycle() const {
       std::max<hal::Duration::rep>((clock_.now() - start_) / script_.period, 0));
 }
 
-tl::unexpected<hal::Error> MockHand::lose_link(const char* where) {
+tl::unexpected<hal::Error> MockHand::drop_link(const char* where) {
   active_ = false;
   motion_ = Motion::None;
   health_.state = State::Lost;
@@ -38,7 +38,7 @@ hal::Result<> MockHand::configure() {
         script_.closed_rad, script_.speed_rad_s, script_.max_torque_nm, script_.period.count());
     return hal::failure(ErrorCode::BadConfig, kWhere, health_.last_error);
   }
-  if (faults_.at(cycle()) == Fault::Unplug) return lose_link(kWhere);
+  if (faults_.at(cycle()) == Fault::Unplug) return drop_link(kWhere);
   active_ = false;
   health_.state = State::Opening;
   return {};
@@ -69,7 +69,7 @@ void MockHand::stop() noexcept {
 hal::Result<> MockHand::ready(const char* where) {
   if (health_.state == State::Lost) return hal::failure(ErrorCode::LinkLost, where, health_.last_error);
   if (!active_) return hal::failure(ErrorCode::NotReady, where, "the hand is not active");
-  if (faults_.at(cycle()) == Fault::Unplug) return lose_link(where);
+  if (faults_.at(cycle()) == Fault::Unplug) return drop_link(where);
   move_until_now();
   return {};
 }
@@ -119,7 +119,7 @@ hal::Result<hal::HandState> MockHand::state() {
     return hal::failure(ErrorCode::NotReady, kWhere, "the hand is not open, call configure() first");
   move_until_now();
   const auto fault = faults_.at(cycle());
-  if (fault == Fault::Unplug) return lose_link(kWhere);
+  if (fault == Fault::Unplug) return drop_link(kWhere);
   if (fault == Fault::Drop) {
     ++health_.rejected;
     health_.state = State::Stalled;

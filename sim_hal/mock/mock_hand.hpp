@@ -63,7 +63,7 @@ class MockHand final : public hal::Hand {
 
   [[nodiscard]] std::uint64_t cycle() const;
   [[nodiscard]] hal::Result<> ready(const char* where);
-  [[nodiscard]] tl::unexpected<hal::Error> lose_link(const char* where);
+  [[nodiscard]] tl::unexpected<hal::Error> drop_link(const char* where);
   void move_until_now();
   void move_step(hal::Duration by);
 

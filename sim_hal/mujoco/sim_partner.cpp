@@ -87,13 +87,13 @@ void SimPartner::take_hold(std::size_t hold, const PartnerView& view) {
 // his own sag under the load tilts the object towards him: that he sees and takes out
 void SimPartner::follow(const Seen& seen) {
   const double off_m = seen.robot_m - seen.own_m;
-  const double felt_m = off_m - std::clamp(off_m, -seen.unseen_m, seen.unseen_m);
+  const double measured_m = off_m - std::clamp(off_m, -seen.unseen_m, seen.unseen_m);
   grip_.levelled_m =
-      std::clamp(grip_.levelled_m + kLevel_per_s * kTick_s * felt_m, -kMostLevelled_m, kMostLevelled_m);
+      std::clamp(grip_.levelled_m + kLevel_per_s * kTick_s * measured_m, -kMostLevelled_m, kMostLevelled_m);
   const double up = std::clamp(seen.robot_m / kOffGround_m, 0.0, 1.0);
   const double goal = std::max(seen.robot_m + up * grip_.levelled_m, 0.0);
-  const double speed = kFollow_per_s * (goal - grip_.wish_m);
-  grip_.wish_m += kTick_s * std::clamp(speed, -kFastest_m_s, kFastest_m_s);
+  const double speed = kFollow_per_s * (goal - grip_.request_m);
+  grip_.request_m += kTick_s * std::clamp(speed, -kFastest_m_s, kFastest_m_s);
 }
 
 void SimPartner::lead(const PartnerView& view, const Seen& now) {
@@ -107,7 +107,7 @@ void SimPartner::lead(const PartnerView& view, const Seen& now) {
   } else {
     grip_.levelled_m = 0.0;
   }
-  grip_.wish_m = goal + grip_.levelled_m;
+  grip_.request_m = goal + grip_.levelled_m;
 }
 
 Vec3 SimPartner::tremor(double t_s) const {
@@ -121,7 +121,7 @@ Vec3 SimPartner::tremor(double t_s) const {
 
 std::optional<SimPartner::Action> SimPartner::tick(const PartnerView& view) {
   // a grip that is renewed in the air is no new start
-  if (view.robot_T && view.robot_T != robot_T_ && grip_.wish_m < kOnGround_m) {
+  if (view.robot_T && view.robot_T != robot_T_ && grip_.request_m < kOnGround_m) {
     robot_T_ = view.robot_T;
     robot_z_m_ = (view.X_WT * *robot_T_).z();
     locked_at_s_ = view.t_s;
@@ -149,16 +149,16 @@ std::optional<SimPartner::Action> SimPartner::tick(const PartnerView& view) {
   } else {
     follow(seen);
     if (seen.robot_m < kOnGround_m)
-      grip_.start_W += kRelax_per_s * kTick_s * (at_W - grip_.start_W - Vec3(0.0, 0.0, grip_.wish_m));
+      grip_.start_W += kRelax_per_s * kTick_s * (at_W - grip_.start_W - Vec3(0.0, 0.0, grip_.request_m));
   }
   seen = now;
 
-  const Vec3 wish_W = grip_.start_W + Vec3(0.0, 0.0, grip_.wish_m) + tremor(view.t_s);
+  const Vec3 request_W = grip_.start_W + Vec3(0.0, 0.0, grip_.request_m) + tremor(view.t_s);
   const Vec3 stiffness(kSide_n_m, kSide_n_m, kUp_n_m);
   const Vec3 v_W = view.v_W + view.w_W.cross(at_W - view.X_WT.translation());
   Action action;
   action.at_W = at_W;
-  action.force_W = at_most(stiffness.cwiseProduct(wish_W - at_W) - kDamping_ns_m * v_W, kStrength_n);
+  action.force_W = at_most(stiffness.cwiseProduct(request_W - at_W) - kDamping_ns_m * v_W, kStrength_n);
   const Eigen::AngleAxisd turned(view.X_WT.linear() * grip_.R_WT.transpose());
   action.torque_W =
       at_most(-kTurn_nm_rad * turned.angle() * turned.axis() - kTurnDamping * view.w_W, kTurnStrength_nm);

@@ -61,7 +61,7 @@ class SimPartner {
     std::optional<std::size_t> hold;
     Vec3 start_W = Vec3::Zero();
     Eigen::Matrix3d R_WT = Eigen::Matrix3d::Identity();
-    double wish_m = 0.0;      ///< How much higher he wants his hand than at the start.
+    double request_m = 0.0;   ///< How much higher he wants his hand than at the start.
     double levelled_m = 0.0;  ///< Part of it that came from the tilt that he saw.
   };
   struct Seen {

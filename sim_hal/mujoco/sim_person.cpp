@@ -86,9 +86,9 @@ void add_partner(World& world, const PartnerFigure& figure) {
                                       : *place_partner(world, figure.contact_W, figure.outward_W).shoulder_W;
   const Vec3 away = horizontal(from);
   const double reach = smooth((figure.presence - kStoodBack) / (1.0 - kStoodBack));
-  const double walk = smooth(figure.presence / kStoodBack);
+  const double ramp = smooth(figure.presence / kStoodBack);
   Grip grip = find_grip(world, figure.contact_W, figure.contact_W + from);
-  const Vec3 body = figure.contact_W + from + ((1.0 - reach) * kStepBack_m + (1.0 - walk) * kWalk_m) * away;
+  const Vec3 body = figure.contact_W + from + ((1.0 - reach) * kStepBack_m + (1.0 - ramp) * kWalk_m) * away;
   const Vec3 facing = -away;
   Posture posture = stand(body, facing);
 
@@ -96,7 +96,7 @@ void add_partner(World& world, const PartnerFigure& figure) {
   const Vec3 back = (grip.out + away).norm() > 0.1 ? Vec3((grip.out + away).normalized()) : away;
   const Vec3 reached = grip.at + (1.0 - reach) * kWithdrawn_m * back;
   const Vec3 carried = body + Vec3(0, 0, -0.45) + 0.12 * facing;
-  grip.at = walk * reached + (1.0 - walk) * carried;
+  grip.at = ramp * reached + (1.0 - ramp) * carried;
   posture.right_wrist = grip.wrist();
   add_hand(world, grip);
   add_person(world, posture);

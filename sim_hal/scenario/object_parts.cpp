@@ -89,8 +89,8 @@ Shape piece(const ScenarioPart& part) {
   return s;
 }
 
-tl::unexpected<hal::Error> refuse(std::string where, std::string because) {
-  return hal::failure(hal::ErrorCode::BadConfig, std::move(where), std::move(because));
+tl::unexpected<hal::Error> refuse(std::string where, std::string reason) {
+  return hal::failure(hal::ErrorCode::BadConfig, std::move(where), std::move(reason));
 }
 
 hal::Result<Pieces> pieces_of(const ScenarioObject& object) {
@@ -111,22 +111,22 @@ hal::Result<Pieces> pieces_of(const ScenarioObject& object) {
   if (object.kind == "box") return Pieces{box({0, 0, 0.5 * size.z()}, size, 0.0, Label::Target)};
   if (object.kind == "table") {
     // legs beside each other, and long enough to be legs
-    constexpr double kLeast_m = 2 * (kTableLeg_m + kLegInset_m), kLeastHeight_m = kTop_m + 0.05;
-    if (size.x() < kLeast_m || size.y() < kLeast_m || size.z() < kLeastHeight_m)
+    constexpr double kMin_m = 2 * (kTableLeg_m + kLegInset_m), kMinHeight_m = kTop_m + 0.05;
+    if (size.x() < kMin_m || size.y() < kMin_m || size.z() < kMinHeight_m)
       return refuse("object.size",
                     fmt::format("object.size is {} x {} x {}, but a table on four legs is at least {:.2f} x "
                                 "{:.2f} x {:.3f} m",
-                                size.x(), size.y(), size.z(), kLeast_m, kLeast_m, kLeastHeight_m));
+                                size.x(), size.y(), size.z(), kMin_m, kMin_m, kMinHeight_m));
     return table(size);
   }
   if (object.kind == "chair") {
-    constexpr double kLeast_m = 0.15, kLeastHeight_m = 0.40;
-    if (size.x() < kLeast_m || size.y() < kLeast_m || size.z() < kLeastHeight_m)
+    constexpr double kMin_m = 0.15, kMinHeight_m = 0.40;
+    if (size.x() < kMin_m || size.y() < kMin_m || size.z() < kMinHeight_m)
       return refuse(
           "object.size",
           fmt::format("object.size is {} x {} x {}, but a chair with legs and back is at least {:.2f} "
                       "x {:.2f} x {:.2f} m",
-                      size.x(), size.y(), size.z(), kLeast_m, kLeast_m, kLeastHeight_m));
+                      size.x(), size.y(), size.z(), kMin_m, kMin_m, kMinHeight_m));
     return chair(size);
   }
   return refuse(

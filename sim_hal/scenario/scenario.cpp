@@ -100,9 +100,9 @@ class Checker {
     return {};
   }
 
-  tl::unexpected<hal::Error> refuse(std::string_view path, std::string because) const {
+  tl::unexpected<hal::Error> refuse(std::string_view path, std::string reason) const {
     return hal::failure(hal::ErrorCode::BadConfig, hal::place_text(name_, place_of(tree_, path)),
-                        std::move(because));
+                        std::move(reason));
   }
 
  private:

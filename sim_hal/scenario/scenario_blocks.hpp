@@ -110,7 +110,7 @@ struct EventBlock {
     constexpr auto kRequired = hal::Presence::Required;
     v("at_s", at_s, kTime_s, "When (s).", kRequired);
     v("do", action, hal::Choices{"let-go", "move"}, "What the partner does.", kRequired);
-    v("to", to, kPlace_m, "Where he takes hold again, in the object frame (m).");
+    v("to", to, kPlace_m, "Where he grasps again, in the object frame (m).");
   }
 };
 
@@ -124,9 +124,9 @@ struct PartnerBlock {
   template <class Visitor>
   void visit(Visitor& v) {
     v("kind", kind, hal::Choices{"compliant", "leader", "support", "none"}, "How the partner lifts.");
-    v("grasp", grasp, kPlace_m, "Where he takes hold, in the object frame (m).");
+    v("grasp", grasp, kPlace_m, "Where he grasps, in the object frame (m).");
     v("arrives_s", arrives_s, kTime_s, "When his hand is on the object (s).");
-    v("obliging", obliging, "Whether he takes hold elsewhere when the robot asks him to.");
+    v("obliging", obliging, "Whether he grasps elsewhere when the robot asks him to.");
     v("events", events, "What he does later.");
   }
 };

@@ -53,7 +53,7 @@ int main() {
     const auto shoot = [&](const sim_hal::World& world, std::uint64_t draw) {
       return sim_hal::measure(sim_hal::cast_rays(world, scene.intrinsics, scene.X_WC), {}, draw);
     };
-    control::LookInput input;
+    control::SceneAnalysisInput input;
     input.frame = shoot(scene.world, seed);
     input.X_WC = scene.X_WC;
     input.base_frame_known = true;
@@ -64,13 +64,13 @@ int main() {
     control::Config config;
     std::size_t candidates = 0;
     for (config.candidates.step_m = 0.05; config.candidates.step_m > 0.002; config.candidates.step_m *= 0.8) {
-      const auto look = control::look(input, control::Method::Fast, config, hand, clock, tables);
-      require(look && look->scene.target, scene.name, "no target");
-      candidates = look->candidates.size();
+      const auto analysis = control::analyse_scene(input, control::Method::Fast, config, hand, clock, tables);
+      require(analysis && analysis->scene.target, scene.name, "no target");
+      candidates = analysis->candidates.size();
       if (candidates >= kCandidates) break;
     }
 
-    const auto first = control::look(input, control::Method::Fast, config, hand, clock, tables);
+    const auto first = control::analyse_scene(input, control::Method::Fast, config, hand, clock, tables);
     const auto answer = control::decide(*first, second, config, clock);
     require(answer.has_value(), scene.name, "decide failed");
     const double off = answer->partner ? 1e3 * (answer->partner->position - partner.contact).norm() : 1e9;
@@ -83,10 +83,10 @@ int main() {
     std::size_t feasible = 0;
     for (int i = 0; i < 31; ++i) {
       const double start = bench::cpu_ms();
-      const auto look = control::look(input, control::Method::Fast, config, hand, clock, tables);
+      const auto analysis = control::analyse_scene(input, control::Method::Fast, config, hand, clock, tables);
       const double seen = bench::cpu_ms();
-      require(look.has_value(), scene.name, "look failed");
-      const auto outcome = control::decide(*look, second, config, clock);
+      require(analysis.has_value(), scene.name, "look failed");
+      const auto outcome = control::decide(*analysis, second, config, clock);
       const double end = bench::cpu_ms();
       require(outcome && outcome->partner, scene.name, "no partner's grasp");
       if (i == 0) {
@@ -97,9 +97,9 @@ int main() {
       look_ms.push_back(seen - start);
       decide_ms.push_back(end - seen);
       whole.push_back(end - start);
-      ground_target.push_back(look->ms.ground + look->ms.target);
-      surfaces.push_back(look->ms.surfaces);
-      candidates_ms.push_back(look->ms.candidates);
+      ground_target.push_back(analysis->ms.ground + analysis->ms.target);
+      surfaces.push_back(analysis->ms.surfaces);
+      candidates_ms.push_back(analysis->ms.candidates);
       partner_ms.push_back(outcome->partner_ms);
     }
     using bench::median;

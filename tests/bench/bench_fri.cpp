@@ -82,10 +82,10 @@ class Source final : public DatagramLink {
   explicit Source(ManualClock& clock) : clock_(clock) {}
   Result<> open() override { return {}; }
   void close() noexcept override {}
-  Datagram receive(std::span<std::byte> into, Duration patience) noexcept override {
+  Datagram receive(std::span<std::byte> into, Duration timeout) noexcept override {
     Datagram got;
     got.arrived_at = clock_.now();
-    if (patience == Duration::zero()) return got;
+    if (timeout == Duration::zero()) return got;
     clock_.advance(std::chrono::milliseconds(2));
     ++m_.head.send;
     if (++ticks_ > 50) m_.state = FriState::Command;

@@ -102,9 +102,9 @@ bool closed_form_agrees() {
   model().costs(s.partner, s.x, s.y, s.z, {&s.task, 1}, flat);
   for (std::size_t i = 0; i < kCandidates; ++i) {
     const double expected = dense(i), cost = model().cost(s.partner, s.robot[i], s.task);
-    const bool same = close(cost, expected, 1e-12) && close(fixed(i), expected, 1e-12) &&
-                      close(flat[i], expected, 1e-12) &&
-                      close(model().price(model().wrenches(s.partner, s.robot[i], s.task)), expected, 1e-12);
+    const bool same =
+        close(cost, expected, 1e-12) && close(fixed(i), expected, 1e-12) && close(flat[i], expected, 1e-12) &&
+        close(model().cost_weight(model().wrenches(s.partner, s.robot[i], s.task)), expected, 1e-12);
     if (same) continue;
     std::fprintf(stderr, "candidate %zu: closed form %.17g, KKT %.17g\n", i, cost, expected);
     return false;
@@ -123,8 +123,8 @@ bool limits_agree(const char* name, const SharingLimits& limits) {
       ++infeasible;
       continue;
     }
-    const double within = model().price(*w);
-    const double slow = model().price(m.wrenches_by_enumeration(s.partner, s.robot[i], s.task));
+    const double within = model().cost_weight(*w);
+    const double slow = model().cost_weight(m.wrenches_by_enumeration(s.partner, s.robot[i], s.task));
     active += within > model().cost(s.partner, s.robot[i], s.task) * (1 + 1e-12);
     if (close(within, slow, 1e-9)) continue;
     std::fprintf(stderr, "candidate %zu: Newton %.17g, enumeration %.17g\n", i, within, slow);

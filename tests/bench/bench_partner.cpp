@@ -25,7 +25,7 @@ using bench::time_ms;
 
 constexpr double kAgreed_mm =
     120.0;  // the same hand; the thesis's rule is some centimetres off by its nature
-constexpr int kLeastAgreed = 3;
+constexpr int kMinAgreed = 3;
 
 void require(bool fact, const std::string& name, const std::string& what) {
   if (fact) return;
@@ -106,7 +106,7 @@ int main() {
         scene.name, fast, segment, segment / fast, segment_all, segment_all / fast, fast_grasp, thesis_grasp,
         thesis_grasp / fast_grasp, ours, theirs));
   }
-  require(agreed >= kLeastAgreed, "partner",
+  require(agreed >= kMinAgreed, "partner",
           fmt::format("the methods agree on {} of {} frames", agreed, scenes.size()));
   fmt::print(
       "Both methods see the hand on {} of {} frames; mean contact error there {:.0f} mm fast, {:.0f} mm "

@@ -29,10 +29,10 @@ using sim_hal::Label;
 using tests::TableAt;
 
 constexpr int kProblemsEach = 10;
-constexpr int kLeastProblems = 100;  // in all
-constexpr int kStraightEach = 2;     // of these, at most, that a straight line solves
-constexpr double kLimitS = 20.0;     // of a problem, all tries together
-constexpr int kTries = 3;            // as many as find_transit() has, each at half the step of the one before
+constexpr int kMinProblems = 100;  // in all
+constexpr int kStraightEach = 2;   // of these, at most, that a straight line solves
+constexpr double kLimitS = 20.0;   // of a problem, all tries together
+constexpr int kTries = 3;          // as many as find_transit() has, each at half the step of the one before
 
 class ThreadClock final : public hal::Clock {
  public:
@@ -409,7 +409,7 @@ int run() {
                percentile(b.times(), 0.95));
   }
   // a benchmark of ways that touch something, or of a handful of problems, says nothing
-  return ours.exact() == ours.found() && count >= kLeastProblems ? 0 : 1;
+  return ours.exact() == ours.found() && count >= kMinProblems ? 0 : 1;
 }
 
 }  // namespace

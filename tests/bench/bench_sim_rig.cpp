@@ -118,7 +118,7 @@ int run() {
   fmt::print("| a whole lift of {:.1f} s with seeing and planning, {:.1f} s | {:.1f} | 5 |\n", t.sim_s,
              lift_s, t.sim_s / lift_s);
   if (lift.record.outcome != control::RunRecord::Result::Lifted)
-    fmt::print("\nThe lift did not end with a lifted object: {}.\n", lift.record.because);
+    fmt::print("\nThe lift did not end with a lifted object: {}.\n", lift.record.reason);
   fmt::print("\nOf all these frames {} pixels differ from an image that is cast anew.\n", differ);
   return differ <= kMayDiffer ? 0 : 1;
 }

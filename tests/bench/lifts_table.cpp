@@ -32,9 +32,9 @@ const char* word(control::RunRecord::Result outcome) {
 }
 
 /// A sentence without what differs from seed to seed, so that like ones can be counted.
-std::string kind_of(const std::string& because) {
+std::string kind_of(const std::string& reason) {
   std::string out;
-  for (const char c : because) {
+  for (const char c : reason) {
     if (c >= '0' && c <= '9') {
       if (out.empty() || out.back() != '#') out += '#';
     } else if (!(c == '.' && !out.empty() && out.back() == '#')) {
@@ -46,7 +46,7 @@ std::string kind_of(const std::string& because) {
 
 std::string share_text(const tests::SimulatedLift& lift) {
   if (lift.record.outcome != control::RunRecord::Result::Lifted)
-    return fmt::format("{}: {}", word(lift.record.outcome), lift.record.because);
+    return fmt::format("{}: {}", word(lift.record.outcome), lift.record.reason);
   return fmt::format("lifted, tilt {:.2f} deg, share {:.2f}, partner {:.0f} mm", lift.tilt_deg,
                      lift.share_robot, 1e3 * lift.partner_error_m);
 }
@@ -121,7 +121,7 @@ void told_in_full(const char* file, control::Method method) {
   const auto lift = tests::simulate(*scenario, method, 1);
   fmt::print("{}\n", tests::line(fmt::format("{}, {}", scenario->name, word(method)), lift));
   for (const auto& s : lift.record.states)
-    fmt::print("  {:6.2f} s  {:13} {}\n", hal::seconds(s.at), control::word(s.state), s.because);
+    fmt::print("  {:6.2f} s  {:13} {}\n", hal::seconds(s.at), control::word(s.state), s.reason);
   std::fflush(stdout);
 }
 

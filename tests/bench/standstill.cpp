@@ -48,30 +48,30 @@ struct Span {
 };
 
 /// One processor's witness.
-struct Witness {
+struct Observer {
   int cpu = 0;
   bool granted = false;
   double worst_s = 0.0;
   std::vector<Span> stood;
 };
 
-void watch(Witness& witness, double until_s) {
+void watch(Observer& observer, double until_s) {
   cpu_set_t own;
   CPU_ZERO(&own);
-  CPU_SET(witness.cpu, &own);
+  CPU_SET(observer.cpu, &own);
   sched_param highest{};
   highest.sched_priority = sched_get_priority_max(SCHED_FIFO);
-  witness.granted = pthread_setaffinity_np(pthread_self(), sizeof own, &own) == 0 &&
-                    pthread_setschedparam(pthread_self(), SCHED_FIFO, &highest) == 0;
-  if (!witness.granted) return;
-  witness.stood.reserve(kMostSpans);
+  observer.granted = pthread_setaffinity_np(pthread_self(), sizeof own, &own) == 0 &&
+                     pthread_setschedparam(pthread_self(), SCHED_FIFO, &highest) == 0;
+  if (!observer.granted) return;
+  observer.stood.reserve(kMostSpans);
   double due_s = now_s() + kEvery_s;
   while (!stop && due_s < until_s) {
     sleep_until(due_s);
     const double woke_s = now_s();
-    witness.worst_s = std::max(witness.worst_s, woke_s - due_s);
-    if (woke_s - due_s > kWorthTelling_s && witness.stood.size() < kMostSpans)
-      witness.stood.push_back({due_s, woke_s});
+    observer.worst_s = std::max(observer.worst_s, woke_s - due_s);
+    if (woke_s - due_s > kWorthTelling_s && observer.stood.size() < kMostSpans)
+      observer.stood.push_back({due_s, woke_s});
     due_s = std::max(due_s + kEvery_s, woke_s);
   }
 }
@@ -86,23 +86,23 @@ int main(int argc, char** argv) {
   cpu_set_t all;
   CPU_ZERO(&all);
   sched_getaffinity(0, sizeof all, &all);
-  std::vector<Witness> witnesses;
+  std::vector<Observer> observers;
   for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu)
-    if (CPU_ISSET(cpu, &all)) witnesses.emplace_back().cpu = cpu;
+    if (CPU_ISSET(cpu, &all)) observers.emplace_back().cpu = cpu;
   std::vector<std::thread> threads;
   const double until_s = now_s() + for_s;
-  threads.reserve(witnesses.size());
-  for (Witness& witness : witnesses) threads.emplace_back([&] { watch(witness, until_s); });
+  threads.reserve(observers.size());
+  for (Observer& observer : observers) threads.emplace_back([&] { watch(observer, until_s); });
   for (std::thread& thread : threads) thread.join();
 
   nlohmann::json document = {{"schema", "colift.standstill/1"}, {"cpus", nlohmann::json::array()}};
   bool granted = true;
-  for (const Witness& witness : witnesses) {
-    granted = granted && witness.granted;
+  for (const Observer& observer : observers) {
+    granted = granted && observer.granted;
     auto spans = nlohmann::json::array();
-    for (const Span& span : witness.stood) spans.push_back({span.from_s, span.to_s});
+    for (const Span& span : observer.stood) spans.push_back({span.from_s, span.to_s});
     document["cpus"].push_back(
-        {{"cpu", witness.cpu}, {"worst_s", witness.worst_s}, {"stood_monotonic_s", spans}});
+        {{"cpu", observer.cpu}, {"worst_s", observer.worst_s}, {"stood_monotonic_s", spans}});
   }
   if (!granted) {
     fmt::print(stderr, "standstill: the kernel does not grant SCHED_FIFO 99 (ulimit -r, or root)\n");

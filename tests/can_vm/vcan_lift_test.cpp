@@ -16,7 +16,7 @@ TEST_CASE("a table is lifted with the hand on vcan0", "[vcan]") {
   wire.hand = true;
   wire.hand_bus = "socketcan:vcan0";
   const auto lift = tests::simulate(table, control::Method::Fast, 1, control::run_defaults(), wire);
-  INFO(lift.record.because);
+  INFO(lift.record.reason);
   for (const auto& fault : lift.record.faults) UNSCOPED_INFO(fault.device << ": " << fault.what);
   REQUIRE(lift.record.outcome == control::RunRecord::Result::Lifted);
   CHECK(lift.record.faults.empty());

@@ -59,7 +59,7 @@ void as_traffic(std::span<const std::byte> bytes) {
     if (head % 16 == 1) session.activate(), asked = true;
     if (head % 16 == 2) session.stop();
     if (head % 16 == 3) session.leave();
-    if (head % 16 == 4) session.forget_wishes();
+    if (head % 16 == 4) session.forget_requests();
     // nobody may command who did not ask, outside of command mode, or without drives
     if (session.may_command() && (!asked || SessionMachine::mirrors(m))) std::abort();
   }

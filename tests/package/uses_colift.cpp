@@ -2,7 +2,7 @@
 #include <cstdio>
 
 #include "control/session/library_layout.hpp"
-#include "control/session/look.hpp"
+#include "control/session/scene_analysis.hpp"
 #include "planner/load_sharing/load_sharing.hpp"
 
 int main() {
@@ -17,9 +17,10 @@ int main() {
   const auto sharing = planner::LoadSharing::create(planner::SharingWeights::thesis());
   const double cost = sharing->cost({-0.4, 0, 0}, {0.4, 0, 0}, {{0, 0, 40}, {0, 0, 0}});
   // and the whole chain links: an empty frame has no ground
-  control::LookInput input;
+  control::SceneAnalysisInput input;
   input.frame.depth_m.assign(640 * 480, NAN);
-  const auto seen = control::look(std::move(input), control::Method::Fast, {}, {}, hal::ManualClock());
-  std::printf("%.1f %s\n", cost, seen->because.c_str());
+  const auto seen =
+      control::analyse_scene(std::move(input), control::Method::Fast, {}, {}, hal::ManualClock());
+  std::printf("%.1f %s\n", cost, seen->reason.c_str());
   return cost == 800.0 && !seen->scene.ground ? 0 : 1;
 }

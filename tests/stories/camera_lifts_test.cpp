@@ -71,9 +71,9 @@ class FailingCamera final : public hal::DepthCamera {
   void deactivate() noexcept override { inner_->deactivate(); }
   hal::DeviceHealth health() const override { return inner_->health(); }
 
-  hal::Result<hal::DepthFrame> next_frame(std::chrono::milliseconds patience) override {
+  hal::Result<hal::DepthFrame> next_frame(std::chrono::milliseconds timeout) override {
     using Kind = Fault::Kind;
-    auto frame = inner_->next_frame(patience);
+    auto frame = inner_->next_frame(timeout);
     if (gone()) return hal::failure(hal::ErrorCode::LinkLost, "test", words_);
     if (fault_.kind == Kind::Old) frame = held_back(std::move(frame));
     if (!frame) return frame;
@@ -206,9 +206,9 @@ Lift lift_with(const Fault& fault, Task in) {
 }
 
 std::string told(const Lift& lift) {
-  std::string all = lift.record.because + "\n";
+  std::string all = lift.record.reason + "\n";
   for (const auto& s : lift.record.states)
-    all += std::to_string(hal::seconds(s.at)) + " " + std::string(control::word(s.state)) + ": " + s.because +
+    all += std::to_string(hal::seconds(s.at)) + " " + std::string(control::word(s.state)) + ": " + s.reason +
            "\n";
   for (const auto& f : lift.record.faults) all += f.device + ": " + f.what + "\n";
   return all;
@@ -273,7 +273,7 @@ TEST_CASE(
     CHECK_FALSE(lift.record.hand_keeps_grip);
     CHECK_FALSE(came_to(lift, Task::Halt));
     if (in != Task::Lift) continue;
-    CHECK(said(lift, "goes on slowly: the camera gives no picture", "arm"));
+    CHECK(said(lift, "continues at reduced speed: the camera gives no picture", "arm"));
     CHECK(seconds_in(lift, Task::Lift) > 2.5);  // 2.3 s with a camera
   }
 }
@@ -299,7 +299,7 @@ TEST_CASE("a camera that was moved is not looked through any more", "[camera][fa
 TEST_CASE("pictures that are old slow the arm on its way", "[camera][faults]") {
   const Lift old = lift_with({Fault::Kind::Old, 1e9, 0.21}, Task::Approach);
   INFO(told(old));
-  CHECK(said(old, "goes on slowly: the camera's pictures are", "arm"));
+  CHECK(said(old, "continues at reduced speed: the camera's pictures are", "arm"));
   CHECK_FALSE(came_to(old, Task::Halt));
   REQUIRE(old.record.plan);
   const double planned_s = old.record.plan->transit.duration_s() + old.record.plan->approach.duration_s();
@@ -312,7 +312,7 @@ TEST_CASE("nothing is grasped in a picture that is half holes; when the sun has 
   const Lift blinded = lift_with({Fault::Kind::Holes, 1e9, 0.5}, Task::Observe);
   INFO(told(blinded));
   CHECK(blinded.record.outcome == Result::Refused);
-  CHECK_THAT(blinded.record.because, Catch::Contains("of the pixels on and about the object see nothing"));
+  CHECK_THAT(blinded.record.reason, Catch::Contains("of the pixels on and about the object see nothing"));
   CHECK_FALSE(came_to(blinded, Task::Approach));
 
   const Lift lift = lift_with({Fault::Kind::Holes, 1.0, 0.5}, Task::Observe);

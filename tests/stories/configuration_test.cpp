@@ -126,11 +126,11 @@ TEST_CASE("check --for shows the configuration of every command, method and ship
         CHECK(used(tools::config_of(common, control::Command::Hal)) == shown(verb + with_robot));
       CHECK(used(tools::config_of(common, control::Command::Calibrate)) == shown("calibrate" + with_robot));
     }
-    tools::LookOptions look;
-    look.method = method;
-    CHECK(used(tools::config_of_look(common, look)) == shown("look" + named));
+    tools::LookOptions analysis;
+    analysis.method = method;
+    CHECK(used(tools::config_of_look(common, analysis)) == shown("look" + named));
     tools::DecideOptions decide;
-    decide.look = look;
+    decide.analysis = analysis;
     decide.epsilon = "2";
     CHECK(used(tools::config_of_decide(common, decide)) == shown("decide --epsilon 2" + named));
     tools::ExperimentOptions experiment;

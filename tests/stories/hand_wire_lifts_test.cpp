@@ -51,9 +51,9 @@ std::uint64_t rules_broken(const tests::SimulatedLift& lift) {
 }
 
 std::string told(const tests::SimulatedLift& lift) {
-  std::string all = lift.record.because + "\n";
+  std::string all = lift.record.reason + "\n";
   for (const auto& s : lift.record.states)
-    all += std::string(control::word(s.state)) + ": " + s.because + "\n";
+    all += std::string(control::word(s.state)) + ": " + s.reason + "\n";
   for (const auto& f : lift.record.faults) all += f.device + ": " + f.what + "\n";
   for (std::size_t r = 0; r < sim_hal::kHandRules; ++r)
     if (lift.pucks->broken[r] > 0)

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "control/session/decide.hpp"
-#include "control/session/look.hpp"
+#include "control/session/scene_analysis.hpp"
 #include "hal/drivers/recorded/frame_file.hpp"
 
 namespace colift::stories {
@@ -33,15 +33,15 @@ struct Recording {
     return read->frame;
   }
 
-  [[nodiscard]] control::Look look(std::optional<Vec3> at = std::nullopt,
-                                   control::Method method = control::Method::Fast,
-                                   const std::string& image = "depth.png") const {
-    control::LookInput input;
+  [[nodiscard]] control::SceneAnalysis analyse_scene(std::optional<Vec3> at = std::nullopt,
+                                                     control::Method method = control::Method::Fast,
+                                                     const std::string& image = "depth.png") const {
+    control::SceneAnalysisInput input;
     input.frame = frame(image);
     input.at_W = at;
     control::Config config;
     control::set_method_defaults(method, config);
-    auto seen = control::look(std::move(input), method, config, {}, hal::ManualClock());
+    auto seen = control::analyse_scene(std::move(input), method, config, {}, hal::ManualClock());
     REQUIRE(seen);
     return std::move(*seen);
   }

@@ -33,7 +33,7 @@ bool passed(const tests::SimulatedLift& lift, Task task) {
 
 std::string reason_for(const tests::SimulatedLift& lift, Task task) {
   for (const control::StateChange& s : lift.record.states)
-    if (s.state == task) return s.because;
+    if (s.state == task) return s.reason;
   return "";
 }
 
@@ -104,7 +104,7 @@ TEST_CASE("without a partner nothing moves", "[scenario]") {
   config.task.partner_timeout_s = 3.0;
   const auto lift = run("no_partner", control::Method::Fast, config);
   CHECK(lift.record.outcome == Result::Refused);
-  CHECK(lift.record.because.find("nobody") != std::string::npos);
+  CHECK(lift.record.reason.find("nobody") != std::string::npos);
   CHECK_FALSE(passed(lift, Task::Approach));
 }
 
@@ -119,8 +119,8 @@ TEST_CASE("a hand comes at an angle where the elbow could not bend enough for a 
 TEST_CASE("who takes the robot's own side of the object is told why that cannot be", "[scenario]") {
   const auto lift = run("partner_near_robot");
   CHECK(lift.record.outcome == Result::Refused);
-  CHECK(lift.record.because.find("the object would tip") != std::string::npos);
-  CHECK(lift.record.because.find("beyond the reach of the hand") != std::string::npos);
+  CHECK(lift.record.reason.find("the object would tip") != std::string::npos);
+  CHECK(lift.record.reason.find("beyond the reach of the hand") != std::string::npos);
   CHECK_FALSE(passed(lift, Task::Approach));
 }
 
@@ -170,7 +170,7 @@ TEST_CASE("opposite to the robot the thesis's method sees no face within reach",
     const auto lift = run(name, control::Method::Thesis);
     INFO(tests::line(name, lift));
     CHECK(lift.record.outcome == Result::Refused);
-    CHECK(lift.record.because.find("are out of reach") != std::string::npos);
+    CHECK(lift.record.reason.find("are out of reach") != std::string::npos);
     CHECK_FALSE(passed(lift, Task::Approach));
   }
 }

@@ -86,7 +86,7 @@ TEST_CASE("who holds where no grip helps is asked to go elsewhere, and does", "[
     const auto lift = tests::simulate(scenario, control::Method::Fast, 1, config);
     CHECK(lift.record.outcome == Result::Aborted);
     CHECK(lift.record.asked.size() == 1);
-    CHECK(lift.record.because.find("where he was asked to") != std::string::npos);
+    CHECK(lift.record.reason.find("where he was asked to") != std::string::npos);
     CHECK(lift.at_end.height_m < 0.002);
     CHECK_FALSE(lift.record.hand_keeps_grip);
   }

@@ -64,7 +64,7 @@ bool hand_at_object(Task task) {
 TEST_CASE("a table is lifted over the arm's wire, and the controller has nothing to complain of", "[wire]") {
   const auto lift = tests::simulate(sim_hal::built_in_scenario(), control::Method::Fast, 1,
                                     control::run_defaults(), tests::OverWire{});
-  INFO(lift.record.because);
+  INFO(lift.record.reason);
   REQUIRE(lift.record.outcome == Result::Lifted);
   CHECK(lift.tilt_deg < 1.0);
   CHECK(lift.record.faults.empty());
@@ -117,7 +117,7 @@ const Row kRows[] = {
 
 void check(const Row& row, Task in, char expected, const tests::ForkedEnd& lift) {
   INFO(row.rows << " in " << control::word(in) << ", expected " << expected << " " << lift.crash << "\n"
-                << lift.because << "\n"
+                << lift.reason << "\n"
                 << lift.told);
   REQUIRE(lift.crash.empty());
   REQUIRE(lift.ran);
@@ -126,7 +126,7 @@ void check(const Row& row, Task in, char expected, const tests::ForkedEnd& lift)
   } else {
     CHECK(lift.outcome == Result::Aborted);
     CHECK(lift.end == (expected == '.' ? Task::Stopped : Task::Aborted));
-    CHECK_THAT(lift.because, Catch::Contains(row.says));
+    CHECK_THAT(lift.reason, Catch::Contains(row.says));
   }
   // the hand never opens on a load but when the object stands again
   if (hand_at_object(in) && in != Task::Close) CHECK(lift.hand_keeps_grip == (expected == '.'));
@@ -185,7 +185,7 @@ TEST_CASE("faults of wire and controller on the way back from a grasp that is of
   for (std::size_t i = 0; i < lifts.size(); ++i) {
     const auto& lift = lifts[i];
     INFO(kRows[i].rows << " in back-off, expected " << kRows[i].ends.back() << " " << lift.crash << "\n"
-                       << lift.because << "\n"
+                       << lift.reason << "\n"
                        << lift.told);
     REQUIRE(lift.crash.empty());
     REQUIRE(lift.ran);
@@ -195,7 +195,7 @@ TEST_CASE("faults of wire and controller on the way back from a grasp that is of
       CHECK_THAT(lift.told, Catch::Contains("back where it started"));
     } else {
       CHECK(lift.end == Task::Stopped);
-      CHECK_THAT(lift.because, Catch::Contains(kRows[i].says));
+      CHECK_THAT(lift.reason, Catch::Contains(kRows[i].says));
     }
     CHECK_FALSE(lift.hand_keeps_grip);
     CHECK_FALSE(lift.hit_something);
@@ -210,7 +210,7 @@ namespace {
 tests::OverWire patient() {
   tests::OverWire wire;
   wire.extrapolated = 200;
-  wire.least_rate = 0.05;
+  wire.min_rate = 0.05;
   return wire;
 }
 
@@ -227,12 +227,12 @@ TEST_CASE("while the controller is patient, a gap that heals makes the arm rest 
   for (std::size_t i = 0; i < lifts.size(); ++i) {
     const auto& lift = lifts[i];
     INFO(faults[i].fault.text << " in " << control::word(faults[i].in) << " " << lift.crash << "\n"
-                              << lift.because << "\n"
+                              << lift.reason << "\n"
                               << lift.told);
     REQUIRE(lift.ran);
     CHECK(lift.outcome == Result::Lifted);
     CHECK_THAT(lift.told, Catch::Contains("takes commands again after"));
-    CHECK_THAT(lift.told, Catch::Contains("goes on from where it stands"));
+    CHECK_THAT(lift.told, Catch::Contains("continues from the current position"));
     CHECK_FALSE(lift.hit_something);
     CHECK(lift.troubles == 0);
     CHECK(lift.broken_rules == 0);
@@ -290,10 +290,10 @@ TEST_CASE(
   // while it lifts this box from above, A4 comes as near as 17.5 deg: a plan that knows nothing of it
   config.task.limit_margin_deg = 19.0;
   const auto stopped = tests::simulate(*scenario, control::Method::Fast, 1, config, tests::OverWire{});
-  INFO(stopped.record.because);
+  INFO(stopped.record.reason);
   CHECK(stopped.record.outcome == Result::Aborted);
   CHECK(stopped.record.states.back().state == Task::Stopped);
-  CHECK_THAT(stopped.record.because, Catch::Contains("A4 is 19."));
+  CHECK_THAT(stopped.record.reason, Catch::Contains("A4 is 19."));
   CHECK(stopped.record.hand_keeps_grip);
   CHECK(stopped.at_end.robot_touches_object);
   CHECK(stopped.at_end.height_m > 0.005);
@@ -304,7 +304,7 @@ TEST_CASE(
   // a plan that knows it takes another grasp or posture
   config.motion.limit_margin_deg = 19.0;
   const auto around = tests::simulate(*scenario, control::Method::Fast, 1, config, tests::OverWire{});
-  INFO(around.record.because);
+  INFO(around.record.reason);
   CHECK(around.record.outcome == Result::Lifted);
   CHECK(around.tilt_deg < 1.0);
 }
@@ -317,7 +317,7 @@ TEST_CASE("in T1 a whole lift keeps below the speed that the controller stops at
   sim_hal::Scenario scenario = sim_hal::built_in_scenario();
   scenario.camera.noise = "none";
   const auto lift = tests::simulate(scenario, control::Method::Fast, 1, control::for_arm_mode(config), wire);
-  INFO(lift.record.because);
+  INFO(lift.record.reason);
   CHECK(lift.record.outcome == Result::Lifted);
   CHECK(lift.wire->broken_rules_in_all == 0);
   // and without the profile it would not

@@ -22,7 +22,7 @@ struct CameraRig {
   explicit CameraRig(std::optional<sim_hal::KinectNoise> noise = sim_hal::KinectNoise{},
                      const std::vector<std::string>& faults = {})
       : server(server_config(faults),
-               std::make_unique<sim_hal::ScriptedCameraEye>(world, X_WC, noise, 1, clock)),
+               std::make_unique<sim_hal::ScriptedCameraSource>(world, X_WC, noise, 1, clock)),
         camera(camera_config(server.address()), clock) {
     if (auto started = server.start(); !started) FAIL(started.error().text());
   }

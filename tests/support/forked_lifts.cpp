@@ -16,11 +16,11 @@ namespace {
 std::string everything_told(const SimulatedLift& lift) {
   std::string all;
   for (const auto& s : lift.record.states)
-    all += fmt::format("{:.2f} {}: {}\n", hal::seconds(s.at), control::word(s.state), s.because);
+    all += fmt::format("{:.2f} {}: {}\n", hal::seconds(s.at), control::word(s.state), s.reason);
   for (const auto& f : lift.record.faults)
     all += fmt::format("{:.2f} {}: {}\n", hal::seconds(f.at), f.device, f.what);
-  for (const auto& b : lift.wire->broken_rules) all += "broken: " + b.because + "\n";
-  for (const auto& m : lift.wire->mode_changes) all += "mode: " + m.because + "\n";
+  for (const auto& b : lift.wire->broken_rules) all += "broken: " + b.reason + "\n";
+  for (const auto& m : lift.wire->mode_changes) all += "mode: " + m.reason + "\n";
   return all;
 }
 
@@ -81,14 +81,14 @@ void send(int pipe, control::Task in, const SimulatedLift& lift) {
   n.broken_rules = static_cast<unsigned>(lift.wire->broken_rules_in_all);
   n.in_state_s = time_in(in, lift.record.states);
   put(pipe, &n, sizeof n);
-  put(pipe, lift.record.because);
+  put(pipe, lift.record.reason);
   put(pipe, everything_told(lift));
 }
 
 ForkedEnd receive(int pipe, pid_t child) {
   ForkedEnd e;
   Numbers n{};
-  e.ran = get(pipe, &n, sizeof n) && get(pipe, e.because) && get(pipe, e.told);
+  e.ran = get(pipe, &n, sizeof n) && get(pipe, e.reason) && get(pipe, e.told);
   e.outcome = n.outcome;
   e.end = n.end;
   e.hand_keeps_grip = n.hand_keeps_grip;

@@ -21,7 +21,7 @@ struct ForkedEnd {
   std::string crash;  ///< How the lift's process ended, if not well.
   control::RunRecord::Result outcome = control::RunRecord::Result::Refused;
   control::Task end = control::Task::Observe;  ///< The last state.
-  std::string because, told;                   ///< The reason; everything that was said.
+  std::string reason, told;                    ///< The reason; everything that was said.
   bool hand_keeps_grip = false, hit_something = false;
   unsigned troubles = 0, broken_rules = 0;
   double in_state_s = 0.0;  ///< Spent in the fault's state, from its first entry.

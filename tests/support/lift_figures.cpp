@@ -18,7 +18,7 @@ const char* word(control::RunRecord::Result outcome) {
 
 std::string line(const std::string& name, const SimulatedLift& lift) {
   if (lift.record.outcome != control::RunRecord::Result::Lifted)
-    return fmt::format("{}: {}: {}", name, word(lift.record.outcome), lift.record.because);
+    return fmt::format("{}: {}: {}", name, word(lift.record.outcome), lift.record.reason);
   return fmt::format(
       "{}: lifted {:.1f} cm, tilt {:.2f} deg, share {:.2f}, slip {:.1f} mm, partner off {:.0f} mm{}", name,
       1e2 * lift.height_m, lift.tilt_deg, lift.share_robot, 1e3 * lift.slip_m, 1e3 * lift.partner_error_m,

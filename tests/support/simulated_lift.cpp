@@ -57,7 +57,7 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
     sim_hal::KrcConfig krc;
     krc.seed = seed;
     krc.extrapolated = over->extrapolated;
-    krc.quality.bad = over->least_rate;
+    krc.quality.bad = over->min_rate;
     krc.limits.velocity_rad_s = krc.limits.velocity_rad_s.cwiseMin(over->joint_rad_s);
     wire = std::make_unique<ArmWire>(*world, krc);
   }

@@ -55,7 +55,7 @@ struct OverWire {
   /// Asked at the start of the job and whenever it enters a state: what goes wrong with the arm from then on.
   std::function<std::optional<sim_hal::KrcFault>(control::Task)> entered;
   int extrapolated = 3;       ///< Missing answers in a row that the arm's controller bridges.
-  double least_rate = 0.80;   ///< Of answers: with fewer its quality is unacceptable.
+  double min_rate = 0.80;     ///< Of answers: with fewer its quality is unacceptable.
   double joint_rad_s = 10.0;  ///< Faster joints it does not let pass, as in its mode T1.
 };
 

@@ -44,8 +44,8 @@ class SteppedCan final : public hal::CanBus {
     bus_->close();
   }
 
-  Received receive(hal::CanFrame& into, hal::Duration patience) noexcept override {
-    const hal::Timestamp until = clock_.now() + patience;
+  Received receive(hal::CanFrame& into, hal::Duration timeout) noexcept override {
+    const hal::Timestamp until = clock_.now() + timeout;
     for (;;) {
       if (coming_ > 0) {
         --coming_;

@@ -18,11 +18,11 @@ int cmd_look(const CommonOptions& common, const LookOptions& options) {
   if (common.json)
     std::puts(look_document(*seen).c_str());
   else
-    std::fputs((common.quiet ? seen->look.because + "\n" : look_text(*seen)).c_str(), stdout);
+    std::fputs((common.quiet ? seen->analysis.reason + "\n" : look_text(*seen)).c_str(), stdout);
   std::fflush(stdout);
   if (auto shown = show(*seen, nullptr, options, common, *setup); !shown)
     return report_error("look", shown.error());
-  return seen->look.scene.target ? kDone : kNoGoal;
+  return seen->analysis.scene.target ? kDone : kNoGoal;
 }
 
 }  // namespace colift::tools

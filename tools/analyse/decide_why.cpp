@@ -18,7 +18,7 @@ bool possible(const planner::GraspCandidate& c) {
   return c.verdict == Verdict::Ok || c.verdict == Verdict::Chosen;
 }
 
-void price(const planner::ScoredCandidate& s, const planner::SharingWeights& w, WhyCandidate& out) {
+void cost_weight(const planner::ScoredCandidate& s, const planner::SharingWeights& w, WhyCandidate& out) {
   const double e2 = w.epsilon * w.epsilon;
   const auto square = [](double x) { return x * x; };
   out.partner_force = s.wrenches.partner.force.squaredNorm();
@@ -71,12 +71,12 @@ hal::Result<WhyCandidate> explain_candidate(const control::Outcome& o, const con
   why.scored = why.index < scores.size() && scores[why.index].has_value();
   if (why.scored) {
     const planner::ScoredCandidate& s = *scores[why.index];
-    price(s, config.decision.weights, why);
+    cost_weight(s, config.decision.weights, why);
     why.cost = s.cost;
     why.share = s.share;
     why.from_optimum_m = (c.position - o.decision.optimum).norm();
     why.text += fmt::format("  for {:.1f} kg: {}\n", config.decision.mass_kg, terms(why));
-    why.text += fmt::format("  the robot would bear {:.0f} % of the load, {:.0f} mm from the best place\n",
+    why.text += fmt::format("  the robot would carry {:.0f} % of the load, {:.0f} mm from the optimum\n",
                             100 * s.share, 1e3 * why.from_optimum_m);
   } else {
     why.text += "  no cost: without a partner's grasp there is nothing to share\n";
@@ -92,15 +92,14 @@ hal::Result<WhyCandidate> explain_candidate(const control::Outcome& o, const con
       ++why.rank;
   }
   if (c.verdict == Verdict::Chosen) {
-    why.text +=
-        fmt::format("  nothing stands against it: it is the cheapest of {} possible ones\n", why.possible);
+    why.text += fmt::format("feasible, and the lowest cost of {} candidates\n", why.possible);
   } else if (!possible(c)) {
-    why.text += fmt::format("  against it: {}\n", c.because);
+    why.text += fmt::format("  against it: {}\n", c.reason);
   }
   if (o.decision.chosen && why.scored && *o.decision.chosen != why.index) {
     WhyCandidate best;
     const planner::ScoredCandidate& s = *scores[*o.decision.chosen];
-    price(s, config.decision.weights, best);
+    cost_weight(s, config.decision.weights, best);
     best.cost = s.cost;
     const double more = best.cost > 0.0 ? 100.0 * (why.cost / best.cost - 1.0) : 0.0;
     if (possible(c))
@@ -120,7 +119,7 @@ std::string with_why(const std::string& document, const control::Outcome& outcom
   if (doc.is_discarded()) return document;
   const planner::GraspCandidate& c = outcome.candidates[why.index];
   nlohmann::ordered_json j = {{"candidate", c.id}, {"verdict", word(c.verdict)}, {"text", why.text}};
-  if (!c.because.empty()) j["because"] = c.because;
+  if (!c.reason.empty()) j["because"] = c.reason;
   if (why.scored) {
     j["cost"] = why.cost;
     j["share"] = why.share;

@@ -34,7 +34,7 @@ Json candidate_json(const planner::GraspCandidate& c) {
             {"surface", c.surface},
             {"verdict", word(c.verdict)}};
   if (c.stability && std::isfinite(*c.stability)) j["stability"] = *c.stability;
-  if (!c.because.empty()) j["because"] = c.because;
+  if (!c.reason.empty()) j["because"] = c.reason;
   return j;
 }
 
@@ -55,9 +55,8 @@ Json decision_json(const control::Outcome& o) {
   const auto& d = o.decision;
   if (!d.chosen) return nullptr;
   const planner::GraspCandidate& c = o.candidates[*d.chosen];
-  Json j = {{"candidate", c.id},    {"position", json_array(c.position)},
-            {"share", d.share},     {"cost", d.cost},
-            {"because", d.because}, {"optimum", json_array(d.optimum)}};
+  Json j = {{"candidate", c.id},   {"position", json_array(c.position)}, {"share", d.share}, {"cost", d.cost},
+            {"because", d.reason}, {"optimum", json_array(d.optimum)}};
   if (*d.chosen < d.scores.size() && d.scores[*d.chosen]) {
     const auto& w = d.scores[*d.chosen]->wrenches;
     j["partner"] = wrench(w.partner);

@@ -10,8 +10,8 @@ std::vector<picture::ReportCandidate> candidate_rows(
   std::vector<picture::ReportCandidate> rows;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const planner::GraspCandidate& c = candidates[i];
-    picture::ReportCandidate row{c.id,     planner::name_of(c.kind), c.verdict, {}, {}, c.stability, c.width,
-                                 c.because};
+    picture::ReportCandidate row{c.id,    planner::name_of(c.kind), c.verdict, {}, {}, c.stability, c.width,
+                                 c.reason};
     if (i < scores.size() && scores[i]) {
       row.share = scores[i]->share;
       row.cost = scores[i]->cost;

@@ -36,7 +36,7 @@ Json target(const perception::Scene& scene) {
           {"cog", json_array(t.cog)},
           {"cog_sigma", json_sigma(t.cog_covariance)},
           {"shape", box(t.shape)},
-          {"because", t.because}};
+          {"because", t.reason}};
 }
 
 Json surface(const perception::Surface& s) {
@@ -57,8 +57,8 @@ Json surface(const perception::Surface& s) {
           {"length", c.length}};
 }
 
-Json look(const Seen& seen, const char* schema, Json candidates) {
-  const control::Look& l = seen.look;
+Json document(const Seen& seen, const char* schema, Json candidates) {
+  const control::SceneAnalysis& l = seen.analysis;
   Json j = {{"schema", schema},
             {"method", control::to_string(l.method)},
             {"points", seen.file.points},
@@ -74,9 +74,9 @@ Json look(const Seen& seen, const char* schema, Json candidates) {
     j["others"].push_back({{"kind", word(r.kind)},
                            {"center", json_array(r.center)},
                            {"pixels", r.pixels},
-                           {"because", r.because}});
+                           {"because", r.reason}});
   }
-  j["because"] = l.because;
+  j["because"] = l.reason;
   j["timing_ms"] = {{"ground", l.ms.ground},
                     {"target", l.ms.target},
                     {"surfaces", l.ms.surfaces},
@@ -89,31 +89,31 @@ Json look(const Seen& seen, const char* schema, Json candidates) {
 
 std::string look_document(const Seen& seen) {
   Json candidates = Json::array();
-  for (const auto& c : seen.look.candidates) candidates.push_back(candidate_json(c));
-  return look(seen, "colift.look/1", std::move(candidates)).dump();
+  for (const auto& c : seen.analysis.candidates) candidates.push_back(candidate_json(c));
+  return document(seen, "colift.look/1", std::move(candidates)).dump();
 }
 
 std::string decide_document(const Seen& seen, const control::Outcome& o,
                             const std::optional<control::Suggestion>& suggestion) {
-  Json j = look(seen, "colift.decide/1", candidates_json(o));
+  Json j = document(seen, "colift.decide/1", candidates_json(o));
   if (o.partner) {
     j["partner"] = {{"position", json_array(o.partner->position)},
                     {"sigma", json_sigma(o.partner->covariance)},
                     {"points", o.partner->points},
-                    {"because", o.partner_because}};
+                    {"because", o.partner_reason}};
   } else {
     j["partner"] = nullptr;
   }
   j["decision"] = decision_json(o);
-  if (!o.decision.chosen) j["because"] = o.decision.because;
+  if (!o.decision.chosen) j["because"] = o.decision.reason;
   j["suggestion"] = nullptr;
   if (suggestion)
     j["suggestion"] = {{"partner", json_array(suggestion->position)},
                        {"gain", suggestion->gain ? Json(*suggestion->gain) : Json(nullptr)},
-                       {"because", suggestion->because}};
+                       {"because", suggestion->reason}};
   j["timing_ms"]["partner"] = o.partner_ms;
   j["timing_ms"]["decision"] = o.decision_ms;
-  j["timing_ms"]["total"] = seen.look.ms.total + o.partner_ms + o.decision_ms;
+  j["timing_ms"]["total"] = seen.analysis.ms.total + o.partner_ms + o.decision_ms;
   return j.dump();
 }
 

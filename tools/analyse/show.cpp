@@ -13,14 +13,14 @@ namespace {
 picture::ScenePicture picture_of(const Seen& seen, const control::Outcome* outcome,
                                  const planner::HandModel& hand) {
   picture::ScenePicture p;
-  const control::Look& l = seen.look;
+  const control::SceneAnalysis& l = seen.analysis;
   p.cloud = &l.cloud;
   p.rgb = &l.frame.rgb;
   p.scene = &l.scene;
   p.candidates = outcome ? &outcome->candidates : &l.candidates;
   p.hand_opening_m = hand.opening_m;
   p.palm_gap_m = hand.palm_gap_m;
-  p.because = outcome ? outcome->decision.because : l.because;
+  p.reason = outcome ? outcome->decision.reason : l.reason;
   p.figures.emplace_back("method", control::to_string(l.method));
   p.figures.emplace_back("look", fmt::format("{:.1f} ms", l.ms.total));
   if (outcome) {
@@ -31,19 +31,19 @@ picture::ScenePicture picture_of(const Seen& seen, const control::Outcome* outco
       p.share = outcome->decision.share;
       p.optimum = outcome->decision.optimum;
     }
-    p.notes.push_back(outcome->partner_because);
+    p.notes.push_back(outcome->partner_reason);
   }
-  if (l.scene.target) p.notes.push_back(l.scene.target->because);
+  if (l.scene.target) p.notes.push_back(l.scene.target->reason);
   p.notes.push_back(seen.file.note);
   return p;
 }
 
 picture::Report report_of(const Seen& seen, const control::Outcome* outcome, const CommonOptions& common,
                           const Setup& setup, const picture::ScenePicture& picture) {
-  const control::Look& l = seen.look;
+  const control::SceneAnalysis& l = seen.analysis;
   picture::Report r;
   r.title = picture.title;
-  r.summary.push_back(picture.because);
+  r.summary.push_back(picture.reason);
   r.notes = picture.notes;
   r.pictures.push_back(
       {picture::scene_picture_png(picture), "What was seen in the frame and what was decided."});

@@ -55,7 +55,7 @@ std::string surface_line(const perception::Surface& s) {
 }
 
 std::string look_text(const Seen& seen) {
-  const control::Look& l = seen.look;
+  const control::SceneAnalysis& l = seen.analysis;
   std::string text =
       fmt::format("{} of {} points seen; {}\n", seen.file.valid_points, seen.file.points, seen.file.note);
   if (l.scene.ground) {
@@ -68,7 +68,7 @@ std::string look_text(const Seen& seen) {
     text +=
         fmt::format("target    {:.1f} x {:.1f} x {:.1f} cm visible at {}, {} points\n", 100 * t.obb.size.x(),
                     100 * t.obb.size.y(), 100 * t.obb.size.z(), point(t.obb.center), t.points.size());
-    text += fmt::format("          {}\n", t.because);
+    text += fmt::format("          {}\n", t.reason);
     const hal::Vec3 s = t.cog_covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     text += fmt::format("centre of gravity {} +- ({:.0f}, {:.0f}, {:.0f}) mm\n", point(t.cog), 1e3 * s.x(),
                         1e3 * s.y(), 1e3 * s.z());
@@ -79,10 +79,10 @@ std::string look_text(const Seen& seen) {
     if (l.scene.surfaces.size() > kLines)
       text += fmt::format("  and {} smaller ones\n", l.scene.surfaces.size() - kLines);
   }
-  text += l.because + "\n";
+  text += l.reason + "\n";
   constexpr std::size_t kShown = 5;
   for (std::size_t i = 0; i < std::min(kShown, l.rejected.size()); ++i)
-    text += fmt::format("  not the thing at {}: {}\n", point(l.rejected[i].center), l.rejected[i].because);
+    text += fmt::format("  not the object at {}: {}\n", point(l.rejected[i].center), l.rejected[i].reason);
   text += fmt::format("took {:.1f} ms: ground {:.1f}, target {:.1f}, surfaces {:.1f}, candidates {:.1f}\n",
                       l.ms.total, l.ms.ground, l.ms.target, l.ms.surfaces, l.ms.candidates);
   return text;
@@ -92,9 +92,9 @@ std::string decide_text(const control::Outcome& o, const std::optional<control::
   std::string text;
   if (o.partner)
     text +=
-        fmt::format("partner   holds the object at {}: {}\n", point(o.partner->position), o.partner_because);
+        fmt::format("partner   holds the object at {}: {}\n", point(o.partner->position), o.partner_reason);
   else
-    text += fmt::format("partner   {}\n", o.partner_because);
+    text += fmt::format("partner   {}\n", o.partner_reason);
   if (!o.decision.scores.empty()) {
     text += fmt::format("{:>4}  {:5} {:>12}  {:>6} {:>11}  {}\n", "id", "kind", "verdict", "share", "cost",
                         "position and reason");
@@ -106,15 +106,15 @@ std::string decide_text(const control::Outcome& o, const std::optional<control::
       if (!free && ++refused > kRefusedShown) continue;
       text += fmt::format("{:>4}  {:5} {:>12}  {:>5.0f}% {:>11.3f}  {}{}{}\n", c.id, planner::name_of(c.kind),
                           word(c.verdict), s ? 100 * s->share : std::nan(""), s ? s->cost : std::nan(""),
-                          point(c.position), c.because.empty() ? "" : "  ",
-                          c.verdict == planner::Verdict::Chosen ? "<- chosen" : c.because);
+                          point(c.position), c.reason.empty() ? "" : "  ",
+                          c.verdict == planner::Verdict::Chosen ? "<- chosen" : c.reason);
     }
     if (refused > kRefusedShown)
       text += fmt::format("      and {} more refused; --json and --report have them all\n",
                           refused - kRefusedShown);
   }
-  text += o.decision.because + "\n";
-  if (suggestion) text += suggestion->because + "\n";
+  text += o.decision.reason + "\n";
+  if (suggestion) text += suggestion->reason + "\n";
   return text;
 }
 

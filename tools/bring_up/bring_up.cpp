@@ -36,9 +36,9 @@ LiveScreen progress_screen(const CommonOptions& common, const HalOptions& option
   return {common.json ? stderr : stdout, common.json, common.quiet || options.verb == printing_verb};
 }
 
-void report_failure(const char* device, const std::string& verb, const std::string& because,
+void report_failure(const char* device, const std::string& verb, const std::string& reason,
                     const std::optional<std::string>& next) {
-  std::string text = fmt::format("colift hal {} {}: {}\n", device, verb, because);
+  std::string text = fmt::format("colift hal {} {}: {}\n", device, verb, reason);
   if (next) text += fmt::format("{}docs/bring-up.md says more\n", *next);
   std::fputs(text.c_str(), stderr);
 }

@@ -28,8 +28,8 @@ inline constexpr WiredDevice kWiredCamera{"camera", &RobotFile::camera, "kinect"
 /// device is not on a wire).
 [[nodiscard]] hal::Result<RobotFile> read_wired(const HalOptions& options, const WiredDevice& device);
 
-/// The configuration of a `hal` command, warnings of which are printed as of `command`. Errors: BadConfig with
-/// the place.
+/// The configuration of a `hal` command, warnings of which are printed as of `command`. Errors: BadConfig
+/// with the place.
 [[nodiscard]] hal::Result<control::Config> read_config(const char* command, const CommonOptions& common);
 
 /// Errors: BadInput (a time that is not more than 0).
@@ -41,7 +41,7 @@ inline constexpr WiredDevice kWiredCamera{"camera", &RobotFile::camera, "kinect"
                                          std::string_view printing_verb);
 
 /// Says on stderr why a verb failed and, with `next` (lines, may be empty), what to do about it.
-void report_failure(const char* device, const std::string& verb, const std::string& because,
+void report_failure(const char* device, const std::string& verb, const std::string& reason,
                     const std::optional<std::string>& next);
 
 }  // namespace colift::tools

@@ -11,7 +11,7 @@
 #include "tools/bring_up/hal_arm_obstacles.hpp"
 #include "tools/bring_up/hal_arm_task.hpp"
 #include "tools/cli/session.hpp"
-#include "tools/emulate/emulate.hpp"
+#include "tools/cli/interrupt.hpp"
 #include "tools/rig/rig_world.hpp"
 
 namespace colift::tools {
@@ -20,7 +20,7 @@ namespace {
 using How = ArmTaskEnd::How;
 
 constexpr double kCareful_deg = 30.0, kCarefulStiffness = 50.0;
-constexpr double kImpatient_s = 2.0;  // of a person who waits for command mode
+constexpr double kTimeout_s = 2.0;  // of a person who waits for command mode
 constexpr auto kLook = std::chrono::milliseconds(50);
 
 /// What a call of the command works with.
@@ -63,8 +63,8 @@ hal::Result<ArmTask> move_task(const HalOptions& o, const Bench& bench) {
   if (!std::isfinite(o.degrees) || o.degrees == 0.0)
     return bad("DEG", "expected an angle other than 0, in degrees from where the joint stands");
   if (std::abs(o.degrees) > kCareful_deg && !o.yes)
-    return bad("DEG", fmt::format("{:+.1f} deg is more than {:.0f}; if the way is free, say --yes", o.degrees,
-                                  kCareful_deg));
+    return bad("DEG", fmt::format("{:+.1f} deg is more than {:.0f}; if the path is free, confirm with --yes",
+                                  o.degrees, kCareful_deg));
   if (!std::isfinite(o.speed_deg_s) || o.speed_deg_s <= 0.0)
     return bad("--speed", "expected more than 0 deg/s");
   const double careful = hal::rad_to_deg(kT1Velocity_rad_s);
@@ -111,7 +111,7 @@ hal::Result<ArmTask> task_of(const HalOptions& o, const Bench& bench) {
                       kCarefulStiffness));
     task.stiffness_nm_rad = o.stiffness_nm_rad;
   }
-  if (task.kind != ArmTask::Kind::Watch && bench.fri.control != "joint_impedance")
+  if (task.kind != ArmTask::Kind::PerceptionSession && bench.fri.control != "joint_impedance")
     return hal::failure(hal::ErrorCode::BadConfig, "fri.control",
                         fmt::format("{}: this verb commands joint_impedance only", bench.fri.control));
   return task;
@@ -142,7 +142,7 @@ class Teller {
     if (screen_.live() &&
         (p.phase == ArmProgress::Phase::Watching || p.phase == ArmProgress::Phase::Commanding)) {
       std::string text = fmt::format("{}\n{}", arm_screen(view, model_), histogram_text(view.answers));
-      if (task_.kind != ArmTask::Kind::Watch)
+      if (task_.kind != ArmTask::Kind::PerceptionSession)
         text += fmt::format("\n{}\n", progress_line(p, task_, view.at_s));
       screen_.draw(text, view.at_s);
       return;
@@ -175,7 +175,7 @@ std::string refusing(const ArmView& view, const hal::RobotModel& model) {
 
 /// What to do about an arm that was not there, refused, or went away.
 std::string advice(const ArmView& view, const hal::RobotModel& model, const ArmTaskEnd& end) {
-  if (end.because.find("port is in use") != std::string::npos)
+  if (end.reason.find("port is in use") != std::string::npos)
     return fmt::format("next: \"ss -lunp sport = :{}\" says who has it; end that one\n", view.config.port);
   if (view.status.received == 0) return fmt::format("next: {}\n", silence_advice(view.config));
   return refusing(view, model);
@@ -188,7 +188,7 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
   if (!made) return report_error("hal arm", made.error());
   hal::FriArm& fri = **made;
   std::unique_ptr<hal::Arm> arm = std::move(*made);
-  if (task.kind != ArmTask::Kind::Watch)
+  if (task.kind != ArmTask::Kind::PerceptionSession)
     arm = std::make_unique<hal::GuardedArm>(std::move(arm), *bench.model, bench.guard);
 
   const InterruptGuard signals;
@@ -207,7 +207,7 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
   if (!common.quiet)
     for (const std::string& words : realtime.words) std::fprintf(stderr, "%s\n", words.c_str());
 
-  ProgramWatch program;
+  ProgramMonitor program;
   Teller teller(common, options, task, *bench.model);
   std::optional<double> asking_since_s;
   bool told_why = false;
@@ -222,7 +222,7 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
     teller.show(view, p);
     if (p.phase != ArmProgress::Phase::Asking) continue;
     if (!asking_since_s) asking_since_s = at_s();
-    if (told_why || common.quiet || at_s() - *asking_since_s < kImpatient_s) continue;
+    if (told_why || common.quiet || at_s() - *asking_since_s < kTimeout_s) continue;
     told_why = true;
     if (const std::string text = refusing(view, *bench.model); !text.empty())
       std::fputs(fmt::format("command mode does not come:\n{}", text).c_str(), stderr);
@@ -234,7 +234,7 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
     std::puts(arm_document(options.verb, view, *bench.model, task, end).c_str());
   } else if (view.status.received > 0) {
     std::string text;
-    if (task.kind != ArmTask::Kind::Watch)
+    if (task.kind != ArmTask::Kind::PerceptionSession)
       text = task_summary(task, end);
     else if (options.verb == "state" || (!common.quiet && !teller.shown()))
       text = arm_screen(view, *bench.model);
@@ -244,7 +244,7 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
   std::fflush(stdout);
   if (end.how != How::Done && end.how != How::Interrupted)
     report_failure(
-        "arm", options.verb, end.because,
+        "arm", options.verb, end.reason,
         exit_code(end.how) == kDeviceFailed ? std::optional(advice(view, *bench.model, end)) : std::nullopt);
   if (end.how == How::Done && view.status.session == hal::FriSession::Silent) {
     std::fprintf(stderr, "colift hal arm %s: %s\n", options.verb.c_str(),

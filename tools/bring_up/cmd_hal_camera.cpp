@@ -16,7 +16,7 @@
 #include "tools/bring_up/hal_camera_view.hpp"
 #include "tools/cli/config_of.hpp"
 #include "tools/cli/session.hpp"
-#include "tools/emulate/emulate.hpp"
+#include "tools/cli/interrupt.hpp"
 #include "tools/visualization/file_output.hpp"
 
 namespace colift::tools {
@@ -50,7 +50,7 @@ hal::Result<double> time_of(const HalCameraOptions& o) {
 
 struct End {
   int code = kDone;
-  std::string word = "done", because;
+  std::string word = "done", reason;
 };
 
 /// Frames until the time is over, somebody ends it, or the recording does.
@@ -116,7 +116,7 @@ class Session {
       if (o_.infrared)
         if (auto image = camera_.next_infrared(0ms)) infrared_ = std::move(*image);
       if (frame) {
-        if (lost) screen_.line(fmt::format("{:8.1f} s  sees again", view().at_s));
+        if (lost) screen_.line(fmt::format("{:8.1f} s  frames again", view().at_s));
         lost = false;
         look_at_frame(*frame, view_);
         last_ = std::move(*frame);
@@ -211,14 +211,14 @@ int cmd_hal_camera(const CommonOptions& common, const HalCameraOptions& options)
       std::fprintf(stderr, "depth image: %s, camera.json beside it\n", options.depth->c_str());
   }
   if (common.json)
-    std::puts(camera_document(options.hal.verb, view, end.word, end.because).c_str());
+    std::puts(camera_document(options.hal.verb, view, end.word, end.reason).c_str());
   else if (session.last())
     std::fputs(camera_screen(view).c_str(), stdout);
   if (!session.recorded().empty() && !common.json) std::printf("recorded   %s\n", session.recorded().c_str());
   std::fflush(stdout);
   if (end.code != kDone && end.code != kInterrupted)
     report_failure(
-        "camera", options.hal.verb, end.because,
+        "camera", options.hal.verb, end.reason,
         end.code == kDeviceFailed || !session.last()
             ? std::optional(fmt::format("next: {}\n", camera_advice(session.code(), kinect->source)))
             : std::nullopt);

@@ -10,7 +10,7 @@
 #include "tools/bring_up/bring_up.hpp"
 #include "tools/bring_up/hal_hand_task.hpp"
 #include "tools/cli/session.hpp"
-#include "tools/emulate/emulate.hpp"
+#include "tools/cli/interrupt.hpp"
 
 namespace colift::tools {
 namespace {
@@ -126,7 +126,7 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
     std::puts(hand_document(options.verb, view, task, end).c_str());
   } else {
     std::string text;
-    if (task.kind != HandTask::Kind::Watch)
+    if (task.kind != HandTask::Kind::PerceptionSession)
       text = hand_summary(task, end);
     else if (end.states > 0 && options.verb == "tactile")
       text = tactile_text(view);
@@ -136,7 +136,7 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
   }
   std::fflush(stdout);
   if (end.how != How::Done && end.how != How::Interrupted)
-    report_failure("hand", options.verb, end.because,
+    report_failure("hand", options.verb, end.reason,
                    exit_code(end.how) == kDeviceFailed
                        ? std::optional(fmt::format("next: {}\n", hand_advice(end.code, bench.barrett.can)))
                        : std::nullopt);

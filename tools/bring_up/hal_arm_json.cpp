@@ -86,7 +86,7 @@ Json command_mode(const ArmView& v, const hal::RobotModel& model) {
 }
 
 Json result(const ArmTask& task, const ArmTaskEnd& e) {
-  Json j = {{"outcome", to_string(e.how)}, {"because", e.because},       {"commanded", e.commanded},
+  Json j = {{"outcome", to_string(e.how)}, {"because", e.reason},        {"commanded", e.commanded},
             {"cycles", e.cycles},          {"bad_cycles", e.bad_cycles}, {"restarts", e.restarts}};
   if (!e.commanded) return j;
   j["commanded_s"] = e.commanded_s;

@@ -15,7 +15,7 @@ using hal::FriQuality;
 constexpr double kMismatch_rad = 0.02;  // as the driver's own words
 constexpr double kBeatWatch_s = 0.6;    // several heartbeats and rounds of the program
 constexpr double kStraight_deg = 15.0;
-constexpr float kGoodRate = 0.99f, kLeastRate = 0.95f;
+constexpr float kGoodRate = 0.99f, kMinRate = 0.95f;
 
 FriQuality least(const hal::FriConfig& c) {
   return c.min_quality == "perfect" ? FriQuality::Perfect
@@ -77,7 +77,7 @@ class Finder {
       next = "this program could not send every answer: see the network card and its cable (ip -s link)";
     else
       next =
-          "what came was answered in time here, so datagrams or answers get lost on their way: a cable of "
+          "what came was answered in time here, so datagrams or answers get lost in transit: a cable of "
           "its own "
           "from the KRC's network card to this machine, no switch, and no firewall for UDP";
     if (!enough)
@@ -85,7 +85,7 @@ class Finder {
              fmt::format("the quality is {}, needed is {} ({})", name_of(s.quality), v_.config.min_quality,
                          link_text(s)),
              s.received < 150 ? "the KRC judges by 100 answers: wait a second and look again" : next);
-    else if (s.answer_rate < kLeastRate)
+    else if (s.answer_rate < kMinRate)
       remark("answer-rate", fmt::format("answers get lost ({})", link_text(s)), next);
   }
 
@@ -148,7 +148,7 @@ class Finder {
           "file behind --robot");
     } else if (!v_.program.heart_beats() && v_.program.watched_s() > kBeatWatch_s) {
       refuse("program",
-             fmt::format("the KRL program stands still: no heartbeat for {:.1f} s", v_.program.watched_s()),
+             fmt::format("the KRL program is stopped: no heartbeat for {:.1f} s", v_.program.watched_s()),
              "it was halted at the panel or waits for an acknowledgement: acknowledge and press start");
     } else if (to_pc[krl::kFromState] == krl::kCloses) {
       refuse("program", "the KRL program is closing FRI", "start it anew at the panel");
@@ -193,7 +193,7 @@ class Finder {
       const double nm = std::abs(static_cast<double>(v_.m.tau_external_nm[i]));
       if (nm > v_.config.start_external_nm)
         refuse("external-torque",
-               fmt::format("A{} feels {:.1f} N m from outside (limit to start {:.1f})", i + 1, nm,
+               fmt::format("external torque on A{}: {:.1f} N m (limit to start {:.1f})", i + 1, nm,
                            v_.config.start_external_nm),
                "free the arm of whatever it touches; if it touches nothing, the tool's load data are wrong");
     }
@@ -254,10 +254,8 @@ std::string obstacles_text(const std::vector<Obstacle>& found) {
   std::string refused, known;
   for (const Obstacle& o : found)
     (o.refuses ? refused : known) += fmt::format("  - {}\n    next: {}\n", o.what, o.next);
-  std::string text =
-      refused.empty()
-          ? "command mode  nothing that shows from here stands against it; next: colift hal arm hold\n"
-          : "command mode  would be refused now:\n" + refused;
+  std::string text = refused.empty() ? "command mode  no obstacle found; next: colift hal arm hold\n"
+                                     : "command mode  would be refused now:\n" + refused;
   if (!known.empty()) text += "worth knowing\n" + known;
   return text;
 }

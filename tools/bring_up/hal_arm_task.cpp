@@ -54,7 +54,7 @@ class Runner {
   ArmTaskEnd run() {
     go_on(Phase::Opening);
     if (auto opened = arm_.configure(); !opened) return finish(How::Refused, opened.error().text());
-    if (task_.kind == ArmTask::Kind::Watch) return watch();
+    if (task_.kind == ArmTask::Kind::PerceptionSession) return watch();
     if (!first_state()) return finish(How::Refused, "no usable state came: " + why("of the arm"));
     if (task_.kind == ArmTask::Kind::Move)
       if (std::string bad =
@@ -69,7 +69,7 @@ class Runner {
       return leave(How::Refused, active.error().text());
     }
     command();
-    return leave(how_, because_);
+    return leave(how_, reason_);
   }
 
  private:
@@ -95,16 +95,16 @@ class Runner {
     return text.empty() ? otherwise : text;
   }
 
-  ArmTaskEnd finish(How how, std::string because) {
+  ArmTaskEnd finish(How how, std::string reason) {
     end_.how = how;
-    end_.because = std::move(because);
+    end_.reason = std::move(reason);
     go_on(Phase::Over);
     return end_;
   }
-  ArmTaskEnd leave(How how, std::string because) {
+  ArmTaskEnd leave(How how, std::string reason) {
     go_on(Phase::Leaving);
     arm_.deactivate();
-    return finish(how, std::move(because));
+    return finish(how, std::move(reason));
   }
 
   ArmTaskEnd watch() {
@@ -156,7 +156,7 @@ class Runner {
 
   void lost(const std::string& otherwise) {
     how_ = How::Lost;
-    because_ = why(otherwise);
+    reason_ = why(otherwise);
     over_ = true;
   }
 
@@ -171,11 +171,11 @@ class Runner {
       }
       if (hooks_.interrupted) {
         how_ = How::Interrupted;
-        because_ = "asked to end";
+        reason_ = "asked to end";
         over_ = true;
       } else if (t - *held_since_s_ > kHeldUp_s) {
         lost(held_why_);
-        because_ = held_why_;
+        reason_ = held_why_;
       }
       return;
     }
@@ -183,7 +183,7 @@ class Runner {
     if (auto sent = arm_.command(wished); !sent) {
       if (sent.error().code != ErrorCode::LimitExceeded) return;  // shows in the next state
       how_ = How::Stopped;
-      because_ = sent.error().text();
+      reason_ = sent.error().text();
       over_ = true;
       return;
     }
@@ -234,11 +234,11 @@ class Runner {
     end_.external_nm = end_.external_nm.cwiseMax(state_.tau_external_nm.cwiseAbs());
   }
 
-  void bring_to_rest(How how, std::string because, double t) {
+  void bring_to_rest(How how, std::string reason, double t) {
     ending_ = true;
     ending_since_s_ = t;
     how_ = how;
-    because_ = std::move(because);
+    reason_ = std::move(reason);
     setpoints_.hold();
     go_on(Phase::Stopping);
   }
@@ -272,7 +272,7 @@ class Runner {
   hal::Timestamp since_{0};
 
   How how_ = How::Done;
-  std::string because_, held_why_;
+  std::string reason_, held_why_;
   bool over_ = false, ending_ = false;
   double began_s_ = 0.0, ending_since_s_ = 0.0;
   std::optional<double> held_since_s_, arrived_s_;
@@ -325,8 +325,8 @@ std::string beyond_limits(const hal::RobotModel& model, const hal::GuardConfig& 
 std::string task_summary(const ArmTask& task, const ArmTaskEnd& e) {
   std::string t;
   if (e.commanded) {
-    Eigen::Index worst = 0, felt = 0;
-    const double drift = e.drift_rad.maxCoeff(&worst), external = e.external_nm.maxCoeff(&felt);
+    Eigen::Index worst = 0, measured = 0;
+    const double drift = e.drift_rad.maxCoeff(&worst), external = e.external_nm.maxCoeff(&measured);
     if (task.kind == ArmTask::Kind::Move) {
       t += fmt::format(
           "A{} moved by {:+.2f} deg (asked for {:+.2f}) in {:.1f} s, {:.3f} deg from where it was "
@@ -343,11 +343,11 @@ std::string task_summary(const ArmTask& task, const ArmTaskEnd& e) {
           e.commanded_s, task.stiffness_nm_rad, hal::rad_to_deg(most), moved + 1);
     }
     t += fmt::format(
-        "greatest distance from the command {:.3f} deg (A{}), greatest outside torque {:.1f} N m (A{}); "
+        "max following error {:.3f} deg (A{}), max external torque {:.1f} N m (A{}); "
         "{} cycles, {} without a state, {} restarts from the measured pose\n",
-        hal::rad_to_deg(drift), worst + 1, external, felt + 1, e.cycles, e.bad_cycles, e.restarts);
+        hal::rad_to_deg(drift), worst + 1, external, measured + 1, e.cycles, e.bad_cycles, e.restarts);
   }
-  if (e.how == How::Interrupted) t += fmt::format("interrupted: {}\n", e.because);
+  if (e.how == How::Interrupted) t += fmt::format("interrupted: {}\n", e.reason);
   return t;
 }
 

@@ -19,11 +19,11 @@ namespace colift::tools {
 /// What the arm is asked to do during bring-up.
 struct ArmTask {
   enum class Kind {
-    Watch,  ///< Nothing moves and nothing is asked for.
-    Hold,   ///< Command mode, the measured pose.
-    Move,   ///< Command mode, one joint by an angle.
+    PerceptionSession,  ///< Nothing moves and nothing is asked for.
+    Hold,               ///< Command mode, the measured pose.
+    Move,               ///< Command mode, one joint by an angle.
   };
-  Kind kind = Kind::Watch;
+  Kind kind = Kind::PerceptionSession;
   double for_s = std::numeric_limits<double>::infinity();  ///< Of watching or holding.
   double stiffness_nm_rad = 1000.0;
   double damping_ratio = 0.7;
@@ -46,7 +46,7 @@ struct ArmProgress {
 struct ArmTaskEnd {
   using How = TaskOutcome;
   How how = How::Done;
-  std::string because;  ///< Empty when done.
+  std::string reason;  ///< Empty when done.
   bool commanded = false;
   double commanded_s = 0.0;
   hal::JointVector start_rad = hal::JointVector::Zero();    ///< Measured when commands began.

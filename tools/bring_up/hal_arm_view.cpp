@@ -55,7 +55,7 @@ std::string outcome_of_program(std::int32_t code) {
 
 }  // namespace
 
-void ProgramWatch::note(const hal::FriMeasurement& m, double t_s) {
+void ProgramMonitor::note(const hal::FriMeasurement& m, double t_s) {
   const std::int32_t beat = m.krl.integer[hal::colift_krl::kFromBeat];
   if (!any_) first_s_ = t_s;
   if (any_ && beat != beat_) ++changes_;
@@ -81,7 +81,7 @@ AnswerSummary summary_of(const hal::AnswerTimes& times) {
   return a;
 }
 
-ArmView view_of(const hal::FriArm& arm, const ProgramWatch& program, const hal::RealtimeReport& realtime,
+ArmView view_of(const hal::FriArm& arm, const ProgramMonitor& program, const hal::RealtimeReport& realtime,
                 double limit_margin_deg, double at_s) {
   ArmView v;
   v.config = arm.config();

@@ -14,7 +14,7 @@
 namespace colift::tools {
 
 /// Whether a KRL program of CoLift's own kind is seen to run: it repeats the heartbeat that it hears.
-class ProgramWatch {
+class ProgramMonitor {
  public:
   /// At any rate, with the time since the start.
   void note(const hal::FriMeasurement& m, double t_s);
@@ -45,12 +45,12 @@ struct ArmView {
   hal::FriMeasurement m;
   hal::SixVector wrench = hal::SixVector::Zero();  ///< On the tool from outside (N, N m).
   AnswerSummary answers;
-  ProgramWatch program;
+  ProgramMonitor program;
   hal::RealtimeReport realtime;
   double limit_margin_deg = 1.0;  ///< Of the guard.
   double at_s = 0.0;              ///< Since the start.
 };
-[[nodiscard]] ArmView view_of(const hal::FriArm& arm, const ProgramWatch& program,
+[[nodiscard]] ArmView view_of(const hal::FriArm& arm, const ProgramMonitor& program,
                               const hal::RealtimeReport& realtime, double limit_margin_deg, double at_s);
 
 /// KRL's name of a joint, 0 to 6: A1 A2 E1 A3 A4 A5 A6.

@@ -15,7 +15,6 @@
 namespace colift::tools {
 namespace {
 
-
 /// How far the camera looks down, and leans to its right (deg).
 std::pair<double, double> attitude_deg(const hal::Vec3& up_C) {
   return {hal::rad_to_deg(std::asin(std::clamp(-up_C.z(), -1.0, 1.0))),
@@ -70,9 +69,9 @@ std::string camera_screen(const CameraView& v) {
       "frames     {} at {:.1f} Hz; {} missed, {} suspect ({} packets lost), {} old, {} broken; late by "
       "{:.1f} ms\n",
       r.frames, r.rate_hz, r.missed, r.suspect, r.lost_packets, r.old, r.broken, r.late_ms);
-  t += fmt::format("sees       {:.1f} % of the pixels: {:.2f} m, {:.2f} m in the middle, up to {:.2f} m\n",
+  t += fmt::format("depth      {:.1f} % of the pixels: {:.2f} m, {:.2f} m in the middle, up to {:.2f} m\n",
                    1e2 * r.seen, v.near_m, v.middle_m, v.far_m);
-  t += fmt::format("hangs      {}\n", hangs(v));
+  t += fmt::format("mounting   {}\n", hangs(v));
   t += fmt::format("depth from {}: emitter {:.3f} cm, reference {:.1f} cm, pixel {:.4f} cm, shift {:.0f}\n",
                    r.own_constants ? "the device's own constants" : "nominal constants",
                    r.constants.emitter_cm, r.constants.reference_cm, r.constants.pixel_cm, r.constants.shift);
@@ -83,14 +82,14 @@ std::string camera_screen(const CameraView& v) {
 }
 
 std::string camera_document(const std::string& verb, const CameraView& v, const std::string& end,
-                            const std::string& because) {
+                            const std::string& reason) {
   using Json = nlohmann::ordered_json;
   const hal::KinectReport& r = v.report;
   const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
   Json j = {{"schema", "colift.hal.camera/1"},
             {"verb", verb},
             {"end", end},
-            {"because", because},
+            {"because", reason},
             {"source", v.source},
             {"state", to_string(v.health.state)},
             {"serial", r.serial},
@@ -150,8 +149,8 @@ hal::Result<> write_camera_picture(const std::filesystem::path& png, const hal::
   picture::ScenePicture what;
   what.cloud = &cloud;
   what.title = "Kinect";
-  what.because = fmt::format("{:.1f} % of the pixels see something, {:.2f} to {:.2f} m. The camera {}.",
-                             1e2 * view.report.seen, view.near_m, view.far_m, hangs(view));
+  what.reason = fmt::format("{:.1f} % of the pixels have depth, {:.2f} to {:.2f} m. The camera {}.",
+                            1e2 * view.report.seen, view.near_m, view.far_m, hangs(view));
   what.figures = {{"source", view.source},
                   {"rate", fmt::format("{:.1f} Hz", view.report.rate_hz)},
                   {"exposed", fmt::format("{:.3f} s", hal::seconds(frame.exposed_at))}};

@@ -27,7 +27,7 @@ void look_at_frame(const hal::DepthFrame& frame, CameraView& view);
 [[nodiscard]] std::string camera_line(const CameraView& view);
 /// Document colift.hal.camera/1.
 [[nodiscard]] std::string camera_document(const std::string& verb, const CameraView& view,
-                                          const std::string& end, const std::string& because);
+                                          const std::string& end, const std::string& reason);
 /// What to do about an error of the start.
 [[nodiscard]] std::string camera_advice(hal::ErrorCode code, const std::string& source);
 

@@ -13,9 +13,9 @@ namespace {
 using How = HandTaskEnd::How;
 
 constexpr double kFirstState_s = 1.0;
-constexpr double kMove_s = 12.0;    // the driver gives up before
-constexpr double kStart_s = 0.3;    // until a motion that was asked for shows
-constexpr double kTrouble_s = 1.0;  // of states that do not come
+constexpr double kMove_s = 12.0;  // the driver gives up before
+constexpr double kStart_s = 0.3;  // until a motion that was asked for shows
+constexpr double kFault_s = 1.0;  // of states that do not come
 constexpr double kStop_s = 0.3;
 
 class Runner {
@@ -28,7 +28,7 @@ class Runner {
     if (auto opened = hand_.configure(); !opened) return refused(opened.error());
     if (!first_state()) return end(How::Refused, trouble_);
     end_.before = end_.after = *state_;
-    if (task_.kind == HandTask::Kind::Watch) return watch();
+    if (task_.kind == HandTask::Kind::PerceptionSession) return watch();
     if (auto active = hand_.activate(); !active) return refused(active.error());
     HandTaskEnd done = move();
     hand_.deactivate();
@@ -40,9 +40,9 @@ class Runner {
   void tell(std::string_view doing) const {
     if (hooks_.tell) hooks_.tell(doing, state_);
   }
-  HandTaskEnd end(How how, std::string because) {
+  HandTaskEnd end(How how, std::string reason) {
     end_.how = how;
-    end_.because = std::move(because);
+    end_.reason = std::move(reason);
     if (state_) end_.after = *state_;
     return end_;
   }
@@ -66,7 +66,7 @@ class Runner {
       if (!bad_since_) bad_since_ = now();
     }
     tell(doing);
-    return !bad_since_ || now() - *bad_since_ < kTrouble_s;
+    return !bad_since_ || now() - *bad_since_ < kFault_s;
   }
 
   bool first_state() {
@@ -93,7 +93,7 @@ class Runner {
       case HandTask::Kind::Close:
       case HandTask::Kind::Grip:
         return hand_.close(task_.torque_nm);
-      case HandTask::Kind::Watch:
+      case HandTask::Kind::PerceptionSession:
         break;
     }
     return {};
@@ -105,7 +105,7 @@ class Runner {
 
   HandTaskEnd move() {
     const bool loaded = state_->held || hooks_.report().loaded;
-    if (loaded && task_.kind != HandTask::Kind::Watch && !closes() && !task_.although_loaded)
+    if (loaded && task_.kind != HandTask::Kind::PerceptionSession && !closes() && !task_.although_loaded)
       return end(How::BadRequest,
                  "the hand may hold something, which would fall: support it, and say --yes if it shall open");
     if (loaded && task_.kind == HandTask::Kind::Preshape)
@@ -167,7 +167,7 @@ class Runner {
         return end(How::NoGrip, fmt::format("the grip slipped after {:.1f} s", now() - since));
       double force = 0.0;
       for (const double f : state_->tip_force_n) force += f;
-      if (!(end_.least_force_n <= force)) end_.least_force_n = force;
+      if (!(end_.min_force_n <= force)) end_.min_force_n = force;
     }
     return end(hooks_.interrupted() ? How::Interrupted : How::Done,
                hooks_.interrupted() ? "asked to end; what is held stays held" : "");
@@ -209,7 +209,7 @@ std::string hand_summary(const HandTask& task, const HandTaskEnd& e) {
     if (e.after.held)
       t += "the motors rest now and the worm gears hold; \"colift hal hand open --yes\" lets go\n";
   }
-  if (e.how == How::Interrupted) t += fmt::format("interrupted: {}\n", e.because);
+  if (e.how == How::Interrupted) t += fmt::format("interrupted: {}\n", e.reason);
   return t;
 }
 

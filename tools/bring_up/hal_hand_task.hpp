@@ -16,13 +16,13 @@ namespace colift::tools {
 /// What the hand is asked to do during bring-up.
 struct HandTask {
   enum class Kind {
-    Watch,  ///< Nothing moves.
+    PerceptionSession,  ///< Nothing moves.
     Open,
     Preshape,
     Close,
     Grip,  ///< Close, then hold and watch the grip.
   };
-  Kind kind = Kind::Watch;
+  Kind kind = Kind::PerceptionSession;
   double for_s = std::numeric_limits<double>::infinity();  ///< Of watching, or of holding a grip.
   double spread_rad = 0.0, torque_nm = 0.5;
   bool although_loaded = false;  ///< Opens a hand that holds something.
@@ -32,12 +32,12 @@ struct HandTask {
 struct HandTaskEnd {
   using How = TaskOutcome;
   How how = How::Done;
-  std::string because;
+  std::string reason;
   hal::ErrorCode code = hal::ErrorCode::Timeout;  ///< Of what refused or failed.
   double took_s = 0.0;                            ///< Of the motion.
   hal::HandState before, after;
   bool moved = false;
-  double least_force_n = std::numeric_limits<double>::quiet_NaN();  ///< Sum over the pads while gripping.
+  double min_force_n = std::numeric_limits<double>::quiet_NaN();  ///< Sum over the pads while gripping.
   std::uint64_t states = 0, bad_states = 0;
 };
 

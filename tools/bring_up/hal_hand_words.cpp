@@ -98,7 +98,7 @@ std::string hand_screen(const HandView& v) {
     if (r.silent[i]) t += fmt::format("          the puck of {} is silent\n", name);
     if (r.zero_lost[i]) t += fmt::format("          the puck of {} has lost its zero\n", name);
     if (i < kSpread && r.broken_away[i])
-      t += fmt::format("          {} is broken away: its clutch gave way\n", name);
+      t += fmt::format("          {} is broken away: its clutch released\n", name);
   }
   t += fmt::format("\npalm      {} N\nit        {}\n",
                    std::isnan(r.palm_force_n) ? "-" : fmt::format("{:.1f}", r.palm_force_n), doing(v));
@@ -134,7 +134,7 @@ std::string tactile_text(const HandView& v) {
     bar(fmt::format("F{}", f + 1), v.state ? v.state->tip_force_n[f] : std::nan(""));
   bar("palm", v.report.palm_force_n);
   if (std::isnan(v.report.palm_force_n) && v.state && std::isnan(v.state->tip_force_n[0]))
-    t += "no pad tells anything: a hand without the tactile option, or tactile: off\n";
+    t += "no tactile pad reports anything: a hand without the tactile option, or tactile: off\n";
   return t;
 }
 
@@ -142,12 +142,12 @@ std::string hand_document(const std::string& verb, const HandView& v, const Hand
                           const HandTaskEnd& e) {
   const auto& r = v.report;
   Json j = {{"schema", "colift.hal.hand/1"}, {"verb", verb}};
-  j["result"] = {{"outcome", to_string(e.how)}, {"because", e.because}, {"moved", e.moved},
-                 {"took_s", e.took_s},          {"states", e.states},   {"bad_states", e.bad_states}};
+  j["result"] = {{"outcome", to_string(e.how)}, {"because", e.reason}, {"moved", e.moved},
+                 {"took_s", e.took_s},          {"states", e.states},  {"bad_states", e.bad_states}};
   if (task.kind == HandTask::Kind::Close || task.kind == HandTask::Kind::Grip) {
     j["result"]["torque_asked"] = task.torque_nm;
     j["result"]["held"] = e.after.held;
-    j["result"]["least_force"] = e.least_force_n;
+    j["result"]["least_force"] = e.min_force_n;
   }
   j["bus"] = {{"name", v.bus},
               {"state", word(r.bus)},

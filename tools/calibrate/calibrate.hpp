@@ -54,7 +54,7 @@ struct LiveSetting {
 struct CalibrationView {
   const perception::SampleSet* set = nullptr;
   const perception::Calibration* solved = nullptr;  ///< Null where nothing could be solved.
-  std::string refused_kind, because;                ///< Kind empty: accepted.
+  std::string refused_kind, reason;                 ///< Kind empty: accepted.
   std::optional<perception::ProposedPose> next;
   std::optional<double> true_error_m;  ///< In simulation.
   std::string method, date;

@@ -23,7 +23,7 @@ std::string calibration_document(const CalibrationView& view) {
   ordered_json j = {
       {"schema", "colift.calibrate/1"},
       {"accepted", view.refused_kind.empty()},
-      {"because", view.because},
+      {"because", view.reason},
       {"refused", view.refused_kind.empty() ? ordered_json(nullptr) : ordered_json(view.refused_kind)},
       {"method", view.method},
       {"date", view.date}};
@@ -85,7 +85,7 @@ std::string calibration_document(const CalibrationView& view) {
 std::string calibration_text(const CalibrationView& view) {
   std::string out;
   const auto line = [&](const std::string& text) { out += text + "\n"; };
-  line(fmt::format("{}: {}", view.refused_kind.empty() ? "calibrated" : "refused", view.because));
+  line(fmt::format("{}: {}", view.refused_kind.empty() ? "calibrated" : "refused", view.reason));
   if (const auto* c = view.solved) {
     const hal::Pose X = c->model.X_BC();
     const Eigen::Quaterniond q(X.linear());

@@ -6,7 +6,7 @@
 #include "planner/motion/collision/collision_scene.hpp"
 #include "planner/motion/motion_planner.hpp"
 #include "tools/calibrate/calibrate.hpp"
-#include "tools/emulate/emulate.hpp"
+#include "tools/cli/interrupt.hpp"
 
 namespace colift::tools {
 namespace {
@@ -16,8 +16,8 @@ using hal::ErrorCode;
 
 constexpr int kImages = 16;  // half a second: five blinks of a tenth of a second
 constexpr hal::Duration kSettle = 600ms;
-constexpr hal::Duration kPatience = 3s;  // for the images of one pose
-constexpr double kWayPatience_s = 60.0;
+constexpr hal::Duration kTimeout = 3s;  // for the images of one pose
+constexpr double kPathTimeout_s = 60.0;
 constexpr int kArmMisses = 20;
 constexpr std::size_t kSpare = 2;  // poses are proposed twice as many as are needed
 constexpr int kFailures = 12;      // in a row: the emitter is off, or the camera looks elsewhere
@@ -81,7 +81,7 @@ class Session {
             fmt::format("only {} of {} poses could be used; {}", out.samples.size(), setting_.poses, last));
       if (out.read.empty()) {
         // the first image tells the intrinsics by which the poses are chosen
-        auto first = look(1);
+        auto first = observe(1);
         if (!first) return tl::unexpected(first.error());
         out.camera = first->frames.front().intrinsics;
         proposed = propose(out.camera);
@@ -103,14 +103,14 @@ class Session {
         continue;
       }
       if (auto done = drive(*way); !done) return tl::unexpected(done.error());
-      auto seen = look(kImages);
+      auto seen = observe(kImages);
       if (!seen) return tl::unexpected(seen.error());
       if (writer)
         if (auto done = writer->add(seen->q_rad, seen->frames, seen->depth); !done)
           return tl::unexpected(done.error());
       const auto spot = perception::find_blinking_spot(seen->frames, config_.spot);
       if (!spot) {
-        last = out.read.back().refused = spot.error().because;
+        last = out.read.back().refused = spot.error().reason;
         say(number, last);
         if (++failures >= kFailures)
           return hal::failure(
@@ -163,7 +163,7 @@ class Session {
       std::string why;
       if (commander_.blocked()) why = "the arm met something: " + commander_.why_blocked();
       if (commander_.starts() > starts + 1) why = "the arm's controller interrupted the motion";
-      if (waited > kWayPatience_s + way.duration_s()) why = "a way takes too long";
+      if (waited > kPathTimeout_s + way.duration_s()) why = "timeout: motion";
       if (InterruptGuard::asked()) why = "interrupted";
       if (why.empty()) continue;
       commander_.hold();
@@ -181,7 +181,7 @@ class Session {
     std::optional<hal::DepthFrame> depth;
   };
 
-  hal::Result<Seen> look(int images) {
+  hal::Result<Seen> observe(int images) {
     const hal::Clock& clock = *rig_.robot.clock;
     const hal::Timestamp settled = clock.now() + kSettle;
     while (clock.now() < settled) {
@@ -191,12 +191,12 @@ class Session {
     Seen out;
     int cycles = 0;
     std::string trouble = "none came";
-    const hal::Timestamp deadline = clock.now() + kPatience;
+    const hal::Timestamp deadline = clock.now() + kTimeout;
     while (static_cast<int>(out.frames.size()) < images) {
       if (clock.now() > deadline)
         return hal::failure(ErrorCode::Timeout, "calibrate",
                             fmt::format("{} of {} infrared images within {:.0f} s: {}", out.frames.size(),
-                                        images, hal::seconds(kPatience), trouble));
+                                        images, hal::seconds(kTimeout), trouble));
       if (auto done = cycle(); !done) return tl::unexpected(done.error());
       out.q_rad += commander_.view().state.q_rad;
       ++cycles;

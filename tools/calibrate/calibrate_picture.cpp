@@ -24,7 +24,7 @@ hal::Result<> write_calibration_picture(const std::filesystem::path& file, const
   const bool good = view.refused_kind.empty();
   canvas.text({kMargin, 34}, good ? "Calibration: accepted" : "Calibration: refused",
               {.size = 22, .colour = good ? kRobot : kOut, .bold = true});
-  const auto lines = canvas.wrap(view.because, k.width, {.size = 14});
+  const auto lines = canvas.wrap(view.reason, k.width, {.size = 14});
   for (std::size_t i = 0; i < std::min<std::size_t>(2, lines.size()); ++i)
     canvas.text({kMargin, 58 + 20.0 * static_cast<double>(i)}, lines[i], {.size = 14, .colour = kSoftInk});
 

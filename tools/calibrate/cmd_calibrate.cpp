@@ -10,7 +10,7 @@
 #include "tools/cli/config_of.hpp"
 #include "tools/cli/numbers.hpp"
 #include "tools/cli/session.hpp"
-#include "tools/emulate/emulate.hpp"
+#include "tools/cli/interrupt.hpp"
 #include "tools/visualization/file_output.hpp"
 
 namespace colift::tools {
@@ -70,10 +70,9 @@ hal::Result<Taken> take(const CommonOptions& common, const CalibrateOptions& o, 
                         "this camera gives no infrared images; expected a simulated one or a Kinect");
   if (rig->truth) taken.true_X_BC = rig->true_X_WC;
   if (!camera_at && !taken.true_X_BC)
-    return hal::failure(
-        ErrorCode::BadInput, "--camera-at",
-        "on the robot it has to be said where the camera about stands, to half a metre: X,Y,Z in "
-        "the base");
+    return hal::failure(ErrorCode::BadInput, "--camera-at",
+                        "an approximate camera position is needed (to 0.5 m): X,Y,Z in "
+                        "the base");
   // in simulation as roughly as a person would say it
   live.camera_at_B = camera_at
                          ? *camera_at
@@ -138,11 +137,11 @@ int cmd_calibrate(const CommonOptions& common, const CalibrateOptions& o) {
   view.method = fmt::format("blinking emitter on the palm, {} poses of {}, seed {}",
                             taken->set.samples.size(), taken->source, o.seed);
   if (solved) {
-    view.because = fmt::format("points are placed {:.1f} mm off on the average, by {} of {} poses",
-                               1e3 * solved->error_m, solved->inliers, solved->samples.size());
+    view.reason = fmt::format("points are placed {:.1f} mm off on the average, by {} of {} poses",
+                              1e3 * solved->error_m, solved->inliers, solved->samples.size());
   } else {
     view.refused_kind = solved.error().kind;
-    view.because = solved.error().because;
+    view.reason = solved.error().reason;
   }
   view.next = next_pose(taken->set, view.solved, setup->config, o.seed);
   if (taken->true_X_BC && view.solved)
@@ -161,7 +160,7 @@ int cmd_calibrate(const CommonOptions& common, const CalibrateOptions& o) {
   if (common.json)
     std::puts(calibration_document(view).c_str());
   else
-    std::fputs((common.quiet ? view.because + "\n" : calibration_text(view)).c_str(), stdout);
+    std::fputs((common.quiet ? view.reason + "\n" : calibration_text(view)).c_str(), stdout);
   if (solved && o.out && !common.quiet) std::fprintf(stderr, "written: %s\n", o.out->c_str());
   return solved ? kDone : kNoGoal;
 }

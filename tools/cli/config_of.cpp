@@ -64,7 +64,7 @@ hal::Result<control::ResolvedConfig> config_of_run(const CommonOptions& common, 
 }
 
 hal::Result<control::ResolvedConfig> config_of_look(const CommonOptions& common, const LookOptions& options) {
-  ConfigRequest request = request_of(common, control::Command::Look);
+  ConfigRequest request = request_of(common, control::Command::SceneAnalysis);
   if (auto added = add_method(request, options.method); !added) return tl::unexpected(added.error());
   return control::resolve_config(request);
 }

@@ -27,7 +27,7 @@ hal::Result<Setup> load_setup(const hal::Result<control::ResolvedConfig>& resolv
 
 hal::Result<Seen> look_at_file(const LookOptions& options, const Setup& setup) {
   Seen seen;
-  control::LookInput input;
+  control::SceneAnalysisInput input;
   if (!options.camera_pose.empty()) {
     const auto pose = parse_pose(options.camera_pose, "--camera-pose");
     if (!pose) return tl::unexpected(pose.error());

@@ -5,7 +5,7 @@
 
 #include "control/config/resolve_config.hpp"
 #include "control/session/decide.hpp"
-#include "control/session/look.hpp"
+#include "control/session/scene_analysis.hpp"
 #include "hal/drivers/recorded/frame_file.hpp"
 #include "hal/types/result.hpp"
 #include "perception/calibration/calibration_file.hpp"
@@ -27,7 +27,7 @@ struct Setup : control::ResolvedConfig {
 struct Seen {
   hal::RecordedFrame file;  ///< Its frame has moved into the look.
   hal::Pose X_WF = hal::Pose::Identity();
-  control::Look look;
+  control::SceneAnalysis look;
 };
 
 /// Reads and looks. Errors: BadInput and BadConfig.

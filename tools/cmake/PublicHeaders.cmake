@@ -109,9 +109,9 @@ set(COLIFT_PUBLIC_HEADERS
   control/config/resolve_config.hpp
   control/session/decide.hpp
   control/session/library_layout.hpp
-  control/session/look.hpp
+  control/session/scene_analysis.hpp
   control/session/suggest.hpp
-  control/session/watch.hpp
+  control/session/perception_session.hpp
   control/task/run_job.hpp
   control/task/run_record.hpp
   control/task/task_machine.hpp

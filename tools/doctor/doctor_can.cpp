@@ -65,7 +65,7 @@ DoctorRow interface_row(const std::string& name, const hal::CanLink& link) {
     return judge(Verdict::Bad, "the hand speaks 1000000 bit/s", anew_line(name));
   if (link.state == hal::CanHealth::State::BusOff)
     return judge(
-        Verdict::Bad, "nobody acknowledges: hand without supply, no termination, or another bit rate",
+        Verdict::Bad, "no node acknowledges: hand without supply, no termination, or another bit rate",
         fmt::format("switch the hand's supply and its CAN termination on; then {}", anew_line(name)));
   if (!link.running) return judge(Verdict::Bad, "no carrier: adapter unplugged or bus-off", anew_line(name));
   const std::uint16_t worst = std::max(link.send_errors.value_or(0), link.receive_errors.value_or(0));

@@ -90,10 +90,10 @@ DoctorRow processors(const fs::path& root) {
   std::string found = fmt::format("{} ({})", n, online);
   if (!isolated.empty()) found += fmt::format(", isolated: {}", isolated);
   if (n >= 2) return {"processors", found};
-  return {
-      "processors",
-      n == 0 ? std::string("not told by the system") : found + ": the arm's cycle shares it with all else",
-      Verdict::Warn, "a machine with two processors or more"};
+  return {"processors",
+          n == 0 ? std::string("not reported by the system")
+                 : found + ": the arm's cycle shares it with all else",
+          Verdict::Warn, "a machine with two processors or more"};
 }
 
 DoctorRow governor(const fs::path& root) {

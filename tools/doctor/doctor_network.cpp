@@ -11,7 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 using Verdict = DoctorRow::Verdict;
 
-constexpr long long kLeastBuffer = 64 * 1024;  // some 70 datagrams of the KRC
+constexpr long long kMinBuffer = 64 * 1024;  // some 70 datagrams of the KRC
 constexpr int kEthernet = 1;
 
 /// Local ports in the text of /proc/net/udp: lines "  12: 0100007F:C312 00000000:0000 ...".
@@ -34,7 +34,7 @@ bool port_in_use(const std::string& table, int port) {
 DoctorRow udp_port(const fs::path& root, int port) {
   const std::string what = fmt::format("UDP port {}", port);
   const auto v4 = read_small(root / "proc/net/udp");
-  if (!v4) return {what, "the system does not tell", Verdict::Warn, "ss -lun"};
+  if (!v4) return {what, "not reported by the system", Verdict::Warn, "ss -lun"};
   if (port_in_use(*v4, port) || port_in_use(read_small(root / "proc/net/udp6").value_or(""), port))
     return {what, "in use: another client of the arm, or a second instance", Verdict::Bad,
             fmt::format("sudo ss -lunp sport = :{}    # says who has it; end that one", port)};
@@ -43,9 +43,9 @@ DoctorRow udp_port(const fs::path& root, int port) {
 
 DoctorRow receive_buffer(const fs::path& root) {
   const auto bytes = read_number(root / "proc/sys/net/core/rmem_default");
-  if (!bytes) return {"UDP receive buffer", "the system does not tell"};
+  if (!bytes) return {"UDP receive buffer", "not reported by the system"};
   const std::string found = fmt::format("{} KiB, {} datagrams of the KRC", *bytes / 1024, *bytes / 916);
-  if (*bytes >= kLeastBuffer) return {"UDP receive buffer", found};
+  if (*bytes >= kMinBuffer) return {"UDP receive buffer", found};
   return {"UDP receive buffer", found, Verdict::Warn, "sudo sysctl -w net.core.rmem_default=212992"};
 }
 

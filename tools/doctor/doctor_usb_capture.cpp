@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 using Verdict = DoctorRow::Verdict;
 
-constexpr auto kPatience = 2s;
+constexpr auto kTimeout = 2s;
 
 }  // namespace
 
@@ -24,7 +24,7 @@ CaptureAnswer ask_capture(const std::filesystem::path& program) {
   if (!process) return {false, process.error().detail};
   hal::kinect::CaptureNews news;
   const hal::SteadyClock clock;
-  const hal::Timestamp end = clock.now() + kPatience;
+  const hal::Timestamp end = clock.now() + kTimeout;
   while (process->exists()) {
     if (clock.now() > end) return {false, "it does not answer"};
     process->wait(20ms);

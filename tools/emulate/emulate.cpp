@@ -2,25 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <atomic>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <thread>
 #include <utility>
 
+#include "tools/cli/interrupt.hpp"
+
 namespace colift::tools {
 namespace {
-
-std::atomic<bool> interrupted{false};
-
-void on_signal(int number) {
-  if (interrupted.exchange(true)) {
-    std::signal(number, SIG_DFL);
-    std::raise(number);
-  }
-}
 
 void line(const CommonOptions& common, const std::string& text) {
   std::FILE* out = common.json ? stderr : stdout;
@@ -29,21 +20,6 @@ void line(const CommonOptions& common, const std::string& text) {
 }
 
 }  // namespace
-
-InterruptGuard::InterruptGuard() {
-  interrupted = false;
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
-}
-
-InterruptGuard::~InterruptGuard() {
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
-}
-
-bool InterruptGuard::asked() {
-  return interrupted;
-}
 
 void EmulateLines::ready(const std::string& what) const {
   line(common_, fmt::format("ready: {}", what));
@@ -58,8 +34,8 @@ void EmulateLines::result(const std::string& what) const {
   std::fflush(stdout);
 }
 
-tl::unexpected<hal::Error> bad_option(const char* option, std::string because) {
-  return hal::failure(hal::ErrorCode::BadInput, option, std::move(because));
+tl::unexpected<hal::Error> bad_option(const char* option, std::string reason) {
+  return hal::failure(hal::ErrorCode::BadInput, option, std::move(reason));
 }
 
 hal::Result<> check_seconds(const char* option, const std::optional<double>& value_s, double least) {
@@ -71,13 +47,13 @@ std::string watch_emulator(const EmulateOptions& options, const EmulatorWatch& w
   for (;;) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     watch.print();
-    std::optional<std::string> because = watch.ended ? watch.ended() : std::nullopt;
-    if (!because && InterruptGuard::asked()) because = "interrupted";
-    if (!because && options.for_s && watch.elapsed_s() >= *options.for_s) because = "the time is over";
-    if (!because) continue;
+    std::optional<std::string> reason = watch.ended ? watch.ended() : std::nullopt;
+    if (!reason && InterruptGuard::asked()) reason = "interrupted";
+    if (!reason && options.for_s && watch.elapsed_s() >= *options.for_s) reason = "the time is over";
+    if (!reason) continue;
     watch.stop();
     watch.print();
-    return *because;
+    return *reason;
   }
 }
 

@@ -41,16 +41,6 @@ struct EmulateKrcOptions {
 /// to be had.
 [[nodiscard]] int cmd_emulate_krc(const CommonOptions& common, const EmulateKrcOptions& options);
 
-/// True once SIGINT or SIGTERM came while a guard lives. The second signal ends the program.
-class InterruptGuard {
- public:
-  InterruptGuard();
-  ~InterruptGuard();
-  InterruptGuard(const InterruptGuard&) = delete;
-  InterruptGuard& operator=(const InterruptGuard&) = delete;
-  [[nodiscard]] static bool asked();
-};
-
 /// Lines of a running emulator: "ready: ..." and events. To stdout, or to stderr when stdout is for JSON.
 class EmulateLines {
  public:
@@ -65,7 +55,7 @@ class EmulateLines {
 };
 
 /// A command line option that cannot be. BadInput.
-[[nodiscard]] tl::unexpected<hal::Error> bad_option(const char* option, std::string because);
+[[nodiscard]] tl::unexpected<hal::Error> bad_option(const char* option, std::string reason);
 /// Errors: BadInput (a time that is not finite, or below `least`).
 [[nodiscard]] hal::Result<> check_seconds(const char* option, const std::optional<double>& value_s,
                                           double least = 0.0);

@@ -12,7 +12,7 @@
 #include "hal/drivers/kinect/fakenect_writer.hpp"
 #include "hal/drivers/kinect/kinect_source.hpp"
 #include "sim_hal/emulator/camera/camera_server.hpp"
-#include "sim_hal/emulator/mujoco/camera_world_eye.hpp"
+#include "sim_hal/emulator/mujoco/camera_world_source.hpp"
 #include "tools/cli/session.hpp"
 #include "tools/rig/rig_world.hpp"
 
@@ -27,7 +27,7 @@ constexpr double kRecord_s = 2.0;
 constexpr double kTicks_per_ns = 60e6 / 1e9;
 
 hal::Result<> check_options(const EmulateCameraOptions& o) {
-  if (o.common.plant != "mujoco") return bad_option("--plant", "a camera looks at a world; expected mujoco");
+  if (o.common.plant != "mujoco") return bad_option("--plant", "emulate camera needs --plant mujoco");
   if (o.common.speed != 1.0) return bad_option("--speed", "a camera lives in real time; expected 1");
   if (auto done = check_seconds("--for", o.common.for_s); !done) return done;
   if (o.live && o.fakenect) return bad_option("--live", "goes without --fakenect");
@@ -41,7 +41,7 @@ hal::Result<int> record(const CommonOptions& common, const EmulateCameraOptions&
                         sim_hal::SimWorld& world) {
   auto writer = hal::kinect::FakenectWriter::open(*o.fakenect);
   if (!writer) return tl::unexpected(writer.error());
-  sim_hal::CameraWorldEye eye(world);
+  sim_hal::CameraWorldSource eye(world);
   const double for_s = o.common.for_s.value_or(kRecord_s);
   hal::kinect::RawFrame raw;
   for (std::uint64_t n = 0; static_cast<double>(n) / 30.0 < for_s && !InterruptGuard::asked(); ++n) {
@@ -72,10 +72,10 @@ hal::Result<int> record(const CommonOptions& common, const EmulateCameraOptions&
 }
 
 std::string to_json(const EmulateCameraOptions& o, const CameraServerReport& r, double duration_s,
-                    const std::string& because) {
+                    const std::string& reason) {
   return nlohmann::ordered_json({{"schema", "colift.emulate/1"},
                                  {"device", "camera"},
-                                 {"because", because},
+                                 {"because", reason},
                                  {"address", o.address},
                                  {"seed", o.common.seed},
                                  {"duration_s", duration_s},
@@ -129,7 +129,7 @@ hal::Result<int> serve(const CommonOptions& common, const EmulateCameraOptions& 
   config.address = o.address;
   config.seed = o.common.seed;
   config.faults = std::move(*faults);
-  CameraServer server(config, std::make_unique<sim_hal::CameraWorldEye>(world));
+  CameraServer server(config, std::make_unique<sim_hal::CameraWorldSource>(world));
   if (auto done = server.start(); !done)
     return hal::failure(hal::ErrorCode::DeviceFault, "--address", done.error().detail);
   const WorldPace pace(world);
@@ -138,14 +138,14 @@ hal::Result<int> serve(const CommonOptions& common, const EmulateCameraOptions& 
       fmt::format("camera on emulated:{}; any program for libfreenect: COLIFT_KINECT_EMULATOR={} "
                   "LD_PRELOAD={}/libcolift-freenect.so PROGRAM",
                   o.address, o.address, hal::kinect::own_folder()));
-  const std::string because = watch_server(server, o.common, lines, [&] { return server.elapsed_s(); });
+  const std::string reason = watch_server(server, o.common, lines, [&] { return server.elapsed_s(); });
   const CameraServerReport r = server.report();
   lines.result(
       common.json
-          ? to_json(o, r, server.elapsed_s(), because)
+          ? to_json(o, r, server.elapsed_s(), reason)
           : fmt::format(
                 "{}: {} clients, {} frames sent, {} not taken, {} infrared; slowest picture {:.1f} ms",
-                because, r.clients, r.sent, r.not_taken, r.infrared, r.worst_render_ms));
+                reason, r.clients, r.sent, r.not_taken, r.infrared, r.worst_render_ms));
   return kDone;
 }
 

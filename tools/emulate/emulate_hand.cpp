@@ -98,15 +98,15 @@ hal::Result<int> run(const CommonOptions& common, const EmulateHandOptions& o) {
   if (auto done = server.start(); !done) return tl::unexpected(done.error());
   lines.ready(
       fmt::format("hand on {}", gate == nullptr ? o.bus : fmt::format("{} (port {})", o.bus, gate->port())));
-  const std::string because = watch_server(server, o.common, lines, [&] { return server.elapsed_s(); });
+  const std::string reason = watch_server(server, o.common, lines, [&] { return server.elapsed_s(); });
   const HandEmulatorReport report = server.report();
   const std::uint64_t broken = rules_broken(report);
   lines.result(
       common.json
-          ? emulate_hand_json(o, report, server.timing(), server.elapsed_s(), because)
+          ? emulate_hand_json(o, report, server.timing(), server.elapsed_s(), reason)
           : fmt::format("{}: {} questions, {} settings, {} answers, {} rule{} broken; {} times late (worst "
                         "{:.1f} ms)",
-                        because, report.questions, report.settings, report.answers, broken,
+                        reason, report.questions, report.settings, report.answers, broken,
                         broken == 1 ? "" : "s", server.timing().late, server.timing().worst_late_ms));
   return broken == 0 ? kDone : kNoGoal;
 }
@@ -114,7 +114,7 @@ hal::Result<int> run(const CommonOptions& common, const EmulateHandOptions& o) {
 }  // namespace
 
 std::string emulate_hand_json(const EmulateHandOptions& o, const HandEmulatorReport& r,
-                              const HandServerTiming& timing, double duration_s, const std::string& because) {
+                              const HandServerTiming& timing, double duration_s, const std::string& reason) {
   using Json = nlohmann::ordered_json;
   Json rules = Json::array();
   for (std::size_t i = 0; i < sim_hal::kHandRules; ++i)
@@ -124,7 +124,7 @@ std::string emulate_hand_json(const EmulateHandOptions& o, const HandEmulatorRep
   const Json j = {
       {"schema", "colift.emulate/1"},
       {"device", "hand"},
-      {"because", because},
+      {"because", reason},
       {"plant", o.common.plant},
       {"bus", o.bus},
       {"seed", o.common.seed},

@@ -22,7 +22,7 @@ struct EmulateHandOptions {
 [[nodiscard]] std::string emulate_hand_json(const EmulateHandOptions& options,
                                             const sim_hal::HandEmulatorReport& report,
                                             const sim_hal::HandServerTiming& timing, double duration_s,
-                                            const std::string& because);
+                                            const std::string& reason);
 
 /// The far end of the hand's bus. 0 the client broke no rule, 1 it did, 2 bad options, 3 the bus is not to be
 /// had.

@@ -66,11 +66,11 @@ hal::Result<sim_hal::KrcServerConfig> server_config(const EmulateKrcOptions& o,
   return config;
 }
 
-std::string summary(const KrcReport& r, const KrcServerTiming& timing, const std::string& because) {
+std::string summary(const KrcReport& r, const KrcServerTiming& timing, const std::string& reason) {
   return fmt::format(
       "{}: {} packets sent, {} answered, {} missed, {:.1f} s in command mode, {} rule{} broken; {} of this "
       "machine's cycles began late (worst {:.2f} ms)",
-      because, r.sent, r.answered, r.missed,
+      reason, r.sent, r.answered, r.missed,
       r.sent > 0 ? r.duration_s * static_cast<double>(r.command_cycles) / static_cast<double>(timing.cycles)
                  : 0.0,
       r.broken_rules_in_all, r.broken_rules_in_all == 1 ? "" : "s", timing.late, timing.worst_late_ms);
@@ -104,15 +104,15 @@ hal::Result<int> run(const CommonOptions& common, const EmulateKrcOptions& o) {
   if (auto done = server.start(); !done) return tl::unexpected(done.error());
   lines.ready(fmt::format("krc, program {}, {:g} ms, plant {}, port {} to {}", o.script, o.cycle_ms,
                           o.common.plant, o.from_port > 0 ? std::to_string(o.from_port) : "any", o.to));
-  const std::string because = watch_server(
+  const std::string reason = watch_server(
       server, o.common, lines, [&] { return server.report().duration_s; },
       [&] {
         return server.ended() ? std::optional(server.report().closed.value_or("the port broke"))
                               : std::nullopt;
       });
   const KrcReport report = server.report();
-  lines.result(common.json ? emulate_krc_json(o, report, server.timing(), because)
-                           : summary(report, server.timing(), because));
+  lines.result(common.json ? emulate_krc_json(o, report, server.timing(), reason)
+                           : summary(report, server.timing(), reason));
   return report.broken_rules_in_all == 0 ? kDone : kNoGoal;
 }
 

@@ -5,16 +5,16 @@
 namespace colift::tools {
 
 std::string emulate_krc_json(const EmulateKrcOptions& o, const sim_hal::KrcReport& r,
-                             const sim_hal::KrcServerTiming& timing, const std::string& because) {
+                             const sim_hal::KrcServerTiming& timing, const std::string& reason) {
   using Json = nlohmann::ordered_json;
   using sim_hal::name;
   Json rejected = Json::object();
   for (const auto& [why, count] : r.rejected) rejected[why] = count;
   Json changes = Json::array(), rules = Json::array(), faults = Json::array();
   for (const auto& c : r.mode_changes)
-    changes.push_back({{"t", c.t}, {"from", name(c.from)}, {"to", name(c.to)}, {"because", c.because}});
+    changes.push_back({{"t", c.t}, {"from", name(c.from)}, {"to", name(c.to)}, {"because", c.reason}});
   for (const auto& b : r.broken_rules)
-    rules.push_back({{"t", b.t}, {"rule", name(b.rule)}, {"because", b.because}});
+    rules.push_back({{"t", b.t}, {"rule", name(b.rule)}, {"because", b.reason}});
   for (const auto& f : r.injected) faults.push_back({{"t", f.t}, {"fault", f.what}});
   Json cycles = Json::object();
   for (std::size_t q = 0; q < r.quality_cycles.size(); ++q)
@@ -23,7 +23,7 @@ std::string emulate_krc_json(const EmulateKrcOptions& o, const sim_hal::KrcRepor
   const Json j = {
       {"schema", "colift.emulate/1"},
       {"device", "krc"},
-      {"because", because},
+      {"because", reason},
       {"script", o.script},
       {"plant", o.common.plant},
       {"to", o.to},

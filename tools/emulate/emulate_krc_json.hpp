@@ -9,7 +9,6 @@ namespace colift::tools {
 
 /// The document colift.emulate/1 of a KRC.
 [[nodiscard]] std::string emulate_krc_json(const EmulateKrcOptions& options, const sim_hal::KrcReport& report,
-                                           const sim_hal::KrcServerTiming& timing,
-                                           const std::string& because);
+                                           const sim_hal::KrcServerTiming& timing, const std::string& reason);
 
 }  // namespace colift::tools

@@ -45,7 +45,7 @@ hal::Result<RobotFile> robot_of(const EmulateRigOptions& o) {
 }
 
 hal::Result<> check_options(const EmulateRigOptions& o) {
-  if (o.common.plant != "mujoco") return bad_option("--plant", "a rig stands in a world; expected mujoco");
+  if (o.common.plant != "mujoco") return bad_option("--plant", "emulate rig needs --plant mujoco");
   if (o.common.speed != 1.0) return bad_option("--speed", "pucks and camera live in real time; expected 1");
   if (!o.common.faults.empty())
     return bad_option("--fault", "expected in the scenario's faults, which name the device");
@@ -66,7 +66,7 @@ std::uint64_t rules_broken(EmulatedRig& rig) {
 }
 
 std::string document(const EmulateRigOptions& o, const RobotFile& file, EmulatedRig& rig, bool began,
-                     const std::string& because) {
+                     const std::string& reason) {
   EmulateKrcOptions krc;
   krc.common = o.common;
   krc.to = fmt::format("127.0.0.1:{}", file.fri.port);
@@ -80,13 +80,13 @@ std::string document(const EmulateRigOptions& o, const RobotFile& file, Emulated
   const Json j = {
       {"schema", "colift.emulate/1"},
       {"device", "rig"},
-      {"because", because},
+      {"because", reason},
       {"seed", o.common.seed},
       {"scenario_began", began},
       {"broken_rules_in_all", rules_broken(rig)},
-      {"arm", Json::parse(emulate_krc_json(krc, rig.krc().report(), rig.krc().timing(), because))},
+      {"arm", Json::parse(emulate_krc_json(krc, rig.krc().report(), rig.krc().timing(), reason))},
       {"hand",
-       Json::parse(emulate_hand_json(hand, pucks.report(), pucks.timing(), pucks.elapsed_s(), because))},
+       Json::parse(emulate_hand_json(hand, pucks.report(), pucks.timing(), pucks.elapsed_s(), reason))},
       {"camera",
        {{"clients", c.clients},
         {"frames_sent", c.sent},
@@ -133,7 +133,7 @@ hal::Result<int> run(const CommonOptions& common, const EmulateRigOptions& o) {
     (*rig)->begin();
     lines.event(elapsed_s(), "the client's devices are ready: the scenario begins");
   };
-  const std::string because = watch_emulator(
+  const std::string reason = watch_emulator(
       o.common, {print_all, elapsed_s, [&] { (*rig)->stop(); },
                  [&] {
                    const auto& krc = (*rig)->krc();
@@ -141,8 +141,8 @@ hal::Result<int> run(const CommonOptions& common, const EmulateRigOptions& o) {
                                       : std::nullopt;
                  }});
   const std::uint64_t broken = rules_broken(**rig);
-  lines.result(common.json ? document(o, *file, **rig, began, because)
-                           : fmt::format("{}: {} rule{} broken by the client", because, broken,
+  lines.result(common.json ? document(o, *file, **rig, began, reason)
+                           : fmt::format("{}: {} rule{} broken by the client", reason, broken,
                                          broken == 1 ? "" : "s"));
   return broken == 0 ? kDone : kNoGoal;
 }

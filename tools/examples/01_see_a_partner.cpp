@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "control/session/decide.hpp"
-#include "control/session/look.hpp"
+#include "control/session/scene_analysis.hpp"
 #include "sim_hal/synthetic/scenes.hpp"
 #include "tools/visualization/scene/scene_picture.hpp"
 
@@ -28,35 +28,35 @@ int main(int argc, char** argv) {
   const hal::SteadyClock clock;
 
   // what stands there, and where could the hand take it?
-  control::LookInput first;
+  control::SceneAnalysisInput first;
   first.frame = film(room.world, kSeed);
   first.X_WC = room.X_WC;
-  const auto look = control::look(first, control::Method::Fast, config, hand, clock);
-  if (!look) return fmt::print(stderr, "{}\n", look.error().text()), 2;
-  fmt::print("{}\n", look->because);
+  const auto analysis = control::analyse_scene(first, control::Method::Fast, config, hand, clock);
+  if (!analysis) return fmt::print(stderr, "{}\n", analysis.error().text()), 2;
+  fmt::print("{}\n", analysis->reason);
 
   // where does the person hold it, and which grasp shares the load?
   control::PartnerInput second;
   second.frame = film(sim_hal::with_partner(room.world, person), kSeed + 1);
-  const auto outcome = control::decide(*look, second, config, clock);
+  const auto outcome = control::decide(*analysis, second, config, clock);
   if (!outcome) return fmt::print(stderr, "{}\n", outcome.error().text()), 2;
-  fmt::print("{}\n{}\n", outcome->partner_because, outcome->decision.because);
+  fmt::print("{}\n{}\n", outcome->partner_reason, outcome->decision.reason);
   if (!outcome->partner || !outcome->decision.chosen) return 1;
   fmt::print(
       "truth: the contact is {:.0f} mm and the centre of gravity {:.0f} mm from where they were seen\n",
       1e3 * (outcome->partner->position - person.contact).norm(),
-      1e3 * (look->scene.target->cog - room.cog).norm());
+      1e3 * (analysis->scene.target->cog - room.cog).norm());
 
   picture::ScenePicture picture;
-  picture.cloud = &look->cloud;
-  picture.scene = &look->scene;
+  picture.cloud = &analysis->cloud;
+  picture.scene = &analysis->scene;
   picture.candidates = &outcome->candidates;
   picture.partner = outcome->partner;
   picture.partner_pixels = outcome->partner_pixels;
   picture.share = outcome->decision.share;
   picture.optimum = outcome->decision.optimum;
   picture.title = "A table, a person, a decision";
-  picture.because = outcome->decision.because;
+  picture.reason = outcome->decision.reason;
   if (argc > 1) {
     if (auto written = picture::write_scene_picture(argv[1], picture); !written)
       return fmt::print(stderr, "{}\n", written.error().text()), 2;

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "control/session/decide.hpp"
-#include "control/session/look.hpp"
+#include "control/session/scene_analysis.hpp"
 #include "sim_hal/synthetic/scenes.hpp"
 
 int main() {
@@ -19,20 +19,20 @@ int main() {
   config.decision.check_reach = false;  // there is no robot in this room
   config.decision.mass_kg = 4.0;
   const hal::SteadyClock clock;
-  control::LookInput input;
+  control::SceneAnalysisInput input;
   input.frame = sim_hal::measure(sim_hal::cast_rays(room.world, room.intrinsics, room.X_WC), {}, kSeed);
   input.X_WC = room.X_WC;
-  const auto look =
-      control::look(std::move(input), control::Method::Fast, config, planner::HandModel{}, clock);
-  if (!look) return fmt::print(stderr, "{}\n", look.error().text()), 2;
+  const auto analysis =
+      control::analyse_scene(std::move(input), control::Method::Fast, config, planner::HandModel{}, clock);
+  if (!analysis) return fmt::print(stderr, "{}\n", analysis.error().text()), 2;
 
   control::PartnerInput partner;
   partner.position_W = person.contact;  // given, not observed
-  const auto decide = [&](const char* wish, const control::Config& wished) -> std::optional<double> {
-    const auto outcome = control::decide(*look, partner, wished, clock);
+  const auto decide = [&](const char* request, const control::Config& wished) -> std::optional<double> {
+    const auto outcome = control::decide(*analysis, partner, wished, clock);
     if (!outcome) return fmt::print(stderr, "{}\n", outcome.error().text()), std::nullopt;
     const planner::Decision& decision = outcome->decision;
-    fmt::print("{}\n  {}\n", wish, decision.because);
+    fmt::print("{}\n  {}\n", request, decision.reason);
     if (!decision.chosen) return std::nullopt;
     const planner::AgentWrenches& forces = decision.scores[*decision.chosen]->wrenches;
     fmt::print("  the robot lifts with {:.1f} N, the partner with {:.1f} N\n", forces.robot.force.z(),

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "control/session/look.hpp"
+#include "control/session/scene_analysis.hpp"
 #include "hal/guards/guarded_camera.hpp"
 #include "own_camera.hpp"
 #include "sim_hal/synthetic/scenes.hpp"
@@ -34,15 +34,15 @@ int main() {
 
   auto frame = camera.next_frame(std::chrono::seconds(1));
   if (!frame) return fmt::print(stderr, "{}\n", frame.error().text()), 2;
-  control::LookInput input;
+  control::SceneAnalysisInput input;
   input.frame = std::move(*frame);
   input.X_WC = room.X_WC;
-  const auto look =
-      control::look(std::move(input), control::Method::Fast, {}, planner::HandModel{}, hal::SteadyClock());
-  if (!look) return fmt::print(stderr, "{}\n", look.error().text()), 2;
-  fmt::print("{}\n", look->because);
-  if (!look->scene.target) return 1;
-  const double off_m = (look->scene.target->cog - room.cog).norm();
+  const auto analysis = control::analyse_scene(std::move(input), control::Method::Fast, {},
+                                               planner::HandModel{}, hal::SteadyClock());
+  if (!analysis) return fmt::print(stderr, "{}\n", analysis.error().text()), 2;
+  fmt::print("{}\n", analysis->reason);
+  if (!analysis->scene.target) return 1;
+  const double off_m = (analysis->scene.target->cog - room.cog).norm();
   fmt::print("its centre of gravity is {:.0f} mm from where it truly is; {} frames used\n", 1e3 * off_m,
              camera.health().accepted);
   return off_m < 0.05 ? 0 : 1;

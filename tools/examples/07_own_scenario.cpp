@@ -53,7 +53,7 @@ int main() {
   if (!record) return fmt::print(stderr, "{}\n", record.error().text()), 2;
 
   for (const control::StateChange& change : record->states)
-    fmt::print("{:6.2f} s  {:13} {}\n", hal::seconds(change.at), control::word(change.state), change.because);
+    fmt::print("{:6.2f} s  {:13} {}\n", hal::seconds(change.at), control::word(change.state), change.reason);
   if (record->lift)
     fmt::print(
         "lifted by {:.0f} mm; the robot carried {:.0f} % of it (decided: {:.0f} %, measured: {:.0f} %)\n",

@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "tools/cli/session.hpp"
-#include "tools/emulate/emulate.hpp"
+#include "tools/cli/interrupt.hpp"
 #include "tools/experiments/outcome.hpp"
 #include "tools/experiments/trials/sighting.hpp"
 
@@ -188,7 +188,7 @@ int cmd_experiment(const CommonOptions& common, const ExperimentOptions& options
   }
   if (auto ok = write_index(options.out); !ok) return report_error("experiment", ok.error());
   if (!complete) {
-    std::fputs("interrupted; the same command goes on from here\n", stderr);
+    std::fputs("interrupted; the same command continues from here\n", stderr);
     return kInterrupted;
   }
   if (!common.quiet) std::fprintf(stderr, "page: %s\n", (options.out / "index.html").c_str());

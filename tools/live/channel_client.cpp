@@ -20,7 +20,7 @@ namespace websocket = beast::websocket;
 using Request = http::request<http::empty_body>;
 
 constexpr std::uint32_t kStop = 1;
-constexpr hal::Duration kPatience = std::chrono::seconds(20);  ///< With a message that is not taken.
+constexpr hal::Duration kTimeout = std::chrono::seconds(20);  ///< With a message that is not taken.
 
 /// One client of the channels. Everything happens in the server's thread.
 class ChannelClient final : public Listener, public std::enable_shared_from_this<ChannelClient> {
@@ -59,7 +59,7 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
     const auto found = subscriptions_.find(static_cast<std::uint32_t>(post.topic()));
     if (found == subscriptions_.end()) return;
     // who talks without ever reading is not idle, and would stay for good
-    if (sending_ && clock_.now() - sending_since_ > kPatience) return cut();
+    if (sending_ && clock_.now() - sending_since_ > kTimeout) return cut();
     queue(found->second, post);
     send();
   }

@@ -191,7 +191,7 @@ hal::Result<ClientMessage> parse_binary(std::string_view bytes) {
     return bad(fmt::format("a service call of {} bytes (at least {})", bytes.size(), kHead));
   const std::uint32_t length = read_u32(bytes, 9);
   if (length > bytes.size() - kHead)
-    return bad("the name of the encoding goes on past the end of the message");
+    return bad("the name of the encoding continues past the end of the message");
   if (const auto encoding = bytes.substr(kHead, length); encoding != "json")
     return bad("a service call has to be in JSON");
   return ClientMessage(

@@ -11,12 +11,12 @@
 namespace colift::tools {
 namespace {
 
-constexpr double kSnapshotPatience_s = 10.0;
+constexpr double kSnapshotTimeout_s = 10.0;
 
 int log_snapshot(const CommonOptions& common, const LogOptions& options) {
   std::optional<pid_t> pid;
   if (options.pid) pid = *options.pid;
-  if (auto done = telemetry::ask_for_flight(options.file, pid, kSnapshotPatience_s); !done) {
+  if (auto done = telemetry::ask_for_flight(options.file, pid, kSnapshotTimeout_s); !done) {
     report_error("log snapshot", done.error());
     return done.error().code == hal::ErrorCode::BadInput ? kBadInput : kNoGoal;
   }

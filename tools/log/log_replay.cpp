@@ -7,7 +7,7 @@
 #include "hal/config/config_file.hpp"
 #include "tools/cli/config_of.hpp"
 #include "tools/cli/session.hpp"
-#include "tools/emulate/emulate.hpp"
+#include "tools/cli/interrupt.hpp"
 #include "tools/log/cmd_log.hpp"
 #include "tools/run/run_live.hpp"
 #include "tools/telemetry/channels/built_in_texts.hpp"

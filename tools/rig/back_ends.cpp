@@ -28,8 +28,8 @@ using World = std::shared_ptr<sim_hal::SimWorld>;
 /// Which devices go together in one run. A simulated arm steps its world, a wire's far end lets it run in
 /// real time, and beside a real arm nobody moves one.
 hal::Result<> check_together(const RobotFile& file, bool emulated, const std::string& where) {
-  const auto refuse = [&](const char* because) {
-    return hal::failure(hal::ErrorCode::BadConfig, where, because);
+  const auto refuse = [&](const char* reason) {
+    return hal::failure(hal::ErrorCode::BadConfig, where, reason);
   };
   if (file.arm == "simulated") {
     if (file.hand == "barrett")
@@ -41,21 +41,21 @@ hal::Result<> check_together(const RobotFile& file, bool emulated, const std::st
   if (emulated) return {};
   if (file.hand == "simulated")
     return refuse(
-        "hand: simulated stands in a world that nobody moves beside a real arm; expected hand: barrett, "
+        "hand: simulated lives in a simulation that is not stepped beside a real arm; expected hand: "
+        "barrett, "
         "or emulator: always");
   if (file.camera == "simulated")
     return refuse(
-        "camera: simulated looks at a world that nobody moves beside a real arm; expected camera: "
+        "camera: simulated observes a simulation that is not stepped beside a real arm; expected camera: "
         "kinect, or emulator: always");
   return {};
 }
 
 hal::Error no_pose(const std::filesystem::path& robot) {
-  return {
-      hal::ErrorCode::BadConfig, robot.string(),
-      fmt::format("nothing says where the camera stands; run colift calibrate --robot {} --out camera.yaml, "
-                  "and name its result: calibration: camera.yaml",
-                  robot.string())};
+  return {hal::ErrorCode::BadConfig, robot.string(),
+          fmt::format("no camera pose is configured; run colift calibrate --robot {} --out camera.yaml, "
+                      "and name its result: calibration: camera.yaml",
+                      robot.string())};
 }
 
 ArmLink link_of(const hal::FriArm& arm, EmulatedRig* emulated) {
@@ -77,9 +77,9 @@ ArmLink link_of(const hal::FriArm& arm, EmulatedRig* emulated) {
       timing.late, timing.worst_late_ms, report.missed_in_command};
   for (const auto& missed : timing.missed)
     link.controller->missed_at.push_back({missed.sent_s, missed.until_s});
-  for (const auto& broken : report.broken_rules) link.controller->broken_rules.push_back(broken.because);
+  for (const auto& broken : report.broken_rules) link.controller->broken_rules.push_back(broken.reason);
   for (const auto& change : report.mode_changes)
-    if (change.from == sim_hal::FriState::Command) link.controller->left_command.push_back(change.because);
+    if (change.from == sim_hal::FriState::Command) link.controller->left_command.push_back(change.reason);
   return link;
 }
 

@@ -14,7 +14,8 @@
 #include "hal/robot.hpp"
 #include "hal/robot_model/robot_model.hpp"
 #include "hal/types/result.hpp"
-#include "tools/run/run_view.hpp"
+#include "tools/rig/arm_link.hpp"
+#include "tools/rig/truth_sample.hpp"
 #include "tools/visualization/scene/solid_scene.hpp"
 
 namespace colift::tools {

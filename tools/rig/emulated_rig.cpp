@@ -11,7 +11,7 @@
 #include "hal/os/make_can_bus.hpp"
 #include "hal/robot_model/dynamics.hpp"
 #include "sim_hal/emulator/hand/hand_gateway.hpp"
-#include "sim_hal/emulator/mujoco/camera_world_eye.hpp"
+#include "sim_hal/emulator/mujoco/camera_world_source.hpp"
 #include "sim_hal/emulator/mujoco/hand_world_plant.hpp"
 #include "sim_hal/emulator/mujoco/krc_world_plant.hpp"
 
@@ -100,7 +100,7 @@ hal::Result<std::shared_ptr<EmulatedRig>> EmulatedRig::start(const EmulatedRigCo
     camera.address = *config.camera;
     camera.seed = config.seed;
     rig->camera_ =
-        std::make_unique<sim_hal::CameraServer>(camera, std::make_unique<sim_hal::CameraWorldEye>(w));
+        std::make_unique<sim_hal::CameraServer>(camera, std::make_unique<sim_hal::CameraWorldSource>(w));
     if (auto started = rig->camera_->start(); !started) return tl::unexpected(started.error());
   }
   return rig;

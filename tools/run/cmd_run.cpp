@@ -7,7 +7,7 @@
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"
 #include "tools/cli/session.hpp"
-#include "tools/emulate/emulate.hpp"
+#include "tools/cli/interrupt.hpp"
 #include "tools/rig/back_ends.hpp"
 #include "tools/run/run_json.hpp"
 #include "tools/run/run_live.hpp"
@@ -47,7 +47,7 @@ RunStatus status_of(const control::JobStatus& job, const Rig& rig) {
   s.t_s = hal::seconds(job.now);
   s.state = job.state;
   s.in_state_s = hal::seconds(job.now - job.since);
-  s.because = job.because;
+  s.reason = job.reason;
   s.now = job.doing;
   s.done = job.done;
   s.devices = {{"arm", rig.robot.arm->health(), 0.0},
@@ -68,7 +68,7 @@ RunStatus status_of(const control::JobStatus& job, const Rig& rig) {
 }
 
 /// What a simulated run knows of the truth, collected while it goes on.
-struct Diary {
+struct TruthLog {
   RunTruth truth;
   RunScenes scenes;
 
@@ -109,10 +109,10 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
 
   const RunSetting setting = setting_of(common, options, *task, *rig, *setup);
   const hal::SteadyClock wall;
-  Diary diary;
+  TruthLog truth_log;
   if (rig->truth) {
-    diary.truth.mass_kg = rig->truth->mass_kg;
-    diary.truth.cog = rig->truth->cog;
+    truth_log.truth.mass_kg = rig->truth->mass_kg;
+    truth_log.truth.cog = rig->truth->cog;
   }
   control::JobOptions job{setup->method, options.seed, options.dry_run,
                           rig->truth ? rig->truth->mass_kg : 0.0, rig->drive};
@@ -122,12 +122,12 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
   if (!speed) return report_error("run", speed.error());
   const auto live = RunLive::open(options.live, fmt::format("CoLift, {}", rig->name), *urdf);
   if (!live) return report_error("run", live.error());
-  RunRecording::Wish wish;
+  RunRecording::Request request;
   if (*live) {
-    wish.watchers.push_back(&(*live)->sink());
+    request.watchers.push_back(&(*live)->sink());
     std::fprintf(stderr, "live view: %s\n", (*live)->url().c_str());
   }
-  auto recording = RunRecording::open(common, options, job, *rig, *setup, wall, wish);
+  auto recording = RunRecording::open(common, options, job, *rig, *setup, wall, request);
   if (!recording) return report_error("run", recording.error());
   const control::RigView view{*rig->model, setup->hand, setup->hand_tables, rig->X_WC};
   control::TaskRunner runner(rig->robot, view, setup->config, job, wall);
@@ -146,10 +146,10 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
   hooks.status = [&](const control::JobStatus& status) {
     if (!InterruptGuard::asked()) pace.wait_for(status.now);
     if (rig->truth) {
-      const std::size_t samples = diary.truth.curve.size();
-      diary.on_status(status, *rig->truth, began);
-      if (*recording && diary.truth.curve.size() > samples)
-        (*recording)->truth(rig->robot.clock->now(), diary.truth.curve.back());
+      const std::size_t samples = truth_log.truth.curve.size();
+      truth_log.on_status(status, *rig->truth, began);
+      if (*recording && truth_log.truth.curve.size() > samples)
+        (*recording)->truth(rig->robot.clock->now(), truth_log.truth.curve.back());
     }
     progress->show(status_of(status, *rig));
   };
@@ -157,7 +157,7 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
     if (rig->truth) rig->truth->ask_partner(place);
   };
   hooks.changed = [&](control::Task from, control::Task to) {
-    if (rig->truth) diary.on_change(from, to, *rig->truth);
+    if (rig->truth) truth_log.on_change(from, to, *rig->truth);
   };
   const auto record = runner.run(*recording ? (*recording)->hooks(hooks) : hooks);
   progress->end();
@@ -169,8 +169,8 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
 
   std::optional<ArmLink> link;
   if (rig->arm_link) link = rig->arm_link();
-  const RunView run{*record, setting, rig->truth ? &diary.truth : nullptr,
-                    rig->truth ? &diary.scenes : nullptr, link ? &*link : nullptr};
+  const RunView run{*record, setting, rig->truth ? &truth_log.truth : nullptr,
+                    rig->truth ? &truth_log.scenes : nullptr, link ? &*link : nullptr};
   const std::string document = run_document(run);
   if (*recording)
     for (const std::string& line : (*recording)->finish(*record, document, common.quiet))
@@ -179,7 +179,7 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
   if (common.json)
     std::puts(document.c_str());
   else
-    std::fputs((common.quiet ? record->because + "\n" : run_summary(run)).c_str(), stdout);
+    std::fputs((common.quiet ? record->reason + "\n" : run_summary(run)).c_str(), stdout);
   std::fflush(stdout);
   if (options.report) {
     if (auto written = write_run_report(*options.report, run); !written)

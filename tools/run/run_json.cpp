@@ -23,7 +23,7 @@ Json number(const std::optional<double>& value) {
 Json states(const control::RunRecord& record) {
   Json all = Json::array();
   for (const control::StateChange& s : record.states)
-    all.push_back({{"t", hal::seconds(s.at)}, {"state", control::word(s.state)}, {"because", s.because}});
+    all.push_back({{"t", hal::seconds(s.at)}, {"state", control::word(s.state)}, {"because", s.reason}});
   return all;
 }
 
@@ -33,7 +33,7 @@ Json partner(const RunView& view) {
   return {{"position", json_array(decision->partner->position)},
           {"error_m", number(partner_error_m(view))},
           {"sigma", json_sigma(decision->partner->covariance)},
-          {"because", decision->partner_because}};
+          {"because", decision->partner_reason}};
 }
 
 Json lift(const control::RunRecord& record) {
@@ -51,7 +51,7 @@ Json test_lifts(const control::RunRecord& record) {
               {"candidate", t.candidate},
               {"height_m", number(t.height_m)},
               {"level", t.known && t.known->next != control::TestLift::Next::Regrasp},
-              {"because", t.because}};
+              {"because", t.reason}};
     if (t.known) {
       j["tilt_deg"] = number(hal::kDegPerRad * t.known->seen.tilt_rad);
       j["mass_kg"] = number(t.known->mass_kg);
@@ -67,7 +67,7 @@ Json test_lifts(const control::RunRecord& record) {
 Json asked(const control::RunRecord& record) {
   Json all = Json::array();
   for (const control::AskRecord& a : record.asked)
-    all.push_back({{"t", hal::seconds(a.at)}, {"place", json_array(a.place)}, {"because", a.because}});
+    all.push_back({{"t", hal::seconds(a.at)}, {"place", json_array(a.place)}, {"because", a.reason}});
   return all;
 }
 
@@ -152,8 +152,8 @@ Json curve(const control::RunRecord& record) {
 Json candidates(const control::RunRecord& record) {
   if (record.decision) return candidates_json(*record.decision);
   Json all = Json::array();
-  if (record.look)
-    for (const planner::GraspCandidate& c : record.look->candidates) all.push_back(candidate_json(c));
+  if (record.analysis)
+    for (const planner::GraspCandidate& c : record.analysis->candidates) all.push_back(candidate_json(c));
   return all;
 }
 
@@ -163,7 +163,7 @@ std::string run_document(const RunView& view) {
   const control::RunRecord& record = view.record;
   Json j = {{"schema", "colift.run/1"},
             {"outcome", word(record.outcome)},
-            {"because", record.because},
+            {"because", record.reason},
             {"seed", view.setting.seed},
             {"scenario", view.setting.scenario.empty() ? Json(nullptr) : Json(view.setting.scenario)},
             {"robot", view.setting.robot},

@@ -47,16 +47,16 @@ Solid capsule(const Vec3& from, const Vec3& to, double radius, SolidRole role) {
 SolidScene scene_as_seen(const RunView& view, const hal::JointVector& q_rad, double rise_m) {
   SolidScene scene;
   const control::RunRecord& r = view.record;
-  if (r.look && r.look->scene.ground) {
-    const hal::Plane& plane = r.look->scene.ground->plane;
+  if (r.analysis && r.analysis->scene.ground) {
+    const hal::Plane& plane = r.analysis->scene.ground->plane;
     scene.solids.push_back(
         {sim_hal::half_space(-plane.offset * plane.normal, plane.normal, sim_hal::Label::Ground),
          SolidRole::Ground});
   }
   const Vec3 rise = rise_m * Vec3::UnitZ();
   Vec3 outwards = Vec3::UnitX();
-  if (r.look && r.look->scene.target) {
-    const hal::OrientedBox& box = r.look->scene.target->shape;
+  if (r.analysis && r.analysis->scene.target) {
+    const hal::OrientedBox& box = r.analysis->scene.target->shape;
     Solid object;
     object.X_WS.linear() = box.axes;
     object.X_WS.translation() = box.center + rise;
@@ -136,7 +136,8 @@ DrawnScenes drawn_scenes(const RunView& view) {
     drawn.before = view.scenes->before;
     drawn.lifted = view.scenes->lifted;
   }
-  if (drawn.before || drawn.lifted || !view.record.look || !view.record.look->scene.target) return drawn;
+  if (drawn.before || drawn.lifted || !view.record.analysis || !view.record.analysis->scene.target)
+    return drawn;
   const auto& plan = view.record.plan;
   drawn.seen_only = true;
   drawn.before = scene_as_seen(view, plan ? plan->reach.grasp_rad : view.setting.home_rad, 0.0);
@@ -203,7 +204,7 @@ std::optional<picture::LinePlot> curves_plot(const RunView& view) {
 
   PlotPanel load{.title = "Load (N)", .lines = {}, .levels = {}};
   load.lines.push_back(
-      line("robot, felt", picture::kRobot, values(seen, [](const auto& s) { return s.load_n; })));
+      line("robot, measured", picture::kRobot, values(seen, [](const auto& s) { return s.load_n; })));
   true_line(load, "robot, true", dark, [](const auto& s) { return s.robot_force_z_n; });
   true_line(load, "partner, true", picture::kPartner, [](const auto& s) { return s.partner_force_z_n; });
   true_line(load, "floor, true", kFloor, [](const auto& s) { return s.floor_force_z_n; });
@@ -218,7 +219,7 @@ std::optional<picture::LinePlot> curves_plot(const RunView& view) {
   };
   if (weight > 0)
     share.lines.push_back(
-        line("felt, of the estimated weight", picture::kRobot, values(seen, [&](const auto& s) {
+        line("measured, of the estimated weight", picture::kRobot, values(seen, [&](const auto& s) {
                return in_air(s.state) ? 100 * s.load_n / weight : std::nan("");
              })));
   true_line(share, "true", dark, [](const auto& s) { return 100 * true_share(s); });
@@ -240,7 +241,7 @@ std::optional<picture::LinePlot> curves_plot(const RunView& view) {
                          hal::rad_to_deg(view.setting.max_tilt_rad), kLimit});
 
   PlotPanel height{.title = "Height (cm)", .lines = {}, .levels = {}};
-  height.lines.push_back(line("object, seen", picture::kRobot,
+  height.lines.push_back(line("object, observed", picture::kRobot,
                               values(seen, [](const auto& s) { return 100 * s.object_rise_m; })));
   height.lines.push_back(
       line("palm", picture::kCog, values(seen, [](const auto& s) { return 100 * s.palm_height_m; })));

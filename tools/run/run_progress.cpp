@@ -17,7 +17,7 @@ namespace {
 using control::Task;
 using hal::DeviceHealth;
 
-constexpr double kLeastPeriod_s = 1.0 / 15;
+constexpr double kMinPeriod_s = 1.0 / 15;
 constexpr std::size_t kHeading = 11;
 
 // Only what every terminal shows well on light and on dark paper: no yellow, no blue, no background.
@@ -266,7 +266,7 @@ std::vector<std::string> progress_screen(const RunStatus& s, const RunSetting& s
         .write(bar(*s.done, 24, style), Ink::Good)
         .write(fmt::format(" {}", percent_text(*s.done)));
   lines.push_back(state.text());
-  lines.push_back(fact("because", s.because, style));
+  lines.push_back(fact("because", s.reason, style));
   lines.push_back(fact("waits for", std::string(control::waits_for(s.state)), style));
   lines.push_back(fact("now", s.now, style));
   lines.push_back("");
@@ -304,7 +304,7 @@ void RunProgress::show(const RunStatus& status) {
   const bool changed = !last_ || last_->state != status.state;
   last_ = status;
   fill_rates(*last_);
-  if (!changed && drawn_at_ && hal::seconds(now - *drawn_at_) < kLeastPeriod_s) return;
+  if (!changed && drawn_at_ && hal::seconds(now - *drawn_at_) < kMinPeriod_s) return;
   drawn_at_ = now;
   draw(*last_);
 }
@@ -347,7 +347,7 @@ void RunProgress::plain(const RunStatus& s) {
   std::string out;
   if (said_ != s.state) {
     out += entry(fmt::format("{:8.2f} s  {}", s.t_s, control::word(s.state)),
-                 one_line(s.because, !style_.unicode), 26, width);
+                 one_line(s.reason, !style_.unicode), 26, width);
     said_ = s.state;
   }
   for (; faults_said_ < s.faults.size(); ++faults_said_)

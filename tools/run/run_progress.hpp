@@ -25,8 +25,8 @@ struct RunStatus {
   double t_s = 0.0;  ///< Since the start, on the run's clock.
   control::Task state = control::Task::Observe;
   double in_state_s = 0.0;
-  std::string because;  ///< Why it came into this state.
-  std::string now;      ///< What it is doing in particular, where there is more to say than waits_for(state).
+  std::string reason;  ///< Why it came into this state.
+  std::string now;     ///< What it is doing in particular, where there is more to say than waits_for(state).
   std::optional<double> done;  ///< Part of the state's work that is done, 0 to 1.
   std::vector<DeviceStatus> devices;
   std::optional<hal::Vec3> partner;  ///< Where he is seen to hold the object (W).

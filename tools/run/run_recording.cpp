@@ -73,14 +73,14 @@ hal::Result<std::unique_ptr<RunRecording>> RunRecording::open(const CommonOption
                                                               const RunOptions& options,
                                                               const control::JobOptions& job, Rig& rig,
                                                               Setup& setup, const hal::Clock& wall,
-                                                              const Wish& wish) {
+                                                              const Request& request) {
   // a simulated run can be run once more; what happened on real wires cannot
   const bool flies = options.flight || job.drive == control::Drive::Thread;
-  if (!options.record && !flies && wish.watchers.empty()) return nullptr;
+  if (!options.record && !flies && request.watchers.empty()) return nullptr;
   const auto run = describe(common, options, job, rig, setup);
   if (!run) return tl::unexpected(run.error());
   auto impl = std::make_unique<Impl>();
-  std::vector<telemetry::TelemetrySink*> sinks = wish.watchers;
+  std::vector<telemetry::TelemetrySink*> sinks = request.watchers;
 
   if (options.record || flies) {
     telemetry::RecorderConfig config;
@@ -131,7 +131,7 @@ std::vector<std::string> RunRecording::finish(const control::RunRecord& record, 
   if (!impl_->recorder) return lines;
   telemetry::RunDocuments end;
   end.attachments.push_back({0, 0, "run.json", "application/json", document});
-  end.metadata.push_back({"colift.result", {{"outcome", word(record.outcome)}, {"because", record.because}}});
+  end.metadata.push_back({"colift.result", {{"outcome", word(record.outcome)}, {"because", record.reason}}});
   const telemetry::RecorderReport report = impl_->recorder->finish(end);
   impl_->post.reset();  // nobody answers any more
   if (impl_->file && !quiet)

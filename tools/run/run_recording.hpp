@@ -18,12 +18,12 @@ class RunRecording {
  public:
   /// What was asked for. None of it: null, and the run is left alone. Errors: files that cannot be read or
   /// made.
-  struct Wish {
+  struct Request {
     std::vector<telemetry::TelemetrySink*> watchers;  ///< Live view; borrowed.
   };
   [[nodiscard]] static hal::Result<std::unique_ptr<RunRecording>> open(
       const CommonOptions& common, const RunOptions& options, const control::JobOptions& job, Rig& rig,
-      Setup& setup, const hal::Clock& wall, const Wish& wish);
+      Setup& setup, const hal::Clock& wall, const Request& request);
   ~RunRecording();
   RunRecording(const RunRecording&) = delete;
   RunRecording& operator=(const RunRecording&) = delete;

@@ -49,13 +49,13 @@ std::string sentence(const std::string& text) {
 
 std::vector<std::string> summary(const RunView& view) {
   const control::RunRecord& r = view.record;
-  std::vector<std::string> out{sentence(r.because)};
+  std::vector<std::string> out{sentence(r.reason)};
   if (r.hand_keeps_grip)
     out.emplace_back("The hand still holds the object: take its weight before the hand is opened.");
   // a refusal's reason is said already
-  if (r.decision && r.because.find(r.decision->decision.because) == std::string::npos)
-    out.push_back(sentence(r.decision->decision.because));
-  if (r.device_failed) out.emplace_back("A device was lost; the faults stand below.");
+  if (r.decision && r.reason.find(r.decision->decision.reason) == std::string::npos)
+    out.push_back(sentence(r.decision->decision.reason));
+  if (r.device_failed) out.emplace_back("A device was lost; its faults are listed below.");
   return out;
 }
 
@@ -81,7 +81,7 @@ std::vector<picture::ReportCard> cards(const RunView& view) {
                    "estimated mass", view.truth ? fmt::format("truth {:.2f} kg", view.truth->mass_kg) : ""});
   }
   if (const auto error = partner_error_m(view))
-    out.push_back({metres_text(*error), "partner's grasp off", "seen against truth"});
+    out.push_back({metres_text(*error), "partner's grasp off", "observed against truth"});
   if (r.timing.grasp_to_decision_s)
     out.push_back({fmt::format("{:.0f} ms", 1e3 * *r.timing.grasp_to_decision_s), "from grasp to decision",
                    fmt::format("{:.1f} ms of computing", r.timing.decision_compute_ms)});
@@ -98,7 +98,7 @@ std::vector<picture::ReportStep> time_line(const control::RunRecord& record) {
       to = hal::seconds(record.states[i + 1].at);
     else if (!control::is_end(s.state))
       to = std::max(from, record.timing.sim_s);
-    steps.push_back({from, to, std::string(control::word(s.state)), s.because, tone_of(s.state)});
+    steps.push_back({from, to, std::string(control::word(s.state)), s.reason, tone_of(s.state)});
   }
   return steps;
 }
@@ -131,26 +131,27 @@ picture::ReportTable truth_table(const RunView& view) {
   };
   if (r.decision && r.decision->partner && view.truth->partner)
     place("partner's grasp", r.decision->partner->position, *view.truth->partner);
-  if (r.look && r.look->scene.target) place("centre of gravity", r.look->scene.target->cog, view.truth->cog);
+  if (r.analysis && r.analysis->scene.target)
+    place("centre of gravity", r.analysis->scene.target->cog, view.truth->cog);
   return table;
 }
 
 std::vector<picture::ReportTime> times(const control::RunRecord& r) {
   std::vector<picture::ReportTime> out;
-  if (r.look) {
-    const control::StageTimes& ms = r.look->ms;
+  if (r.analysis) {
+    const control::StageTimes& ms = r.analysis->ms;
     out = {{"ground", ms.ground},
            {"target", ms.target},
            {"surfaces", ms.surfaces},
            {"candidates", ms.candidates}};
   }
   if (r.decision) {
-    out.push_back({"partner seen", r.decision->partner_ms});
+    out.push_back({"partner observed", r.decision->partner_ms});
     out.push_back({"decision", r.decision->decision_ms});
   }
   if (r.plan) {
-    out.push_back({"way found", r.plan->plan_ms});
-    out.push_back({"way shortened", r.plan->shortcut_ms});
+    out.push_back({"path found", r.plan->plan_ms});
+    out.push_back({"path shortened", r.plan->shortcut_ms});
     out.push_back({"exact check", r.plan->exact_ms});
   }
   return out;
@@ -175,7 +176,7 @@ std::vector<std::pair<std::string, std::string>> facts(const RunView& view) {
                                  r.timing.decision_compute_ms));
   if (r.plan)
     out.emplace_back(
-        "plan", fmt::format("{:.1f} ms; the way there takes {:.1f} s, the straight approach {:.1f} s",
+        "plan", fmt::format("{:.1f} ms; trajectory {:.1f} s, of it the straight approach {:.1f} s",
                             r.timing.plan_ms, r.plan->transit.duration_s(), r.plan->approach.duration_s()));
   if (s.simulated) {
     out.emplace_back("simulated time", fmt::format("{:.1f} s", r.timing.sim_s));
@@ -192,36 +193,36 @@ std::vector<std::pair<std::string, std::string>> facts(const RunView& view) {
 // What the camera saw when it was decided, else the scene before anybody came.
 std::string decision_picture(const RunView& view) {
   const control::RunRecord& r = view.record;
-  if (!r.look) return "";
-  const control::Look& look = *r.look;
+  if (!r.analysis) return "";
+  const control::SceneAnalysis& analysis = *r.analysis;
   perception::OrganisedCloud with_partner;
   picture::ScenePicture p;
-  p.cloud = &look.cloud;
-  p.rgb = &look.frame.rgb;
-  p.scene = &look.scene;
-  p.candidates = &look.candidates;
+  p.cloud = &analysis.cloud;
+  p.rgb = &analysis.frame.rgb;
+  p.scene = &analysis.scene;
+  p.candidates = &analysis.candidates;
   p.hand_opening_m = view.setting.hand_opening_m;
   p.palm_gap_m = view.setting.palm_gap_m;
   p.title = view.setting.scenario.empty() ? view.setting.robot : view.setting.scenario;
-  p.because = look.because;
+  p.reason = analysis.reason;
   if (r.decision) {
     p.candidates = &r.decision->candidates;
     p.partner = r.decision->partner;
     p.partner_pixels = r.decision->partner_pixels;
-    p.because = r.decision->decision.because;
+    p.reason = r.decision->decision.reason;
     if (r.decision->decision.chosen) {
       p.share = r.decision->decision.share;
       p.optimum = r.decision->decision.optimum;
     }
-    p.notes.push_back(r.decision->partner_because);
-    if (r.frame_partner && r.frame_partner->depth_m.size() == look.cloud.size() &&
-        r.frame_partner->intrinsics.width == look.cloud.width()) {
-      with_partner = perception::deproject(*r.frame_partner, look.cloud.X_WC);
+    p.notes.push_back(r.decision->partner_reason);
+    if (r.frame_partner && r.frame_partner->depth_m.size() == analysis.cloud.size() &&
+        r.frame_partner->intrinsics.width == analysis.cloud.width()) {
+      with_partner = perception::deproject(*r.frame_partner, analysis.cloud.X_WC);
       p.cloud = &with_partner;
       p.rgb = &r.frame_partner->rgb;
     }
   }
-  if (look.scene.target) p.notes.push_back(look.scene.target->because);
+  if (analysis.scene.target) p.notes.push_back(analysis.scene.target->reason);
   p.figures.emplace_back("method", view.setting.method);
   if (p.cloud->size() == 0) return "";
   const char* caption =
@@ -229,7 +230,7 @@ std::string decision_picture(const RunView& view) {
           ? "What the camera saw when it was decided: the object, every candidate, where the partner holds "
             "it, and the grasp that was chosen."
           : "What the camera saw before anybody came: the object and every candidate.";
-  return picture::report_heading("What was seen and decided") +
+  return picture::report_heading("Scene and decision") +
          picture::report_figure({picture::scene_picture_png(p), caption});
 }
 
@@ -270,13 +271,12 @@ std::string run_report_html(const RunView& view) {
   body += decision_picture(view);
   if (r.decision)
     body += picture::report_candidates(candidate_rows(r.decision->candidates, r.decision->decision.scores));
-  else if (r.look)
-    body += picture::report_candidates(candidate_rows(r.look->candidates, {}));
+  else if (r.analysis)
+    body += picture::report_candidates(candidate_rows(r.analysis->candidates, {}));
   if (const auto plot = curves_plot(view))
     body += picture::report_heading("Curves") +
-            picture::report_figure(
-                {picture::draw_line_plot(*plot).png(),
-                 "Solid: what the robot felt and saw. Dashed: what was true, where it is known."});
+            picture::report_figure({picture::draw_line_plot(*plot).png(),
+                                    "Solid: measured by the robot. Dashed: truth, where it is known."});
   body += picture::report_table(truth_table(view));
   const auto faults = fault_lines(r);
   body += picture::report_list("Faults", faults.empty() ? std::vector<std::string>{"None."} : faults);

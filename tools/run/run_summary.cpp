@@ -14,23 +14,23 @@ constexpr std::size_t kHeading = 10;
 
 std::string partner_text(const RunView& view) {
   const auto& decision = view.record.decision;
-  if (!decision) return "nobody was seen to take hold of the object";
-  if (!decision->partner) return decision->partner_because;
-  std::string text = fmt::format("took hold of the object at {}", place_text(decision->partner->position));
+  if (!decision) return "no partner's grasp was observed";
+  if (!decision->partner) return decision->partner_reason;
+  std::string text = fmt::format("grasps the object at {}", place_text(decision->partner->position));
   if (const auto error = partner_error_m(view))
-    text += fmt::format(", seen {} from where he really held it", metres_text(*error));
+    text += fmt::format(", error {} against the truth", metres_text(*error));
   return text;
 }
 
 std::string decision_text(const RunView& view) {
   const control::Outcome& o = *view.record.decision;
-  if (!o.decision.chosen) return o.decision.because;
+  if (!o.decision.chosen) return o.decision.reason;
   const planner::GraspCandidate& c = o.candidates[*o.decision.chosen];
   const auto possible = std::count_if(o.candidates.begin(), o.candidates.end(), [](const auto& other) {
     return other.verdict == planner::Verdict::Ok || other.verdict == planner::Verdict::Chosen;
   });
   return fmt::format("number {} at {}, of {} candidates, {} of them possible; {}", c.id,
-                     place_text(c.position), o.candidates.size(), possible, o.decision.because);
+                     place_text(c.position), o.candidates.size(), possible, o.decision.reason);
 }
 
 std::string lift_text(const RunView& view, const std::optional<TrueLift>& truth) {
@@ -94,16 +94,17 @@ std::string run_summary(const RunView& view, int columns) {
     return entry(heading, one_line(text, false), kHeading, width);
   };
   std::string out;
-  out += line(word(record.outcome), record.because) + "\n";
-  if (record.look && record.look->scene.target) out += line("object", record.look->scene.target->because);
+  out += line(word(record.outcome), record.reason) + "\n";
+  if (record.analysis && record.analysis->scene.target)
+    out += line("object", record.analysis->scene.target->reason);
   out += line("partner", partner_text(view));
   // a refusal's reason is said already
-  if (record.decision && record.because.find(record.decision->decision.because) == std::string::npos)
+  if (record.decision && record.reason.find(record.decision->decision.reason) == std::string::npos)
     out += line("grasp", decision_text(view));
-  for (const control::AskRecord& a : record.asked) out += line("asked", a.because);
+  for (const control::AskRecord& a : record.asked) out += line("asked", a.reason);
   for (const control::TestLiftRecord& t : record.test_lifts)
-    out += line("tested",
-                fmt::format("number {}, {} high: {}", t.candidate, metres_text(t.height_m), t.because));
+    out +=
+        line("tested", fmt::format("number {}, {} high: {}", t.candidate, metres_text(t.height_m), t.reason));
   if (record.lift) {
     const auto truth = true_lift(view);
     out += line("lift", lift_text(view, truth));

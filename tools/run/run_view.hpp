@@ -9,20 +9,11 @@
 #include "control/task/run_record.hpp"
 #include "hal/robot_model/robot_model.hpp"
 #include "hal/types/geometry.hpp"
+#include "tools/rig/arm_link.hpp"
+#include "tools/rig/truth_sample.hpp"
 #include "tools/visualization/scene/solid_scene.hpp"
 
 namespace colift::tools {
-
-/// What was true at one moment of a simulated run. Forces on the object, up positive.
-struct TruthSample {
-  double t_s = 0.0;  ///< Since the start of the run, as all times of a record.
-  double robot_force_z_n = 0.0;
-  double partner_force_z_n = 0.0;
-  double floor_force_z_n = 0.0;
-  double tilt_rad = 0.0;
-  double height_m = 0.0;
-  double slip_m = 0.0;
-};
 
 /// What the simulation knows and no device tells. About 30 samples a second from Close to Release.
 struct RunTruth {
@@ -56,30 +47,6 @@ struct RunSetting {
   double max_tilt_rad = 0.087, max_slip_m = 0.02;  ///< Limits that end the lift.
   std::vector<std::pair<std::string, std::string>>
       config;  ///< What differs from the defaults: key, where set.
-};
-
-/// How the arm's wire did in one run.
-struct ArmLink {
-  std::uint64_t cycles = 0, answered = 0, lost = 0;  ///< Datagrams received, answered, and never come.
-  struct AnswerTimes {
-    std::uint64_t p50 = 0, p99 = 0, p999 = 0, worst = 0;
-  } answer_us;  ///< From a datagram's arrival to its answer.
-  struct Span {
-    double from_s = 0.0, to_s = 0.0;  ///< CLOCK_MONOTONIC.
-  };
-  std::vector<Span> slow;  ///< Answers that took longer than a cycle; the first 256.
-  /// What the controller at the far end says, when it is an emulated one.
-  struct Controller {
-    std::uint64_t sent = 0, answered = 0, missed = 0;
-    int most_missed_in_a_row = 0;
-    std::uint64_t late = 0;  ///< Cycles that it began late itself.
-    double worst_late_ms = 0.0;
-    std::uint64_t missed_in_command = 0;  ///< Of `missed`, while it took commands.
-    std::vector<std::string> broken_rules = {};
-    std::vector<Span> missed_at = {};            ///< Of missed_in_command; the first 1000.
-    std::vector<std::string> left_command = {};  ///< Why it left command mode, each time.
-  };
-  std::optional<Controller> controller;
 };
 
 /// Everything about one finished run. Pointers and references are borrowed for the call.

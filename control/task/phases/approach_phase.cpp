@@ -19,7 +19,7 @@ std::optional<TaskEvent> ApproachPhase::approach() {
   const auto event = partner_.update();
   if (event && event->kind != PartnerEvent::Kind::Grasped) {
     const bool moved = event->kind == PartnerEvent::Kind::Moved;
-    return TaskEvent{moved ? Event::PartnerMoved : Event::PartnerLetGo, event->because};
+    return TaskEvent{moved ? Event::PartnerMoved : Event::PartnerLetGo, event->reason};
   }
   if (c_.arm.blocked()) return TaskEvent{Event::Blocked, c_.arm.why_blocked()};
   if (leg_ == Leg::None) return TaskEvent{Event::Blocked, c_.attempts.failure};
@@ -28,11 +28,11 @@ std::optional<TaskEvent> ApproachPhase::approach() {
   const double passed_s =
       leg_ == Leg::Transit ? c_.arm.progress() * transit_s : transit_s + c_.arm.progress() * straight_s;
   c_.done = total_s > 0.0 ? passed_s / total_s : 1.0;
-  c_.doing = leg_ == Leg::Transit ? "on the way to the pre-grasp" : "straight to the grasp";
+  c_.doing = leg_ == Leg::Transit ? "moving to the pre-grasp" : "straight to the grasp";
   const EmptyHandConfig& limits = c_.config.task.empty_hand;
   if (c_.in_state_s() > limits.approach_timeout_factor * total_s / c_.config.task.slow_fraction +
                             limits.approach_timeout_margin_s)
-    return TaskEvent{Event::TimeOut, "the way takes too long"};
+    return TaskEvent{Event::TimeOut, "timeout: motion to the grasp"};
   if (c_.readings.hand.moving || !c_.arm.done()) return std::nullopt;
   if (leg_ == Leg::Transit) {
     leg_ = Leg::Straight;

@@ -12,7 +12,7 @@ std::optional<TaskEvent> BackOffPhase::back_off() {
   // the partner may grasp again meanwhile; that is seen once the arm is back
   (void)partner_.update();
   if (c_.in_state_s() > c_.config.task.empty_hand.return_timeout_s)
-    return TaskEvent{Event::TimeOut, "the way back takes too long"};
+    return TaskEvent{Event::TimeOut, "timeout: motion back"};
   const int max_approaches =
       c_.config.task.attempts.max_approaches + static_cast<int>(c_.record.test_lifts.size());
   const bool in_vain = c_.attempts.approaches >= max_approaches;

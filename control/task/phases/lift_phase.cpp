@@ -117,8 +117,10 @@ std::optional<TaskEvent> LiftPhase::lower() {
   if (!down || arm.load_n > carry.ground_load_n) unsupported_at_ = c_.now;
   if (hal::seconds(c_.now - unsupported_at_) > carry.settle_s) {
     c_.arm.stay();
-    return TaskEvent{Event::OnGround, fmt::format("it bears itself, {:.0f} mm above where it was gripped",
-                                                  1e3 * c_.arm.view().height_m)};
+    return TaskEvent{
+        Event::OnGround,
+        fmt::format("the object is supported, {:.0f} mm above the height at which it was grasped",
+                    1e3 * c_.arm.view().height_m)};
   }
   if (!settled()) return std::nullopt;
   return TaskEvent{Event::OnGround, fmt::format("the load is {:.0f} N", arm.load_n)};
@@ -149,7 +151,7 @@ void LiftPhase::summarise_hold() {
   const hal::Vec3 grip = object_.X_WH_grip().translation(), partner = c_.record.decision->partner->position;
   const Eigen::Vector2d span = (grip - partner).head<2>();
   const auto& tested = c_.test_lifts.known();
-  const hal::Vec3& cog = tested ? tested->cog : c_.session.look().scene.target->cog;
+  const hal::Vec3& cog = tested ? tested->cog : c_.session.analysis().scene.target->cog;
   const double lever = (cog - partner).head<2>().dot(span) / span.squaredNorm();
   if (lever > kMinLever) s.mass_kg = load / (kGravity_m_s2 * lever);
   const double mass = c_.options.known_mass_kg > 0.0 ? c_.options.known_mass_kg : s.mass_kg;

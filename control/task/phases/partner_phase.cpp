@@ -28,7 +28,7 @@ std::optional<TaskEvent> PartnerPhase::await_partner() {
       requests_.fulfilled();
       grasps_.forget_bearable();
     }
-    return TaskEvent{Event::PartnerGrasped, event->because};
+    return TaskEvent{Event::PartnerGrasped, event->reason};
   } else {
     c_.doing = c_.partner_note;
   }
@@ -41,7 +41,7 @@ std::optional<TaskEvent> PartnerPhase::await_partner() {
     return TaskEvent{Event::NobodyCame, fmt::format("not where he was asked to, within {}: {}",
                                                     seconds_text(waited_s), requests_.reason())};
   return TaskEvent{Event::NobodyCame,
-                   fmt::format("nobody took hold of the object within {}{}{}", seconds_text(waited_s),
+                   fmt::format("timeout: no partner grasped the object within {}{}{}", seconds_text(waited_s),
                                c_.partner_note.empty() ? "" : "; last seen: ", c_.partner_note)};
 }
 

@@ -16,7 +16,7 @@ TaskEvent PlanPhase::decide() {
   RunTiming& timing = c_.record.timing;
   timing.decision_compute_ms = partner_.compute_ms() + 1e3 * hal::seconds(c_.stopwatch.now() - start);
   timing.grasp_to_decision_s = hal::seconds(c_.now - c_.session.tracker().since());
-  if (chosen) return {Event::GraspChosen, c_.record.decision->decision.because};
+  if (chosen) return {Event::GraspChosen, c_.record.decision->decision.reason};
   const bool asked = requests_.ask(grasps_.judged());
   return {asked ? Event::PartnerAsked : Event::NoGraspFits, c_.attempts.failure};
 }
@@ -29,10 +29,10 @@ TaskEvent PlanPhase::plan() {
 
 TaskEvent PlanPhase::find_path() {
   const hal::Timestamp start = c_.stopwatch.now();
-  if (auto trouble = map_trouble(c_.session.map(), c_.session.look().cloud, c_.config.map_check))
-    return {Event::NoWay, *std::move(trouble)};
+  if (auto trouble = map_fault(c_.session.map(), c_.session.analysis().cloud, c_.config.map_check))
+    return {Event::NoPath, *std::move(trouble)};
   c_.motion_planner.set_scene(std::make_shared<planner::CollisionScene>(planner::make_collision_scene(
-                                  c_.session.map(), c_.session.look().scene.ground->plane,
+                                  c_.session.map(), c_.session.analysis().scene.ground->plane,
                                   c_.session.partner_points(), c_.config.motion.scene)),
                               c_.session.map(), hal::Vec3::UnitZ());
   std::string why;
@@ -41,10 +41,10 @@ TaskEvent PlanPhase::find_path() {
     if (plan) {
       c_.record.timing.plan_ms = 1e3 * hal::seconds(c_.stopwatch.now() - start);
       c_.record.plan = std::move(*plan);
-      if (c_.options.dry_run) return {Event::NoWay, "a dry run ends here: nothing was moved"};
+      if (c_.options.dry_run) return {Event::NoPath, "a dry run ends here: nothing was moved"};
       const planner::MotionPlan& p = *c_.record.plan;
       return {Event::PlanReady,
-              fmt::format("the way takes {:.1f} s", p.transit.duration_s() + p.approach.duration_s())};
+              fmt::format("trajectory of {:.1f} s", p.transit.duration_s() + p.approach.duration_s())};
     }
     why = plan.error().detail;
     // the next best, then
@@ -52,7 +52,7 @@ TaskEvent PlanPhase::find_path() {
     if (!grasps_.choose()) break;
   }
   c_.record.timing.plan_ms = 1e3 * hal::seconds(c_.stopwatch.now() - start);
-  return {Event::NoWay, why};
+  return {Event::NoPath, why};
 }
 
 }  // namespace colift::control

@@ -56,7 +56,7 @@ std::optional<TaskEvent> RetreatPhase::retreat() {
   c_.doing = leg_ == Leg::FromObject ? "straight back" : "home";
   if (c_.arm.blocked()) return TaskEvent{Event::Blocked, c_.arm.why_blocked()};
   if (c_.in_state_s() > c_.config.task.empty_hand.return_timeout_s)
-    return TaskEvent{Event::TimeOut, "the way home takes too long"};
+    return TaskEvent{Event::TimeOut, "timeout: motion home"};
   object_.update();
   if (!c_.arm.done() || !c_.arm.at_rest()) return std::nullopt;
   if (leg_ == Leg::Home) return judge_at_home();
@@ -83,8 +83,8 @@ TaskEvent RetreatPhase::judge_at_home() {
     return {Event::BackInVain, attempts.failure};
   if (moved_m > c_.config.task.attempts.object_moved_m)
     if (const std::string trouble = take_scene_as_moved(); !trouble.empty())
-      return {Event::BackInVain, fmt::format("{}; the object stands {:.0f} mm from where it was: {}",
-                                             attempts.failure, 1e3 * moved_m, trouble)};
+      return {Event::BackInVain,
+              fmt::format("{}; the object moved by {:.0f} mm: {}", attempts.failure, 1e3 * moved_m, trouble)};
   return {Event::TryAgain, attempts.failure};
 }
 
@@ -92,7 +92,7 @@ std::string RetreatPhase::take_scene_as_moved() {
   if (object_.displacement_m() > c_.config.task.attempts.max_object_moved_m) return "that is another scene";
   const hal::Pose X = object_.motion()->X_WTnow_WTref;
   if (auto seen = c_.session.object_moved(X, c_.posture()); !seen) return seen.error().detail;
-  if (!c_.session.look().scene.target) return "it is not seen there";
+  if (!c_.session.analysis().scene.target) return "it is not seen there";
   scene_.use_scene();
   c_.test_lifts.move(X);
   grasps_.object_moved(X);

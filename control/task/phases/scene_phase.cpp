@@ -10,7 +10,7 @@
 namespace colift::control {
 
 std::optional<TaskEvent> ScenePhase::observe() {
-  Watch& session = c_.session;
+  PerceptionSession& session = c_.session;
   const TaskConfig& task = c_.config.task;
   if (c_.readings.frame) session.add_reference(std::move(*c_.readings.frame), c_.posture());
   const int have = session.reference_frames(), want = task.reference_frames;
@@ -29,19 +29,19 @@ std::optional<TaskEvent> ScenePhase::observe() {
     if (error.code == hal::ErrorCode::NotFound && try_again(error.detail)) return std::nullopt;
     return TaskEvent{error.where == kCameraOff ? Event::CameraOff : Event::NothingToCarry, error.detail};
   }
-  const Look& look = session.look();
-  if (!look.scene.target) {
-    c_.record.look = look;
-    return TaskEvent{Event::NothingToCarry, look.because};
+  const SceneAnalysis& analysis = session.analysis();
+  if (!analysis.scene.target) {
+    c_.record.analysis = analysis;
+    return TaskEvent{Event::NothingToCarry, analysis.reason};
   }
-  if (auto holes = picture_trouble(look.cloud, *look.scene.target, c_.config.image_check)) {
+  if (auto holes = image_fault(analysis.cloud, *analysis.scene.target, c_.config.image_check)) {
     // the sun may go behind a cloud
     if (try_again(*holes)) return std::nullopt;
-    c_.record.look = look;
+    c_.record.analysis = analysis;
     return TaskEvent{Event::NothingToCarry, *std::move(holes)};
   }
   use_scene();
-  return TaskEvent{Event::SceneKnown, c_.record.look->because};
+  return TaskEvent{Event::SceneKnown, c_.record.analysis->reason};
 }
 
 bool ScenePhase::try_again(const std::string& error) {
@@ -54,7 +54,7 @@ bool ScenePhase::try_again(const std::string& error) {
 void ScenePhase::use_scene() {
   c_.motion_planner.set_scene(
       std::make_shared<planner::CollisionScene>(planner::make_collision_scene(
-          c_.session.map(), c_.session.look().scene.ground->plane, {}, c_.config.motion.scene)),
+          c_.session.map(), c_.session.analysis().scene.ground->plane, {}, c_.config.motion.scene)),
       c_.session.map(), hal::Vec3::UnitZ());
   grasps_.set_scene();
 }

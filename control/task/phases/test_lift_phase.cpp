@@ -12,8 +12,9 @@ double TestLiftPhase::height_m() const {
 
 void TestLiftPhase::begin() {
   leg_ = Leg::Raising;
-  c_.test_lifts.begin(carried_object(*c_.session.look().scene.target), c_.record.decision->partner->position,
-                      planner::load_point(c_.chosen()), c_.record.decision->decision.share);
+  c_.test_lifts.begin(carried_object(*c_.session.analysis().scene.target),
+                      c_.record.decision->partner->position, planner::load_point(c_.chosen()),
+                      c_.record.decision->decision.share);
   const double fraction = height_m() / c_.config.test_lift.height_m;
   c_.arm.start_lift(LiftController::Role::Lead, height_m(), fraction * c_.config.test_lift.raise_s);
 }
@@ -70,19 +71,19 @@ TaskEvent TestLiftPhase::judge() {
   entry.candidate = c_.chosen().id;
   entry.height_m = c_.arm.view().height_m;
   if (!known) {
-    entry.because = known.error().detail;
-    const std::string why = "it cannot be told where the object is heavy: " + entry.because;
+    entry.reason = known.error().detail;
+    const std::string why = "the centre of gravity cannot be determined: " + entry.reason;
     grasps_.refuse_grip(why);
     c_.attempts.regrasp = static_cast<int>(c_.record.test_lifts.size()) < c_.config.test_lift.grips;
     return {Event::HangsAskew, why};
   }
   entry.known = *known;
-  entry.because = known->because;
+  entry.reason = known->reason;
   const bool last_chance = grasps_.accepts_bearable() && known->bearable;
-  if (known->next != TestLift::Next::Regrasp || last_chance) return {Event::HangsLevel, known->because};
+  if (known->next != TestLift::Next::Regrasp || last_chance) return {Event::HangsLevel, known->reason};
   if (known->bearable) grasps_.keep_bearable(known->share, known->seen.tilt_rad);
   c_.attempts.regrasp = true;
-  return {Event::HangsAskew, known->because};
+  return {Event::HangsAskew, known->reason};
 }
 
 }  // namespace colift::control

@@ -28,7 +28,7 @@ void ArmSupervisor::read(const std::string& slow_reason) {
   if (view.slow != slow_) {
     slow_ = view.slow;
     const std::string why = slow_reason.empty() ? c_.robot.arm->health().last_error : slow_reason;
-    c_.note_device("arm", slow_ ? "goes on slowly: " + why : "goes at its full speed again");
+    c_.note_device("arm", slow_ ? "continues at reduced speed: " + why : "goes at its full speed again");
   }
 }
 

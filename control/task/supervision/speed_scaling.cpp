@@ -30,7 +30,7 @@ void SpeedScaling::update(const std::string& hand_warning) {
   else if (!is_moving(c_.state))
     why = "";  // nothing moves that could be slower
   else if (c_.readings.camera_lost && !next(c_.state, Event::CameraLost))  // where a rule stops it, it stops
-    why = "the camera gives no picture: nobody can be seen to come near";
+    why = "no camera image: a person nearby cannot be observed";
   else if (c_.state == Task::TestLift && c_.test_lifts.said() == Raise::Slowly)
     why = "the object turns";
   else if (images_old_)

@@ -7,10 +7,10 @@
 #include <numbers>
 #include <string>
 
+#include "hal/drivers/barrett_can/hand_monitor.hpp"
 #include "hal/drivers/barrett_can/hand_motion.hpp"
 #include "hal/drivers/barrett_can/hand_startup.hpp"
-#include "hal/drivers/barrett_can/hand_watch.hpp"
-#include "hal/drivers/barrett_can/pucks/bus_watch.hpp"
+#include "hal/drivers/barrett_can/pucks/bus_monitor.hpp"
 #include "hal/types/latest_value.hpp"
 
 namespace colift::hal {
@@ -23,7 +23,7 @@ namespace {
 /// `where` of an error of state(): of one puck alone, or of the hand. Short enough not to be allocated.
 constexpr std::array<const char*, 4> kWhereAlone{"hand.f1.state", "hand.f2.state", "hand.f3.state",
                                                  "hand.spread"};
-const char* where_of(const HandTrouble& trouble) {
+const char* where_of(const HandFault& trouble) {
   return trouble.alone ? kWhereAlone[index(*trouble.alone)] : "hand.state";
 }
 
@@ -51,8 +51,8 @@ struct BarrettHand::Impl {
         clock(the_clock),
         link(bus, clock, from_seconds(1e-3 * config.reply_ms), from_seconds(1e-3 * config.tactile_reply_ms)),
         motion(config, link, facts),
-        bus_watch(bus, link, from_seconds(config.reopen_s)),
-        watch(config, link, bus_watch, facts, motion) {}
+        bus_monitor(bus, link, from_seconds(config.reopen_s)),
+        watch(config, link, bus_monitor, facts, motion) {}
 
   CanBus& bus;
   BarrettHandConfig config;
@@ -60,8 +60,8 @@ struct BarrettHand::Impl {
   PuckLink link;
   HandFacts facts;
   HandMotion motion;
-  BusWatch bus_watch;
-  HandWatch watch;
+  BusMonitor bus_monitor;
+  HandMonitor watch;
   Life life = Life::Absent;
   std::atomic<bool> stop_wished{false};
   Timestamp polled_at{0};
@@ -75,12 +75,12 @@ struct BarrettHand::Impl {
     return failure(code, where, std::move(detail));
   }
 
-  void poll(Duration patience) {
-    link.pump(patience);
+  void poll(Duration timeout) {
+    link.pump(timeout);
     const Timestamp now = clock.now();
     watch.step(now);
     if (stop_wished.exchange(false)) motion.stop();
-    if (bus_watch.state() == BusWatch::State::Up) motion.step(now);
+    if (bus_monitor.state() == BusMonitor::State::Up) motion.step(now);
     link.pump(Duration::zero());  // what was decided goes out in the same turn
     polled_at = now;
   }
@@ -172,7 +172,7 @@ struct BarrettHand::Impl {
   /// `although`: a silent or reset puck is no reason to refuse.
   Result<> may_act(const char* where, bool although = false) {
     if (life != Life::Active) return fail(ErrorCode::NotReady, where, "the hand is not active");
-    if (bus_watch.state() == BusWatch::State::Up && although) return {};
+    if (bus_monitor.state() == BusMonitor::State::Up && although) return {};
     if (const auto trouble = watch.trouble()) return fail(trouble->code, where, trouble->words.str());
     if (const auto missing = watch.missing(); !although && missing)
       return fail(ErrorCode::LinkLost, where, fmt::format("{} is silent", name(*missing)));
@@ -205,7 +205,7 @@ Result<> BarrettHand::configure() {
   if (outcome->closed) h.motion.assume_loaded();
   h.last_error = {};
   h.remark.set(outcome->remark);
-  h.bus_watch.start();
+  h.bus_monitor.start();
   h.watch.start();
   h.life = Impl::Life::Configured;
   // everything is told once before the hand counts as configured
@@ -258,14 +258,14 @@ Result<HandState> BarrettHand::state() {
   if (gap) {
     // answers from before the gap are old: a little patience for new ones
     for (int i = 0; i < 10 && h.watch.all_known() && h.watch.oldest_position() < start &&
-                    h.clock.now() - start < kCatchUp && h.bus_watch.state() == BusWatch::State::Up;
+                    h.clock.now() - start < kCatchUp && h.bus_monitor.state() == BusMonitor::State::Up;
          ++i)
       h.poll(std::chrono::microseconds(500));
   }
   h.publish();
   if (const auto trouble = h.watch.trouble())
     return h.fail(trouble->code, where_of(*trouble), trouble->words.str());
-  if (h.stale()) return h.fail(ErrorCode::Timeout, kWhere, "the pucks tell no fresh positions");
+  if (h.stale()) return h.fail(ErrorCode::Timeout, kWhere, "the pucks report no new positions");
   h.last_error = {};
   return h.state_now();
 }

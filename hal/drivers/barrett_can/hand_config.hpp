@@ -59,7 +59,7 @@ struct BarrettHandConfig {
       "Whether configure() may open the hand to its stops to find its zero.");
     v("tactile", tactile, Choices{"full", "top10", "off"},
       "Format of the tactile pads; top10 is quicker and coarser.");
-    v("max_torque_nm", max_torque_nm, kPositive, "Greatest closing torque at the fingertips (N m).");
+    v("max_torque_nm", max_torque_nm, kPositive, "Max closing torque at the fingertips (N m).");
     v("torque_units_per_nm", torque_units_per_nm, kPositive,
       "Units of a puck for 1 N m at the fingertip; to be measured on the hand.");
     v.renamed("least_torque_units", "min_torque_units");
@@ -82,14 +82,14 @@ struct BarrettHandConfig {
     v("temperature_ms", temperature_ms, kMs, "Period of the temperatures.");
     v("stale_s", stale_s, kPositive, "Positions older than this are no state (s).");
     v("boot_s", boot_s, kPositive, "Silence on the bus after waking pucks: none of them acknowledges (s).");
-    v("wake_s", wake_s, kPositive, "Patience for the first answer after that (s).");
+    v("wake_s", wake_s, kPositive, "Timeout for the first answer after that (s).");
     v("finger_initialise_s", finger_initialise_s, kPositive,
-      "Patience for the fingers to find their stops (s).");
+      "Timeout for the fingers to find their stops (s).");
     v("spread_initialise_s", spread_initialise_s, kPositive, "The same for the spread (s).");
-    v("move_s", move_s, kPositive, "Patience for any other move (s).");
+    v("move_s", move_s, kPositive, "Timeout for any other move (s).");
     v("still_s", still_s, kPositive, "A finger that does not move for this long does not move (s).");
     v("stopped_ms", stopped_ms, Range{20, 1000}, "A puck ends its move after this long without motion (ms).");
-    v("verify_s", verify_s, kPositive, "How long a grip is felt before it counts (s).");
+    v("verify_s", verify_s, kPositive, "Time for which a grip has to be measured before it counts (s).");
     v("reopen_s", reopen_s, Range{0.1, 60}, "A lost bus is opened again no more often than this (s).");
     v.renamed("felt_nm", "contact_nm");
     v("contact_nm", contact_nm, kPositive, "Strain above idle that counts as contact (N m).");

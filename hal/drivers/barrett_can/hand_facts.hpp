@@ -37,7 +37,7 @@ void say(ShortText& text, fmt::format_string<Args...> format, Args&&... args) {
 /// Torque about a finger's outer joint above that of the open hand (N m); NaN without gauges or usable
 /// answer.
 [[nodiscard]] inline double strain_above_idle(const PuckLink& link, const HandFacts& facts, Puck finger) {
-  const Told& sg = link.told(finger, Property::Sg);
+  const Reported& sg = link.reported(finger, Property::Sg);
   const bool twelve_bits = sg.value >= 0 && sg.value <= 4095;  // others do not come from a gauge
   if (!facts.has_strain || !sg.known || !twelve_bits) return std::numeric_limits<double>::quiet_NaN();
   return strain_nm(sg.value) - strain_nm(facts.strain_idle[index(finger)]);

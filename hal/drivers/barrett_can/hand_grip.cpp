@@ -13,9 +13,9 @@ constexpr double kRelaxed_nm = 0.5;                    // a finger that its puck
 
 }  // namespace
 
-bool HandMotion::felt(Puck finger, Timestamp now) const {
-  const Told& p = link_.told(finger, Property::P);
-  const Told& joint = link_.told(finger, Property::Jp);
+bool HandMotion::measured(Puck finger, Timestamp now) const {
+  const Reported& p = link_.reported(finger, Property::P);
+  const Reported& joint = link_.reported(finger, Property::Jp);
   // comparisons with NaN are false
   return strain_above_idle(link_, facts_, finger) > config_.contact_nm ||
          pad_force(link_, facts_, finger, now) > config_.contact_n ||
@@ -66,7 +66,7 @@ void HandMotion::after_closing(Timestamp now) {
   for (const Puck finger : kFingerPucks) {
     const End end = moves_[index(finger)].end;
     bool& contact = contact_[index(finger)];
-    contact = end == End::Stalled || (end == End::NoMotion && (contact || felt(finger, now)));
+    contact = end == End::Stalled || (end == End::NoMotion && (contact || measured(finger, now)));
     failed = failed || (end != End::Reached && !contact);
   }
   if (failed || !opposed()) {
@@ -101,7 +101,7 @@ void HandMotion::give_up_grip() {
 bool HandMotion::press_again() {
   bool again = false;
   for (const Puck finger : kFingerPucks) {
-    const Told& mode = link_.told(finger, Property::Mode);
+    const Reported& mode = link_.reported(finger, Property::Mode);
     const bool idle = mode.asked_at > link_.mode_set_at(finger) && mode.value != kModeTrapezoid;
     if (!pressing_ || !contact_[index(finger)] || !idle || position(finger) >= kClosedCounts - kNear)
       continue;
@@ -123,15 +123,15 @@ void HandMotion::verify(Timestamp now) {
     verify_timed_ = false;
     return;
   }
-  bool any_felt = !facts_.has_strain && !facts_.has_tactile;
+  bool any_measured = !facts_.has_strain && !facts_.has_tactile;
   for (const Puck finger : kFingerPucks) {
     bool& contact = contact_[index(finger)];
     // what gave way under the pressure was nothing
     if (position(finger) >= kClosedCounts - kNear) contact = false;
-    any_felt = any_felt || (contact && felt(finger, now));
+    any_measured = any_measured || (contact && measured(finger, now));
   }
-  if (!opposed() || !any_felt) {
-    if (opposed()) say(why_, "the fingers stopped, but neither strain nor pads feel anything");
+  if (!opposed() || !any_measured) {
+    if (opposed()) say(why_, "the fingers stopped, but neither strain gauges nor pads measure a force");
     give_up_grip();
     return;
   }
@@ -144,7 +144,7 @@ void HandMotion::watch_grip(Timestamp now) {
   Timestamp at = now;
   for (const Puck finger : kFingerPucks) {
     const std::size_t f = index(finger);
-    const Told& p = link_.told(finger, Property::P);
+    const Reported& p = link_.reported(finger, Property::P);
     inner[f] = p.value / kFingerCounts_rad;
     strain[f] = strain_above_idle(link_, facts_, finger);
     pads[f] = pad_force(link_, facts_, finger, now);

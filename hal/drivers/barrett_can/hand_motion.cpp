@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::int32_t kOpen = 4000;  // 3 degrees: nothing is in the spread's way
 constexpr std::int32_t kHardlyMoved = 1000;
-constexpr std::int32_t kLongWay = 3000;
+constexpr std::int32_t kLongPath = 3000;
 constexpr std::int32_t kNoise = 50;
 constexpr std::int32_t kSpreadNear = 60;
 
@@ -161,15 +161,15 @@ std::optional<HandMotion::End> HandMotion::how_it_ended(Puck puck, const Move& m
     const std::int32_t p = position(puck);
     if (std::abs(p - move.target) <= kNear) return End::Reached;
     const bool stood =
-        std::abs(p - move.start) < kHardlyMoved && std::abs(move.target - move.start) > kLongWay;
+        std::abs(p - move.start) < kHardlyMoved && std::abs(move.target - move.start) > kLongPath;
     return stood ? End::NoMotion : End::Stalled;
   };
   if (link_.silent(puck)) return End::Silent;
-  const Told& mode = link_.told(puck, Property::Mode);
+  const Reported& mode = link_.reported(puck, Property::Mode);
   const Timestamp set_at = link_.mode_set_at(puck);
   if (mode.known && mode.asked_at > set_at && now > set_at + kModeSettles &&
       (mode.value == kModeIdle || mode.value == kModePid) &&
-      link_.told(puck, Property::P).asked_at >= mode.asked_at)
+      link_.reported(puck, Property::P).asked_at >= mode.asked_at)
     return by_position();
   const Duration still = std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * config_.still_s));
   if (now - move.moved_at > still) return by_position();
@@ -179,7 +179,7 @@ std::optional<HandMotion::End> HandMotion::how_it_ended(Puck puck, const Move& m
 
 // Idle before TSTOP can have ended the move: the setting of MODE, which nobody acknowledges, did not arrive.
 bool HandMotion::said_too_early(Puck puck) const {
-  const Told& mode = link_.told(puck, Property::Mode);
+  const Reported& mode = link_.reported(puck, Property::Mode);
   return mode.value != kModeTrapezoid &&
          seconds(mode.at - link_.mode_set_at(puck)) < 0.8e-3 * config_.stopped_ms;
 }
@@ -212,9 +212,9 @@ void HandMotion::step_move(Puck puck, Timestamp now) {
   }
   move.active = false;
   move.end = *end;
-  const Told& mode = link_.told(puck, Property::Mode);
+  const Reported& mode = link_.reported(puck, Property::Mode);
   if (*end == End::Silent) {
-    say(why_, "{} fell silent on its way", name(puck));
+    say(why_, "{} stopped answering during the motion", name(puck));
     return;
   }
   if (mode.value == kModeTrapezoid) let_rest(puck);  // it pushes in vain, and nothing ends it

@@ -60,8 +60,8 @@ class HandMotion {
     End end = End::None;
   };
 
-  [[nodiscard]] std::int32_t position(Puck puck) const { return link_.told(puck, Property::P).value; }
-  [[nodiscard]] bool felt(Puck finger, Timestamp now) const;
+  [[nodiscard]] std::int32_t position(Puck puck) const { return link_.reported(puck, Property::P).value; }
+  [[nodiscard]] bool measured(Puck finger, Timestamp now) const;
   [[nodiscard]] bool any_active() const;
   void begin(Puck puck, std::int32_t target, double torque_units, int strain_limit);
   void step_move(Puck puck, Timestamp now);

@@ -51,14 +51,14 @@ bool HandStartup::wait(double limit_s, const std::function<bool()>& until) {
 
 std::optional<std::int32_t> HandStartup::read(Puck puck, Property property, double limit_s) {
   const Timestamp start = clock_.now();
-  const bool told = wait(limit_s, [&] {
-    const Told& t = link_.told(puck, property);
+  const bool reported = wait(limit_s, [&] {
+    const Reported& t = link_.reported(puck, property);
     if (t.known && t.asked_at >= start) return true;
     if (!link_.pending(puck, property)) link_.ask(puck, property);
     return false;
   });
-  if (!told) return std::nullopt;
-  return link_.told(puck, property).value;
+  if (!reported) return std::nullopt;
+  return link_.reported(puck, property).value;
 }
 
 Result<> HandStartup::settings_taken(double limit_s) {
@@ -103,7 +103,8 @@ Result<> HandStartup::find_pucks() {
   std::vector<std::string_view> here, silent;
   for (const Puck puck : kAllPucks) {
     // once more, alone
-    const bool answers = link_.told(puck, Property::Stat).known || read(puck, Property::Stat, kOneAnswer_s);
+    const bool answers =
+        link_.reported(puck, Property::Stat).known || read(puck, Property::Stat, kOneAnswer_s);
     (answers ? here : silent).push_back(name(puck));
   }
   if (here.empty()) return nobody();
@@ -121,7 +122,7 @@ Result<> HandStartup::wake() {
   for (int tries = 0; tries < kTries; ++tries) {
     bool woken = false;
     for (const Puck puck : kAllPucks) {
-      if (link_.told(puck, Property::Stat).value != kStatReset) continue;
+      if (link_.reported(puck, Property::Stat).value != kStatReset) continue;
       facts_.zero_lost[index(puck)] = true;
       link_.set(puck, Property::Stat, kStatReady, false);
       rest(0.01);
@@ -145,7 +146,7 @@ Result<> HandStartup::wake() {
     if (!asleep) return {};
   }
   for (const Puck puck : kAllPucks)
-    if (const auto stat = link_.told(puck, Property::Stat).value; stat != kStatReady)
+    if (const auto stat = link_.reported(puck, Property::Stat).value; stat != kStatReady)
       return fault(
           fmt::format("{} does not wake up: its status is {}, expected {}", name(puck), stat, kStatReady));
   return {};
@@ -241,7 +242,7 @@ void HandStartup::start_finding(const Puck* first, std::size_t count) {
     });
     bool all = true;
     for (std::size_t i = 0; i < count; ++i) {
-      const Told& mode = link_.told(first[i], Property::Mode);
+      const Reported& mode = link_.reported(first[i], Property::Mode);
       started[i] = !mode.known || (mode.value != kModeIdle && mode.value != kModePid);
       all = all && started[i];
     }
@@ -249,34 +250,35 @@ void HandStartup::start_finding(const Puck* first, std::size_t count) {
   }
 }
 
-Result<> HandStartup::find_stops(const Puck* first, std::size_t count, double patience_s) {
+Result<> HandStartup::find_stops(const Puck* first, std::size_t count, double timeout_s) {
   start_finding(first, count);
   rest(kHiSilence_s);
   for (std::size_t i = 0; i < count; ++i) link_.forget(first[i]);
   for (std::size_t i = 0; i < count; ++i) {
     const Puck puck = first[i];
     std::optional<std::int32_t> mode;
-    const bool stopped = wait(patience_s, [&] {
-      const Told& told = link_.told(puck, Property::Mode);
-      if (told.known && (told.value == kModeIdle || (puck == Puck::Spread && told.value == kModePid))) {
-        mode = told.value;
+    const bool stopped = wait(timeout_s, [&] {
+      const Reported& reported = link_.reported(puck, Property::Mode);
+      if (reported.known &&
+          (reported.value == kModeIdle || (puck == Puck::Spread && reported.value == kModePid))) {
+        mode = reported.value;
         return true;
       }
       if (!link_.pending(puck, Property::Mode)) link_.ask(puck, Property::Mode);
       return false;
     });
     if (!stopped)
-      return fault(fmt::format("{} did not find its stop within {:.0f} s: is something in its way?",
-                               name(puck), patience_s));
+      return fault(fmt::format("{} did not find its stop within {:.0f} s: is something blocking it?",
+                               name(puck), timeout_s));
     const auto at = read(puck, Property::P, kOneAnswer_s);
     if (!at)
       return failure(ErrorCode::LinkLost, kWhere,
-                     fmt::format("{} tells no position after initialising", name(puck)));
-    const Told& joint = link_.told(puck, Property::Jp);
+                     fmt::format("{} reports no position after initialising", name(puck)));
+    const Reported& joint = link_.reported(puck, Property::Jp);
     if (std::abs(*at) > kZeroTolerance || (joint.known && std::abs(joint.value) > kZeroTolerance))
       return fault(
           fmt::format("{} is at {} counts (joint {}) after initialising, expected 0 within {}: did it meet "
-                      "something on its way?",
+                      "something blocking it?",
                       name(puck), *at, joint.known ? joint.value : 0, kZeroTolerance));
     facts_.zero_lost[index(puck)] = false;
   }

@@ -34,7 +34,7 @@ class HandStartup {
   [[nodiscard]] Result<> write_working_values(bool loaded);
   [[nodiscard]] Result<> initialise();
   void start_finding(const Puck* first, std::size_t count);
-  [[nodiscard]] Result<> find_stops(const Puck* first, std::size_t count, double patience_s);
+  [[nodiscard]] Result<> find_stops(const Puck* first, std::size_t count, double timeout_s);
   [[nodiscard]] Result<> settle(bool loaded);
   void tare();
   [[nodiscard]] tl::unexpected<Error> nobody() const;

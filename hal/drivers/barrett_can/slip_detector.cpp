@@ -39,16 +39,16 @@ void SlipDetector::add(Timestamp at, const std::array<double, kFingers>& inner_r
     start_rad_ = inner_rad;
     strain_ = pad_ = {};
     closing_ = 0;
-    (void)drops(strain_, strain_nm, holding, limits_.least_nm, 0.0);
-    (void)drops(pad_, pad_n, holding, limits_.least_n, 0.0);
+    (void)drops(strain_, strain_nm, holding, limits_.min_nm, 0.0);
+    (void)drops(pad_, pad_n, holding, limits_.min_n, 0.0);
     return;
   }
   if (at <= last_) return;  // nothing new
   const double dt_s = seconds(at - last_);
   last_ = at;
   // both are asked, so that both keep their references
-  const bool strain = drops(strain_, strain_nm, holding, limits_.least_nm, dt_s);
-  const bool pad = drops(pad_, pad_n, holding, limits_.least_n, dt_s);
+  const bool strain = drops(strain_, strain_nm, holding, limits_.min_nm, dt_s);
+  const bool pad = drops(pad_, pad_n, holding, limits_.min_n, dt_s);
   double closed_rad = 0.0;
   int fingers = 0;
   for (std::size_t f = 0; f < kFingers; ++f) {

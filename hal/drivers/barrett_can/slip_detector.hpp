@@ -11,8 +11,8 @@ namespace colift::hal::barrett {
 struct SlipLimits {
   double closed_rad = 0.03;  ///< Fingers that close this much further, in the mean, have lost what they held.
   double share = 0.5;        ///< Force or strain that falls to this share of what it was lately.
-  double least_nm = 0.08;    ///< Below these sums there was nothing to lose.
-  double least_n = 0.3;
+  double min_nm = 0.08;      ///< Below these sums there was nothing to lose.
+  double min_n = 0.3;
 };
 
 /// Tells from what the fingers measure that the object leaves the grip. Judged are all holding fingers

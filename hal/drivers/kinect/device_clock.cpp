@@ -34,10 +34,10 @@ DeviceClock::Times DeviceClock::note(std::uint32_t ticks, Timestamp arrived) {
   t.device = of_ticks(ticks_);
   const Duration offset = arrived - t.device;
   if (!now_) {
-    now_ = Least{offset, arrived};
+    now_ = Min{offset, arrived};
   } else if (arrived - now_->since > kWindow) {
     before_ = now_;
-    now_ = Least{offset, arrived};
+    now_ = Min{offset, arrived};
   }
   now_->offset = std::min(now_->offset, offset);
   const Duration least = before_ ? std::min(now_->offset, before_->offset) : now_->offset;

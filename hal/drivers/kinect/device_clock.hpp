@@ -26,14 +26,14 @@ class DeviceClock {
   void forget() { *this = DeviceClock(); }
 
  private:
-  struct Least {
+  struct Min {
     Duration offset{0};
     Timestamp since{0};
   };
   std::optional<std::uint32_t> last_ticks_;
   std::int64_t ticks_ = 0;  ///< Unwrapped, from the first.
   Timestamp arrived_{0};
-  std::optional<Least> now_, before_;  ///< Smallest offsets of this and of the last window.
+  std::optional<Min> now_, before_;  ///< Smallest offsets of this and of the last window.
 };
 
 }  // namespace colift::hal::kinect

@@ -59,12 +59,12 @@ void KinectCamera::deactivate() noexcept {
   impl_->active = false;
 }
 
-Result<DepthFrame> KinectCamera::next_frame(std::chrono::milliseconds patience) {
+Result<DepthFrame> KinectCamera::next_frame(std::chrono::milliseconds timeout) {
   constexpr auto kWhere = "kinect.next_frame";
   Impl& k = *impl_;
   if (!k.active)
     return failure(ErrorCode::NotReady, kWhere, "the camera does not stream, call activate() first");
-  const Timestamp deadline = k.clock.now() + std::max(patience, 0ms);
+  const Timestamp deadline = k.clock.now() + std::max(timeout, 0ms);
   for (;;) {
     // before the process is judged: its last frames count, even when it is gone
     if (auto frame = k.take(on_raw)) return std::move(*frame);
@@ -73,7 +73,7 @@ Result<DepthFrame> KinectCamera::next_frame(std::chrono::milliseconds patience) 
     if (k.lost()) return failure(ErrorCode::LinkLost, kWhere, k.words_of_loss());
     const Timestamp now = k.clock.now();
     if (now >= deadline)
-      return failure(ErrorCode::Timeout, kWhere, fmt::format("no frame within {} ms", patience.count()));
+      return failure(ErrorCode::Timeout, kWhere, fmt::format("no frame within {} ms", timeout.count()));
     k.wait(deadline - now);
   }
 }
@@ -95,12 +95,12 @@ Result<> KinectCamera::want_infrared(bool wanted) {
   return {};
 }
 
-Result<InfraredFrame> KinectCamera::next_infrared(std::chrono::milliseconds patience) {
+Result<InfraredFrame> KinectCamera::next_infrared(std::chrono::milliseconds timeout) {
   constexpr auto kWhere = "kinect.next_infrared";
   Impl& k = *impl_;
   if (!k.active || !k.infrared)
     return failure(ErrorCode::NotReady, kWhere, "no infrared was asked for, or the camera does not stream");
-  const Timestamp deadline = k.clock.now() + std::max(patience, 0ms);
+  const Timestamp deadline = k.clock.now() + std::max(timeout, 0ms);
   for (;;) {
     k.look_after();
     if (auto frame = k.take_infrared()) return std::move(*frame);
@@ -109,7 +109,7 @@ Result<InfraredFrame> KinectCamera::next_infrared(std::chrono::milliseconds pati
     if (now >= deadline)
       return failure(
           ErrorCode::Timeout, kWhere,
-          k.news.refused.empty() ? fmt::format("no image within {} ms", patience.count()) : k.news.refused);
+          k.news.refused.empty() ? fmt::format("no image within {} ms", timeout.count()) : k.news.refused);
     k.wait(deadline - now);
   }
 }

@@ -29,10 +29,10 @@ class KinectCamera final : public DepthCamera, public InfraredCamera {
   [[nodiscard]] Result<> activate() override;
   void deactivate() noexcept override;
   [[nodiscard]] DeviceHealth health() const override;
-  [[nodiscard]] Result<DepthFrame> next_frame(std::chrono::milliseconds patience) override;
+  [[nodiscard]] Result<DepthFrame> next_frame(std::chrono::milliseconds timeout) override;
 
   [[nodiscard]] Result<> want_infrared(bool wanted) override;
-  [[nodiscard]] Result<InfraredFrame> next_infrared(std::chrono::milliseconds patience) override;
+  [[nodiscard]] Result<InfraredFrame> next_infrared(std::chrono::milliseconds timeout) override;
 
   /// Moves the camera's foot; whatever was calibrated is wrong afterwards. Errors: LimitExceeded (beyond 31
   /// degrees), NotReady (not open, or without motor).

@@ -44,7 +44,7 @@ struct KinectConfig {
     v("drop_suspect", drop_suspect, "Whether a frame with lost USB packets is dropped.");
     v("infrared_brightness", infrared_brightness, Range{0, 50},
       "Of infrared images, 1 to 50, as low as still shows the emitter; 0: as the device has it.");
-    v("open_s", open_s, kDeadline, "Patience from the start of the process to its first frame (s).");
+    v("open_s", open_s, kDeadline, "Timeout from the start of the process to its first frame (s).");
     v("silent_s", silent_s, kDeadline, "Without a frame for this long the camera is lost (s).");
     v("heartbeat_s", heartbeat_s, kDeadline, "A process without sign of life for this long is ended (s).");
     v("frames_s", frames_s, kDeadline, "A process that lives but has no frames for this long is ended (s).");

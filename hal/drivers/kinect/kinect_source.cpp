@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 constexpr auto kProgram = "colift-kinect";
 constexpr auto kEmulated = "libcolift-freenect.so";
 
-tl::unexpected<Error> bad(std::string because) {
-  return failure(ErrorCode::BadConfig, "kinect.source", std::move(because));
+tl::unexpected<Error> bad(std::string reason) {
+  return failure(ErrorCode::BadConfig, "kinect.source", std::move(reason));
 }
 
 std::optional<std::string> first_of(const std::vector<fs::path>& places) {

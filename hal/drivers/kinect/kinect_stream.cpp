@@ -60,7 +60,7 @@ void KinectStream::ask_for_infrared() const {
 }
 
 std::string KinectStream::words_of_end() const {
-  if (news.end) return news.because;
+  if (news.end) return news.reason;
   if (!process) return report.trouble.empty() ? "the capture process is not there" : report.trouble;
   const std::string& how = process->ended();
   const std::string last =
@@ -77,10 +77,10 @@ void KinectStream::look_after() {
   }
   if (is_recording() && watch.running() && !exists && news.end == CaptureEnd::DeviceLost) {
     watch.rest();  // a recording does not come back by itself
-    lose("the recording is over");
+    note_device("the recording is over");
     return;
   }
-  CaptureWatch::Sight sight;
+  CaptureMonitor::Sight sight;
   sight.exists = exists;
   if (ring) sight.heartbeat = ring->heartbeat(), sight.frames = ring->newest(Stream::Depth);
   if (!exists) {
@@ -89,22 +89,22 @@ void KinectStream::look_after() {
   }
   const bool ran = watch.running();
   switch (watch.look(sight, clock.now())) {
-    case CaptureWatch::Do::Nothing:
+    case CaptureMonitor::Do::Nothing:
       break;
-    case CaptureWatch::Do::Start:
+    case CaptureMonitor::Do::Start:
       start();
       break;
-    case CaptureWatch::Do::Kill:
+    case CaptureMonitor::Do::Kill:
       if (process) process->kill();
       break;
-    case CaptureWatch::Do::Abandon:
+    case CaptureMonitor::Do::Abandon:
       if (process) process->abandon();
       break;
   }
-  if (ran && !watch.running()) lose(watch.why());
+  if (ran && !watch.running()) note_device(watch.why());
 }
 
-void KinectStream::lose(const std::string& why) {
+void KinectStream::note_device(const std::string& why) {
   report.trouble = why;
   last_error = why;
 }
@@ -119,11 +119,11 @@ std::string KinectStream::words_of_loss() const {
                      report.trouble.empty() ? "" : fmt::format(" (before: {})", report.trouble));
 }
 
-void KinectStream::wait(Duration patience) const {
+void KinectStream::wait(Duration timeout) const {
   if (process)
-    process->wait(std::min<Duration>(patience, kLongestWait));
+    process->wait(std::min<Duration>(timeout, kLongestWait));
   else
-    sleep_for(std::min<Duration>(patience, kLongestWait));
+    sleep_for(std::min<Duration>(timeout, kLongestWait));
 }
 
 Timestamp KinectStream::arrival(const FrameStamp& s) const {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "hal/drivers/kinect/capture_link/capture_monitor.hpp"
 #include "hal/drivers/kinect/capture_link/capture_process.hpp"
-#include "hal/drivers/kinect/capture_link/capture_watch.hpp"
 #include "hal/drivers/kinect/capture_link/frame_ring.hpp"
 #include "hal/drivers/kinect/depth_table.hpp"
 #include "hal/drivers/kinect/device_clock.hpp"
@@ -25,7 +25,7 @@ struct KinectStream {
   KinectConfig config;
   const Clock& clock;
   std::optional<KinectSource> source;  ///< Set before first_frame().
-  CaptureWatch watch;
+  CaptureMonitor watch;
   std::optional<FrameRing> ring;
   std::optional<CaptureProcess> process;
   CaptureNews news;
@@ -41,7 +41,7 @@ struct KinectStream {
   /// Everything that is due: the process's words, its deadlines.
   void look_after();
   /// Until the process says or shows something, at most 20 ms.
-  void wait(Duration patience) const;
+  void wait(Duration timeout) const;
   void ask_for_infrared() const;
 
   /// A new depth image of the ring, if there is one that is good; `on_raw` gets it as it came.
@@ -54,7 +54,7 @@ struct KinectStream {
 
  private:
   void start();
-  void lose(const std::string& why);
+  void note_device(const std::string& why);
   void reject(std::string why);
   [[nodiscard]] std::string words_of_end() const;
   [[nodiscard]] bool is_recording() const { return source && source->kind == KinectSource::Kind::Fakenect; }

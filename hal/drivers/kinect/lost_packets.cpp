@@ -9,7 +9,7 @@ namespace colift::hal::kinect {
 namespace {
 
 constexpr std::size_t kPacketBits = 1748UL * 8, kPixelBits = 11;
-constexpr std::ptrdiff_t kLeastSeen = 200;  // of 1271 pixels
+constexpr std::ptrdiff_t kMinSeen = 200;  // of 1271 pixels
 constexpr int kTooMany = 6;
 
 }  // namespace
@@ -40,7 +40,7 @@ int stale_runs(std::span<const std::uint16_t> frame, std::span<const std::uint16
     const auto piece = frame.subspan(from, to - from);
     const auto seen =
         static_cast<std::ptrdiff_t>(piece.size()) - std::count(piece.begin(), piece.end(), kNoDepth);
-    if (seen < kLeastSeen) continue;
+    if (seen < kMinSeen) continue;
     ++counted;
     same += std::equal(piece.begin(), piece.end(), before.begin() + static_cast<std::ptrdiff_t>(from));
   }

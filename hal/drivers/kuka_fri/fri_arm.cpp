@@ -16,9 +16,9 @@ constexpr int kQuietCycles = 5;
 constexpr double kScriptAfterStop_s = 1.0;
 
 /// Bounds a loop of exchanges by time, and by waits in which no time passes.
-class Patience {
+class WaitTime {
  public:
-  Patience(const Clock& clock, double most_s)
+  WaitTime(const Clock& clock, double most_s)
       : clock_(clock), until_(clock.now() + Duration(static_cast<Duration::rep>(1e9 * most_s))) {}
   bool left() {
     const Timestamp now = clock_.now();
@@ -78,16 +78,16 @@ struct FriArm::Impl {
   void leave() {
     driver.session.leave();
     const bool nobody_listens = config.script == "none";
-    Patience patience(driver.clock, config.stop_s);
-    while (patience.left() && !silent()) {
+    WaitTime timeout(driver.clock, config.stop_s);
+    while (timeout.left() && !silent()) {
       (void)driver.exchange();
       if (!krc_commands() || nobody_listens) break;
     }
-    Patience script(driver.clock, kScriptAfterStop_s);
+    WaitTime script(driver.clock, kScriptAfterStop_s);
     while (script.left() && !silent() && driver.hand_shake->sign() == ScriptSign::Working)
       (void)driver.exchange();
-    driver.session.forget_wishes();
-    Patience after(driver.clock, config.stop_s);
+    driver.session.forget_requests();
+    WaitTime after(driver.clock, config.stop_s);
     for (int i = 0; i < kCyclesAfterMonitor && after.left() && !silent(); ++i) (void)driver.exchange();
   }
 
@@ -99,12 +99,12 @@ struct FriArm::Impl {
     (void)driver.session.give_up();
     if (asked && !silent()) {
       driver.session.leave();
-      Patience patience(driver.clock, kTakeBack_s);
-      while (patience.left() && !silent()) {
+      WaitTime timeout(driver.clock, kTakeBack_s);
+      while (timeout.left() && !silent()) {
         (void)driver.exchange();
         if (!krc_commands() && driver.hand_shake->sign() != ScriptSign::Working) break;
       }
-      driver.session.forget_wishes();
+      driver.session.forget_requests();
       (void)driver.exchange();
     }
     driver.session.refused(reason);
@@ -156,8 +156,8 @@ Result<> FriArm::configure() {
   d.reset();
   a.states = 0;
   if (auto opened = d.wire.open(); !opened) return opened;
-  Patience patience(d.clock, a.config.first_s);
-  while (patience.left() && !d.seen)
+  WaitTime timeout(d.clock, a.config.first_s);
+  while (timeout.left() && !d.seen)
     if (d.exchange() == FriDriver::Took::Broken) break;
   d.publish();
   if (!d.seen) {
@@ -180,8 +180,8 @@ Result<> FriArm::activate() {
   a.stopped = false;
   d.answer();
   d.session.activate();
-  Patience patience(d.clock, a.config.ready_s);
-  while (patience.left()) {
+  WaitTime timeout(d.clock, a.config.ready_s);
+  while (timeout.left()) {
     (void)d.exchange();
     if (d.session.may_command()) return {};
     if (a.stopped) d.session.stop();
@@ -196,7 +196,7 @@ void FriArm::deactivate() noexcept {
   a.stopped = true;
   if (a.silent() || (!a.krc_commands() && a.driver.session.ask() == Ask::Nothing)) {
     a.driver.session.leave();
-    a.driver.session.forget_wishes();
+    a.driver.session.forget_requests();
   } else {
     a.leave();
   }
@@ -210,15 +210,15 @@ void FriArm::shut_down() noexcept {
   FriDriver& d = a.driver;
   if (a.config.end_script && !a.silent()) {
     d.session.close();
-    Patience patience(d.clock, kScriptAfterStop_s + kTakeBack_s);
-    while (patience.left() && !a.silent()) (void)d.exchange();
+    WaitTime timeout(d.clock, kScriptAfterStop_s + kTakeBack_s);
+    while (timeout.left() && !a.silent()) (void)d.exchange();
   }
   // nothing stands there for the next program or the next client; only colift's own numbers a request, so
   // that an old one does no harm, and would take zeros for one
   if (a.config.script != "colift") {
     d.quiet = true;
-    Patience patience(d.clock, kTakeBack_s);
-    for (int i = 0; i < kQuietCycles && patience.left() && !a.silent(); ++i) (void)d.exchange();
+    WaitTime timeout(d.clock, kTakeBack_s);
+    for (int i = 0; i < kQuietCycles && timeout.left() && !a.silent(); ++i) (void)d.exchange();
   }
   a.configured = false;
   d.wire.close();

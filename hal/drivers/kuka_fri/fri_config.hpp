@@ -48,7 +48,7 @@ struct FriConfig {
       "IPv4 address of the KRC, with or without :port; empty: whoever sends the first good datagram.");
     v("cpu", cpu, Range{-1, 1023},
       "CPU on which the KRC's datagrams are answered, best one kept free of other work; -1: any.");
-    v("cycle_ms", cycle_ms, Range{1, 100}, "Period that is expected until the KRC tells its own (ms).");
+    v("cycle_ms", cycle_ms, Range{1, 100}, "Period that is expected until the KRC reports its own (ms).");
     v("script", script, Choices{"colift", "stanford", "tum", "vendor", "none"},
       "KRL program that runs on the KRC; none: a person starts command mode at the panel.");
     v("control", control, Choices{"joint_impedance", "position", "cartesian_impedance"},
@@ -68,10 +68,10 @@ struct FriConfig {
     v("silent_s", silent_s, Range{0.01, 10}, "Without a datagram for so long the link counts as lost (s).");
     v.renamed("velocity_part", "velocity_fraction");
     v("velocity_fraction", velocity_fraction, kFraction,
-      "Part of the joints' velocity limits that a step may use.");
+      "Velocity scale: fraction of the joints' velocity limits that a step may use.");
     v("acceleration_rad_s2", acceleration_rad_s2, kPositive,
       "Acceleration of the driver's own stops and approaches (rad/s^2).");
-    v("max_superposed_nm", max_superposed_nm, kNotNegative, "Greatest superposed torque (N m).");
+    v("max_superposed_nm", max_superposed_nm, kNotNegative, "Max superposed torque (N m).");
     v("superposed_slope_nm_s", superposed_slope_nm_s, kPositive,
       "Fastest change of superposed torque (N m/s).");
     v("start_stiffness_nm_rad", start_stiffness_nm_rad, Range{0, 2000},
@@ -83,9 +83,9 @@ struct FriConfig {
       "Rotational stiffness until the first command (N m/rad).");
     v("start_external_nm", start_external_nm, kPositive,
       "With a greater external torque at a joint command mode is not asked for (N m).");
-    v("cart_velocity_m_s", cart_velocity_m_s, kPositive, "Greatest speed of a Cartesian command (m/s).");
+    v("cart_velocity_m_s", cart_velocity_m_s, kPositive, "Max speed of a Cartesian command (m/s).");
     v("cart_velocity_rad_s", cart_velocity_rad_s, kPositive,
-      "Greatest rotational speed of a Cartesian command (rad/s).");
+      "Max rotational speed of a Cartesian command (rad/s).");
     v("null_space_posture", null_space_posture, "Cartesian commands also carry a posture (flags 0x3501).");
     v("warm_c", warm_c, kPositive, "Drive temperature from which the arm goes slow (deg C).");
     v("hot_c", hot_c, kPositive, "Drive temperature from which command mode is left (deg C).");

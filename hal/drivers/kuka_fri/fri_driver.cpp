@@ -9,8 +9,8 @@ namespace colift::hal {
 namespace {
 
 constexpr double kRounding = 1e-6;
-constexpr double kLeastSlack_s = 0.001;  // an ordinary kernel's jitter is not a lost datagram
-constexpr double kShortest_s = 0.0005;   // a sample time below that is none
+constexpr double kMinSlack_s = 0.001;   // an ordinary kernel's jitter is not a lost datagram
+constexpr double kShortest_s = 0.0005;  // a sample time below that is none
 constexpr double kWrenchSlope_n_s = 500.0, kWrenchSlope_nm_s = 100.0;
 constexpr int kGapCycles = 5;
 
@@ -92,7 +92,7 @@ bool FriDriver::mirrors_joints() const {
 
 FriDriver::Took FriDriver::take() {
   const Duration period(static_cast<Duration::rep>(1e9 * period_s_));
-  const Duration slack(static_cast<Duration::rep>(1e9 * std::max(0.5 * period_s_, kLeastSlack_s)));
+  const Duration slack(static_cast<Duration::rep>(1e9 * std::max(0.5 * period_s_, kMinSlack_s)));
   const Timestamp now = clock.now();
   if (!seen && arrived_at_ == Timestamp{0}) arrived_at_ = now;  // silence counts from here
   FriExchange::Packet packet;

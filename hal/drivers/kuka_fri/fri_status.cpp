@@ -108,8 +108,8 @@ std::string no_command_mode(const FriStatus& s, const FriConfig& c) {
     text += fmt::format(
         "; A{} is measured {:.3f} rad away from where the KRC commands it: check the load data of the tool",
         s.mismatch_joint + 1, s.pose_mismatch_rad);
-  return text + fmt::format(". Quality {}, {}, power 0x{:02X}; the KRC's message window tells more",
-                            name(s.quality), link(s), s.power);
+  return text + fmt::format(". Quality {}, {}, power 0x{:02X}; see the KRC's message window", name(s.quality),
+                            link(s), s.power);
 }
 
 }  // namespace
@@ -149,7 +149,7 @@ std::string why_not(const FriStatus& s, const FriConfig& c) {
                          name(s.quality), link(s));
     case FriReason::ExternalTorque:
       return fmt::format(
-          "A{} feels {:.1f} N m from outside (limit to start {:.1f}): the arm touches something, or "
+          "external torque on A{}: {:.1f} N m (limit to start {:.1f}): the arm touches something, or "
           "the tool's load data are wrong",
           s.joint + 1, s.number, c.start_external_nm);
     case FriReason::ScriptSilent:
@@ -158,7 +158,7 @@ std::string why_not(const FriStatus& s, const FriConfig& c) {
           "another one?",
           c.script_s, c.script);
     case FriReason::ScriptHalted:
-      return "the KRL program stands still: it was halted at the panel, or waits for an acknowledgement "
+      return "the KRL program is stopped: it was halted at the panel, or waits for an acknowledgement "
              "there";
     case FriReason::ScriptRefused:
       return fmt::format("the KRL program refuses: {}", c.script == "colift"

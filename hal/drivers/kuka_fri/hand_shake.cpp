@@ -20,7 +20,7 @@ class CoLiftScript final : public HandShake {
  public:
   explicit CoLiftScript(std::int32_t strategy) : strategy_(strategy) {}
 
-  void step(Ask ask, const FriMeasurement& m, double since_s, double patience_s,
+  void step(Ask ask, const FriMeasurement& m, double since_s, double timeout_s,
             KrlChannels& out) noexcept override {
     using namespace colift_krl;
     const auto& in = m.krl.integer;
@@ -42,7 +42,7 @@ class CoLiftScript final : public HandShake {
     if (ask == Ask::Nothing || number_ == 0) {
       out.integer[kToNumber] = in[kFromNumber];
       if (ask != Ask::Nothing) {
-        if (since_asked_s_ > patience_s) sign_ = ScriptSign::Silent;
+        if (since_asked_s_ > timeout_s) sign_ = ScriptSign::Silent;
         return;
       }
       sign_ = in[kFromVersion] != kVersion  ? ScriptSign::Silent
@@ -55,17 +55,17 @@ class CoLiftScript final : public HandShake {
     out.integer[kToRequest] = ask == Ask::Start ? kStart : ask == Ask::Stop ? kStop : kClose;
     out.integer[kToStrategy] = ask == Ask::Start ? strategy_ : 0;
     out.integer[kToNumber] = number_;
-    judge(in, since_s, patience_s);
+    judge(in, since_s, timeout_s);
   }
 
  private:
-  void judge(const std::array<std::int32_t, 16>& in, double since_s, double patience_s) {
+  void judge(const std::array<std::int32_t, 16>& in, double since_s, double timeout_s) {
     using namespace colift_krl;
     const bool there = in[kFromVersion] == kVersion;
     const bool taken = there && in[kFromNumber] == number_;
     code_ = in[kFromResult];
     if (!taken) {
-      if (since_asked_s_ > patience_s)
+      if (since_asked_s_ > timeout_s)
         sign_ = there && echo_still_s_ > kHalted_s ? ScriptSign::Halted : ScriptSign::Silent;
       return;
     }
@@ -102,7 +102,7 @@ class StanfordScript final : public HandShake {
  public:
   explicit StanfordScript(std::int32_t strategy) : strategy_(strategy) {}
 
-  void step(Ask ask, const FriMeasurement& m, double since_s, double patience_s,
+  void step(Ask ask, const FriMeasurement& m, double since_s, double timeout_s,
             KrlChannels& out) noexcept override {
     constexpr std::int32_t kStart = 10, kStop = 20, kSaysStopped = 10, kSaysStarted = 20, kEnded = 30;
     const std::int32_t says = m.krl.integer[15];
@@ -134,9 +134,9 @@ class StanfordScript final : public HandShake {
       done = says == kEnded;
     }
     code_ = says;
-    sign_ = done                          ? (ask == Ask::Close ? ScriptSign::Ended : ScriptSign::Done)
-            : since_asked_s_ > patience_s ? ScriptSign::Silent
-                                          : ScriptSign::Working;
+    sign_ = done                         ? (ask == Ask::Close ? ScriptSign::Ended : ScriptSign::Done)
+            : since_asked_s_ > timeout_s ? ScriptSign::Silent
+                                         : ScriptSign::Working;
   }
 
  private:

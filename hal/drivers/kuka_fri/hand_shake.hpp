@@ -27,8 +27,8 @@ enum class ScriptSign : std::uint8_t {
 class HandShake {
  public:
   virtual ~HandShake() = default;
-  /// `since_s`: packets' time since the last step; `patience_s`: for the program's answer.
-  virtual void step(Ask ask, const FriMeasurement& m, double since_s, double patience_s,
+  /// `since_s`: packets' time since the last step; `timeout_s`: for the program's answer.
+  virtual void step(Ask ask, const FriMeasurement& m, double since_s, double timeout_s,
                     KrlChannels& out) noexcept = 0;
   [[nodiscard]] ScriptSign sign() const noexcept { return sign_; }
   [[nodiscard]] std::int32_t code() const noexcept { return code_; }

@@ -10,7 +10,7 @@ namespace {
 constexpr double kRounding = 1e-6;    // relative: a float at its limit is not beyond it
 constexpr double kWalk_rad_s = 0.2;   // of the offset
 constexpr double kWalk_rad_s2 = 2.0;  // added to what the user's own commands accelerate with
-constexpr double kOnTheWay_rad = 2e-5;
+constexpr double kInTransit_rad = 2e-5;
 constexpr double kStart_rad = 1e-3;  // a first command this near to the measured pose is there
 
 }  // namespace
@@ -61,10 +61,11 @@ void JointSetPoint::expect_first(const JointVector& measured_rad) {
 
 bool JointSetPoint::bridge(const FriJoints& followed, int cycles, double period_s) {
   const JointVector at = joints(followed);
-  if ((at - q_).cwiseAbs().maxCoeff() < kOnTheWay_rad) return false;
+  if ((at - q_).cwiseAbs().maxCoeff() < kInTransit_rad) return false;
   for (int i = 0; i < kArmJoints; ++i) {
     const double way = dq_[i] * period_s * cycles, gone = at[i] - q_[i];
-    if (gone < std::min(way, 0.0) - kOnTheWay_rad || gone > std::max(way, 0.0) + kOnTheWay_rad) return false;
+    if (gone < std::min(way, 0.0) - kInTransit_rad || gone > std::max(way, 0.0) + kInTransit_rad)
+      return false;
   }
   wire_ = followed;
   q_ = at;
@@ -99,7 +100,7 @@ FriLimit JointSetPoint::command(const JointVector& q_rad, int steps, double peri
     offset_ = q_ + dq_ * period_s - q_rad;
     doffset_.setZero();
   } else {
-    walk(period_s);
+    ramp(period_s);
   }
   bridged_ = false;
   goal_ = q_rad;
@@ -110,7 +111,7 @@ FriLimit JointSetPoint::command(const JointVector& q_rad, int steps, double peri
   return {};
 }
 
-void JointSetPoint::walk(double period_s) {
+void JointSetPoint::ramp(double period_s) {
   if (offset_.isZero()) return;
   for (int i = 0; i < kArmJoints; ++i) {
     if (offset_[i] == 0.0) continue;

@@ -71,7 +71,7 @@ class JointSetPoint {
 
  private:
   void send(const JointVector& q_rad);
-  void walk(double period_s);
+  void ramp(double period_s);
 
   Limits limits_;
   FriJoints wire_{};

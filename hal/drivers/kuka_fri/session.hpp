@@ -91,7 +91,7 @@ class SessionMachine {
     closing_ = true;
   }
   /// No more wishes.
-  void forget_wishes() { leaving_ = closing_ = quit_ = asked_ = false; }
+  void forget_requests() { leaving_ = closing_ = quit_ = asked_ = false; }
   /// Getting ready failed for this reason.
   void refused(FriReason reason) {
     if (session_ != FriSession::Silent) reason_ = reason;

@@ -21,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLeastAgreeing = 0.95;  // points in their own pixel, for a cloud to be one camera's image
-constexpr float kFarthest_m = 100.0f;    // median depth beyond which the unit cannot be metres
+constexpr double kMinAgreeing = 0.95;  // points in their own pixel, for a cloud to be one camera's image
+constexpr float kFarthest_m = 100.0f;  // median depth beyond which the unit cannot be metres
 
 enum class Kind { Png, Pcd, Ply };
 
@@ -173,15 +173,15 @@ struct NamedFit {
 
 // As given, then without the pose that the file states, then from any pose.
 std::optional<NamedFit> find_camera(const PointFile& file) {
-  if (const auto fit = fit_pinhole(file, Pose::Identity()); fit && fit->agreeing >= kLeastAgreeing) {
+  if (const auto fit = fit_pinhole(file, Pose::Identity()); fit && fit->agreeing >= kMinAgreeing) {
     return NamedFit{*fit, "in the camera's own frame"};
   }
   if (!file.viewpoint.matrix().isIdentity(1e-9)) {
-    if (const auto fit = fit_pinhole(file, file.viewpoint); fit && fit->agreeing >= kLeastAgreeing) {
+    if (const auto fit = fit_pinhole(file, file.viewpoint); fit && fit->agreeing >= kMinAgreeing) {
       return NamedFit{*fit, "seen from the file's VIEWPOINT"};
     }
   }
-  if (const auto fit = fit_projection(file); fit && fit->agreeing >= kLeastAgreeing) {
+  if (const auto fit = fit_projection(file); fit && fit->agreeing >= kMinAgreeing) {
     return NamedFit{*fit, "in another frame, in which the camera's pose was found from the points"};
   }
   return std::nullopt;

@@ -29,7 +29,7 @@ Sum add_up(const std::vector<double>& tangents, double focal) {
 
 std::optional<PixelGrid> find_pixel_grid(const std::vector<float>& tangents, double focal_estimate) {
   constexpr std::size_t kSamples = 1000;
-  constexpr double kLeastCoherence = 0.5;
+  constexpr double kMinCoherence = 0.5;
   if (tangents.size() < 100) return std::nullopt;
   const auto [least, most] = std::minmax_element(tangents.begin(), tangents.end());
   const double low = *least, extent = double{*most} - low;
@@ -51,7 +51,7 @@ std::optional<PixelGrid> find_pixel_grid(const std::vector<float>& tangents, dou
       focal = f;
     }
   }
-  if (best.coherence < kLeastCoherence) return std::nullopt;
+  if (best.coherence < kMinCoherence) return std::nullopt;
   for (double width = step / 2; width > step / 1000; width /= 2) {
     for (const double f : {focal - width, focal + width}) {
       const Sum sum = add_up(sample, f);

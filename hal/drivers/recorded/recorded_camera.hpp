@@ -46,7 +46,7 @@ class RecordedCamera final : public DepthCamera {
 
   /// Errors: NotReady (not activated), LinkLost (end of the recording), BadInput (a damaged file; the next
   /// call goes on behind it).
-  [[nodiscard]] Result<DepthFrame> next_frame(std::chrono::milliseconds patience) override;
+  [[nodiscard]] Result<DepthFrame> next_frame(std::chrono::milliseconds timeout) override;
 
   [[nodiscard]] const std::vector<std::filesystem::path>& files() const { return files_; }
 

@@ -15,8 +15,8 @@ namespace {
 constexpr std::size_t kFewestPoints = 200;
 constexpr int kMostColumns = 1280, kMostRows = 960;
 constexpr double kWidestTangent = 2.75;  // 70 degrees off axis
-constexpr double kLeastVisible = 0.6;
-constexpr double kLeastBefore = 0.95;  // of the points, before a camera that is to see them
+constexpr double kMinVisible = 0.6;
+constexpr double kMinBefore = 0.95;  // of the points, before a camera that is to see them
 constexpr float kNone = std::numeric_limits<float>::infinity();
 
 // Points before a camera: tangents of the ray and depth.
@@ -321,7 +321,7 @@ Result<VirtualView> view_points(const PointFile& file, const std::string& name) 
           rays.finite, kFewestPoints));
     }
     const double before = static_cast<double>(rays.a.size()) / static_cast<double>(rays.finite);
-    if (before < kLeastBefore) {
+    if (before < kMinBefore) {
       if (from.only_on_grid) continue;
       reason = fmt::format(
           "only {:.0f} % of the {} points lie before a camera {}: they surround it or lie behind it",
@@ -339,13 +339,13 @@ Result<VirtualView> view_points(const PointFile& file, const std::string& name) 
     }
     std::optional<VirtualView> view = draw(file, rays, from);
     if (!view) continue;
-    if (view->visible >= kLeastVisible) return std::move(*view);
+    if (view->visible >= kMinVisible) return std::move(*view);
     if (!best || view->visible > best->visible) {
       reason = fmt::format(
-          "only {:.0f} % of the {} points can be seen by one camera {} (least {:.0f} %): the rest lies "
+          "only {:.0f} % of the {} points can be seen by one camera {} (min {:.0f} %): the rest lies "
           "behind "
           "other points, as in a map of several views",
-          100.0 * view->visible, rays.finite, from.words, 100.0 * kLeastVisible);
+          100.0 * view->visible, rays.finite, from.words, 100.0 * kMinVisible);
       best = std::move(view);
     }
   }

@@ -144,7 +144,7 @@ template <std::size_t N, class OnTouch>
 bool FastChecker::Impl::search_ground(ArmBatch<N>& batch, std::size_t g, OnTouch&& touch) {
   const Eigen::Vector3f n = scene->ground.normal.cast<float>();
   const auto offset = static_cast<float>(scene->ground.offset - scene->config.ground_clearance_m);
-  const auto least_height = [&](const typename ArmBatch<N>::Point& p, typename ArmBatch<N>::Lanes& height) {
+  const auto min_height = [&](const typename ArmBatch<N>::Point& p, typename ArmBatch<N>::Lanes& height) {
     float least = 1e9f;
     for (std::size_t l = 0; l < N; ++l) height[l] = n.x() * p.x[l] + n.y() * p.y[l] + n.z() * p.z[l] + offset;
     for (std::size_t l = 0; l < N; ++l) least = std::min(least, height[l]);
@@ -152,11 +152,11 @@ bool FastChecker::Impl::search_ground(ArmBatch<N>& batch, std::size_t g, OnTouch
   };
   typename ArmBatch<N>::Lanes height;
   const SphereGroup& group = bodies.groups[g];
-  if (least_height(batch.group[g], height) >= group.radius_m) return false;
+  if (min_height(batch.group[g], height) >= group.radius_m) return false;
   batch.place(bodies, g);
   for (int i = group.first; i < group.first + group.count; ++i) {
     const auto s = static_cast<std::size_t>(i);
-    if (least_height(batch.sphere[s], height) >= bodies.radius_m[s]) continue;
+    if (min_height(batch.sphere[s], height) >= bodies.radius_m[s]) continue;
     for (std::size_t l = 0; l < batch.used; ++l) {
       if (height[l] >= bodies.radius_m[s]) continue;
       if (touch(With::Ground, g, s, l, bodies.radius_m[s] - height[l])) return true;

@@ -110,9 +110,9 @@ hal::Result<> check_path(std::span<const JointVector> path, const MotionLimits& 
   const auto refuse = [](std::string text) {
     return hal::failure(hal::ErrorCode::BadInput, "trajectory", std::move(text));
   };
-  if (path.empty()) return refuse("the path has no way point, expected at least one");
+  if (path.empty()) return refuse("the path has no waypoint, expected at least one");
   for (std::size_t i = 0; i < path.size(); ++i) {
-    if (!path[i].allFinite()) return refuse(fmt::format("way point {} is not finite", i));
+    if (!path[i].allFinite()) return refuse(fmt::format("waypoint {} is not finite", i));
   }
   const auto positive = [](const JointVector& v) { return v.allFinite() && (v.array() > 0.0).all(); };
   if (!positive(limits.velocity_rad_s) || !positive(limits.acceleration_rad_s2) ||

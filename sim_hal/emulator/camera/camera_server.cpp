@@ -57,7 +57,7 @@ std::string next_address() {
 
 }  // namespace
 
-CameraServer::CameraServer(CameraServerConfig config, std::unique_ptr<CameraEye> eye)
+CameraServer::CameraServer(CameraServerConfig config, std::unique_ptr<CameraSource> eye)
     : config_(std::move(config)), eye_(std::move(eye)) {
   if (config_.address.empty()) config_.address = next_address();
   was_active_.resize(config_.faults.size(), 0);
@@ -68,10 +68,10 @@ CameraServer::~CameraServer() {
 }
 
 hal::Result<> CameraServer::start() {
-  const auto refuse = [&](const std::string& because) {
+  const auto refuse = [&](const std::string& reason) {
     if (listener_ >= 0) ::close(std::exchange(listener_, -1));
     return hal::failure(hal::ErrorCode::BadConfig, "camera.start",
-                        fmt::format("address {}: {}", config_.address, because));
+                        fmt::format("address {}: {}", config_.address, reason));
   };
   sockaddr_un address{};
   address.sun_family = AF_UNIX;

@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "sim_hal/emulator/camera/camera_eye.hpp"
 #include "sim_hal/emulator/camera/camera_faults.hpp"
+#include "sim_hal/emulator/camera/camera_source.hpp"
 #include "sim_hal/emulator/camera/camera_wire.hpp"
 
 namespace colift::sim_hal {
@@ -45,7 +45,7 @@ class CameraServer {
     std::string text;
   };
 
-  CameraServer(CameraServerConfig config, std::unique_ptr<CameraEye> eye);
+  CameraServer(CameraServerConfig config, std::unique_ptr<CameraSource> eye);
   ~CameraServer();
   CameraServer(const CameraServer&) = delete;
   CameraServer& operator=(const CameraServer&) = delete;
@@ -84,7 +84,7 @@ class CameraServer {
   [[nodiscard]] std::uint32_t ticks_at(hal::Timestamp at) const;
 
   CameraServerConfig config_;
-  std::unique_ptr<CameraEye> eye_;
+  std::unique_ptr<CameraSource> eye_;
   hal::SteadyClock clock_;
   std::thread thread_;
   std::atomic<bool> stop_{false};

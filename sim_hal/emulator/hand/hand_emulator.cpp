@@ -110,10 +110,10 @@ bool HandEmulator::acknowledged() const {
   return false;
 }
 
-void HandEmulator::reset(std::size_t puck, const char* because) {
+void HandEmulator::reset(std::size_t puck, const char* reason) {
   pucks_[puck].reset();
   scan_due_[puck].reset();
-  event(fmt::format("{} resets: {}", kNames[puck], because));
+  event(fmt::format("{} resets: {}", kNames[puck], reason));
 }
 
 void HandEmulator::inject(const HandFault& fault) {
@@ -288,7 +288,8 @@ void HandEmulator::judge_set(std::size_t p, int property, std::int32_t value, ha
   const auto far = [&](std::int32_t goal) { return std::abs(1.0 * goal - puck.position()) > kTurns; };
   if (property == kE && puck.value(kMode) == 5 && puck.get(kV).value_or(0) != 0 && far(puck.value(kE)) &&
       value != puck.value(kE))
-    broke(HandRule::NewEnd, fmt::format("{} is on its way to {}, told {}", kNames[p], puck.value(kE), value));
+    broke(HandRule::NewEnd,
+          fmt::format("{} is moving to {}, commanded {}", kNames[p], puck.value(kE), value));
   if (property == kMt && value > kMostTorque)
     broke(HandRule::TooMuchTorque, fmt::format("MT {} for {}", value, kNames[p]));
   if (property == kMode && value >= 2 && value <= 4 && puck.value(kTstop) > 0)
@@ -323,7 +324,7 @@ void HandEmulator::set(std::size_t p, int property, std::int32_t value, hal::Tim
   }
   if (!was_asleep && pucks_[p].life() == HandPuck::Life::Monitor) {
     scan_due_[p].reset();
-    event(fmt::format("{} resets: it was told to", kNames[p]));
+    event(fmt::format("{} resets: commanded", kNames[p]));
   }
 }
 

@@ -74,7 +74,7 @@ class HandEmulator {
   void post(std::size_t puck, hal::CanFrame frame, hal::Timestamp due);
   void run_faults();
   void act(const HandFault& fault, bool begins);
-  void reset(std::size_t puck, const char* because);
+  void reset(std::size_t puck, const char* reason);
   [[nodiscard]] const HandFault* active(HandFault::Kind kind, std::size_t puck) const;
   [[nodiscard]] bool hears(std::size_t puck) const;
   [[nodiscard]] bool connected() const;

@@ -130,9 +130,9 @@ void HandGateway::set_down(bool down) noexcept {
   }
 }
 
-hal::CanBus::Received HandGateway::receive(hal::CanFrame& into, hal::Duration patience) noexcept {
+hal::CanBus::Received HandGateway::receive(hal::CanFrame& into, hal::Duration timeout) noexcept {
   if (listening_ < 0) return Received::Down;
-  if (heard_.empty()) look(patience);
+  if (heard_.empty()) look(timeout);
   if (heard_.empty()) return Received::Nothing;
   into = heard_.front();
   heard_.pop_front();
@@ -154,13 +154,13 @@ void HandGateway::tell_error(std::uint32_t error_class) noexcept {
            nullptr);
 }
 
-void HandGateway::look(hal::Duration patience) noexcept {
+void HandGateway::look(hal::Duration timeout) noexcept {
   std::vector<pollfd> polls{{listening_, POLLIN, 0}};
   for (const Client& c : clients_)
     polls.push_back({c.socket, static_cast<short>(c.out.empty() ? POLLIN : POLLIN | POLLOUT), 0});
-  patience = std::max(patience, hal::Duration::zero());
-  const timespec wait{static_cast<time_t>(patience.count() / 1'000'000'000),
-                      static_cast<long>(patience.count() % 1'000'000'000)};
+  timeout = std::max(timeout, hal::Duration::zero());
+  const timespec wait{static_cast<time_t>(timeout.count() / 1'000'000'000),
+                      static_cast<long>(timeout.count() % 1'000'000'000)};
   if (::ppoll(polls.data(), polls.size(), &wait, nullptr) <= 0) return;
   for (std::size_t i = 1; i < polls.size(); ++i) {
     Client& c = clients_[i - 1];

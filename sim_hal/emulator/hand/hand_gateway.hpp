@@ -31,7 +31,7 @@ class HandGateway final : public hal::CanBus {
   /// Begins to listen. Errors: BadConfig (address), LinkLost (port in use).
   [[nodiscard]] hal::Result<> open() override;
   void close() noexcept override;
-  [[nodiscard]] Received receive(hal::CanFrame& into, hal::Duration patience) noexcept override;
+  [[nodiscard]] Received receive(hal::CanFrame& into, hal::Duration timeout) noexcept override;
   /// To every client; one that does not read loses it.
   [[nodiscard]] Sent send(const hal::CanFrame& frame) noexcept override;
   [[nodiscard]] hal::CanHealth health() const noexcept override { return health_; }
@@ -51,7 +51,7 @@ class HandGateway final : public hal::CanBus {
     hal::Timestamp raw_since{0};
   };
 
-  void look(hal::Duration patience) noexcept;
+  void look(hal::Duration timeout) noexcept;
   void accept_all();
   void read(Client& client);
   void obey(Client& client, const std::string& inside);

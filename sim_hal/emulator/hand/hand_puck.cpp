@@ -14,7 +14,7 @@ constexpr double kStopFound_ms = 100.0;  // without motion, while it looks for t
 constexpr int kIdle = 0, kTorque = 2, kPosition = 3, kVelocity = 4, kTrapezoid = 5;
 constexpr int kReset = 2, kInitialise = 13, kStepClose = 14, kStepOpen = 15, kTorqueClose = 16,
               kTorqueOpen = 17, kClose = 18, kMove = 19, kOpen = 20, kTerminate = 21;
-constexpr int kLeastStrain = 667, kMostStrain = 3460;  // where a puck protects its gauge
+constexpr int kMinStrain = 667, kMostStrain = 3460;  // where a puck protects its gauge
 constexpr int kProtectOff = 10000, kProtectOn = 10001;
 constexpr double kFastest = 400.0;  // counts/ms
 constexpr int kAddr = 6, kValue = 7;
@@ -317,7 +317,7 @@ bool HandPuck::strain_stops() const {
   if (finding_ || !has_joint() || (ram_[kRole] & 0x0800) == 0) return false;
   const std::int32_t sg = get(kSg).value_or(2048);
   if (wished_ > 0.0) return (ram_[kHsg] > 0 && sg > ram_[kHsg]) || (protects_ && sg > kMostStrain);
-  if (wished_ < 0.0) return (ram_[kLsg] > 0 && sg < ram_[kLsg]) || (protects_ && sg < kLeastStrain);
+  if (wished_ < 0.0) return (ram_[kLsg] > 0 && sg < ram_[kLsg]) || (protects_ && sg < kMinStrain);
   return false;
 }
 

@@ -40,9 +40,9 @@ KrcEmulator::KrcEmulator(KrcConfig config, const hal::ArmDynamics& dynamics, Krc
       on_event_(std::move(on_event)),
       motion_(dynamics, config_.X_FT, config_.limits, config_.cycle),
       quality_(config_.quality, config_.cycle),
-      in_(config_.faults, KrcFault::Way::ToKrc, config_.seed,
+      in_(config_.faults, KrcFault::Direction::ToKrc, config_.seed,
           [this](auto bytes, const hal::Endpoint& from, hal::Timestamp at) { take(bytes, from, at); }),
-      out_(config_.faults, KrcFault::Way::ToClient, config_.seed,
+      out_(config_.faults, KrcFault::Direction::ToClient, config_.seed,
            [this](auto bytes, const hal::Endpoint& to, hal::Timestamp) { (void)link_.send(to, bytes); }),
       cycle_(config_.cycle),
       fault_began_(config_.faults.size(), false) {}
@@ -325,21 +325,21 @@ void KrcEmulator::send_measurement() {
   out_.pass(bytes, config_.to, t_s_, wire_now_);
 }
 
-void KrcEmulator::set_state(FriState state, const std::string& because) {
+void KrcEmulator::set_state(FriState state, const std::string& reason) {
   if (state == state_) return;
   if (report_.mode_changes.size() < kMostChanges)
-    report_.mode_changes.push_back({t_s_, state_, state, because});
+    report_.mode_changes.push_back({t_s_, state_, state, reason});
   if (state_ == FriState::Command)
-    event(fmt::format("command mode left: {}", because));
+    event(fmt::format("command mode left: {}", reason));
   else
-    event(fmt::format("{} mode: {}", name(state), because));
+    event(fmt::format("{} mode: {}", name(state), reason));
   state_ = state;
 }
 
-void KrcEmulator::broke(KrcRule rule, const std::string& because) {
+void KrcEmulator::broke(KrcRule rule, const std::string& reason) {
   if (injected(rule)) return;
   ++report_.broken_rules_in_all;
-  if (report_.broken_rules.size() < kMostRules) report_.broken_rules.push_back({t_s_, rule, because});
+  if (report_.broken_rules.size() < kMostRules) report_.broken_rules.push_back({t_s_, rule, reason});
 }
 
 KrcReport KrcEmulator::report() const {

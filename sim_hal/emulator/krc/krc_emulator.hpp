@@ -23,11 +23,11 @@ struct KrcConfig {
   hal::Pose X_FT = hal::Pose::Identity();  ///< The program's tool.
   KrcLimits limits;
   KrcQualityLimits quality;
-  bool strict = false;            ///< Start only at PERFECT, stay only at OK or better.
-  int start_cycles = 100;         ///< So many cycles of good quality before command mode ...
-  double start_hold_s = 0.4;      ///< ... but no longer than that.
-  double start_patience_s = 1.0;  ///< After that friStart gives up, but not before 250 cycles.
-  int extrapolated = 3;           ///< Missing answers in a row that are bridged.
+  bool strict = false;           ///< Start only at PERFECT, stay only at OK or better.
+  int start_cycles = 100;        ///< So many cycles of good quality before command mode ...
+  double start_hold_s = 0.4;     ///< ... but no longer than that.
+  double start_timeout_s = 1.0;  ///< After that friStart gives up, but not before 250 cycles.
+  int extrapolated = 3;          ///< Missing answers in a row that are bridged.
   double temperature_c = 30.0;
   std::optional<double> restart_s;  ///< An operator acknowledges faults and restarts the program after that.
   std::vector<KrcFault> faults;
@@ -91,8 +91,8 @@ class KrcEmulator final : private KrlHost {
   void fri_open(int ms) override;
   void fri_start(double safety_limits) override;
   [[nodiscard]] bool start_pending() const override { return start_until_s_.has_value(); }
-  void fri_stop(const std::string& because) override;
-  void fri_close(const std::string& because) override;
+  void fri_stop(const std::string& reason) override;
+  void fri_close(const std::string& reason) override;
   [[nodiscard]] int cycle_ms() const override;
   void say(const std::string& text) override { event("KRL: " + text); }
 
@@ -106,13 +106,13 @@ class KrcEmulator final : private KrlHost {
   void follow_client();
   void run_program();
   void try_start();
-  void leave(const std::string& because, bool drives_off, bool at_once);
+  void leave(const std::string& reason, bool drives_off, bool at_once);
   void leave_for(const KrcBreach& breach);
   void trip();
   void restart_when_due();
   void send_measurement();
-  void set_state(FriState state, const std::string& because);
-  void broke(KrcRule rule, const std::string& because);
+  void set_state(FriState state, const std::string& reason);
+  void broke(KrcRule rule, const std::string& reason);
   [[nodiscard]] bool injected(KrcRule rule) const;
   [[nodiscard]] const KrcFault* active(KrcFault::Kind kind) const;
   [[nodiscard]] bool powered() const { return power_ && !active(KrcFault::Kind::DrivesOff); }

@@ -71,23 +71,23 @@ hal::Result<> read_kind(std::string_view text, std::string_view what, KrcFault& 
   }
   const auto value = cut_after(what, '=');
   if (what.ends_with(".in")) {
-    f.way = KrcFault::Way::ToKrc;
+    f.way = KrcFault::Direction::ToKrc;
     what.remove_suffix(3);
   } else if (what.ends_with(".out")) {
-    f.way = KrcFault::Way::ToClient;
+    f.way = KrcFault::Direction::ToClient;
     what.remove_suffix(4);
   }
   const auto row = find_fault(text, what, kKinds, "arm");
   if (!row) return tl::unexpected(row.error());
   f.kind = row->kind;
   f.value = row->value;
-  if (what == "silent") f.way = KrcFault::Way::ToClient;
-  if (f.way != KrcFault::Way::Both && !f.on_wire())
+  if (what == "silent") f.way = KrcFault::Direction::ToClient;
+  if (f.way != KrcFault::Direction::Both && !f.on_wire())
     return bad_fault(text, fmt::format("{} happens in the controller, it takes neither .in nor .out", what));
   if (!value) return {};
   if (auto done = read_value(text, *value, *row, f); !done) return done;
   // a number of lost datagrams means lost answers: lost measurements take their answers with them
-  if (f.counted && f.way == KrcFault::Way::Both) f.way = KrcFault::Way::ToKrc;
+  if (f.counted && f.way == KrcFault::Direction::Both) f.way = KrcFault::Direction::ToKrc;
   return {};
 }
 

@@ -34,10 +34,10 @@ struct KrcFault : TimedFault {
     Contact,        ///< A push of `value` N down on the tool.
     Unplug,         ///< The controller is switched off and on again.
   };
-  enum class Way { Both, ToKrc, ToClient };
+  enum class Direction { Both, ToKrc, ToClient };
 
   Kind kind = Kind::Loss;
-  Way way = Way::Both;
+  Direction way = Direction::Both;
   bool percent = false;  ///< Of `value`.
   bool counted = false;  ///< Ends after `value` datagrams and not after a time.
   int joint = 3;         ///< From 0.

@@ -12,13 +12,14 @@ using Kind = KrcFault::Kind;
 
 }  // namespace
 
-KrcBadWire::KrcBadWire(const std::vector<KrcFault>& faults, KrcFault::Way way, std::uint64_t seed, Out out)
-    : way_(way), seed_(hash(seed, static_cast<std::uint64_t>(way), 0)), out_(std::move(out)) {
+KrcBadWire::KrcBadWire(const std::vector<KrcFault>& faults, KrcFault::Direction way, std::uint64_t seed,
+                       Out out)
+    : path_(way), seed_(hash(seed, static_cast<std::uint64_t>(way), 0)), out_(std::move(out)) {
   for (const KrcFault& f : faults) add(f);
 }
 
 void KrcBadWire::add(const KrcFault& fault) {
-  if (fault.on_wire() && (fault.way == way_ || fault.way == KrcFault::Way::Both))
+  if (fault.on_wire() && (fault.way == path_ || fault.way == KrcFault::Direction::Both))
     faults_.push_back({fault, 0, {}});
 }
 

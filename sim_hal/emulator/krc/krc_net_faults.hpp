@@ -18,7 +18,7 @@ class KrcBadWire {
  public:
   using Out = std::function<void(std::span<const std::byte>, const hal::Endpoint&, hal::Timestamp)>;
 
-  KrcBadWire(const std::vector<KrcFault>& faults, KrcFault::Way way, std::uint64_t seed, Out out);
+  KrcBadWire(const std::vector<KrcFault>& faults, KrcFault::Direction way, std::uint64_t seed, Out out);
 
   /// `t_s`: the controller's time, by which faults happen; `now`: the clock of the datagrams.
   void pass(std::span<const std::byte> bytes, const hal::Endpoint& peer, double t_s, hal::Timestamp now);
@@ -44,7 +44,7 @@ class KrcBadWire {
   void spoil(std::vector<std::byte>& bytes, std::uint64_t stream) const;
   void release(Active& a, hal::Timestamp now);
 
-  KrcFault::Way way_;
+  KrcFault::Direction path_;
   std::vector<Active> faults_;
   std::uint64_t seed_, passed_ = 0;
   Out out_;

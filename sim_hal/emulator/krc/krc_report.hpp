@@ -16,12 +16,12 @@ struct KrcReport {
   struct ModeChange {
     double t = 0.0;
     FriState from = FriState::Off, to = FriState::Off;
-    std::string because;
+    std::string reason;
   };
   struct BrokenRule {
     double t = 0.0;
     KrcRule rule = KrcRule::BadDatagram;
-    std::string because;
+    std::string reason;
   };
   struct Injected {
     double t = 0.0;

@@ -34,7 +34,7 @@ inline constexpr int kKrcRules = 16;
 
 struct KrcBreach {
   KrcRule rule;
-  std::string because;
+  std::string reason;
 };
 
 /// Names of the axes, in the wire's order: J1 to J7 are A1 A2 E1 A3 A4 A5 A6 on the panel, and A1 to A7 here.

@@ -13,8 +13,8 @@ namespace colift::sim_hal {
 namespace {
 
 constexpr int kPriority = 35;  // below the client's: the judge must not starve the judged
-constexpr hal::Duration kPatience = std::chrono::milliseconds(100);  // with speed 0
-constexpr double kLate = 0.25, kMostWaiting = 0.5;                   // of a cycle
+constexpr hal::Duration kTimeout = std::chrono::milliseconds(100);  // with speed 0
+constexpr double kLate = 0.25, kMostWaiting = 0.5;                  // of a cycle
 constexpr double kPublish_s = 0.1;
 constexpr std::size_t kMostEvents = 10000;  // that nobody fetched
 constexpr std::size_t kMostMissed = 1000;   // that are told one by one
@@ -74,14 +74,14 @@ void KrcServer::run() {
   std::uint64_t missed = 0;
   timing_.missed.reserve(kMostMissed);
   while (!stop_ && !krc_->ended()) {
-    if (wishes_.exchange(false)) take_wishes();
+    if (requests_.exchange(false)) take_requests();
     cycle_at_ = krc_->next_cycle();
     const hal::Timestamp sent = std::exchange(cycle_wall_, wall_.now());
     krc_->cycle();
     note_missed(sent, missed);
     const hal::Duration cycle = krc_->next_cycle() - cycle_at_;
     const hal::Duration in_wall =
-        config_.speed > 0.0 ? std::chrono::duration_cast<hal::Duration>(cycle / config_.speed) : kPatience;
+        config_.speed > 0.0 ? std::chrono::duration_cast<hal::Duration>(cycle / config_.speed) : kTimeout;
 
     ++timing_.cycles;
     const hal::Duration late = cycle_wall_ - due;
@@ -157,10 +157,10 @@ void KrcServer::wait_for_answers(hal::Timestamp sent, hal::Timestamp until) {
 void KrcServer::inject(KrcFault fault) {
   const std::lock_guard lock(mutex_);
   wished_.push_back(std::move(fault));
-  wishes_ = true;
+  requests_ = true;
 }
 
-void KrcServer::take_wishes() {
+void KrcServer::take_requests() {
   std::vector<KrcFault> wished;
   {
     const std::lock_guard lock(mutex_);

@@ -67,7 +67,7 @@ class KrcServer {
 
  private:
   void run();
-  void take_wishes();
+  void take_requests();
   void note_missed(hal::Timestamp sent, std::uint64_t& before);
   void wait_for_answers(hal::Timestamp sent, hal::Timestamp until);
   void publish();
@@ -87,7 +87,7 @@ class KrcServer {
   mutable std::mutex mutex_;
   std::vector<Event> events_;
   std::vector<KrcFault> wished_;
-  std::atomic<bool> wishes_{false};
+  std::atomic<bool> requests_{false};
   KrcReport published_;
   KrcServerTiming published_timing_;
 };

@@ -68,7 +68,7 @@ void KrcEmulator::fri_open(int ms) {
 void KrcEmulator::fri_start(double safety_limits) {
   if (state_ != FriState::Monitor || start_until_s_) return;
   safety_limits_ = safety_limits;
-  start_until_s_ = t_s_ + std::max(config_.start_patience_s, kStartCycles * hal::seconds(cycle_));
+  start_until_s_ = t_s_ + std::max(config_.start_timeout_s, kStartCycles * hal::seconds(cycle_));
 }
 
 void KrcEmulator::try_start() {
@@ -92,8 +92,8 @@ void KrcEmulator::try_start() {
   }
   if (!fresh_) return;  // judged by the answer of this cycle
   if (const auto breach = check_entry(*last_command_, motion_.judged_at(), config_.limits)) {
-    broke(breach->rule, breach->because);
-    return refuse(breach->because);
+    broke(breach->rule, breach->reason);
+    return refuse(breach->reason);
   }
   start_until_s_.reset();
   motion_.enter(last_command_->flags, safety_limits_);
@@ -101,22 +101,22 @@ void KrcEmulator::try_start() {
             fmt::format("friStart({:g}), flags 0x{:04X}", safety_limits_, last_command_->flags));
 }
 
-void KrcEmulator::fri_stop(const std::string& because) {
+void KrcEmulator::fri_stop(const std::string& reason) {
   start_until_s_.reset();
-  if (state_ == FriState::Command) leave(because, false, false);
+  if (state_ == FriState::Command) leave(reason, false, false);
 }
 
-void KrcEmulator::fri_close(const std::string& because) {
-  fri_stop(because);
-  set_state(FriState::Off, because);
+void KrcEmulator::fri_close(const std::string& reason) {
+  fri_stop(reason);
+  set_state(FriState::Off, reason);
   awaiting_ = false;
   in_.clear();
   out_.clear();
-  report_.closed = because;
+  report_.closed = reason;
 }
 
-void KrcEmulator::leave(const std::string& because, bool drives_off, bool at_once) {
-  set_state(FriState::Monitor, because);
+void KrcEmulator::leave(const std::string& reason, bool drives_off, bool at_once) {
+  set_state(FriState::Monitor, reason);
   motion_.leave();
   braking_ = true;
   off_after_braking_ = drives_off;
@@ -124,8 +124,8 @@ void KrcEmulator::leave(const std::string& because, bool drives_off, bool at_onc
 }
 
 void KrcEmulator::leave_for(const KrcBreach& breach) {
-  broke(breach.rule, breach.because);
-  leave(breach.because, true, false);
+  broke(breach.rule, breach.reason);
+  leave(breach.reason, true, false);
 }
 
 void KrcEmulator::trip() {
@@ -176,12 +176,12 @@ void KrcEmulator::act_on_faults() {
   const KrcFault* stop = active(Kind::EmergencyStop);
   const KrcFault* error = active(Kind::DriveError);
   if ((stop || error) && power_) {
-    const std::string because =
+    const std::string reason =
         stop ? "emergency stop" : fmt::format("error of drive {}", joint_name(error->joint));
     if (state_ == FriState::Command)
-      leave(because, true, true);
+      leave(reason, true, true);
     else {
-      event(because);
+      event(reason);
       trip();
     }
   }
@@ -212,7 +212,8 @@ bool KrcEmulator::injected(KrcRule rule) const {
   };
   const bool of_answers = rule == KrcRule::MissedAnswers || rule == KrcRule::QualityLost;
   return std::any_of(config_.faults.begin(), config_.faults.end(), [&](const KrcFault& f) {
-    if (f.kind == Kind::Corrupt && f.way != KrcFault::Way::ToClient && recent(f, kAftermath_s)) return true;
+    if (f.kind == Kind::Corrupt && f.way != KrcFault::Direction::ToClient && recent(f, kAftermath_s))
+      return true;
     return of_answers && (f.on_wire() || f.kind == Kind::Quality) && recent(f, kAftermath_s);
   });
 }

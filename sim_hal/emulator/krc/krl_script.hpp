@@ -30,8 +30,8 @@ class KrlHost {
   /// Runs until start_pending() is false; then the state tells how it went.
   virtual void fri_start(double safety_limits) = 0;
   [[nodiscard]] virtual bool start_pending() const = 0;
-  virtual void fri_stop(const std::string& because) = 0;
-  virtual void fri_close(const std::string& because) = 0;
+  virtual void fri_stop(const std::string& reason) = 0;
+  virtual void fri_close(const std::string& reason) = 0;
   [[nodiscard]] virtual int cycle_ms() const = 0;
   virtual void say(const std::string& text) = 0;  ///< A message on the panel.
 };

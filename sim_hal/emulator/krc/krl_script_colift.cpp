@@ -83,7 +83,7 @@ class ColiftScript final : public KrlScript {
     if (krc.fri_state() != FriState::Command) {
       finish(krc, kWaits, kLost);
     } else if (krc.now_s() - heard_s_ > kHeartbeat_s) {
-      krc.fri_stop("the client's heartbeat stood still for 1 s");
+      krc.fri_stop("the client's heartbeat did not change for 1 s");
       finish(krc, kWaits, kNoHeartbeat);
     }
   }

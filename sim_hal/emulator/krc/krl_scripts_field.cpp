@@ -37,7 +37,7 @@ class FieldScript : public KrlScript {
     if (ended_) return;
     if (close_at_s_) {
       if (krc.now_s() < *close_at_s_) return;
-      krc.fri_close(because_);
+      krc.fri_close(reason_);
       ended_ = true;
       return;
     }
@@ -74,9 +74,9 @@ class FieldScript : public KrlScript {
     start_at_s_ = krc.now_s() + period_s();
   }
   void pause(KrlHost& krc) { wait_until_s_ = krc.now_s() + kPanelMessage_s; }
-  void close(KrlHost& krc, std::string because) {
-    because_ = std::move(because);
-    if (krc.fri_state() == FriState::Command) krc.fri_stop(because_);
+  void close(KrlHost& krc, std::string reason) {
+    reason_ = std::move(reason);
+    if (krc.fri_state() == FriState::Command) krc.fri_stop(reason_);
     close_at_s_ = krc.now_s() + config_.linger_s;
   }
   [[nodiscard]] const KrlScriptConfig& config() const { return config_; }
@@ -86,7 +86,7 @@ class FieldScript : public KrlScript {
   bool ended_ = false, starting_ = false;
   std::optional<double> start_at_s_, close_at_s_;
   double wait_until_s_ = 0.0;
-  std::string because_;
+  std::string reason_;
 };
 
 /// FRIControl.src of Stanford's FRI library.

@@ -11,9 +11,9 @@ constexpr double kThere = 200.0;                  // counts: two milliseconds' w
 constexpr double kSpreadThere = 60.0;             // 0.3 degrees
 constexpr double kNoise = 30.0;                   // counts: the links tremble, encoders on worms do not
 constexpr double kOpen = 0.3 * kInnerCounts_rad;  // the world's hand turns its spread from here on
-constexpr double kFelt_nm = 0.03, kFelt_n = 0.5;
+constexpr double kMeasured_nm = 0.03, kMeasured_n = 0.5;
 constexpr double kFreeTorque = 300.0;
-constexpr double kLeast_nm = 0.02;
+constexpr double kMin_nm = 0.02;
 constexpr int kPressAgain_ms = 200;
 constexpr std::size_t kFirstTouched = 6, kBehindTouched = 15;  // cells 7 to 15, the middle of the pad
 
@@ -25,72 +25,72 @@ HandWorldPlant::HandWorldPlant(SimWorld& world, const HandWorldConfig& config)
   read_world();
 }
 
-HandWorldPlant::Wish HandWorldPlant::wished() const {
-  Wish wish;
+HandWorldPlant::Request HandWorldPlant::wished() const {
+  Request request;
   bool closes = false, opens = false, shut = false;
   for (std::size_t f = 0; f < kHandFingers; ++f) {
     const HandMotor& m = motors_[f];
     shut = shut || joints_[f].motor > kOpen;
     if (!m.powered || m.torque <= 0.0) continue;
     if (m.speed > 0.0 && way(f) > kThere)
-      wish.torque_nm[f] = std::max(kLeast_nm, m.torque / config_.tip_units_nm);
-    wish.opens[f] = m.speed < 0.0 && way(f) < -kThere;
-    closes = closes || wish.torque_nm[f] > 0.0;
-    opens = opens || wish.opens[f];
+      request.torque_nm[f] = std::max(kMin_nm, m.torque / config_.tip_units_nm);
+    request.opens[f] = m.speed < 0.0 && way(f) < -kThere;
+    closes = closes || request.torque_nm[f] > 0.0;
+    opens = opens || request.opens[f];
   }
   if (opens || closes) {
-    wish.move = opens ? Move::Open : Move::Close;
-    return wish;
+    request.move = opens ? Move::Open : Move::Close;
+    return request;
   }
   const HandMotor& spread = motors_[kHandSpread];
   const bool turns = spread.powered && spread.torque > 0.0 && spread.speed != 0.0 &&
                      std::abs(way(kHandSpread)) > kSpreadThere;
-  if (turns && !shut) wish.move = Move::Turn, wish.spread_rad = spread.goal / kSpreadGear_rad;
-  return wish;
+  if (turns && !shut) request.move = Move::Turn, request.spread_rad = spread.goal / kSpreadGear_rad;
+  return request;
 }
 
-void HandWorldPlant::begin(const Wish& wish) {
-  if (wish.move == Move::Close) world_.close_hand(wish.torque_nm);
-  if (wish.move == Move::Open) world_.open_hand(wish.opens);
-  if (wish.move == Move::Turn) world_.preshape_hand(wish.spread_rad);
-  told_ = wish;
+void HandWorldPlant::begin(const Request& request) {
+  if (request.move == Move::Close) world_.close_hand(request.torque_nm);
+  if (request.move == Move::Open) world_.open_hand(request.opens);
+  if (request.move == Move::Turn) world_.preshape_hand(request.spread_rad);
+  told_ = request;
   since_told_ms_ = 0;
   world_moves_ = true;
 }
 
-bool HandWorldPlant::differs(const Wish& wish) const {
-  if (wish.move != told_.move) return true;
-  if (wish.move == Move::Turn) return std::abs(wish.spread_rad - told_.spread_rad) > 0.001;
-  if (wish.move == Move::Open) return wish.opens != told_.opens;
+bool HandWorldPlant::differs(const Request& request) const {
+  if (request.move != told_.move) return true;
+  if (request.move == Move::Turn) return std::abs(request.spread_rad - told_.spread_rad) > 0.001;
+  if (request.move == Move::Open) return request.opens != told_.opens;
   for (std::size_t f = 0; f < kHandFingers; ++f)
-    if ((wish.torque_nm[f] > 0.0) != (told_.torque_nm[f] > 0.0) ||
-        std::abs(wish.torque_nm[f] - told_.torque_nm[f]) > 0.1 * told_.torque_nm[f])
+    if ((request.torque_nm[f] > 0.0) != (told_.torque_nm[f] > 0.0) ||
+        std::abs(request.torque_nm[f] - told_.torque_nm[f]) > 0.1 * told_.torque_nm[f])
       return true;
   return false;
 }
 
 // The world's fingers are locked when they have stopped; a motor that is on would go on.
-bool HandWorldPlant::gave_way(const Wish& wish) const {
-  if (wish.move != Move::Close || world_moves_ || since_told_ms_ <= kPressAgain_ms) return false;
+bool HandWorldPlant::yielded(const Request& request) const {
+  if (request.move != Move::Close || world_moves_ || since_told_ms_ <= kPressAgain_ms) return false;
   for (std::size_t f = 0; f < kHandFingers; ++f)
-    if (wish.torque_nm[f] > 0.0 && joints_[f].strain_nm < 0.5 * wish.torque_nm[f]) return true;
+    if (request.torque_nm[f] > 0.0 && joints_[f].strain_nm < 0.5 * request.torque_nm[f]) return true;
   return false;
 }
 
 void HandWorldPlant::tell_world() {
-  const Wish wish = wished();
+  const Request request = wished();
   ++since_told_ms_;
-  if (wish.move != Move::None) {
-    if (differs(wish) || gave_way(wish)) begin(wish);
+  if (request.move != Move::None) {
+    if (differs(request) || yielded(request)) begin(request);
     return;
   }
   if (told_.move == Move::None) return;
   // closing with no torque locks the worms, and lets the world count what is touched as a grasp
   if (told_.move == Move::Close && touches_ && world_moves_)
-    world_.close_hand(wish.torque_nm);
+    world_.close_hand(request.torque_nm);
   else if (world_moves_)
     world_.stop_hand();
-  told_ = wish;
+  told_ = request;
 }
 
 void HandWorldPlant::read_world() {
@@ -114,7 +114,7 @@ void HandWorldPlant::read_world() {
              m.powered && m.speed != 0.0);
     if (j.motor != before) j.joint = std::max(0.0, s.finger_rad[f] * kWormCounts_rad);
     j.strain_nm = s.torque_nm[f];
-    touches_ = touches_ || std::abs(j.strain_nm) > kFelt_nm || s.tip_force_n[f] > kFelt_n;
+    touches_ = touches_ || std::abs(j.strain_nm) > kMeasured_nm || s.tip_force_n[f] > kMeasured_n;
     const double sign = m.speed > 0.0 ? 1.0 : -1.0;
     j.torque = 0.0;
     if (m.powered && m.speed != 0.0)

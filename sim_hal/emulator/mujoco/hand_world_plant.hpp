@@ -25,7 +25,7 @@ class HandWorldPlant final : public HandPlant {
 
  private:
   enum class Move { None, Close, Open, Turn };
-  struct Wish {
+  struct Request {
     Move move = Move::None;
     std::array<double, kHandFingers> torque_nm{};  ///< Of closing fingers; 0: stays.
     std::array<bool, kHandFingers> opens{};
@@ -33,18 +33,18 @@ class HandWorldPlant final : public HandPlant {
   };
 
   void tell_world();
-  void begin(const Wish& wish);
+  void begin(const Request& request);
   void read_world();
-  [[nodiscard]] Wish wished() const;
-  [[nodiscard]] bool differs(const Wish& wish) const;
-  [[nodiscard]] bool gave_way(const Wish& wish) const;
+  [[nodiscard]] Request wished() const;
+  [[nodiscard]] bool differs(const Request& request) const;
+  [[nodiscard]] bool yielded(const Request& request) const;
   [[nodiscard]] double way(std::size_t puck) const { return motors_[puck].goal - joints_[puck].motor; }
 
   SimWorld& world_;
   HandWorldConfig config_;
   std::array<HandMotor, kHandPucks> motors_{};
   std::array<HandJoint, kHandPucks> joints_{};
-  Wish told_;
+  Request told_;
   int since_told_ms_ = 0;
   bool world_moves_ = false, touches_ = false;
 };

@@ -41,7 +41,7 @@ class SimCamera final : public hal::DepthCamera {
   }
 
   hal::Result<> configure() override {
-    if (fault_now() == "unplug") return lose_link("sim_camera.configure");
+    if (fault_now() == "unplug") return drop_link("sim_camera.configure");
     // what went by while the link was down was never seen
     if (health_.state == State::Lost) next_ = std::max(next_, newest_due(now()));
     health_.state = State::Opening;
@@ -63,18 +63,18 @@ class SimCamera final : public hal::DepthCamera {
 
   [[nodiscard]] hal::DeviceHealth health() const override { return health_; }
 
-  hal::Result<hal::DepthFrame> next_frame(milliseconds patience) override {
+  hal::Result<hal::DepthFrame> next_frame(milliseconds timeout) override {
     constexpr auto kWhere = "sim_camera.next_frame";
     if (health_.state == State::Lost) return hal::failure(ErrorCode::LinkLost, kWhere, health_.last_error);
     if (!streams())
       return hal::failure(ErrorCode::NotReady, kWhere, "the camera does not stream, call activate() first");
 
-    const hal::Timestamp deadline = now() + std::max(patience, milliseconds(0));
+    const hal::Timestamp deadline = now() + std::max(timeout, milliseconds(0));
     for (;;) {
       const hal::Timestamp due = late_ ? late_->exposed_at + kLate : exposure_due(next_);
       if (std::max(due, now()) > deadline) break;
       if (due > now()) world_.advance(due - now());
-      if (fault_now() == "unplug") return lose_link(kWhere);
+      if (fault_now() == "unplug") return drop_link(kWhere);
       if (late_) return hand_out(std::move(*std::exchange(late_, std::nullopt)));
       // of several that are due only the newest is there
       const std::uint64_t frame = std::max(next_, newest_due(now()));
@@ -89,9 +89,9 @@ class SimCamera final : public hal::DepthCamera {
       late_ = std::move(image);
     }
     if (deadline > now()) world_.advance(deadline - now());
-    const std::string none = fmt::format("no frame within {} ms", patience.count());
+    const std::string none = fmt::format("no frame within {} ms", timeout.count());
     // who only asks whether there is one already has not waited in vain
-    if (patience > milliseconds(0) || now() - handed_out_at_ > kStall) {
+    if (timeout > milliseconds(0) || now() - handed_out_at_ > kStall) {
       health_.state = State::Stalled;
       health_.last_error = none;
     }
@@ -112,7 +112,7 @@ class SimCamera final : public hal::DepthCamera {
     return {};
   }
 
-  tl::unexpected<hal::Error> lose_link(std::string where) {
+  tl::unexpected<hal::Error> drop_link(std::string where) {
     health_.state = State::Lost;
     health_.last_error = fmt::format("the camera is unplugged since {:.3f} s", hal::seconds(now()));
     late_.reset();

@@ -29,13 +29,13 @@ class SimInfrared final : public hal::InfraredCamera {
     return {};
   }
 
-  hal::Result<hal::InfraredFrame> next_infrared(milliseconds patience) override {
+  hal::Result<hal::InfraredFrame> next_infrared(milliseconds timeout) override {
     constexpr auto kWhere = "sim_camera.next_infrared";
     if (!wanted_) return hal::failure(hal::ErrorCode::NotReady, kWhere, "no infrared images were asked for");
     const hal::Timestamp due = exposure_due(next_);
-    if (due > now() + std::max(patience, milliseconds(0)))
+    if (due > now() + std::max(timeout, milliseconds(0)))
       return hal::failure(hal::ErrorCode::Timeout, kWhere,
-                          fmt::format("no image within {} ms", patience.count()));
+                          fmt::format("no image within {} ms", timeout.count()));
     if (due > now()) world_.advance(due - now());
     const std::uint64_t frame = std::max(next_, newest_due());
     next_ = frame + 1;
@@ -50,14 +50,14 @@ class SimInfrared final : public hal::InfraredCamera {
   }
 
   SimWorld& world_;
-  SimInfraredEye eye_;
+  SimInfraredSource eye_;
   bool wanted_ = false;
   std::uint64_t next_ = 0;
 };
 
 }  // namespace
 
-SimInfraredEye::SimInfraredEye(const SimWorld& world, const SimEmitter& emitter)
+SimInfraredSource::SimInfraredSource(const SimWorld& world, const SimEmitter& emitter)
     : world_(world), emitter_(emitter), caster_(hal::infrared_of({}), camera_pose(world.scenario().camera)) {
   // a smooth error of the kinematics: one wave over the joints for each axis
   Draws draws(world.seed(), kArmStream);
@@ -67,11 +67,11 @@ SimInfraredEye::SimInfraredEye(const SimWorld& world, const SimEmitter& emitter)
   }
 }
 
-void SimInfraredEye::move_to(const Pose& X_WC) {
+void SimInfraredSource::move_to(const Pose& X_WC) {
   caster_ = RayCaster(hal::infrared_of({}), X_WC);
 }
 
-hal::InfraredFrame SimInfraredEye::expose(std::uint64_t frame) {
+hal::InfraredFrame SimInfraredSource::expose(std::uint64_t frame) {
   const hal::Timestamp now = world_.clock().now();
   const Rendering& truth = caster_.cast(world_.shapes());
   const hal::JointVector q = world_.truth().q_rad;

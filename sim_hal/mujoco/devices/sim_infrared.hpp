@@ -18,10 +18,10 @@ struct SimEmitter {
 
 /// What a Kinect's infrared lens sees of a SimWorld, with the blinking emitter in it: behind the simulated
 /// camera and the emulated one. Any thread, one at a time; the world has to outlive it.
-class SimInfraredEye {
+class SimInfraredSource {
  public:
   /// At the scenario's camera.
-  SimInfraredEye(const SimWorld& world, const SimEmitter& emitter);
+  SimInfraredSource(const SimWorld& world, const SimEmitter& emitter);
   void move_to(const Pose& X_WC);
   /// The world as it is now. `frame` seeds the noise.
   [[nodiscard]] hal::InfraredFrame expose(std::uint64_t frame);

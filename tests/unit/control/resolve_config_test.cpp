@@ -66,10 +66,10 @@ ConfigRequest replay_of(const std::string& yaml, Method method, bool complete = 
 TEST_CASE("each command has its own defaults") {
   CHECK(made(with({})).config.candidates.max_turn_deg == 40.0);
   CHECK(made(with({})).origins.at("candidates.max_turn_deg") == "run's default");
-  ConfigRequest look;
-  look.command = Command::Look;
-  CHECK(made(look).config.candidates.max_turn_deg == 0.0);
-  CHECK(made(look).origins.empty());
+  ConfigRequest analysis;
+  analysis.command = Command::SceneAnalysis;
+  CHECK(made(analysis).config.candidates.max_turn_deg == 0.0);
+  CHECK(made(analysis).origins.empty());
 }
 
 TEST_CASE("what a person sets is never overwritten by the method") {
@@ -122,12 +122,12 @@ TEST_CASE("share and epsilon say the same thing, and the last word counts") {
   CHECK(later.config.decision.weights.epsilon == 5.0);
   CHECK_FALSE(later.config.decision.share);
   // an option over a file, either way
-  const TextFile share("decision: {share: 0.2}\n"), price("decision: {weights: {epsilon: 5}}\n");
+  const TextFile share("decision: {share: 0.2}\n"), cost_weight("decision: {weights: {epsilon: 5}}\n");
   ConfigRequest request;
   request.files = {share.path.string()};
   request.options.push_back({"decision.weights.epsilon", "3", "--epsilon"});
   CHECK(epsilon(request) == 3.0);
-  request.files = {price.path.string()};
+  request.files = {cost_weight.path.string()};
   request.options.back() = {"decision.share", "0.5", "--share"};
   const ResolvedConfig half = made(request);
   CHECK(half.config.decision.weights.epsilon == 1.0);

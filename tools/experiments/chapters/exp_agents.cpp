@@ -23,10 +23,10 @@ constexpr double kHeight_m = 0.05, kHold_s = 1.0;
 control::TaskSaid task() {
   return {"experiment agents", kHeight_m, kHold_s};
 }
-constexpr double kSidePart = 0.6;        // of the table's length, from the far end
-constexpr double kInside = 0.9;          // a hand is not at the very corner
-constexpr double kApart_m = 0.3;         // two people
-constexpr double kWeakRobotPrice = 4.0;  // a first agent who should bear a fifth of what the robot bears
+constexpr double kSidePart = 0.6;         // of the table's length, from the far end
+constexpr double kInside = 0.9;           // a hand is not at the very corner
+constexpr double kApart_m = 0.3;          // two people
+constexpr double kWeakRobotWeight = 4.0;  // a first agent who should bear a fifth of what the robot bears
 
 /// A table whose partner takes hold anywhere at its far end or in the far part of its sides.
 sim_hal::Scenario table_taken_anywhere(const Trial& trial) {
@@ -59,26 +59,26 @@ struct Lifted {
 
 hal::Result<Lifted> decide_and_lift(const sim_hal::Scenario& scenario, const Trial& trial,
                                     std::uint64_t seed) {
-  auto sighting = Sighting::make(scenario, trial.method, seed, kHeight_m);
-  if (!sighting) return tl::unexpected(sighting.error());
+  auto observation = Observation::make(scenario, trial.method, seed, kHeight_m);
+  if (!observation) return tl::unexpected(observation.error());
   control::Config config = config_for(trial.method, task());
-  auto outcome = (*sighting)->decide(config);
+  auto outcome = (*observation)->decide(config);
   if (!outcome) return tl::unexpected(outcome.error());
   const auto sharing = planner::LoadSharing::create(config.decision.weights);
   if (!sharing) return tl::unexpected(sharing.error());
   Lifted l;
   l.outcome = std::move(*outcome);
-  l.cog = (*sighting)->look().scene.target->cog;
-  l.true_cog = (*sighting)->true_cog();
-  l.true_partner = (*sighting)->true_partner();
-  l.suggestion = control::suggest_to_partner(l.outcome, (*sighting)->look().candidates, l.cog,
+  l.cog = (*observation)->analysis().scene.target->cog;
+  l.true_cog = (*observation)->true_cog();
+  l.true_partner = (*observation)->true_partner();
+  l.suggestion = control::suggest_to_partner(l.outcome, (*observation)->analysis().candidates, l.cog,
                                              hal::Vec3::UnitZ(), config.decision);
-  l.lift.because = l.outcome.decision.because;
+  l.lift.reason = l.outcome.decision.reason;
   if (!l.possible()) return l;
   const planner::GraspCandidate& chosen = l.outcome.candidates[*l.outcome.decision.chosen];
   const hal::Wrench lift{{0.0, 0.0, 9.80665}, hal::Vec3::Zero()};
   l.effort = sharing->cost(l.true_partner - l.true_cog, planner::load_point(chosen) - l.true_cog, lift);
-  l.lift = try_grasp(**sighting, scenario, chosen, config, seed);
+  l.lift = try_grasp(**observation, scenario, chosen, config, seed);
   return l;
 }
 
@@ -128,7 +128,7 @@ Knowing value_of_knowing(const Lifted& l, const control::Config& config, std::ui
     saved.two_partners = saved_by_knowing(l, {seen, second}, {true_first, second_true}, config).value_or(NAN);
   }
   CarryingAgent weak = seen, weak_true = true_first;
-  weak.force_price = weak_true.force_price = kWeakRobotPrice;
+  weak.force_weight = weak_true.force_weight = kWeakRobotWeight;
   saved.weak_robot = saved_by_knowing(l, {weak}, {weak_true}, config).value_or(NAN);
   return saved;
 }
@@ -145,26 +145,26 @@ TrialRows run(const Trial& trial) {
   }
   // he goes where he was told to, and everything is seen and decided anew
   double moved_m = NAN, realised = NAN, tilt_after = NAN;
-  std::string because = before->lift.because, words = "stands well";
+  std::string reason = before->lift.reason, words = "stands well";
   bool lifted_after = false;
   if (before->suggestion) {
     const control::Suggestion& told = *before->suggestion;
     moved_m = (told.position - before->outcome.partner->position).norm();
-    words = told.because;
+    words = told.reason;
     const auto after = decide_and_lift(partner_goes_to(scenario, told.position, seed), trial, seed);
     if (after) {
       realised = 1.0 - after->effort / before->effort;
       lifted_after = after->lift.lifted;
       if (lifted_after) tilt_after = after->lift.tilt_deg;
     }
-    because = after ? after->lift.because : after.error().text();
+    reason = after ? after->lift.reason : after.error().text();
   }
   const Knowing saved = value_of_knowing(*before, config_for(trial.method, task()), seed);
   return {{scenario.name, cell(scenario.object.mass), cell(before->possible()),
            cell(before->suggestion.has_value()), cell(moved_m),
            cell(before->suggestion ? before->suggestion->gain.value_or(NAN) : NAN), cell(realised),
            cell(before->lift.lifted ? before->lift.tilt_deg : NAN), cell(lifted_after), cell(tilt_after),
-           cell(saved.two_partners), cell(saved.weak_robot), because},
+           cell(saved.two_partners), cell(saved.weak_robot), reason},
           {},
           fmt::format("{}: {}", scenario.name, words)};
 }

@@ -38,9 +38,9 @@ TrialRows run(const Trial& trial) {
     kind = planner::name_of(record.decision->candidates[*record.decision->decision.chosen].kind);
   return {
       {object, scenario.name, cell(scenario.object.mass), word(record.outcome), kind, cell(lift->tilt_deg),
-       cell(lift->share_robot), cell(1e3 * lift->slip_m), cell(lift->hit_something), record.because},
+       cell(lift->share_robot), cell(1e3 * lift->slip_m), cell(lift->hit_something), record.reason},
       {},
-      fmt::format("{}: {}: {}", scenario.name, word(record.outcome), record.because)};
+      fmt::format("{}: {}: {}", scenario.name, word(record.outcome), record.reason)};
 }
 
 std::vector<Figure> figures(const Results& r) {

@@ -44,12 +44,13 @@ TrialRows run(const Trial& trial) {
   scenario = seen_from(trial.view, std::move(scenario));
   scenario.partner = {};
   scenario.partner.kind = "none";
-  auto sighting = Sighting::make(scenario, trial.method, seed, kHeight_m);
-  if (!sighting)
-    return {
-        {object, scenario.name, "0", "0", "", "", "", sighting.error().text()}, {}, sighting.error().text()};
+  auto observation = Observation::make(scenario, trial.method, seed, kHeight_m);
+  if (!observation)
+    return {{object, scenario.name, "0", "0", "", "", "", observation.error().text()},
+            {},
+            observation.error().text()};
 
-  const auto& candidates = (*sighting)->look().candidates;
+  const auto& candidates = (*observation)->analysis().candidates;
   std::vector<bool> possible(candidates.size());
   int reachable = 0;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -61,27 +62,32 @@ TrialRows run(const Trial& trial) {
   int tried = 0, held = 0, lifted = 0;
   for (const std::size_t i : spread_over(candidates, possible, {}, kGrasps)) {
     const planner::GraspCandidate& c = candidates[i];
-    const auto plan = (*sighting)->plan(c);
+    const auto plan = (*observation)->plan(c);
     DirectLift lift;
     if (plan) {
       auto done = lift_directly(scenario, *plan, config, seed);
       if (done)
         lift = *done;
       else
-        lift.because = done.error().text();
+        lift.reason = done.error().text();
       ++tried;
       held += lift.held;
       lifted += lift.lifted;
     } else {
-      lift.because = "no way: " + plan.error().detail;
+      lift.reason = "no way: " + plan.error().detail;
     }
     rows.details.push_back({object, cell(c.id), cell(c.width), cell(c.stability.value_or(NAN)),
                             cell(plan.has_value()), cell(lift.held), cell(lift.lifted),
-                            cell(1e3 * lift.slip_m), cell(lift.hit_something), lift.because});
+                            cell(1e3 * lift.slip_m), cell(lift.hit_something), lift.reason});
   }
-  rows.row = {
-      object,     scenario.name, cell(static_cast<int>(candidates.size())),   cell(reachable), cell(tried),
-      cell(held), cell(lifted),  tried > 0 ? "" : (*sighting)->look().because};
+  rows.row = {object,
+              scenario.name,
+              cell(static_cast<int>(candidates.size())),
+              cell(reachable),
+              cell(tried),
+              cell(held),
+              cell(lifted),
+              tried > 0 ? "" : (*observation)->analysis().reason};
   rows.words = fmt::format("{}: {} of {} candidates within reach; {} tried, {} held, {} lifted",
                            scenario.name, reachable, candidates.size(), tried, held, lifted);
   return rows;

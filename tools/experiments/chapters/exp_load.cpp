@@ -52,29 +52,29 @@ TrialRows run(const Trial& trial) {
     return TrialRows{
         empty_row(scenario.name, scenario.object.mass, forbidden, why), {}, scenario.name + ": " + why};
   };
-  auto sighting = Sighting::make(scenario, trial.method, seed, kHeight_m);
-  if (!sighting) return refused(sighting.error().text());
+  auto observation = Observation::make(scenario, trial.method, seed, kHeight_m);
+  if (!observation) return refused(observation.error().text());
 
   // one list of grasps for all wanted shares: those of the look, then each share's own choice
-  std::vector<planner::GraspCandidate> grasps = (*sighting)->look().candidates;
+  std::vector<planner::GraspCandidate> grasps = (*observation)->analysis().candidates;
   std::vector<bool> possible(grasps.size());
   for (std::size_t i = 0; i < grasps.size(); ++i)
     possible[i] = grasps[i].verdict == planner::Verdict::Ok &&
-                  (grasps[i].position - (*sighting)->partner()->position).norm() > 0.15;
+                  (grasps[i].position - (*observation)->partner()->position).norm() > 0.15;
   std::array<std::optional<std::size_t>, 3> chosen;
   std::array<double, 3> predicted{NAN, NAN, NAN};
   std::string why;
   for (std::size_t w = 0; w < kWanted.size(); ++w) {
     if (forbidden[w]) continue;
-    const auto outcome = (*sighting)->decide(config_for(trial.method, {}, kWanted[w]));
+    const auto outcome = (*observation)->decide(config_for(trial.method, {}, kWanted[w]));
     if (!outcome) return refused(outcome.error().text());
     if (!outcome->decision.chosen) {
-      why = fmt::format("{} %: {}", kName[w], outcome->decision.because);
+      why = fmt::format("{} %: {}", kName[w], outcome->decision.reason);
       continue;
     }
     predicted[w] = outcome->decision.share;
     chosen[w] = *outcome->decision.chosen;
-    if (*chosen[w] < possible.size() && *chosen[w] < (*sighting)->look().candidates.size()) continue;
+    if (*chosen[w] < possible.size() && *chosen[w] < (*observation)->analysis().candidates.size()) continue;
     chosen[w] = grasps.size();
     grasps.push_back(outcome->candidates[*outcome->decision.chosen]);
     possible.push_back(true);
@@ -88,17 +88,17 @@ TrialRows run(const Trial& trial) {
   control::Config config = config_for(trial.method, task());
   TrialRows rows;
   std::vector<double> share(grasps.size(), NAN);
-  const hal::Vec3 partner = (*sighting)->true_partner();
+  const hal::Vec3 partner = (*observation)->true_partner();
   int lifted = 0;
   for (std::size_t k = 0; k < tried.size(); ++k) {
     const std::size_t i = tried[k];
-    const DirectLift lift = try_grasp(**sighting, scenario, grasps[i], config, seed);
+    const DirectLift lift = try_grasp(**observation, scenario, grasps[i], config, seed);
     if (lift.lifted) share[i] = lift.share_robot, ++lifted;
     Row d{letter(k),          cell(grasps[i].id), cell((grasps[i].position - partner).head<2>().norm()),
           cell(lift.lifted),  cell(lift.robot_n), cell(lift.share_robot),
           cell(lift.tilt_deg)};
     for (const auto& c : chosen) d.push_back(cell(c && *c == i));
-    d.push_back(lift.because);
+    d.push_back(lift.reason);
     rows.details.push_back(std::move(d));
   }
   rows.row = {scenario.name, cell(scenario.object.mass), cell(static_cast<int>(tried.size())), cell(lifted)};

@@ -18,10 +18,10 @@ namespace colift::experiments {
 namespace {
 
 constexpr double kHeight_m = 0.05;
-constexpr int kPlaces = 3;           // after the first one
-constexpr double kBetween_s = 2.5;   // from hold to hold
-constexpr double kOnTheWay_s = 1.0;  // a moved hand holds one second after it let go
-constexpr double kFollows_m = 0.05;  // of the place that he has moved to
+constexpr int kPlaces = 3;            // after the first one
+constexpr double kBetween_s = 2.5;    // from hold to hold
+constexpr double kInTransit_s = 1.0;  // a moved hand holds one second after it let go
+constexpr double kFollows_m = 0.05;   // of the place that he has moved to
 constexpr double kGoal_ms = 150.0, kCompute_ms = 15.0;
 
 /// One touch of the partner, from his hand at rest to the decision.
@@ -34,13 +34,13 @@ struct Answer {
 /// Watches and decides while the arm stands or moves.
 class Session {
  public:
-  Session(Sighting& sighting, control::Method method)
-      : sighting_(sighting),
+  Session(Observation& observation, control::Method method)
+      : observation_(observation),
         method_(method),
-        arm_(sim_hal::make_sim_arm(sighting.world())),
-        geometry_(planner::arm_geometry(sighting.world().model()).value()),
+        arm_(sim_hal::make_sim_arm(observation.world())),
+        geometry_(planner::arm_geometry(observation.world().model()).value()),
         config_(config_for(method)),
-        commander_(*arm_, sighting.world().model(), geometry_, config_.task, config_.load,
+        commander_(*arm_, observation.world().model(), geometry_, config_.task, config_.load,
                    control::Drive::InStep, config_.setpoints) {}
 
   hal::Result<> start() {
@@ -53,26 +53,26 @@ class Session {
     Answer answer;
     answer.at_rest_s = at_rest_s;
     answer.arm_in_view = way != nullptr;
-    bool under_way = false;
-    while (hal::seconds(sighting_.world().elapsed()) < at_rest_s + 1.0) {
+    bool in_transit = false;
+    while (hal::seconds(observation_.world().elapsed()) < at_rest_s + 1.0) {
       commander_.begin_cycle();
-      if (way != nullptr && !under_way) under_way = commander_.follow(*way).has_value();
-      auto frame = sighting_.camera().next_frame(std::chrono::milliseconds(0));
+      if (way != nullptr && !in_transit) in_transit = commander_.follow(*way).has_value();
+      auto frame = observation_.camera().next_frame(std::chrono::milliseconds(0));
       commander_.end_cycle();
       if (!frame) continue;
-      const control::RobotPosture posture{sighting_.world().arm_state().q_rad,
-                                          hal::posture_of(sighting_.world().hand_state())};
+      const control::RobotPosture posture{observation_.world().arm_state().q_rad,
+                                          hal::posture_of(observation_.world().hand_state())};
       const hal::Timestamp begin = clock_.now();
-      auto sight = sighting_.watch().watch_partner(std::move(*frame), posture);
+      auto sight = observation_.watch().watch_partner(std::move(*frame), posture);
       const hal::Timestamp seen = clock_.now();
       if (!sight || !sight->event || sight->event->kind != perception::PartnerEvent::Kind::Grasped) continue;
-      if (hal::seconds(sighting_.world().elapsed()) < at_rest_s - 0.2) continue;
-      const auto grasp = sighting_.watch().tracker().grasp();
-      const auto outcome = sighting_.decide_for(*grasp, config_);
+      if (hal::seconds(observation_.world().elapsed()) < at_rest_s - 0.2) continue;
+      const auto grasp = observation_.watch().tracker().grasp();
+      const auto outcome = observation_.decide_for(*grasp, config_);
       const hal::Timestamp decided = clock_.now();
       answer.see_ms = 1e3 * hal::seconds(seen - begin);
       answer.decide_ms = 1e3 * hal::seconds(decided - seen);
-      answer.delay_ms = 1e3 * (hal::seconds(sighting_.world().elapsed()) - at_rest_s);
+      answer.delay_ms = 1e3 * (hal::seconds(observation_.world().elapsed()) - at_rest_s);
       answer.error_m = (grasp->position - place_W).norm();
       if (outcome && outcome->decision.chosen) {
         const auto& c = outcome->candidates[*outcome->decision.chosen];
@@ -87,7 +87,7 @@ class Session {
   void begin_with(const hal::Vec3& chosen) { last_ = chosen; }
 
  private:
-  Sighting& sighting_;
+  Observation& observation_;
   control::Method method_;
   std::unique_ptr<hal::Arm> arm_;
   planner::ArmGeometry geometry_;
@@ -110,7 +110,7 @@ TrialRows run(const Trial& trial) {
       p.y() = draws.between(-half, half);
     places.push_back(p);
     sim_hal::PartnerScriptEvent move;
-    move.at_s = scenario.partner.arrives_s + kBetween_s * (i + 1) - kOnTheWay_s;
+    move.at_s = scenario.partner.arrives_s + kBetween_s * (i + 1) - kInTransit_s;
     move.action = "move";
     move.to = p;
     scenario.partner.events.push_back(move);
@@ -122,15 +122,15 @@ TrialRows run(const Trial& trial) {
     return TrialRows{row, {}, scenario.name + ": " + why};
   };
   const double first_rest_s = scenario.partner.arrives_s;
-  auto sighting = Sighting::make(scenario, trial.method, seed, kHeight_m);
-  if (!sighting) return refused(sighting.error().text());
-  const double first_delay_ms = 1e3 * (hal::seconds((*sighting)->world().elapsed()) - first_rest_s);
-  const auto outcome = (*sighting)->decide(config_for(trial.method));
+  auto observation = Observation::make(scenario, trial.method, seed, kHeight_m);
+  if (!observation) return refused(observation.error().text());
+  const double first_delay_ms = 1e3 * (hal::seconds((*observation)->world().elapsed()) - first_rest_s);
+  const auto outcome = (*observation)->decide(config_for(trial.method));
   if (!outcome) return refused(outcome.error().text());
-  if (!outcome->decision.chosen) return refused(outcome->decision.because);
-  const auto plan = (*sighting)->plan(outcome->candidates[*outcome->decision.chosen]);
+  if (!outcome->decision.chosen) return refused(outcome->decision.reason);
+  const auto plan = (*observation)->plan(outcome->candidates[*outcome->decision.chosen]);
 
-  Session session(**sighting, trial.method);
+  Session session(**observation, trial.method);
   if (auto ok = session.start(); !ok) return refused(ok.error().text());
   session.begin_with(outcome->candidates[*outcome->decision.chosen].position);
   const hal::Pose X_WT = sim_hal::object_pose(scenario.object);

@@ -59,34 +59,34 @@ TrialRows run(const Trial& trial) {
     row.push_back(why);
     return TrialRows{row, {}, scenario.name + ": " + why};
   };
-  auto sighting = Sighting::make(scenario, trial.method, seed, kHeight_m);
-  if (!sighting) return refused(sighting.error().text());
+  auto observation = Observation::make(scenario, trial.method, seed, kHeight_m);
+  if (!observation) return refused(observation.error().text());
   config.decision.mass_kg = scenario.object.mass;
 
   TrialRows rows;
   rows.row = head;
-  std::string because, words;
+  std::string reason, words;
   std::vector<std::pair<int, DirectLift>> done;
   for (const char* aim : kAims) {
     config.decision.robust = aim;
-    const auto outcome = (*sighting)->decide(config);
+    const auto outcome = (*observation)->decide(config);
     if (!outcome) return refused(outcome.error().text());
-    if (!outcome->decision.chosen) return refused(outcome->decision.because);
+    if (!outcome->decision.chosen) return refused(outcome->decision.reason);
     const planner::GraspCandidate& grasp = outcome->candidates[*outcome->decision.chosen];
     auto known = std::find_if(done.begin(), done.end(), [&](const auto& d) { return d.first == grasp.id; });
     if (known == done.end())
-      known = done.insert(done.end(), {grasp.id, try_grasp(**sighting, scenario, grasp, config, seed)});
+      known = done.insert(done.end(), {grasp.id, try_grasp(**observation, scenario, grasp, config, seed)});
     const DirectLift& lift = known->second;
-    const bool gives_way = lift.held && (!lift.lifted || lift.slip_m > kSlip_m);
+    const bool yields = lift.held && (!lift.lifted || lift.slip_m > kSlip_m);
     rows.row.push_back(cell(grasp.id));
     // what gives way has no top at which it hangs: how far it turned at most
-    rows.row.push_back(cell(gives_way ? lift.most_tilt_deg : lift.lifted ? lift.tilt_deg : NAN));
-    rows.row.push_back(lift.held ? cell(gives_way) : "");
-    if (!lift.because.empty()) because = lift.because;
-    words += fmt::format("{} {} {}{:.2f} deg", words.empty() ? ":" : ",", aim, gives_way ? "slips, " : "",
+    rows.row.push_back(cell(yields ? lift.most_tilt_deg : lift.lifted ? lift.tilt_deg : NAN));
+    rows.row.push_back(lift.held ? cell(yields) : "");
+    if (!lift.reason.empty()) reason = lift.reason;
+    words += fmt::format("{} {} {}{:.2f} deg", words.empty() ? ":" : ",", aim, yields ? "slips, " : "",
                          lift.tilt_deg);
   }
-  rows.row.push_back(because);
+  rows.row.push_back(reason);
   rows.words = scenario.name + words;
   return rows;
 }

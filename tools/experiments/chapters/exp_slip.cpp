@@ -40,11 +40,11 @@ TrialRows run(const Trial& trial) {
         {},
         scenario.name + ": " + why};
   };
-  auto sighting = Sighting::make(scenario, trial.method, seed, kHeight_m);
-  if (!sighting) return refused(sighting.error().text());
+  auto observation = Observation::make(scenario, trial.method, seed, kHeight_m);
+  if (!observation) return refused(observation.error().text());
   control::Config config = config_for(trial.method, task());
   config.decision.mass_kg = scenario.object.mass;
-  const auto outcome = (*sighting)->decide(config);
+  const auto outcome = (*observation)->decide(config);
   if (!outcome) return refused(outcome.error().text());
   const auto& candidates = outcome->candidates;
   std::vector<bool> possible(candidates.size());
@@ -64,13 +64,13 @@ TrialRows run(const Trial& trial) {
   for (const std::size_t i : spread_over(candidates, possible, {}, kGrasps)) {
     const auto margin = planner::stability_margins(
         candidates[i], hand, planner::load_on_robot(outcome->decision.scores[i]->wrenches));
-    const DirectLift lift = try_grasp(**sighting, scenario, candidates[i], config, seed);
+    const DirectLift lift = try_grasp(**observation, scenario, candidates[i], config, seed);
     if (!lift.held || std::isnan(lift.slip_m)) continue;
     const bool slip = !lift.lifted || lift.slip_m > kSlip_m;
     ++tried;
     slipped += slip;
     rows.details.push_back({cell(candidates[i].id), planner::name_of(candidates[i].kind), cell(margin.slip),
-                            cell(margin.bear), cell(1e3 * lift.slip_m), cell(slip), lift.because});
+                            cell(margin.bear), cell(1e3 * lift.slip_m), cell(slip), lift.reason});
   }
   rows.row = {scenario.name,
               cell(scenario.object.mass),

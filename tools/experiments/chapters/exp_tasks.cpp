@@ -77,19 +77,20 @@ TrialRows run(const Trial& trial) {
   const auto refused = [&](const std::string& why) {
     return TrialRows{{scenario.name, cell(scenario.object.mass), "", why}, {}, scenario.name + ": " + why};
   };
-  auto sighting = Sighting::make(scenario, trial.method, trial.own_seed(10), kHeight_m);
-  if (!sighting) return refused(sighting.error().text());
+  auto observation = Observation::make(scenario, trial.method, trial.own_seed(10), kHeight_m);
+  if (!observation) return refused(observation.error().text());
   const control::Config config = config_for(trial.method);
-  const auto outcome = (*sighting)->decide(config);
+  const auto outcome = (*observation)->decide(config);
   if (!outcome) return refused(outcome.error().text());
-  if (!outcome->decision.chosen) return refused(outcome->decision.because);
+  if (!outcome->decision.chosen) return refused(outcome->decision.reason);
   const auto sharing = planner::LoadSharing::create(config.decision.weights);
   if (!sharing) return refused(sharing.error().text());
 
-  const perception::Target& target = *(*sighting)->look().scene.target;
+  const perception::Target& target = *(*observation)->analysis().scene.target;
   const hal::Vec3 up = hal::Vec3::UnitZ(), partner = outcome->partner->position;
   const planner::CarriedBody body = body_of(target.obb, scenario.object.mass);
-  const hal::Vec3 true_cog = (*sighting)->true_cog(), true_partner = (*sighting)->true_partner() - true_cog;
+  const hal::Vec3 true_cog = (*observation)->true_cog(),
+                  true_partner = (*observation)->true_partner() - true_cog;
   TrialRows rows;
   std::optional<std::size_t> for_lift;
   std::string said;
@@ -171,7 +172,7 @@ Experiment tasks_experiment() {
   e.question =
       "A table (even trials) or a box (odd ones) and a partner. For lowering, rolling and pitching by 60 "
       "degrees, "
-      "turning, carrying through way points, and all of it, the grasp is chosen for the task and for the "
+      "turning, carrying through waypoints, and all of it, the grasp is chosen for the task and for the "
       "lift "
       "alone, on what was seen; the effort of both in the task is computed with the true centre of gravity "
       "and "

@@ -24,12 +24,13 @@ control::TaskSaid task() {
   return {"experiment tilt", kHeight_m, kHold_s};
 }
 
-std::vector<bool> possible(const control::Outcome& outcome, const control::Look& look) {
+std::vector<bool> possible(const control::Outcome& outcome, const control::SceneAnalysis& analysis) {
   // what the arm reaches without a collision, whatever the decision thinks of its load
   std::vector<bool> out(outcome.candidates.size());
   for (std::size_t i = 0; i < out.size(); ++i) {
     using planner::Verdict;
-    const Verdict v = i < look.candidates.size() ? look.candidates[i].verdict : outcome.candidates[i].verdict;
+    const Verdict v =
+        i < analysis.candidates.size() ? analysis.candidates[i].verdict : outcome.candidates[i].verdict;
     const Verdict now = outcome.candidates[i].verdict;
     out[i] = (v == Verdict::Ok || v == Verdict::Chosen) && now != Verdict::NearPartner;
   }
@@ -46,28 +47,28 @@ TrialRows refused(const std::string& name, double mass, const std::string& why) 
 TrialRows run(const Trial& trial) {
   const std::uint64_t seed = trial.own_seed(1);
   const sim_hal::Scenario scenario = seen_from(trial.view, table_layout(trial.index, trial.seed));
-  auto sighting = Sighting::make(scenario, trial.method, seed, kHeight_m);
-  if (!sighting) return refused(scenario.name, scenario.object.mass, sighting.error().text());
+  auto observation = Observation::make(scenario, trial.method, seed, kHeight_m);
+  if (!observation) return refused(scenario.name, scenario.object.mass, observation.error().text());
   control::Config config = config_for(trial.method, task());
-  const auto outcome = (*sighting)->decide(config);
+  const auto outcome = (*observation)->decide(config);
   if (!outcome) return refused(scenario.name, scenario.object.mass, outcome.error().text());
   if (!outcome->decision.chosen)
-    return refused(scenario.name, scenario.object.mass, outcome->decision.because);
+    return refused(scenario.name, scenario.object.mass, outcome->decision.reason);
 
   const std::size_t chosen = *outcome->decision.chosen;
   std::vector<std::size_t> always{chosen};
   for (const std::size_t i : next_best(*outcome, kRivals)) always.push_back(i);
   const auto tried =
-      spread_over(outcome->candidates, possible(*outcome, (*sighting)->look()), always, kGrasps);
+      spread_over(outcome->candidates, possible(*outcome, (*observation)->analysis()), always, kGrasps);
 
   TrialRows rows;
   double chosen_tilt = NAN, best_tilt = NAN, share = NAN;
   std::size_t best = chosen, lifted = 0;
-  std::string because;
+  std::string reason;
   for (std::size_t k = 0; k < tried.size(); ++k) {
     const std::size_t i = tried[k];
     const planner::GraspCandidate& c = outcome->candidates[i];
-    const DirectLift lift = try_grasp(**sighting, scenario, c, config, seed);
+    const DirectLift lift = try_grasp(**observation, scenario, c, config, seed);
     const auto& score = outcome->decision.scores[i];
     if (lift.lifted) {
       ++lifted;
@@ -76,17 +77,17 @@ TrialRows run(const Trial& trial) {
     if (i == chosen) {
       chosen_tilt = lift.lifted ? lift.tilt_deg : NAN;
       share = lift.share_robot;
-      because = lift.because;
+      reason = lift.reason;
     }
     rows.details.push_back({letter(k), cell(c.id), cell(i == chosen), cell(c.position.x()),
                             cell(c.position.y()), cell(c.position.z()), cell(score ? score->cost : NAN),
                             cell(score ? score->share : NAN), cell(c.stability.value_or(NAN)),
                             cell(lift.lifted), cell(lift.tilt_deg), cell(lift.share_robot),
-                            cell(1e3 * lift.slip_m), cell(lift.hit_something), lift.because});
+                            cell(1e3 * lift.slip_m), cell(lift.hit_something), lift.reason});
   }
-  const control::Look& look = (*sighting)->look();
-  const double partner_off = ((*sighting)->partner()->position - (*sighting)->true_partner()).norm();
-  const double cog_off = (look.scene.target->cog - (*sighting)->true_cog()).head<2>().norm();
+  const control::SceneAnalysis& analysis = (*observation)->analysis();
+  const double partner_off = ((*observation)->partner()->position - (*observation)->true_partner()).norm();
+  const double cog_off = (analysis.scene.target->cog - (*observation)->true_cog()).head<2>().norm();
   const double excess = chosen_tilt - best_tilt;
   rows.row = {scenario.name,
               cell(scenario.object.mass),
@@ -102,9 +103,9 @@ TrialRows run(const Trial& trial) {
               cell(share),
               cell(1e3 * partner_off),
               cell(1e3 * cog_off),
-              because};
+              reason};
   rows.words = std::isnan(chosen_tilt)
-                   ? fmt::format("{}: the chosen grasp was not lifted: {}", scenario.name, because)
+                   ? fmt::format("{}: the chosen grasp was not lifted: {}", scenario.name, reason)
                    : fmt::format("{}: tilt {:.2f} deg, the least of {} grasps {:.2f} deg", scenario.name,
                                  chosen_tilt, tried.size(), best_tilt);
   return rows;

@@ -17,7 +17,7 @@
 namespace colift::experiments {
 namespace {
 
-constexpr double kLeast_m = 0.10, kMost_m = 0.20;
+constexpr double kMin_m = 0.10, kMost_m = 0.20;
 constexpr double kHeight_m = 0.05, kHold_s = 1.0, kBudget_deg = 2.0;
 
 control::TaskSaid task() {
@@ -35,7 +35,7 @@ TrialRows run(const Trial& trial) {
   const std::uint64_t seed = trial.own_seed(6);
   sim_hal::Scenario scenario = table_layout(trial.index + 2, trial.seed);
   sim_hal::Draws draws(seed, 7600);
-  const double off = draws.between(kLeast_m, kMost_m), a = 2.0 * std::numbers::pi * draws.between(0.0, 1.0);
+  const double off = draws.between(kMin_m, kMost_m), a = 2.0 * std::numbers::pi * draws.between(0.0, 1.0);
   scenario.object.cog_offset = {off * std::cos(a), off * std::sin(a), 0.0};
   const auto refused = [&](const std::string& why) {
     Row row{scenario.name, cell(scenario.object.mass), cell(1e3 * off)};
@@ -43,26 +43,26 @@ TrialRows run(const Trial& trial) {
     row.push_back(why);
     return TrialRows{row, {}, scenario.name + ": " + why};
   };
-  auto sighting = Sighting::make(scenario, trial.method, seed, kHeight_m);
-  if (!sighting) return refused(sighting.error().text());
+  auto observation = Observation::make(scenario, trial.method, seed, kHeight_m);
+  if (!observation) return refused(observation.error().text());
   control::Config config = config_for(trial.method, task());
-  const auto outcome = (*sighting)->decide(config);
+  const auto outcome = (*observation)->decide(config);
   if (!outcome) return refused(outcome.error().text());
-  if (!outcome->decision.chosen) return refused(outcome->decision.because);
+  if (!outcome->decision.chosen) return refused(outcome->decision.reason);
   const planner::GraspCandidate& first = outcome->candidates[*outcome->decision.chosen];
-  const DirectLift blind = try_grasp(**sighting, scenario, first, config, seed);
+  const DirectLift blind = try_grasp(**observation, scenario, first, config, seed);
 
-  const GripSearch search = search_level_grip(**sighting, scenario, *outcome, trial.method, config,
+  const GripSearch search = search_level_grip(**observation, scenario, *outcome, trial.method, config,
                                               control::TestLiftConfig{}, seed);
   const TriedGrip& last = search.tried.back();
   DirectLift lift;
   if (search.level) {
     config.task.lift_s = kCarefully_s;
-    Sighting& now = search.elsewhere ? *search.elsewhere : **sighting;
+    Observation& now = search.elsewhere ? *search.elsewhere : **observation;
     lift = try_grasp(now, search.scenario, search.tried[*search.level].grasp, config, seed);
   }
 
-  const hal::Vec3 true_cog = (*sighting)->true_cog();
+  const hal::Vec3 true_cog = (*observation)->true_cog();
   TrialRows rows;
   double worst_test = 0.0;
   std::string words;
@@ -84,12 +84,12 @@ TrialRows run(const Trial& trial) {
       const auto& known = *t.known;
       row.insert(row.end(),
                  {cell(hal::rad_to_deg(known.seen.tilt_rad)), cell(hal::rad_to_deg(known.seen.turn_rad)),
-                  cell(1e3 * known.seen.least_rise_m), cell(known.stands), cell(known.mass_kg),
+                  cell(1e3 * known.seen.min_rise_m), cell(known.stands), cell(known.mass_kg),
                   cell(1e3 * (known.cog - true_cog).head<2>().norm()), cell(1e3 * known.lever_m),
                   cell(known.belief.grip_nm_rad), cell(hal::rad_to_deg(t.drift_rad_s)), word(known.next)});
     }
     row.resize(kDetailColumns - 1);
-    row.push_back(t.because);
+    row.push_back(t.reason);
     rows.details.push_back(std::move(row));
   }
   rows.row = {scenario.name,
@@ -106,7 +106,7 @@ TrialRows run(const Trial& trial) {
               cell(search.level.has_value()),
               cell(lift.lifted ? lift.share_robot : NAN),
               cell(lift.lifted ? lift.tilt_deg : NAN),
-              search.level && !lift.lifted ? lift.because : search.because};
+              search.level && !lift.lifted ? lift.reason : search.reason};
   rows.words = fmt::format("{}: {:.0f} mm off: tilt {:.2f} deg; {} grips, asked {} times, {}: {:.2f} deg",
                            scenario.name, 1e3 * off, blind.tilt_deg, search.tried.size(), search.told.size(),
                            search.level ? "lifted" : "refused", lift.tilt_deg);

@@ -21,7 +21,7 @@ using sim_hal::Scenario;
 
 constexpr double kEnd_m = 0.05;         // half a hand, and what a grasp keeps from a face's end
 constexpr double kHandsApart_m = 0.32;  // half a palm, half the partner's hand, the distance kept from him
-constexpr double kLeastLever_m = 0.12;  // of the partner in a layout: on less, a cm is much of the load
+constexpr double kMinLever_m = 0.12;    // of the partner in a layout: on less, a cm is much of the load
 constexpr double kNearest_m = 0.45, kFarthest_m = 0.66;  // of the place from the robot's axis
 constexpr double kNearEnd_m = 0.35;                      // of the box: room for the arm at home
 constexpr double kLift_m = 0.05;
@@ -79,7 +79,7 @@ Scenario box_in_line(int index, std::uint64_t seed, double share) {
   const double half = 0.5 * s.object.size[0], lever = share / (1.0 - share);
   // the partner stands lever times as far from the centre of gravity as the robot, and not beyond the end
   const double most = std::min(half - kEnd_m, half / lever);
-  const double least = std::min(most, std::max(kLeastLever_m / lever, kHandsApart_m / (1.0 + lever)));
+  const double least = std::min(most, std::max(kMinLever_m / lever, kHandsApart_m / (1.0 + lever)));
   const double place = lever > 1.0 ? most : draws.between(least, most);
   // one hand lifts a wide box at its end only; elsewhere it has to be as thin as a hand can pinch
   if (lever <= 1.0)

@@ -23,7 +23,7 @@ enum class Phase { Tare, Approach, Close, Ready, Lift, Stop, Hold, Over };
 class Lift {
  public:
   Lift(sim_hal::SimWorld& world, const planner::MotionPlan& plan, const control::Config& config,
-       const LiftEye& eye)
+       const LiftObserver& eye)
       : world_(world),
         plan_(plan),
         config_(config),
@@ -64,15 +64,15 @@ class Lift {
     phase_ = next;
     since_s_ = now_s_;
   }
-  void end(std::string because) {
+  void end(std::string reason) {
     if (phase_ == Phase::Over) return;
-    out_.because = std::move(because);
+    out_.reason = std::move(reason);
     out_.hit_something = world_.truth().robot_hit_something;
     go(Phase::Over);
   }
   [[nodiscard]] double in_phase_s() const { return now_s_ - since_s_; }
 
-  control::Raise look(const hal::HandState& hand, LiftPart part) {
+  control::Raise observe(const hal::HandState& hand, LiftPart part) {
     if (!eye_) return control::Raise::On;
     if (auto frame = camera_->next_frame(std::chrono::milliseconds(0)))
       raise_ = eye_(std::move(*frame), {commander_.view().state.q_rad, hal::posture_of(hand)}, part);
@@ -96,12 +96,12 @@ class Lift {
           return end(closing.error().text());
         return go(Phase::Close);
       case Phase::Close:
-        look(*state, LiftPart::Before);
+        observe(*state, LiftPart::Before);
         if (state->moving || in_phase_s() < kClosing_s) return;
         if (!state->held) return end("the fingers met nothing");
         return go(Phase::Ready);
       case Phase::Ready:
-        look(*state, LiftPart::Before);
+        observe(*state, LiftPart::Before);
         if (in_phase_s() < kReady_s) return;
         out_.held = state->held && world_.truth().robot_touches_object;
         if (!out_.held) return end("the hand closed, and does not touch the object");
@@ -111,17 +111,17 @@ class Lift {
       case Phase::Lift:
         if (commander_.end_of_reach()) return end("the arm has come to the end of its reach");
         out_.slip_m = world_.truth().slip_m;
-        raise(look(*state, LiftPart::Raising));
+        raise(observe(*state, LiftPart::Raising));
         if (phase_ != Phase::Lift) return;
         if (!commander_.lift_at_rest()) at_rest_s_ = now_s_;
         if (now_s_ - at_rest_s_ < kSettle_s) return;
         return go(Phase::Hold);
       case Phase::Stop:
-        look(*state, LiftPart::Raising);
+        observe(*state, LiftPart::Raising);
         if (in_phase_s() < kSettle_s) return;
         return go(Phase::Hold);
       case Phase::Hold:
-        look(*state, LiftPart::Top);
+        observe(*state, LiftPart::Top);
         return hold(state->held);
       case Phase::Over:
         return;
@@ -149,8 +149,8 @@ class Lift {
     out_.slip_m = std::max(out_.slip_m, truth.slip_m);
     const control::ArmView& view = commander_.view();
     if (view.wrench_W) {
-      out_.felt.force += view.wrench_W->force;
-      out_.felt.torque += view.wrench_W->torque;
+      out_.measured.force += view.wrench_W->force;
+      out_.measured.torque += view.wrench_W->torque;
       out_.palm_W += hal::hand_pose(world_.model(), view.state.q_rad).translation();
     }
     if (in_phase_s() < config_.task.hold_s) return;
@@ -158,8 +158,8 @@ class Lift {
     out_.height_m = height_ / n_;
     out_.robot_n = robot_n_ / n_;
     out_.share_robot = share_ / n_;
-    out_.felt.force /= n_;
-    out_.felt.torque /= n_;
+    out_.measured.force /= n_;
+    out_.measured.torque /= n_;
     out_.palm_W /= n_;
     out_.lifted = held && truth.robot_touches_object && out_.slip_m < kGone_m;
     end(out_.lifted ? ""
@@ -169,7 +169,7 @@ class Lift {
   sim_hal::SimWorld& world_;
   const planner::MotionPlan& plan_;
   const control::Config& config_;
-  const LiftEye& eye_;
+  const LiftObserver& eye_;
   std::unique_ptr<hal::DepthCamera> camera_;
   hal::GuardedArm arm_;
   hal::GuardedHand hand_;
@@ -187,7 +187,8 @@ class Lift {
 }  // namespace
 
 hal::Result<DirectLift> lift_directly(sim_hal::Scenario scenario, const planner::MotionPlan& plan,
-                                      const control::Config& config, std::uint64_t seed, const LiftEye& eye) {
+                                      const control::Config& config, std::uint64_t seed,
+                                      const LiftObserver& eye) {
   scenario.partner.arrives_s = 0.1;
   scenario.partner.events.clear();
   scenario.faults.clear();

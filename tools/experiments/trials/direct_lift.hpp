@@ -6,7 +6,7 @@
 #include <string>
 
 #include "control/config/config.hpp"
-#include "control/session/watch.hpp"
+#include "control/session/perception_session.hpp"
 #include "control/test_lift/test_lift.hpp"
 #include "hal/types/geometry.hpp"
 #include "hal/types/result.hpp"
@@ -19,7 +19,7 @@ namespace colift::experiments {
 struct DirectLift {
   bool held = false;           ///< The hand closed on the object and every finger is stopped by it.
   bool lifted = false;         ///< ... and it was still held at the end of the time at the top.
-  std::string because;         ///< Why not.
+  std::string reason;          ///< Why not.
   double tilt_deg = NAN;       ///< Mean at the top.
   double most_tilt_deg = 0.0;  ///< Largest since the hand closed.
   double share_robot = NAN;    ///< The robot's part of the vertical force, mean at the top.
@@ -29,14 +29,14 @@ struct DirectLift {
   bool hit_something = false;
   /// What the arm's external torques said at the top, mean: wrench on the hand about the palm's origin, and
   /// where that was (W).
-  hal::Wrench felt;
+  hal::Wrench measured;
   hal::Vec3 palm_W = hal::Vec3::Zero();
 };
 
 /// Who looks on: asked with every frame of the scenario's camera from the closing of the hand to the end.
 /// While the arm raises, his answer is how it goes on (slowly: config.task.slow_fraction).
 enum class LiftPart { Before, Raising, Top };
-using LiftEye = std::function<control::Raise(hal::DepthFrame, const control::RobotPosture&, LiftPart)>;
+using LiftObserver = std::function<control::Raise(hal::DepthFrame, const control::RobotPosture&, LiftPart)>;
 
 /// Carries out a grasp that was decided elsewhere: the arm starts at the pre-grasp of `plan`, goes straight
 /// in, closes, waits until the partner of the scenario holds (he is there from the start), lifts by
@@ -45,6 +45,6 @@ using LiftEye = std::function<control::Raise(hal::DepthFrame, const control::Rob
 [[nodiscard]] hal::Result<DirectLift> lift_directly(sim_hal::Scenario scenario,
                                                     const planner::MotionPlan& plan,
                                                     const control::Config& config, std::uint64_t seed,
-                                                    const LiftEye& eye = {});
+                                                    const LiftObserver& eye = {});
 
 }  // namespace colift::experiments

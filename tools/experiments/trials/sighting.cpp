@@ -52,7 +52,7 @@ control::Config config_for(control::Method method, const std::optional<control::
   return resolved_for(method, task, share).config;
 }
 
-struct Sighting::Impl {
+struct Observation::Impl {
   Impl(control::Method m, std::uint64_t seed, std::unique_ptr<sim_hal::SimWorld> w, double height)
       : method(m),
         config(config_for(m)),
@@ -73,7 +73,7 @@ struct Sighting::Impl {
   void set_scene() {
     planner.set_scene(
         std::make_shared<planner::CollisionScene>(planner::make_collision_scene(
-            watch.map(), watch.look().scene.ground->plane, watch.partner_points(), config.motion.scene)),
+            watch.map(), watch.analysis().scene.ground->plane, watch.partner_points(), config.motion.scene)),
         watch.map(), hal::Vec3::UnitZ());
   }
 
@@ -85,9 +85,9 @@ struct Sighting::Impl {
         watch.add_reference(std::move(*frame), posture());
     }
     if (auto seen = watch.understand(posture()); !seen) return seen;
-    if (!watch.look().scene.target) return tl::unexpected(missing(watch.look().because));
+    if (!watch.analysis().scene.target) return tl::unexpected(missing(watch.analysis().reason));
     set_scene();
-    planner.judge(watch.look().candidates, lift_height_m);
+    planner.judge(watch.analysis().candidates, lift_height_m);
     return {};
   }
 
@@ -99,14 +99,14 @@ struct Sighting::Impl {
       if (!frame) continue;
       auto sight = watch.watch_partner(std::move(*frame), posture());
       if (!sight) return tl::unexpected(sight.error());
-      note = sight->partner.because;
+      note = sight->partner.reason;
       if (!sight->event || sight->event->kind != perception::PartnerEvent::Kind::Grasped) continue;
       partner = watch.tracker().grasp();
       true_partner = world->truth().partner_W.value_or(sim_hal::object_pose(world->scenario().object) *
                                                        world->scenario().partner.grasp);
       set_scene();
       // now that he stands there, his arms are in some ways
-      planner.judge(watch.look().candidates, lift_height_m);
+      planner.judge(watch.analysis().candidates, lift_height_m);
       return {};
     }
     return tl::unexpected(missing("the partner's grasp: " + note));
@@ -117,19 +117,19 @@ struct Sighting::Impl {
   double lift_height_m;
   NoClock clock;
   std::unique_ptr<sim_hal::SimWorld> world;
-  control::Watch watch;
+  control::PerceptionSession watch;
   planner::MotionPlanner planner;
   std::unique_ptr<hal::DepthCamera> eye;
   std::optional<perception::PartnerGrasp> partner;
   hal::Vec3 true_partner = hal::Vec3::Zero(), true_cog = hal::Vec3::Zero();
 };
 
-Sighting::Sighting(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-Sighting::~Sighting() = default;
+Observation::Observation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Observation::~Observation() = default;
 
-hal::Result<std::unique_ptr<Sighting>> Sighting::make(const sim_hal::Scenario& scenario,
-                                                      control::Method method, std::uint64_t seed,
-                                                      double lift_height_m) {
+hal::Result<std::unique_ptr<Observation>> Observation::make(const sim_hal::Scenario& scenario,
+                                                            control::Method method, std::uint64_t seed,
+                                                            double lift_height_m) {
   auto world = sim_hal::SimWorld::make(scenario, hal::built_in_robot(), seed, sim_hal::SimConfig{});
   if (!world) return tl::unexpected(world.error());
   auto impl = std::make_unique<Impl>(method, seed, std::move(*world), lift_height_m);
@@ -142,46 +142,46 @@ hal::Result<std::unique_ptr<Sighting>> Sighting::make(const sim_hal::Scenario& s
   if (scenario.partner.kind != "none") {
     if (auto seen = impl->see_partner(*camera); !seen) return tl::unexpected(seen.error());
   }
-  return std::unique_ptr<Sighting>(new Sighting(std::move(impl)));
+  return std::unique_ptr<Observation>(new Observation(std::move(impl)));
 }
 
-const control::Look& Sighting::look() const {
-  return impl_->watch.look();
+const control::SceneAnalysis& Observation::analysis() const {
+  return impl_->watch.analysis();
 }
-const std::optional<perception::PartnerGrasp>& Sighting::partner() const {
+const std::optional<perception::PartnerGrasp>& Observation::partner() const {
   return impl_->partner;
 }
-const hal::Vec3& Sighting::true_partner() const {
+const hal::Vec3& Observation::true_partner() const {
   return impl_->true_partner;
 }
-const hal::Vec3& Sighting::true_cog() const {
+const hal::Vec3& Observation::true_cog() const {
   return impl_->true_cog;
 }
 
-control::Watch& Sighting::watch() {
+control::PerceptionSession& Observation::watch() {
   return impl_->watch;
 }
-sim_hal::SimWorld& Sighting::world() {
+sim_hal::SimWorld& Observation::world() {
   return *impl_->world;
 }
-hal::DepthCamera& Sighting::camera() {
+hal::DepthCamera& Observation::camera() {
   return *impl_->eye;
 }
 
-hal::Result<control::Outcome> Sighting::decide(const control::Config& config) {
+hal::Result<control::Outcome> Observation::decide(const control::Config& config) {
   return decide_for(*impl_->partner, config);
 }
 
-hal::Result<control::Outcome> Sighting::decide_for(const perception::PartnerGrasp& partner,
-                                                   const control::Config& config) {
-  return control::decide_for(impl_->watch.look(), partner, config, impl_->clock,
+hal::Result<control::Outcome> Observation::decide_for(const perception::PartnerGrasp& partner,
+                                                      const control::Config& config) {
+  return control::decide_for(impl_->watch.analysis(), partner, config, impl_->clock,
                              [this](std::vector<planner::GraspCandidate>& more) {
                                impl_->planner.judge(more, impl_->lift_height_m);
                              });
 }
 
-hal::Result<control::Outcome> Sighting::decide(const control::Config& config, const hal::Vec3& cog) {
-  hal::Vec3& believed = impl_->watch.look().scene.target->cog;
+hal::Result<control::Outcome> Observation::decide(const control::Config& config, const hal::Vec3& cog) {
+  hal::Vec3& believed = impl_->watch.analysis().scene.target->cog;
   const hal::Vec3 before = believed;
   if ((cog - before).norm() > kRenewed_m) believed = cog;
   auto outcome = decide(config);
@@ -189,7 +189,7 @@ hal::Result<control::Outcome> Sighting::decide(const control::Config& config, co
   return outcome;
 }
 
-hal::Result<planner::MotionPlan> Sighting::plan(const planner::GraspCandidate& grasp) {
+hal::Result<planner::MotionPlan> Observation::plan(const planner::GraspCandidate& grasp) {
   return impl_->planner.plan(sim_hal::SimConfig::home_rad(), grasp, impl_->lift_height_m);
 }
 

@@ -7,7 +7,7 @@
 
 #include "control/config/resolve_config.hpp"
 #include "control/session/decide.hpp"
-#include "control/session/watch.hpp"
+#include "control/session/perception_session.hpp"
 #include "hal/types/result.hpp"
 #include "planner/motion/motion_planner.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
@@ -34,17 +34,18 @@ struct SharedHand {
 
 /// What the robot knows before it moves: the scene, the partner's grasp, a planner for the ways. Made as a
 /// run makes it, on a simulated camera, with the arm at rest at home. One thread.
-class Sighting {
+class Observation {
  public:
   /// Errors: NotFound (no target, or the partner was not seen in time, with the reason), BadConfig (scenario,
   /// or a method that this build lacks).
-  [[nodiscard]] static hal::Result<std::unique_ptr<Sighting>> make(const sim_hal::Scenario& scenario,
-                                                                   control::Method method, std::uint64_t seed,
-                                                                   double lift_height_m);
-  ~Sighting();
+  [[nodiscard]] static hal::Result<std::unique_ptr<Observation>> make(const sim_hal::Scenario& scenario,
+                                                                      control::Method method,
+                                                                      std::uint64_t seed,
+                                                                      double lift_height_m);
+  ~Observation();
 
   /// Of the scene; every candidate that is Ok can be reached.
-  [[nodiscard]] const control::Look& look() const;
+  [[nodiscard]] const control::SceneAnalysis& analysis() const;
   /// Nothing in a scenario without a partner.
   [[nodiscard]] const std::optional<perception::PartnerGrasp>& partner() const;
   [[nodiscard]] const hal::Vec3& true_partner() const;
@@ -58,7 +59,7 @@ class Sighting {
   /// The same with a centre of gravity that is known better. Candidates are those of the look.
   [[nodiscard]] hal::Result<control::Outcome> decide(const control::Config& config, const hal::Vec3& cog);
   /// What goes on after the partner's first grasp, for experiments that watch on.
-  [[nodiscard]] control::Watch& watch();
+  [[nodiscard]] control::PerceptionSession& watch();
   [[nodiscard]] sim_hal::SimWorld& world();
   [[nodiscard]] hal::DepthCamera& camera();
 
@@ -67,7 +68,7 @@ class Sighting {
 
  private:
   struct Impl;
-  explicit Sighting(std::unique_ptr<Impl> impl);
+  explicit Observation(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "control/test_lift/level_grip.hpp"
-#include "control/test_lift/test_lift_eye.hpp"
+#include "control/test_lift/test_lift_observer.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
 #include "tools/experiments/trials/told_partner.hpp"
 
@@ -34,9 +34,9 @@ class Search {
     small_.task.slow_fraction = test_config.slow_fraction;
   }
 
-  GripSearch run(Sighting& first, const sim_hal::Scenario& scenario, const control::Outcome& decided) {
+  GripSearch run(Observation& first, const sim_hal::Scenario& scenario, const control::Outcome& decided) {
     out_.scenario = scenario;
-    sighting_ = &first;
+    observation_ = &first;
     held_.push_back(partner());
     const std::size_t rivals = static_cast<std::size_t>(std::max(0, test_config_.grips - 1));
     std::vector<std::size_t> order = next_best(decided, rivals);
@@ -54,7 +54,7 @@ class Search {
     double share = 0.5, chance = NAN;
   };
 
-  [[nodiscard]] const hal::Vec3& partner() const { return sighting_->partner()->position; }
+  [[nodiscard]] const hal::Vec3& partner() const { return observation_->partner()->position; }
 
   // Grasps that suit any of the places where the centre of gravity may be: nearer to the partner and farther,
   // on either side.
@@ -63,7 +63,7 @@ class Search {
     config.decision.max_lever_m = control::kNoLever_m;
     std::vector<planner::GraspCandidate> all;
     for (const hal::Vec3& cog : control::likely_places(object_, partner(), *belief_)) {
-      const auto outcome = sighting_->decide(config, cog);
+      const auto outcome = observation_->decide(config, cog);
       if (!outcome) continue;
       for (const planner::GraspCandidate& c : outcome->candidates) {
         const bool known = !possible(c) || std::any_of(all.begin(), all.end(), [&](const auto& k) {
@@ -90,7 +90,7 @@ class Search {
     }
     auto all = grasps();
     all.erase(std::remove_if(all.begin(), all.end(), failed), all.end());
-    const auto grip = next_grip(all, partner(), felt_, *belief_, kWantedShare, test_config_);
+    const auto grip = next_grip(all, partner(), measured_, *belief_, kWantedShare, test_config_);
     if (!grip) return std::nullopt;
     return Choice{all[grip->index], grip->share, grip->chance};
   }
@@ -103,12 +103,12 @@ class Search {
     tried.asked = static_cast<int>(out_.told.size());
     tried.chance = choice.chance;
     const hal::Vec3 grasp = planner::load_point(choice.grasp);
-    control::TestLiftEye eye(object_, partner(), grasp, test_config_);
-    sighting_->watch().object_stands_again();
-    tried.lift = try_grasp(*sighting_, out_.scenario, choice.grasp, small_, seed_,
+    control::TestLiftObserver eye(object_, partner(), grasp, test_config_);
+    observation_->watch().object_stands_again();
+    tried.lift = try_grasp(*observation_, out_.scenario, choice.grasp, small_, seed_,
                            [&](hal::DepthFrame frame, const control::RobotPosture& robot, LiftPart part) {
                              const hal::Timestamp at = frame.exposed_at;
-                             const auto motion = sighting_->watch().watch_object(std::move(frame), robot);
+                             const auto motion = observation_->watch().watch_object(std::move(frame), robot);
                              if (!motion) return eye.said();
                              if (part == LiftPart::Top) eye.at_top(at, *motion);
                              return part == LiftPart::Raising ? eye.rising(*motion) : eye.said();
@@ -117,19 +117,19 @@ class Search {
     const auto moved = eye.moved();
     const auto fails = [&](std::string why) {
       failed_.push_back(grasp);
-      out_.because = tried.because = std::move(why);
+      out_.reason = tried.reason = std::move(why);
       return false;
     };
-    if (!tried.lift.lifted) return fails("test lift: " + tried.lift.because);
+    if (!tried.lift.lifted) return fails("test lift: " + tried.lift.reason);
     if (!moved) return fails("the camera did not see the object");
-    felt_.push_back(
-        {tried.lift.felt, tried.lift.palm_W, partner(), grasp, *moved, tried.drift_rad_s, choice.share});
-    auto known = understand_test_lift(object_, felt_, test_config_);
+    measured_.push_back(
+        {tried.lift.measured, tried.lift.palm_W, partner(), grasp, *moved, tried.drift_rad_s, choice.share});
+    auto known = understand_test_lift(object_, measured_, test_config_);
     if (!known) {
-      felt_.pop_back();
+      measured_.pop_back();
       return fails(known.error().text());
     }
-    out_.because = tried.because = known->because;
+    out_.reason = tried.reason = known->reason;
     belief_ = known->belief;
     tried.known = std::move(*known);
     return tried.known->next != control::TestLift::Next::Regrasp;
@@ -142,7 +142,7 @@ class Search {
     for (int grip = 0; grip < test_config_.grips; ++grip) {
       const auto choice = next();
       if (!choice) {
-        out_.because += "; no grasp fits it";
+        out_.reason += "; no feasible grasp it";
         break;
       }
       if (try_grip(*choice)) {
@@ -150,11 +150,11 @@ class Search {
         return true;
       }
     }
-    double least_tilt_rad = INFINITY;
+    double min_tilt_rad = INFINITY;
     for (std::size_t i = begun; i < out_.tried.size(); ++i) {
       const auto& known = out_.tried[i].known;
-      if (!known || !known->bearable || known->seen.tilt_rad >= least_tilt_rad) continue;
-      least_tilt_rad = known->seen.tilt_rad;
+      if (!known || !known->bearable || known->seen.tilt_rad >= min_tilt_rad) continue;
+      min_tilt_rad = known->seen.tilt_rad;
       out_.level = i;
     }
     return out_.level.has_value();
@@ -164,22 +164,22 @@ class Search {
   bool ask() {
     while (belief_ && static_cast<int>(out_.told.size()) < test_config_.asks) {
       const auto place =
-          control::next_place(sighting_->look().candidates, grasps(), held_, *belief_, test_config_);
+          control::next_place(observation_->analysis().candidates, grasps(), held_, *belief_, test_config_);
       if (!place) {
-        out_.because += "; nor is there a better place for the partner";
+        out_.reason += "; nor is there a better place for the partner";
         return false;
       }
       out_.told.push_back(*place);
       out_.scenario =
           partner_goes_to(out_.scenario, place->position, sim_hal::hash(seed_, kTold, out_.told.size()));
-      auto seen = Sighting::make(out_.scenario, method_, seed_, config_.task.lift_height_m);
+      auto seen = Observation::make(out_.scenario, method_, seed_, config_.task.lift_height_m);
       if (!seen) {
-        out_.because = fmt::format("told to {}; {}", place->because, seen.error().text());
+        out_.reason = fmt::format("told to {}; {}", place->reason, seen.error().text());
         held_.insert(held_.begin(), place->position);
         continue;
       }
       out_.elsewhere = std::move(*seen);
-      sighting_ = out_.elsewhere.get();
+      observation_ = out_.elsewhere.get();
       held_.insert(held_.begin(), partner());
       return true;
     }
@@ -193,22 +193,22 @@ class Search {
   std::uint64_t seed_;
   control::Config small_;
   GripSearch out_;
-  Sighting* sighting_ = nullptr;
+  Observation* observation_ = nullptr;
   std::vector<hal::Vec3> held_;    // where the partner holds, and held before
   std::vector<hal::Vec3> failed_;  // grips that told nothing, while he holds there
   std::vector<Choice> unknowing_;  // the decision's own, best first
-  std::vector<control::FeltLift> felt_;
+  std::vector<control::MeasuredLift> measured_;
   std::optional<control::CogBelief> belief_;
 };
 
 }  // namespace
 
-GripSearch search_level_grip(Sighting& sighting, const sim_hal::Scenario& scenario,
+GripSearch search_level_grip(Observation& observation, const sim_hal::Scenario& scenario,
                              const control::Outcome& decided, control::Method method,
                              const control::Config& config, const control::TestLiftConfig& test_config,
                              std::uint64_t seed) {
-  const control::CarriedObject object = control::carried_object(*sighting.look().scene.target);
-  return Search(object, method, config, test_config, seed).run(sighting, scenario, decided);
+  const control::CarriedObject object = control::carried_object(*observation.analysis().scene.target);
+  return Search(object, method, config, test_config, seed).run(observation, scenario, decided);
 }
 
 }  // namespace colift::experiments

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "control/test_lift/next_place.hpp"
+#include "control/test_lift/partner_request.hpp"
 #include "control/test_lift/test_lift.hpp"
 #include "tools/experiments/trials/tried_grasps.hpp"
 
@@ -19,16 +19,16 @@ struct TriedGrip {
   DirectLift lift;      ///< Of a few millimetres.
   double drift_rad_s = 0.0;
   std::optional<control::TestLift> known;
-  std::string because;  ///< What was learnt, or why nothing was.
+  std::string reason;  ///< What was learnt, or why nothing was.
 };
 
 struct GripSearch {
-  std::vector<TriedGrip> tried;              ///< At least one.
-  std::optional<std::size_t> level = {};     ///< The one that may be lifted.
-  std::vector<control::PartnerPlace> told;   ///< Where the partner was asked to take hold, in order.
-  sim_hal::Scenario scenario;                ///< With the partner where he holds at the end,
-  std::unique_ptr<Sighting> elsewhere = {};  ///< and what is seen then; none where nobody was asked.
-  std::string because;
+  std::vector<TriedGrip> tried;                 ///< At least one.
+  std::optional<std::size_t> level = {};        ///< The one that may be lifted.
+  std::vector<control::PartnerRequest> told;    ///< Where the partner was asked to take hold, in order.
+  sim_hal::Scenario scenario;                   ///< With the partner where he holds at the end,
+  std::unique_ptr<Observation> elsewhere = {};  ///< and what is seen then; none where nobody was asked.
+  std::string reason;
 };
 
 /// Test lifts, beginning with the decision's grasp: takes hold, raises slowly until the camera has seen
@@ -37,7 +37,7 @@ struct GripSearch {
 /// hold elsewhere (control::next_place) and goes there (partner_goes_to()); all is seen anew, and what was
 /// learnt is kept. A grasp without a way, and a grip that comes off, count as tried. Each test lift in a
 /// world of its own, where the object stands as it stood. `decided` chose a grasp with `config`.
-[[nodiscard]] GripSearch search_level_grip(Sighting& sighting, const sim_hal::Scenario& scenario,
+[[nodiscard]] GripSearch search_level_grip(Observation& observation, const sim_hal::Scenario& scenario,
                                            const control::Outcome& decided, control::Method method,
                                            const control::Config& config,
                                            const control::TestLiftConfig& test_config, std::uint64_t seed);

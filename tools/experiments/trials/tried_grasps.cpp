@@ -40,18 +40,18 @@ std::vector<std::size_t> next_best(const control::Outcome& outcome, std::size_t 
   return rivals;
 }
 
-DirectLift try_grasp(Sighting& sighting, const sim_hal::Scenario& scenario,
+DirectLift try_grasp(Observation& observation, const sim_hal::Scenario& scenario,
                      const planner::GraspCandidate& grasp, const control::Config& config, std::uint64_t seed,
-                     const LiftEye& eye) {
+                     const LiftObserver& eye) {
   DirectLift lift;
-  const auto plan = sighting.plan(grasp);
+  const auto plan = observation.plan(grasp);
   if (!plan) {
-    lift.because = "no way: " + plan.error().detail;
+    lift.reason = "no way: " + plan.error().detail;
     return lift;
   }
   auto done = lift_directly(scenario, *plan, config, seed, eye);
   if (!done) {
-    lift.because = done.error().text();
+    lift.reason = done.error().text();
     return lift;
   }
   return *done;

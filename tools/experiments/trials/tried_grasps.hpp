@@ -20,9 +20,9 @@ namespace colift::experiments {
 [[nodiscard]] std::vector<std::size_t> next_best(const control::Outcome& outcome, std::size_t n);
 
 /// Plans a way and lifts. A grasp without a way gives a lift that is not held, with the reason.
-[[nodiscard]] DirectLift try_grasp(Sighting& sighting, const sim_hal::Scenario& scenario,
+[[nodiscard]] DirectLift try_grasp(Observation& observation, const sim_hal::Scenario& scenario,
                                    const planner::GraspCandidate& grasp, const control::Config& config,
-                                   std::uint64_t seed, const LiftEye& eye = {});
+                                   std::uint64_t seed, const LiftObserver& eye = {});
 
 /// "a", "b", ..., "z", "aa": names of the grasps of a figure.
 [[nodiscard]] std::string letter(std::size_t index);

@@ -124,7 +124,7 @@ Json status() {
                  {"because", text("why it came into this state")},
                  {"waits_for", text()},
                  {"doing", text()},
-                 {"done", maybe("part of the state's work, 0 to 1")},
+                 {"done", maybe("progress of the state, 0 to 1")},
                  {"partner", maybe_point()},
                  {"partner_note", text()}});
 }
@@ -168,7 +168,7 @@ Json plan() {
                  {"transit_s", number()},
                  {"approach_s", number()},
                  {"postures", list(list(number("rad, A1 to A7")))},
-                 {"palm", list(list(number("m, the palm's way in world")))}});
+                 {"palm", list(list(number("m, path of the palm in world")))}});
 }
 
 Json devices() {

@@ -64,7 +64,7 @@ void add_candidate(Entities& out, const planner::GraspCandidate& c) {
   const bool chosen = c.verdict == planner::Verdict::Chosen;
   Json& entity =
       out.add(fmt::format("candidate {}", c.id),
-              Json::array({pair_json("verdict", verdict_word(c.verdict)), pair_json("because", c.because),
+              Json::array({pair_json("verdict", verdict_word(c.verdict)), pair_json("because", c.reason),
                            pair_json("kind", planner::name_of(c.kind)),
                            pair_json("width_m", fmt::format("{:.4f}", c.width))}));
   const double length = chosen ? 2.0 * kLength : kLength;
@@ -72,7 +72,7 @@ void add_candidate(Entities& out, const planner::GraspCandidate& c) {
                                         chosen ? 0.012 : 0.006, colour_of(c.verdict)));
 }
 
-void add_way(Entities& out, const std::vector<hal::Vec3>& way) {
+void add_path(Entities& out, const std::vector<hal::Vec3>& way) {
   Json points = Json::array();
   for (const hal::Vec3& p : way) points.push_back(xyz(p));
   out.add("way")["lines"].push_back({{"type", 0},
@@ -122,17 +122,17 @@ GripperView gripper_view(const hal::RobotModel& model, const hal::Pose& X_WH) {
   return view;
 }
 
-SceneView scene_view(const control::Look& look) {
+SceneView scene_view(const control::SceneAnalysis& analysis) {
   SceneView view;
-  view.ground = look.scene.ground;
-  if (const auto& target = look.scene.target) {
+  view.ground = analysis.scene.ground;
+  if (const auto& target = analysis.scene.target) {
     view.target_center = target->obb.center;
     view.cog = target->cog;
     view.target = target->obb;
     view.shape = target->shape;
   }
-  view.surfaces = look.scene.surfaces;
-  view.candidates = look.candidates;
+  view.surfaces = analysis.scene.surfaces;
+  view.candidates = analysis.candidates;
   return view;
 }
 
@@ -165,7 +165,7 @@ std::string scene_message(hal::Timestamp at, const SceneView& s) {
     out.add("optimum")["spheres"].push_back(
         solid_json(pose_of(*s.optimum), hal::Vec3::Constant(0.02), {0.0, 0.62, 0.45, 0.5}));
   if (s.gripper) add_gripper(out, *s.gripper);
-  if (!s.way_W.empty()) add_way(out, s.way_W);
+  if (!s.path_W.empty()) add_path(out, s.path_W);
   return dumped(out.take());
 }
 

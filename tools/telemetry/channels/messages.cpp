@@ -103,7 +103,7 @@ std::string status_message(const control::JobStatus& s) {
   return dumped({{"t", hal::seconds(s.now)},
                  {"state", control::word(s.state)},
                  {"in_state_s", hal::seconds(s.now - s.since)},
-                 {"because", s.because},
+                 {"because", s.reason},
                  {"waits_for", control::waits_for(s.state)},
                  {"doing", s.doing},
                  {"done", number_json(s.done)},
@@ -112,7 +112,7 @@ std::string status_message(const control::JobStatus& s) {
 }
 
 std::string change_message(const control::StateChange& c) {
-  return dumped({{"t", hal::seconds(c.at)}, {"state", control::word(c.state)}, {"because", c.because}});
+  return dumped({{"t", hal::seconds(c.at)}, {"state", control::word(c.state)}, {"because", c.reason}});
 }
 
 std::string devices_message(const std::vector<NamedHealth>& devices) {
@@ -135,14 +135,14 @@ std::string timing_message(const CycleSummary& s) {
                  {"lost_samples", s.lost_samples}});
 }
 
-std::string stages_message(const control::StageTimes& look, double decision_ms,
+std::string stages_message(const control::StageTimes& analysis, double decision_ms,
                            const control::RunTiming& timing) {
   return dumped({{"look_ms",
-                  {{"ground", look.ground},
-                   {"target", look.target},
-                   {"surfaces", look.surfaces},
-                   {"candidates", look.candidates},
-                   {"total", look.total}}},
+                  {{"ground", analysis.ground},
+                   {"target", analysis.target},
+                   {"surfaces", analysis.surfaces},
+                   {"candidates", analysis.candidates},
+                   {"total", analysis.total}}},
                  {"decision_ms", decision_ms},
                  {"decision_compute_ms", timing.decision_compute_ms},
                  {"plan_ms", timing.plan_ms},
@@ -175,7 +175,7 @@ std::string decision_message(const DecisionView& view) {
               {"closing", list_of(c.closing)},
               {"width", number_json(c.width)},
               {"verdict", verdict_word(c.verdict)},
-              {"because", c.because},
+              {"because", c.reason},
               {"stability", number_json(c.stability)},
               {"share", nullptr},
               {"cost", nullptr}};
@@ -194,12 +194,12 @@ std::string decision_message(const DecisionView& view) {
                  {"chosen", d.chosen ? Json(o.candidates[*d.chosen].id) : Json(nullptr)},
                  {"share", d.chosen ? number_json(d.share) : Json(nullptr)},
                  {"cost", d.chosen ? number_json(d.cost) : Json(nullptr)},
-                 {"because", d.because},
+                 {"because", d.reason},
                  {"optimum", list_of(d.optimum)},
                  {"partner", point(partner)},
                  {"partner_sigma", point(sigma)},
                  {"partner_points", o.partner ? o.partner->points : 0},
-                 {"partner_because", o.partner_because},
+                 {"partner_because", o.partner_reason},
                  {"cog", point(view.cog)},
                  {"candidates", std::move(all)}});
 }

@@ -52,7 +52,7 @@ struct CycleSummary {
   std::optional<double> period_ms_max, answer_us_mean, answer_us_max;
 };
 [[nodiscard]] std::string timing_message(const CycleSummary& summary);
-[[nodiscard]] std::string stages_message(const control::StageTimes& look, double decision_ms,
+[[nodiscard]] std::string stages_message(const control::StageTimes& analysis, double decision_ms,
                                          const control::RunTiming& timing);
 
 /// Force and share as they are now.
@@ -99,9 +99,9 @@ struct SceneView {
   std::optional<perception::PartnerGrasp> partner;
   std::optional<hal::Vec3> optimum;
   std::optional<GripperView> gripper;
-  std::vector<hal::Vec3> way_W;
+  std::vector<hal::Vec3> path_W;
 };
-[[nodiscard]] SceneView scene_view(const control::Look& look);
+[[nodiscard]] SceneView scene_view(const control::SceneAnalysis& analysis);
 [[nodiscard]] std::string scene_message(hal::Timestamp at, const SceneView& scene);
 
 /// A part of the collision world, small enough to be sent: the cells near the robot, copied.

@@ -20,7 +20,7 @@ struct McapReader::Cursor::Walk : McapWalk {
   using McapWalk::McapWalk;
 };
 
-McapReader::Cursor::Cursor(std::unique_ptr<Walk> walk) : walk_(std::move(walk)) {}
+McapReader::Cursor::Cursor(std::unique_ptr<Walk> ramp) : walk_(std::move(ramp)) {}
 McapReader::Cursor::~Cursor() = default;
 McapReader::Cursor::Cursor(Cursor&&) noexcept = default;
 std::optional<Message> McapReader::Cursor::next() {
@@ -53,10 +53,10 @@ hal::Result<McapReader> McapReader::open(std::unique_ptr<ByteSource> source, con
 }
 
 McapInfo McapReader::scan() const {
-  McapWalk walk(*source_, nullptr, {});
-  while (walk.next()) {
+  McapWalk ramp(*source_, nullptr, {});
+  while (ramp.next()) {
   }
-  McapInfo info = std::move(walk.info());
+  McapInfo info = std::move(ramp.info());
   info.statistics.schemas = static_cast<std::uint16_t>(info.schemas.size());
   info.statistics.channels = static_cast<std::uint32_t>(info.channels.size());
   info.complete = info_.complete;

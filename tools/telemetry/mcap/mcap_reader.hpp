@@ -62,7 +62,7 @@ class McapReader {
    private:
     friend class McapReader;
     struct Walk;
-    explicit Cursor(std::unique_ptr<Walk> walk);
+    explicit Cursor(std::unique_ptr<Walk> ramp);
     std::unique_ptr<Walk> walk_;
   };
   /// All messages, or those of some topics.

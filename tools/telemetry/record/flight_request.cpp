@@ -108,7 +108,7 @@ std::optional<fs::path> FlightPost::asked() {
   return fs::path(file);
 }
 
-hal::Result<> ask_for_flight(const fs::path& file, std::optional<pid_t> run, double patience_s) {
+hal::Result<> ask_for_flight(const fs::path& file, std::optional<pid_t> run, double timeout_s) {
   const auto folder = own_folder();
   if (!folder) return tl::unexpected(folder.error());
   if (!run) run = newest_run(*folder);
@@ -127,12 +127,12 @@ hal::Result<> ask_for_flight(const fs::path& file, std::optional<pid_t> run, dou
   if (error) return hal::failure(hal::ErrorCode::NotReady, asking.string(), error.message());
 
   using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + std::chrono::duration<double>(patience_s);
+  const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
   while (fs::exists(asking, error)) {
     if (Clock::now() > end) {
       fs::remove(asking, error);
       return hal::failure(hal::ErrorCode::Timeout, "snapshot",
-                          fmt::format("process {} did not answer within {:.0f} s", *run, patience_s));
+                          fmt::format("process {} did not answer within {:.0f} s", *run, timeout_s));
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }

@@ -35,7 +35,7 @@ class FlightPost {
 /// Asks the newest run of this user, or the given one, to write its last seconds to `file`, and waits until
 /// it has. Errors: NotFound (no such run), Timeout (it did not answer), BadInput (it could not write).
 [[nodiscard]] hal::Result<> ask_for_flight(const std::filesystem::path& file, std::optional<pid_t> run,
-                                           double patience_s);
+                                           double timeout_s);
 
 /// Where last seconds go when nobody said where: $XDG_STATE_HOME/colift or ~/.local/state/colift.
 [[nodiscard]] std::filesystem::path flight_folder();

@@ -161,12 +161,12 @@ struct RunTelemetry::Impl {
     }
   }
 
-  void tell_look(hal::Timestamp at, const control::Look& look) {
+  void tell_look(hal::Timestamp at, const control::SceneAnalysis& analysis) {
     look_told = true;
-    scene = scene_view(look);
-    if (look.scene.target) cog = look.scene.target->cog;
+    scene = scene_view(analysis);
+    if (analysis.scene.target) cog = analysis.scene.target->cog;
     publish_scene(at);
-    log(at, Level::Info, "look", look.because);
+    log(at, Level::Info, "look", analysis.reason);
   }
 
   /// The job makes its collision world once; here it is only copied, encoded where somebody wants it.
@@ -195,7 +195,7 @@ struct RunTelemetry::Impl {
     scene.candidates = outcome.candidates;
     scene.partner = outcome.partner;
     scene.optimum = outcome.decision.optimum;
-    scene.way_W.clear();
+    scene.path_W.clear();
     scene.gripper.reset();
     share_predicted.reset();
     if (outcome.decision.chosen) {
@@ -208,28 +208,29 @@ struct RunTelemetry::Impl {
     if (record.plan && (s.state == Task::Approach || !plan_told)) {
       plan_told = true;
       const PlanView plan = plan_view(t_s, *record.plan, *setting.model);
-      scene.way_W = plan.palm_W;
+      scene.path_W = plan.palm_W;
       publish(
           Topic::Plan, at, [plan] { return plan_message(plan); }, 8192);
     }
     publish_scene(at);
     publish(Topic::Stages, at,
-            [look = record.look ? record.look->ms : control::StageTimes{}, ms = outcome.decision_ms,
-             t = record.timing] { return stages_message(look, ms, t); });
+            [analysis = record.analysis ? record.analysis->ms : control::StageTimes{},
+             ms = outcome.decision_ms, t = record.timing] { return stages_message(analysis, ms, t); });
   }
 
   void on_status(const control::JobStatus& s) {
     // the hook may come before the first cycle's end
     const hal::Timestamp at = time();
     const control::RunRecord& record = *s.record;
-    if (!look_told && record.look) tell_look(at, *record.look);
-    if (!map_told && s.map && record.look->scene.ground) tell_map(at, *s.map, *record.look->scene.ground);
+    if (!look_told && record.analysis) tell_look(at, *record.analysis);
+    if (!map_told && s.map && record.analysis->scene.ground)
+      tell_map(at, *s.map, *record.analysis->scene.ground);
     const bool changed = states_told != record.states.size();
     for (; states_told < record.states.size(); ++states_told) {
       const control::StateChange change = record.states[states_told];
       publish(Topic::Change, at, [change] { return change_message(change); });
-      log(at, Level::Info, "task", fmt::format("{}: {}", control::word(change.state), change.because));
-      if (change.state == Task::Stopped || change.state == Task::Aborted) fault(change.because);
+      log(at, Level::Info, "task", fmt::format("{}: {}", control::word(change.state), change.reason));
+      if (change.state == Task::Stopped || change.state == Task::Aborted) fault(change.reason);
     }
     if (changed && (state == Task::Decide || state == Task::Plan)) tell_decision(at, s);
     state = s.state;

@@ -87,8 +87,8 @@ class TappedCamera final : public hal::DepthCamera {
   hal::Result<> activate() override { return noted(book_, camera_->activate()); }
   void deactivate() noexcept override { camera_->deactivate(); }
   [[nodiscard]] hal::DeviceHealth health() const override { return camera_->health(); }
-  hal::Result<hal::DepthFrame> next_frame(std::chrono::milliseconds patience) override {
-    auto frame = camera_->next_frame(patience);
+  hal::Result<hal::DepthFrame> next_frame(std::chrono::milliseconds timeout) override {
+    auto frame = camera_->next_frame(timeout);
     if (!book_.listens) return frame;
     CameraReading reading;
     if (frame) {

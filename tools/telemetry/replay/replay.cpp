@@ -159,7 +159,7 @@ hal::Result<ReplayReport> replay(const McapReader& file, const std::string& name
   compare(recorded_words(file), listener.said, cut, report);
   report.cycles = tape.cycles();
   report.notes = tape.notes();
-  if (cut) report.notes.push_back("the recording holds a part of the run: it was replayed up to there");
+  if (cut) report.notes.push_back("the recording is incomplete: it was replayed up to its end");
   report.record = std::move(*record);
   return report;
 }

@@ -26,7 +26,7 @@ struct ReportCandidate {
   std::optional<double> cost = std::nullopt;
   std::optional<double> stability = std::nullopt;
   double width_m = 0.0;
-  std::string because = {};
+  std::string reason = {};
 };
 
 struct ReportTime {

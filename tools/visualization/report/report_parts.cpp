@@ -165,7 +165,7 @@ std::string report_time_line(const std::vector<ReportStep>& steps) {
         "<td class=\"when\"><i style=\"margin-left:{:.2f}%;width:{:.2f}%\"></i></td><td "
         "class=\"why\">{}</td></tr>\n",
         step.from_s, lasts ? fmt::format("{:.2f} s", step.to_s - step.from_s) : "", class_of(step.tone),
-        html_escaped(step.state), std::min(from, 99.0), std::max(part, 0.0), html_escaped(step.because));
+        html_escaped(step.state), std::min(from, 99.0), std::max(part, 0.0), html_escaped(step.reason));
   }
   return out + "</tbody></table></div>\n";
 }
@@ -206,7 +206,7 @@ std::string report_candidates(const std::vector<ReportCandidate>& candidates) {
         "<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"why\">{}</td></tr>\n",
         c.verdict == planner::Verdict::Chosen ? " class=\"chosen\"" : "", c.id, html_escaped(c.kind),
         chip(style_of(c.verdict)), number(percent, "{:.1f} %"), number(c.cost, "{:.4g}"),
-        number(c.stability, "{:.2f}"), number(100 * c.width_m, "{:.1f} cm"), html_escaped(c.because));
+        number(c.stability, "{:.2f}"), number(100 * c.width_m, "{:.1f} cm"), html_escaped(c.reason));
   }
   return out + "</tbody></table></div>\n";
 }

@@ -20,7 +20,7 @@ enum class ReportTone { Plain, Good, Bad, Odd };
 
 struct ReportStep {
   double from_s = 0.0, to_s = 0.0;
-  std::string state, because;
+  std::string state, reason;
   ReportTone tone = ReportTone::Plain;
 };
 

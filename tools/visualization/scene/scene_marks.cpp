@@ -83,7 +83,7 @@ std::vector<const perception::Surface*> by_size(const std::vector<perception::Su
 
 void label_surfaces(const CameraView& view, const perception::Scene& scene, Labels& labels) {
   constexpr std::size_t kMost = 7;
-  constexpr double kLeast_px = 45;
+  constexpr double kMin_px = 45;
   std::size_t written = 0;
   for (const perception::Surface* s : by_size(scene.surfaces)) {
     if (written == kMost) return;
@@ -104,7 +104,7 @@ void label_surfaces(const CameraView& view, const perception::Scene& scene, Labe
       words = fmt::format("Ø {} × {} cm", centimetres(2 * bar.radius), centimetres(bar.length));
     }
     const auto at = view.at(center);
-    if (at && longest * view.pixels_per_metre(center) > kLeast_px && labels.place(*at, words, kSizeText, 8))
+    if (at && longest * view.pixels_per_metre(center) > kMin_px && labels.place(*at, words, kSizeText, 8))
       ++written;
   }
 }

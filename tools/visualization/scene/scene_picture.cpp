@@ -16,7 +16,7 @@ namespace colift::picture {
 namespace {
 
 constexpr double kPanelWidth = 460, kMargin = 24;
-constexpr double kTopViewLeast = 360, kTopViewHeading = 28;
+constexpr double kTopViewMin = 360, kTopViewHeading = 28;
 constexpr int kImageWidth = 1280, kEmptyHeight = 520;
 
 }  // namespace
@@ -34,7 +34,7 @@ Canvas draw_scene_picture(const ScenePicture& what) {
   const double legend_end = draw_legend(ruler, legend, what, false);
   const double panel_end = draw_panel(ruler, panel, what, false);
   const bool top_view = has_top_view(what);
-  const double panel_need = panel_end + (top_view ? kTopViewHeading + kTopViewLeast + kMargin : kMargin);
+  const double panel_need = panel_end + (top_view ? kTopViewHeading + kTopViewMin + kMargin : kMargin);
   const int height = static_cast<int>(std::ceil(std::max(legend_end + 16, panel_need)));
 
   Canvas canvas(image_width + static_cast<int>(kPanelWidth), height, kPaper);

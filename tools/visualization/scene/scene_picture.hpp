@@ -32,7 +32,7 @@ struct ScenePicture {
   double hand_opening_m = 0.19;               ///< Of the gripper that is sketched at the chosen grasp.
   double palm_gap_m = 0.03;                   ///< Palm to grasp point, against the approach.
   std::string title;
-  std::string because;  ///< What was decided and why, in a sentence or two.
+  std::string reason;  ///< What was decided and why, in a sentence or two.
   std::vector<std::pair<std::string, std::string>> figures;  ///< More key figures: name, value.
   std::vector<std::string> notes;
 };

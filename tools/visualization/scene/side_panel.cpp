@@ -237,7 +237,7 @@ double item_grid(Canvas& canvas, const Box& area, double y, const std::vector<It
 double draw_panel(Canvas& canvas, const Box& area, const ScenePicture& what, bool draw) {
   double y = area.y;
   if (!what.title.empty()) y = paragraph(canvas, area, y, what.title, kTitle, draw) + 8;
-  if (!what.because.empty()) y = paragraph(canvas, area, y, capitalised(what.because), kBody, draw) + 12;
+  if (!what.reason.empty()) y = paragraph(canvas, area, y, capitalised(what.reason), kBody, draw) + 12;
   if (what.share) {
     y = paragraph(canvas, area, y, "LOAD SHARE", kHeading, draw) + 4;
     y = share_bars(canvas, area, y, *what.share, draw) + 4;

@@ -91,7 +91,7 @@ CanFrame encode_set(std::uint16_t to, Property property, std::int32_t value, Set
 std::string_view to_string(Reject why) noexcept {
   switch (why) {
     case Reject::ForeignId:
-      return "from nobody of the hand";
+      return "from no puck of the hand";
     case Reject::WrongLength:
       return "of a length that this answer never has";
     case Reject::NotAnAnswer:

@@ -28,8 +28,8 @@ const PuckLink::Question& PuckLink::question(Puck puck, Property property) const
   return questions_[index(puck)][number(property)];
 }
 
-const Told& PuckLink::told(Puck puck, Property property) const noexcept {
-  return question(puck, property).told;
+const Reported& PuckLink::reported(Puck puck, Property property) const noexcept {
+  return question(puck, property).reported;
 }
 
 bool PuckLink::pending(Puck puck, Property property) const noexcept {
@@ -133,10 +133,10 @@ void PuckLink::set(Puck puck, Property property, std::int32_t value, bool verify
   q.settings[(q.first + q.size++) % q.settings.size()] = {property, value, verify};
 }
 
-void PuckLink::pump(Duration patience) noexcept {
+void PuckLink::pump(Duration timeout) noexcept {
   CanFrame frame;
   for (int i = 0; i < kMostFrames; ++i) {
-    if (bus_.receive(frame, i == 0 ? patience : Duration::zero()) != CanBus::Received::Frame) break;
+    if (bus_.receive(frame, i == 0 ? timeout : Duration::zero()) != CanBus::Received::Frame) break;
     take(frame);
   }
   const Timestamp now = clock_.now();
@@ -158,7 +158,7 @@ void PuckLink::take(const CanFrame& frame) noexcept {
   } else if (const auto* position = std::get_if<PositionReply>(&*reply)) {
     // the joint's encoder comes along, nobody asks for it
     if (pending(position->puck, Property::P)) {
-      Told& joint = question(position->puck, Property::Jp).told;
+      Reported& joint = question(position->puck, Property::Jp).reported;
       joint = {position->joint.value_or(0), at, at, position->joint.has_value()};
     }
     answer(position->puck, Property::P, position->motor, at);
@@ -177,7 +177,7 @@ void PuckLink::answer(Puck puck, Property property, std::int32_t value, Timestam
     return;
   }
   ++accepted_;
-  q.told = {value, at, q.asked_at, true};
+  q.reported = {value, at, q.asked_at, true};
   open_[index(puck)].reset(number(property));
   lost_[index(puck)].reset(number(property));
 }
@@ -255,7 +255,7 @@ void PuckLink::run_queue(Puck puck, Timestamp now) noexcept {
   if (q.reading_back) {
     if (pending(puck, s.property)) return;
     q.reading_back = false;
-    const Told& now_told = told(puck, s.property);
+    const Reported& now_told = reported(puck, s.property);
     if (!unanswered(puck, s.property) && now_told.asked_at >= q.last_sent && now_told.value == s.value) {
       done();
     } else if (unanswered(puck, s.property) || ++q.tries >= kTries) {

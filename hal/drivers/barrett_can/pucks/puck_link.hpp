@@ -12,7 +12,7 @@
 namespace colift::hal::barrett {
 
 /// A value as a puck last told it.
-struct Told {
+struct Reported {
   std::int32_t value = 0;
   Timestamp at{0};        ///< Of the answer.
   Timestamp asked_at{0};  ///< Of the question, so that an answer from before a command is known as one.
@@ -35,7 +35,7 @@ class PuckLink {
 
   /// Takes in what has come (waiting no longer than `patience` for the first frame), repeats or gives up what
   /// was not answered, and sends what is due.
-  void pump(Duration patience) noexcept;
+  void pump(Duration timeout) noexcept;
 
   void ask(Puck puck, Property property) noexcept;
   /// One frame to the hand's group if its members listen to it; silent pucks are not expected to answer.
@@ -54,7 +54,7 @@ class PuckLink {
   /// A setting that the puck did not take after three tries. Cleared by the asking.
   [[nodiscard]] std::optional<Property> take_refusal(Puck puck) noexcept;
 
-  [[nodiscard]] const Told& told(Puck puck, Property property) const noexcept;
+  [[nodiscard]] const Reported& reported(Puck puck, Property property) const noexcept;
   [[nodiscard]] const PadScan& pad(Puck puck) const noexcept { return pads_[index(puck)].whole; }
   [[nodiscard]] bool pending(Puck puck, Property property) const noexcept;
   /// Asked three times without an answer, and not answered since.
@@ -75,7 +75,7 @@ class PuckLink {
 
  private:
   struct Question {
-    Told told;
+    Reported reported;
     Timestamp asked_at{0};
     std::uint8_t tries = 0;  ///< 0: not pending.
     bool sent = false;

@@ -18,7 +18,7 @@ using hal::kinect::CaptureEnd;
 /// How a session ended.
 struct End {
   CaptureEnd why = CaptureEnd::BadCall;
-  std::string because;
+  std::string reason;
 };
 
 /// One Kinect through libfreenect, from open to the first thing that goes wrong: who wants it again starts

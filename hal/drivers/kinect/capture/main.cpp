@@ -93,9 +93,9 @@ bool obey(const std::string& line, Device& device) {
 
 /// Little is lost when the machine gives nothing: the library buffers 32 ms.
 void ask_for_priority() {
-  sched_param wish{};
-  wish.sched_priority = 10;  // below the arm's cycle
-  if (::sched_setscheduler(0, SCHED_RR | SCHED_RESET_ON_FORK, &wish) != 0)
+  sched_param request{};
+  request.sched_priority = 10;  // below the arm's cycle
+  if (::sched_setscheduler(0, SCHED_RR | SCHED_RESET_ON_FORK, &request) != 0)
     (void)::setpriority(PRIO_PROCESS, 0, -10);
 }
 
@@ -160,7 +160,7 @@ int main(int argc, char** argv) {
     for (const std::string& line : commands.take()) quit = quit || !obey(line, device);
   }
   // the words first: closing a device that is gone may take for ever
-  if (end) say_end(end->why, end->because);
+  if (end) say_end(end->why, end->reason);
   ring->set_state(CaptureState::Ended);
   device.close();
   return end ? 1 : 0;

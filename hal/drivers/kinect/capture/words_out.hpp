@@ -21,8 +21,8 @@ inline void say(std::string_view text) {
 }
 
 /// The last words.
-inline void say_end(hal::kinect::CaptureEnd end, std::string_view because) {
-  say("error " + std::string(hal::kinect::word(end)) + " " + std::string(because));
+inline void say_end(hal::kinect::CaptureEnd end, std::string_view reason) {
+  say("error " + std::string(hal::kinect::word(end)) + " " + std::string(reason));
 }
 
 }  // namespace colift::capture

@@ -159,8 +159,8 @@ void CaptureProcess::listen(CaptureNews& news) {
   }
 }
 
-void CaptureProcess::wait(Duration patience) const {
-  const auto ms = std::chrono::ceil<std::chrono::milliseconds>(std::max(patience, Duration(0))).count();
+void CaptureProcess::wait(Duration timeout) const {
+  const auto ms = std::chrono::ceil<std::chrono::milliseconds>(std::max(timeout, Duration(0))).count();
   pollfd p{from_, POLLIN, 0};
   const int ready = ::poll(&p, 1, static_cast<int>(std::min<long>(ms, 1000)));
   // a pipe whose other end is closed is always ready

@@ -33,7 +33,7 @@ class CaptureProcess {
   /// Takes what it has said since.
   void listen(CaptureNews& news);
   /// Waits until it says something or is gone, no longer than `patience`.
-  void wait(Duration patience) const;
+  void wait(Duration timeout) const;
   /// Whether it is still there. Reaps it when it is not.
   [[nodiscard]] bool exists();
   /// How it ended: "status 1", "signal 11 (Segmentation fault)".

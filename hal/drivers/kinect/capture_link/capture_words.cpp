@@ -89,7 +89,7 @@ void CaptureLines::line(std::string_view text, CaptureNews& news) const {
       news.refused = clean(text);
     } else {
       news.end = end;
-      news.because = clean(text);
+      news.reason = clean(text);
     }
   } else {
     ++news.garbage;

@@ -45,7 +45,7 @@ struct CaptureNews {
   std::optional<DepthConstants> constants;  ///< Plausible ones only.
   bool infrared = false, motor = false;
   std::optional<CaptureEnd> end;  ///< Never Request.
-  std::string because;            ///< Of the end.
+  std::string reason;             ///< Of the end.
   std::string refused;            ///< Of the last request that could not be met; empty: none.
   std::string last_words;         ///< The last line that the library printed or that was noted.
   std::uint64_t garbage = 0;      ///< Lines with '@' that mean nothing.

@@ -220,9 +220,9 @@ Result<bool> FrameRing::read(Stream stream, RawFrame& into) {
   const auto at = static_cast<std::size_t>(stream);
   const std::uint64_t number = newest(stream);
   if (number == read_[at]) return false;
-  const auto refuse = [&](std::string because) {
+  const auto refuse = [&](std::string reason) {
     read_[at] = number;
-    return failure(ErrorCode::BadReply, "kinect.frame", std::move(because));
+    return failure(ErrorCode::BadReply, "kinect.frame", std::move(reason));
   };
   if (number < read_[at]) return refuse(fmt::format("frame {} after frame {}", number, read_[at]));
   Slot& s = slot(memory_, stream, number);

@@ -146,9 +146,9 @@ std::string_view to_string(FriRefusal refusal) noexcept {
     case FriRefusal::CartesianPose:
       return "a frame is no pose of the arm";
     case FriRefusal::JointTorque:
-      return "a joint torque is beyond what the arm can feel";
+      return "a joint torque is beyond the range of the arm's sensors";
     case FriRefusal::Wrench:
-      return "a wrench is beyond what the arm can feel";
+      return "a wrench is beyond the range of the arm's sensors";
     case FriRefusal::Jacobian:
       return "the Jacobian cannot be this arm's";
     case FriRefusal::MassMatrix:

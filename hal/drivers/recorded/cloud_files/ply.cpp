@@ -185,7 +185,7 @@ class Parser {
   Result<> skip(const PlyElement& element, Values& values) const {
     if (element.properties.empty()) return {};
     if (!element.has_lists() && encoding_ != PlyEncoding::Ascii) {
-      const std::uint64_t record = element.least_bytes(encoding_);
+      const std::uint64_t record = element.min_bytes(encoding_);
       if (element.count > values.left() / record) return data_error(values, element, values.left() / record);
       values.skip(PlyType::Uint8, element.count * record);
       return {};
@@ -198,7 +198,7 @@ class Parser {
 
   Result<> read_vertices(const PlyElement& element, Values& values, PointFile& out) const {
     // the last value of an ascii file needs no white space after it
-    const std::uint64_t room = (values.left() + 1) / element.least_bytes(encoding_);
+    const std::uint64_t room = (values.left() + 1) / element.min_bytes(encoding_);
     constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<int>::max());
     if (element.count > std::min(room, kMost)) {
       return header_error(

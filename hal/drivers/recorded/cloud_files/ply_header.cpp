@@ -179,7 +179,7 @@ std::optional<std::size_t> PlyElement::find(std::string_view wanted) const {
   return std::nullopt;
 }
 
-std::uint64_t PlyElement::least_bytes(PlyEncoding encoding) const {
+std::uint64_t PlyElement::min_bytes(PlyEncoding encoding) const {
   std::uint64_t sum = 0;
   for (const PlyProperty& p : properties) {
     sum += encoding == PlyEncoding::Ascii ? 2 : bytes_of(p.length.value_or(p.type));

@@ -33,7 +33,7 @@ struct PlyElement {
   [[nodiscard]] std::optional<std::size_t> find(std::string_view wanted) const;
 
   /// Fewest bytes of one record: an empty list is its length alone, an ascii value is a digit and a space.
-  [[nodiscard]] std::uint64_t least_bytes(PlyEncoding encoding) const;
+  [[nodiscard]] std::uint64_t min_bytes(PlyEncoding encoding) const;
 };
 
 /// What a PLY header says. Whether the rest of the file holds as much is not checked here. Views point into

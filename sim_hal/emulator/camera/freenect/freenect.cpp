@@ -86,7 +86,7 @@ void log(freenect_context* c, int level, const char* text) {
     std::fputs(text, stderr);
 }
 
-void tell_wishes(freenect_device* d) {
+void tell_requests(freenect_device* d) {
   d->context->socket.send(CameraMessage::Want, (d->depth_runs ? 1U : 0U) | (d->video_runs ? 2U : 0U));
 }
 
@@ -234,7 +234,7 @@ int freenect_open_device_by_camera_serial(freenect_context* ctx, freenect_device
 
 int freenect_close_device(freenect_device* dev) {
   dev->depth_runs = dev->video_runs = false;
-  tell_wishes(dev);
+  tell_requests(dev);
   dev->context->socket.close();
   dev->context->device = nullptr;
   delete dev;
@@ -268,25 +268,25 @@ int freenect_set_video_buffer(freenect_device* dev, void* buffer) {
 int freenect_start_depth(freenect_device* dev) {
   if (dev->depth_runs || dev->context->dead) return -1;
   dev->depth_runs = true;
-  tell_wishes(dev);
+  tell_requests(dev);
   return 0;
 }
 int freenect_start_video(freenect_device* dev) {
   if (dev->video_runs || dev->context->dead || dev->video_mode.is_valid == 0) return -1;
   dev->video_runs = true;
-  tell_wishes(dev);
+  tell_requests(dev);
   return 0;
 }
 int freenect_stop_depth(freenect_device* dev) {
   if (!dev->depth_runs) return -1;
   dev->depth_runs = false;
-  tell_wishes(dev);
+  tell_requests(dev);
   return 0;
 }
 int freenect_stop_video(freenect_device* dev) {
   if (!dev->video_runs) return -1;
   dev->video_runs = false;
-  tell_wishes(dev);
+  tell_requests(dev);
   return 0;
 }
 

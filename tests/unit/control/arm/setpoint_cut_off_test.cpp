@@ -116,7 +116,7 @@ TEST_CASE("a halted way that is cut off stays halted", "[cycle]") {
   CHECK(rig.cycle.done());
 }
 
-TEST_CASE("after a set point was served there is no way to go back to", "[cycle]") {
+TEST_CASE("after a set point was served there is no trajectory to go back to", "[cycle]") {
   Rig rig;
   REQUIRE(rig.cycle.follow(way({home(), there()})));
   rig.run();

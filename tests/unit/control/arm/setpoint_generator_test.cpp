@@ -72,7 +72,7 @@ TEST_CASE("the last gate has nothing to refuse, whatever is asked of the cycle a
   REQUIRE(arm.configure());
   REQUIRE(arm.activate());
   JointVector goal = home();
-  int done = 0, ways = 0;
+  int done = 0, paths = 0;
   for (int i = 0; i < 200'000; ++i) {
     const auto random_pose = [&] {
       JointVector q;
@@ -97,7 +97,7 @@ TEST_CASE("the last gate has nothing to refuse, whatever is asked of the cycle a
     else if (dice < 0.009)
       cycle.set_stiffness(2000.0 * uniform());
     else if (dice < 0.03 && cycle.at_rest() && cycle.starts() > 0)
-      ways += cycle.follow(way({cycle.commanded(), random_pose()})).has_value();
+      paths += cycle.follow(way({cycle.commanded(), random_pose()})).has_value();
     const bool serve = (i / 20'000) % 2 == 1;
     if (serve) {
       for (int j = 0; j < hal::kArmJoints; ++j) goal[j] += 0.002 * (uniform() - 0.5);
@@ -116,6 +116,6 @@ TEST_CASE("the last gate has nothing to refuse, whatever is asked of the cycle a
     if (!sent) FAIL("cycle " << i << ": " << sent.error().text());
     done += cycle.done();
   }
-  CHECK(ways > 20);
+  CHECK(paths > 20);
   CHECK(done > 1000);
 }

@@ -37,7 +37,7 @@ inline std::shared_ptr<const Trajectory> way(std::vector<JointVector> path) {
 }
 
 /// How far q is from the nearest point of the way (rad).
-inline double off_the_way(const Trajectory& t, const JointVector& q) {
+inline double off_path(const Trajectory& t, const JointVector& q) {
   const auto off = [&](double s) { return (t.sample(s).q_rad - q).norm(); };
   double best_s = 0.0;
   for (double s = 0.0; s <= t.duration_s(); s += 0.01)

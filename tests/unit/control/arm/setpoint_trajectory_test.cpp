@@ -40,7 +40,7 @@ TEST_CASE("hold stops on the way, within limits, and the way can be resumed or r
   const double t = rig.run();
   CAPTURE(part, back, t);
   CHECK(t < 0.35);
-  CHECK(off_the_way(*w, rig.last.q_rad) < 1e-6);
+  CHECK(off_path(*w, rig.last.q_rad) < 1e-6);
   const JointVector halted = rig.last.q_rad;
   rig.steps(100);
   CHECK(rig.last.q_rad == halted);
@@ -50,7 +50,7 @@ TEST_CASE("hold stops on the way, within limits, and the way can be resumed or r
     rig.cycle.resume();
   for (int i = 0; i < 20000 && !(rig.cycle.done() && i > 0); ++i) {
     rig.step();
-    if (i % 50 == 0) CHECK(off_the_way(*w, rig.last.q_rad) < 1e-6);
+    if (i % 50 == 0) CHECK(off_path(*w, rig.last.q_rad) < 1e-6);
   }
   CHECK(rig.last.q_rad == (back ? w->start() : w->goal()));
   CHECK(rig.hardest <= rig.limits.acceleration_rad_s2 + planner::MotionLimits{}.acceleration_rad_s2[0]);

@@ -8,7 +8,7 @@ using control::LiftController;
 namespace {
 
 /// Torque that is superposed after a second in which this was felt.
-double superposed_nm(const hal::Wrench& felt) {
+double superposed_nm(const hal::Wrench& measured) {
   const hal::RobotModel& model = hal::built_in_robot();
   LiftController lift(model, planner::arm_geometry(model).value(), {});
   hal::JointVector q;
@@ -16,7 +16,7 @@ double superposed_nm(const hal::Wrench& felt) {
   lift.start(q);
   lift.lift(LiftController::Role::Lead, 0.01, 10.0);
   std::optional<LiftController::Command> command;
-  for (int i = 0; i < 500; ++i) command = lift.step(0.002, felt);
+  for (int i = 0; i < 500; ++i) command = lift.step(0.002, measured);
   REQUIRE(command);
   return command->tau_superposed_nm.norm();
 }

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "control/session/look.hpp"
 #include "control/session/picture_check.hpp"
+#include "control/session/scene_analysis.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
 #include "sim_hal/synthetic/scenes.hpp"
 
@@ -30,30 +30,30 @@ hal::DepthFrame picture(const sim_hal::SyntheticScene& scene, double holes, std:
   return frame;
 }
 
-control::Look look_at(const sim_hal::SyntheticScene& scene, double holes, std::uint64_t seed) {
+control::SceneAnalysis look_at(const sim_hal::SyntheticScene& scene, double holes, std::uint64_t seed) {
   static const control::Config config = control::run_defaults();
   static const planner::HandModel hand;
   static const auto tables = std::make_shared<planner::HandCollision>(hand, config.candidates.collision);
-  control::LookInput input;
+  control::SceneAnalysisInput input;
   input.frame = picture(scene, holes, seed);
   input.X_WC = scene.X_WC;
   input.base_frame_known = true;
-  auto seen =
-      control::look(std::move(input), control::Method::Fast, config, hand, hal::SteadyClock(), tables);
+  auto seen = control::analyse_scene(std::move(input), control::Method::Fast, config, hand,
+                                     hal::SteadyClock(), tables);
   if (!seen) FAIL(seen.error().text());
   return std::move(*seen);
 }
 
-int ok_candidates(const control::Look& look) {
+int ok_candidates(const control::SceneAnalysis& analysis) {
   int n = 0;
-  for (const auto& c : look.candidates) n += c.verdict == planner::Verdict::Ok;
+  for (const auto& c : analysis.candidates) n += c.verdict == planner::Verdict::Ok;
   return n;
 }
 
 /// Grasps that are offered and are none: the object goes on where the fingers would be.
-int wrong_candidates(const control::Look& look, const sim_hal::World& world) {
+int wrong_candidates(const control::SceneAnalysis& analysis, const sim_hal::World& world) {
   int wrong = 0;
-  for (const auto& c : look.candidates) {
+  for (const auto& c : analysis.candidates) {
     if (c.verdict != planner::Verdict::Ok) continue;
     double nearest = 1e9;
     for (const double side : {1.0, -1.0})
@@ -76,18 +76,18 @@ TEST_CASE("a picture with half of its pixels gone is not grasped in; shadows and
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       const auto scene = sim_hal::make_scene(kind, seed);
       INFO(scene.name);
-      const control::Look whole = look_at(scene, 0.0, seed);
+      const control::SceneAnalysis whole = look_at(scene, 0.0, seed);
       REQUIRE(whole.scene.target);
-      CHECK_FALSE(control::picture_trouble(whole.cloud, *whole.scene.target));
+      CHECK_FALSE(control::image_fault(whole.cloud, *whole.scene.target));
       offered_whole += ok_candidates(whole);
       for (const double holes : {0.5, 0.7, 0.9}) {
-        const control::Look look = look_at(scene, holes, seed);
-        if (!look.scene.target) continue;
-        const auto trouble = control::picture_trouble(look.cloud, *look.scene.target);
+        const control::SceneAnalysis analysis = look_at(scene, holes, seed);
+        if (!analysis.scene.target) continue;
+        const auto trouble = control::image_fault(analysis.cloud, *analysis.scene.target);
         INFO("holes " << holes);
         REQUIRE(trouble);
         CHECK_THAT(*trouble, Catch::Contains("% of the pixels"));
-        wrong_in_holes += wrong_candidates(look, scene.world);
+        wrong_in_holes += wrong_candidates(analysis, scene.world);
       }
     }
   CHECK(offered_whole > 100);

@@ -13,7 +13,7 @@
 #include "sim_hal/synthetic/ray_caster.hpp"
 
 using namespace colift;
-using control::map_trouble;
+using control::map_fault;
 using hal::Vec3;
 using perception::CellState;
 using perception::WorldMap;
@@ -69,28 +69,28 @@ TEST_CASE("the map of a room as it was seen is believed, also with noise in it",
   for (const double noise : {0.0, 0.05, 0.3}) {
     const Room room(noise);
     INFO(noise);
-    CHECK_FALSE(map_trouble(room.map(), room.cloud));
+    CHECK_FALSE(map_fault(room.map(), room.cloud));
   }
 }
 
 TEST_CASE("a map that is all occupied, or empty where the camera sees a room, is not planned in",
           "[map][faults]") {
   const Room room;
-  const auto full = map_trouble(full_map(), room.cloud);
+  const auto full = map_fault(full_map(), room.cloud);
   REQUIRE(full);
   CHECK_THAT(*full, Catch::Contains("full") && Catch::Contains("100 %"));
 
-  const auto unknown = map_trouble(WorldMap({}), room.cloud);
+  const auto unknown = map_fault(WorldMap({}), room.cloud);
   REQUIRE(unknown);
   CHECK_THAT(*unknown, Catch::Contains("too empty") && Catch::Contains("holds 0 %"));
   WorldMap freed = room.map();
   freed.carve({Vec3(-5, -5, -5), Vec3(5, 5, 5)});
-  CHECK(map_trouble(freed, room.cloud));
+  CHECK(map_fault(freed, room.cloud));
 
   // the map of another view: nothing of it is where the camera sees it
   perception::OrganisedCloud shifted = room.cloud;
   for (float& z : shifted.z) z += 0.25f;
-  CHECK(map_trouble(room.map(), shifted));
+  CHECK(map_fault(room.map(), shifted));
 }
 
 TEST_CASE("in a map full of noise the planner comes to an end: a way that touches nothing of it, or why not",

@@ -63,7 +63,7 @@ TEST_CASE("where the robot has no grasp the partner is told with which place it 
   const auto better = suggest_to_partner(outcome, rim(), kCog, kUp, config);
   REQUIRE(better);
   CHECK_FALSE(better->gain);
-  CHECK_THAT(better->because, Catch::Contains("the robot could"));
+  CHECK_THAT(better->reason, Catch::Contains("the robot could"));
   CHECK(decided_for(better->position, config).decision.chosen);
 }
 

@@ -180,7 +180,7 @@ TEST_CASE("after a test lift the rest is lifted slowly", "[phases]") {
 
 TEST_CASE("a test lift that saw nothing is put down, and its grasp is left out", "[phases]") {
   Loaded rig;
-  perception::Target& target = rig.c->session.look().scene.target.emplace();
+  perception::Target& target = rig.c->session.analysis().scene.target.emplace();
   target.cog = {0.0, 0.0, 0.3};
   target.shape.size = {0.8, 0.6, 0.3};
   rig.enter(Task::TestLift);

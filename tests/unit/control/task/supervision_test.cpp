@@ -99,7 +99,7 @@ TEST_CASE("the arm goes slowly while the hand warns, and says so once", "[superv
   rig.idle(1.0);
   CHECK(rig.speed->reason().empty());
   CHECK_FALSE(rig.c->arm.view().slow);
-  CHECK_THAT(rig.notes(), Catch::Contains("arm: goes on slowly: the hand: F1 is warm"));
+  CHECK_THAT(rig.notes(), Catch::Contains("arm: continues at reduced speed: the hand: F1 is warm"));
   CHECK_THAT(rig.notes(), Catch::Contains("arm: goes at its full speed again"));
 }
 

@@ -72,9 +72,9 @@ TEST_CASE("every state and event has at most one rule, and next() finds exactly 
 TEST_CASE("every rule says why, and leads somewhere else", "[task]") {
   for (const Rule& rule : rules()) {
     CAPTURE(word(rule.from), word(rule.on));
-    CHECK(rule.because.size() > 10);
-    CHECK(std::islower(static_cast<unsigned char>(rule.because.front())));
-    CHECK(rule.because.back() != '.');
+    CHECK(rule.reason.size() > 10);
+    CHECK(std::islower(static_cast<unsigned char>(rule.reason.front())));
+    CHECK(rule.reason.back() != '.');
     CHECK(rule.to != rule.from);
   }
 }
@@ -284,6 +284,6 @@ TEST_CASE("the drawing shows every rule", "[task]") {
     CHECK(drawing.find(arrow, at + 1) == std::string::npos);
     const std::string line = drawing.substr(at, drawing.find('\n', at) - at);
     CAPTURE(line, word(rule.on));
-    CHECK(line.find(rule.because) != std::string::npos);
+    CHECK(line.find(rule.reason) != std::string::npos);
   }
 }

@@ -1,7 +1,7 @@
 // Where the partner is asked to take hold, tried on a table in static balance of which the robot reaches the
 // near end only.
 
-#include "control/test_lift/next_place.hpp"
+#include "control/test_lift/partner_request.hpp"
 
 #include <fmt/format.h>
 
@@ -30,7 +30,7 @@ std::vector<planner::GraspCandidate> rim() {
   return out;
 }
 
-CogBelief learnt(const Table& table, std::vector<FeltLift>& tests) {
+CogBelief learnt(const Table& table, std::vector<MeasuredLift>& tests) {
   tests.push_back(test_lift(table, {-0.4, 0.0, 0.4}));
   const auto t = understand_test_lift(seen(table), tests, {});
   REQUIRE(t);
@@ -42,7 +42,7 @@ CogBelief learnt(const Table& table, std::vector<FeltLift>& tests) {
 TEST_CASE("the partner is asked to go where the line through the centre of gravity leaves the table",
           "[next_place]") {
   Table table;
-  std::vector<FeltLift> tests;
+  std::vector<MeasuredLift> tests;
   for (const double side : {-1.0, 1.0}) {
     table.cog = {-0.05, side * 0.17, 0.3};
     tests.clear();
@@ -55,9 +55,9 @@ TEST_CASE("the partner is asked to go where the line through the centre of gravi
     CHECK(place->share < 0.85);
     CHECK(place->robot.x() == Approx(-0.4));  // the robot stays where it reaches
     // he faces the robot: y > 0 is on his right
-    CHECK_THAT(place->because, Catch::Contains(side > 0.0 ? "further right" : "further left"));
-    CHECK_THAT(place->because, Catch::Contains(fmt::format("({:.2f}, {:.2f}, 0.40)", place->position.x(),
-                                                           place->position.y())));
+    CHECK_THAT(place->reason, Catch::Contains(side > 0.0 ? "further right" : "further left"));
+    CHECK_THAT(place->reason, Catch::Contains(fmt::format("({:.2f}, {:.2f}, 0.40)", place->position.x(),
+                                                          place->position.y())));
   }
 }
 
@@ -76,7 +76,7 @@ TEST_CASE("with what is learnt where the partner was sent a level grip is found"
     Vec3 grasp(-0.4, 0.0, 0.4);
     if (tilt_deg(table, grasp) <= 2.0) continue;
     ++bad;
-    std::vector<FeltLift> tests;
+    std::vector<MeasuredLift> tests;
     std::vector<Vec3> held{table.partner};
     std::optional<CogBelief> belief;
     bool level = false;
@@ -116,7 +116,7 @@ TEST_CASE("a place in vain, one at the feet and one without a sensible share are
           "[next_place]") {
   Table table;
   table.cog = {-0.05, 0.17, 0.3};
-  std::vector<FeltLift> tests;
+  std::vector<MeasuredLift> tests;
   const CogBelief belief = learnt(table, tests);
   const auto first = next_place(rim(), rim(), {&table.partner, 1}, belief, {});
   REQUIRE(first);
@@ -139,7 +139,7 @@ TEST_CASE("a place in vain, one at the feet and one without a sensible share are
 TEST_CASE("nobody is asked where the robot has no grasp or nothing is known", "[next_place]") {
   Table table;
   table.cog = {-0.05, 0.17, 0.3};
-  std::vector<FeltLift> tests;
+  std::vector<MeasuredLift> tests;
   const CogBelief belief = learnt(table, tests);
   CHECK_FALSE(next_place(rim(), {}, {&table.partner, 1}, belief, {}));
   CHECK_FALSE(next_place({}, rim(), {&table.partner, 1}, belief, {}));

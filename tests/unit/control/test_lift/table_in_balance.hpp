@@ -31,7 +31,7 @@ inline CarriedObject seen(const Table&) {
 }
 
 // both hands raised by `height`
-inline FeltLift raised(const Table& table, const Vec3& grasp, double height) {
+inline MeasuredLift raised(const Table& table, const Vec3& grasp, double height) {
   const Vec3 u = Vec3((grasp - table.partner).x(), (grasp - table.partner).y(), 0.0).normalized();
   const Vec3 n = Vec3::UnitZ().cross(u);
   const double weight = table.mass_kg * kGravity, lever = n.dot(table.cog - table.partner);
@@ -43,20 +43,21 @@ inline FeltLift raised(const Table& table, const Vec3& grasp, double height) {
     foot_n = (weight * lever + table.grip_nm_rad * turn) / side;
     foot_along = u.dot(f - table.partner);
   }
-  FeltLift test;
+  MeasuredLift test;
   test.palm = test.grasp = grasp;
   test.partner = table.partner;
   const double robot_n =
       (weight * u.dot(table.cog - table.partner) - foot_n * foot_along) / u.dot(grasp - table.partner);
-  test.felt = {-robot_n * Vec3::UnitZ(), table.grip_nm_rad * turn * u};
+  test.measured = {-robot_n * Vec3::UnitZ(), table.grip_nm_rad * turn * u};
   test.X_WTnow_WTref.linear() = Eigen::AngleAxisd(turn, u).toRotationMatrix();
   test.X_WTnow_WTref.translation() =
       table.partner - test.X_WTnow_WTref.linear() * table.partner + height * Vec3::UnitZ();
   return test;
 }
 
-inline FeltLift test_lift(const Table& table, const Vec3& grasp, const control::TestLiftConfig& config = {}) {
-  FeltLift test;
+inline MeasuredLift test_lift(const Table& table, const Vec3& grasp,
+                              const control::TestLiftConfig& config = {}) {
+  MeasuredLift test;
   for (double height = 0.0005; height <= config.height_m; height += 0.0005) {
     test = raised(table, grasp, height);
     if (raise_on(hanging(seen(table), table.partner, grasp, test.X_WTnow_WTref), config) ==

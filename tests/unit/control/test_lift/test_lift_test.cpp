@@ -33,7 +33,7 @@ std::vector<planner::GraspCandidate> grasps_around() {
 TEST_CASE("an even object is lifted on", "[test_lift]") {
   Table table;
   table.partner.y() = 0.0;
-  FeltLift test = test_lift(table, {-0.4, 0.0, 0.4});
+  MeasuredLift test = test_lift(table, {-0.4, 0.0, 0.4});
   const auto t = understand_test_lift(seen(table), std::span(&test, 1), {});
   REQUIRE(t);
   CHECK(t->next == TestLift::Next::GoOn);
@@ -50,7 +50,7 @@ TEST_CASE("an even object is lifted on", "[test_lift]") {
     CHECK(slips->next == TestLift::Next::Regrasp);
   }
   // feet are clear after a few millimetres
-  CHECK(t->seen.least_rise_m < 0.005);
+  CHECK(t->seen.min_rise_m < 0.005);
   SECTION("but borne otherwise than agreed, that is said") {
     test.share_predicted = 0.3;
     const auto other = understand_test_lift(seen(table), std::span(&test, 1), {});
@@ -63,7 +63,7 @@ TEST_CASE("a table that hangs tells the direction of its centre of gravity", "[t
   Table table;
   table.cog = {-0.05, 0.12, 0.3};
   table.grip_nm_rad = 400.0;
-  FeltLift test = test_lift(table, {-0.4, 0.0, 0.4});
+  MeasuredLift test = test_lift(table, {-0.4, 0.0, 0.4});
   CarriedObject object = seen(table);
   const auto t = understand_test_lift(object, std::span(&test, 1), {});
   REQUIRE(t);
@@ -91,7 +91,7 @@ TEST_CASE("two places of the partner tell mass and distance apart", "[test_lift]
   Table table;
   table.cog = {-0.08, 0.13, 0.3};
   table.grip_nm_rad = 400.0;
-  std::vector<FeltLift> tests{test_lift(table, {-0.4, 0.0, 0.4})};
+  std::vector<MeasuredLift> tests{test_lift(table, {-0.4, 0.0, 0.4})};
   const auto one = understand_test_lift(seen(table), tests, {});
   REQUIRE(one);
   table.partner = {0.1, -0.3, 0.4};
@@ -114,7 +114,7 @@ TEST_CASE("what hangs at more than is good is kept for want of better", "[test_l
   for (const auto& [turn_deg, bearable] : {std::pair{1.6, true}, {1.9, false}}) {
     const double lever = 0.10 - 0.025;  // of the line from (0.4, 0.05) to (-0.4, 0)
     table.grip_nm_rad = table.mass_kg * kGravity * lever / (turn_deg * kDegree);
-    const FeltLift test = raised(table, {-0.4, 0.0, 0.4}, 0.03);
+    const MeasuredLift test = raised(table, {-0.4, 0.0, 0.4}, 0.03);
     const auto t = understand_test_lift(seen(table), std::span(&test, 1), {});
     REQUIRE(t);
     CHECK_FALSE(t->stands);
@@ -127,14 +127,14 @@ TEST_CASE("a foot that stands hides the lever, and tells the side", "[test_lift]
   Table table;
   for (const double y : {-0.17, 0.17}) {
     table.cog = {-0.05, y, 0.3};
-    const FeltLift test = test_lift(table, {-0.4, 0.0, 0.4});
+    const MeasuredLift test = test_lift(table, {-0.4, 0.0, 0.4});
     const auto t = understand_test_lift(seen(table), std::span(&test, 1), {});
     REQUIRE(t);
     CHECK(t->stands);
     CHECK(t->next == TestLift::Next::Regrasp);
     // never turned further than it may
     CHECK(t->seen.tilt_rad < 2.0 * kDegree);
-    const Eigen::Vector2d felt = control::felt_moment(test);
+    const Eigen::Vector2d measured = control::measured_moment(test);
     const auto lever = [](const Eigen::Vector2d& arm) {
       const Eigen::Vector2d line = Eigen::Vector2d(-0.8, -0.05).normalized();
       return line.x() * arm.y() - line.y() * arm.x();
@@ -143,7 +143,7 @@ TEST_CASE("a foot that stands hides the lever, and tells the side", "[test_lift]
                  truly = lever((table.cog - kPartner).head<2>());
     CHECK(believed * truly > 0.0);
     CHECK(std::abs(believed) > 0.4 * std::abs(truly));
-    CHECK(std::abs(lever(felt / table.mass_kg)) < 0.4 * std::abs(truly));
+    CHECK(std::abs(lever(measured / table.mass_kg)) < 0.4 * std::abs(truly));
   }
 }
 
@@ -163,7 +163,7 @@ TEST_CASE("test lifts at several grasps find a level one", "[test_lift]") {
         ++bad;
         possible += std::any_of(grasps.begin(), grasps.end(),
                                 [&](const auto& c) { return tilt_deg(table, c.position) < 1.5; });
-        std::vector<FeltLift> tests;
+        std::vector<MeasuredLift> tests;
         while (static_cast<int>(tests.size()) < config.grips) {
           tests.push_back(test_lift(table, grasp, config));
           const auto t = understand_test_lift(seen(table), tests, config);
@@ -190,7 +190,7 @@ TEST_CASE("test lifts at several grasps find a level one", "[test_lift]") {
 TEST_CASE("the next grip is one that is possible and was not tried", "[test_lift]") {
   Table table;
   table.cog = {0.0, 0.15, 0.3};
-  const FeltLift test = test_lift(table, {-0.4, 0.0, 0.4});
+  const MeasuredLift test = test_lift(table, {-0.4, 0.0, 0.4});
   const std::span tests(&test, 1);
   const auto t = understand_test_lift(seen(table), tests, {});
   REQUIRE(t);
@@ -208,7 +208,7 @@ TEST_CASE("the next grip is one that is possible and was not tried", "[test_lift
   const Vec3 on_line = table.cog + 1.5 * (table.cog - Vec3(-0.4, 0.0, 0.4));
   const auto again = next_grip(grasps, on_line, tests, t->belief, 0.5, {});
   REQUIRE(again);
-  std::vector<FeltLift> there{test};
+  std::vector<MeasuredLift> there{test};
   there.back().partner = on_line;
   there.back().grasp = grasps[again->index].position;
   const auto different = next_grip(grasps, on_line, there, t->belief, 0.5, {});
@@ -225,33 +225,33 @@ TEST_CASE("the next grip is one that is possible and was not tried", "[test_lift
 
 TEST_CASE("a test lift that says nothing is refused", "[test_lift]") {
   const Table table;
-  FeltLift test = test_lift(table, {-0.4, 0.0, 0.4});
+  MeasuredLift test = test_lift(table, {-0.4, 0.0, 0.4});
   const CarriedObject object = seen(table);
-  const auto code = [](const CarriedObject& o, const FeltLift& f) {
+  const auto code = [](const CarriedObject& o, const MeasuredLift& f) {
     const auto t = understand_test_lift(o, std::span(&f, 1), {});
     return t ? hal::ErrorCode{} : t.error().code;
   };
   CHECK(understand_test_lift(object, {}, {}).error().code == hal::ErrorCode::BadInput);
-  FeltLift none = test;
-  none.felt = {};
+  MeasuredLift none = test;
+  none.measured = {};
   CHECK(code(object, none) == hal::ErrorCode::NotFound);
-  none.felt.force.x() = NAN;
+  none.measured.force.x() = NAN;
   CHECK(code(object, none) == hal::ErrorCode::BadInput);
   // it has not moved at all
-  FeltLift still = test;
+  MeasuredLift still = test;
   still.X_WTnow_WTref = hal::Pose::Identity();
   CHECK(code(object, still) == hal::ErrorCode::NotFound);
   // after one that told something it is a grip that slides, and tells nothing more
   none = still;
-  const std::vector<FeltLift> both{test, none};
+  const std::vector<MeasuredLift> both{test, none};
   const auto before = understand_test_lift(object, std::span(&test, 1), {});
   const auto slides = understand_test_lift(object, both, {});
   REQUIRE(before);
   REQUIRE(slides);
   CHECK(slides->next == TestLift::Next::Regrasp);
-  CHECK_THAT(slides->because, Catch::Contains("slides"));
+  CHECK_THAT(slides->reason, Catch::Contains("slides"));
   CHECK((slides->cog - before->cog).norm() < 1e-9);
-  FeltLift near = test;
+  MeasuredLift near = test;
   near.grasp = kPartner + Vec3(0.02, 0.0, 0.0);
   CHECK(code(object, near) == hal::ErrorCode::BadInput);
   CarriedObject flat = object;

@@ -53,7 +53,7 @@ TEST_CASE("a test lift that is watched to its end tells mass and centre of gravi
   CHECK(lifts.said() == Raise::Enough);
   const auto known = lifts.end();
   REQUIRE(known);
-  CHECK(lifts.felt().size() == 1);
+  CHECK(lifts.measured().size() == 1);
   CHECK(known->mass_kg == Approx(4.0).epsilon(0.15));
   CHECK(known->cog.y() == Approx(0.03).margin(0.01));
   REQUIRE(lifts.known());
@@ -76,7 +76,7 @@ TEST_CASE("without a picture or without a feeling at the top nothing is known", 
   lifts.begin(table(), kPartner, kGrasp, 0.5);
   lifts.at_top(0ms, raised(0.02));
   REQUIRE_FALSE(lifts.end());
-  CHECK(lifts.felt().empty());
+  CHECK(lifts.measured().empty());
   CHECK_FALSE(lifts.known());
 }
 
@@ -89,7 +89,7 @@ TEST_CASE("a test lift that says nothing leaves what was known", "[test_lifts]")
   lifts.at_top(0ms, raised(0.02));
   lifts.feel({Vec3::Zero(), Vec3::Zero()}, kGrasp);  // bears nothing: it stands
   REQUIRE_FALSE(lifts.end());
-  CHECK(lifts.felt().size() == 1);
+  CHECK(lifts.measured().size() == 1);
   CHECK(lifts.known()->cog == known->cog);
 }
 
@@ -102,7 +102,7 @@ TEST_CASE("what was felt goes with an object that was put down elsewhere", "[tes
   lifts.move(X);
   CHECK((lifts.known()->cog - X * before->cog).norm() < 1e-9);
   // weighed anew there, the same centre of gravity comes out
-  const auto after = understand_test_lift(lifts.object(), lifts.felt(), {});
+  const auto after = understand_test_lift(lifts.object(), lifts.measured(), {});
   REQUIRE(after);
   CHECK((after->cog - X * before->cog).norm() < 0.005);
   CHECK(after->mass_kg == Approx(before->mass_kg).epsilon(0.02));
@@ -128,7 +128,8 @@ TEST_CASE("the grasp that is chosen after test lifts lies where the object is he
     outcome.decision.optimum = cog;
     return outcome;
   };
-  const auto grip = choose_level_grip(decide, lifts.object(), kPartner, lifts.felt(), known->belief, 0.5, {});
+  const auto grip =
+      choose_level_grip(decide, lifts.object(), kPartner, lifts.measured(), known->belief, 0.5, {});
   REQUIRE(grip);
   const planner::Decision& decision = grip->outcome.decision;
   REQUIRE(decision.chosen);
@@ -139,8 +140,8 @@ TEST_CASE("the grasp that is chosen after test lifts lies where the object is he
   int marked = 0;
   for (const auto& c : grip->outcome.candidates) marked += c.verdict == planner::Verdict::Chosen;
   CHECK(marked == 1);
-  CHECK(decision.because.find("level") != std::string::npos);
+  CHECK(decision.reason.find("level") != std::string::npos);
 
   const auto none = [](const Vec3&) -> hal::Result<control::Outcome> { return control::Outcome{}; };
-  CHECK_FALSE(choose_level_grip(none, lifts.object(), kPartner, lifts.felt(), known->belief, 0.5, {}));
+  CHECK_FALSE(choose_level_grip(none, lifts.object(), kPartner, lifts.measured(), known->belief, 0.5, {}));
 }

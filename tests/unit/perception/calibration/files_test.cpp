@@ -117,6 +117,6 @@ TEST_CASE("ground that is tilted or below the floor is named") {
   CHECK(check({hal::Vec3::UnitZ(), -0.4}).good);  // a table top may be the ground
   const auto low = check({hal::Vec3::UnitZ(), 0.06});
   CHECK_FALSE(low.good);
-  CHECK(low.because.find("60 mm below") != std::string::npos);
+  CHECK(low.reason.find("60 mm below") != std::string::npos);
   CHECK_FALSE(check({hal::Vec3(0.06, 0.0, 1.0).normalized(), 0.0}).good);
 }

@@ -18,7 +18,7 @@ namespace {
 std::string refusal_of(const std::vector<EmitterSample>& samples, CalibrationConfig config = {}) {
   const auto result = perception::calibrate(samples, tests::infrared_intrinsics(), config, 1);
   if (result) return "accepted";
-  CHECK_FALSE(result.error().because.empty());
+  CHECK_FALSE(result.error().reason.empty());
   return result.error().kind;
 }
 
@@ -152,7 +152,7 @@ TEST_CASE("a mirrored image is told apart from bad spots") {
   for (auto& s : t.samples) s.pixel.x() = 2 * t.camera.cx - s.pixel.x();
   const auto c = perception::calibrate(t.samples, t.camera, {}, 1);
   REQUIRE_FALSE(c);
-  CHECK(c.error().because.find("mirrored") != std::string::npos);
+  CHECK(c.error().reason.find("mirrored") != std::string::npos);
 }
 
 TEST_CASE("the same samples and seed give the same bits") {
@@ -179,7 +179,7 @@ TEST_CASE("a wrong focal length is mended with depth when asked") {
     wrong.fx += 8.0;
     wrong.fy += 8.0;
     const auto b = perception::calibrate(t.samples, wrong, released, seed);
-    INFO((b ? std::string() : b.error().because));
+    INFO((b ? std::string() : b.error().reason));
     REQUIRE(b);
     ++count;
     with += std::abs(b->model.camera.fx - t.camera.fx);

@@ -26,7 +26,7 @@ TEST_CASE("the ground is found within 0.3 degrees and 3 mm on noisy frames", "[g
       const View view(kind, seed);
       const GroundResult r =
           ground_of(view.cloud, known_up ? std::optional<Vec3>(Vec3::UnitZ()) : std::nullopt);
-      INFO(view.scene.name << " seed " << seed << ": " << r.because);
+      INFO(view.scene.name << " seed " << seed << ": " << r.reason);
       REQUIRE(r.ground);
       angles.push_back(angle_deg(r.ground->plane.normal, view.scene.ground.normal));
       // the offset counts where the ground is seen: under the camera's view, at the scene's origin of
@@ -59,7 +59,7 @@ TEST_CASE("a wall larger than the floor is not the ground", "[ground]") {
 
   for (const auto& up : {std::optional<Vec3>(), std::optional<Vec3>(Vec3::UnitZ())}) {
     const GroundResult r = ground_of(cloud, up);
-    INFO(r.because);
+    INFO(r.reason);
     REQUIRE(r.ground);
     CHECK(angle_deg(r.ground->plane.normal, Vec3::UnitZ()) < 0.5);
   }
@@ -72,7 +72,7 @@ TEST_CASE("a frame that shows only a wall has no ground, and says so", "[ground]
   const Pose X_WC = look_at(Vec3(0, 0, 1.5), Vec3(2.0, 0, 1.2));
   const GroundResult r = ground_of(deproject(measure(cast_rays(world, {}, X_WC), {}, 1), X_WC), std::nullopt);
   CHECK_FALSE(r.ground);
-  CHECK(r.because.find("no ground") == 0);
+  CHECK(r.reason.find("no ground") == 0);
 }
 
 TEST_CASE("an empty frame has no ground", "[ground]") {

@@ -30,7 +30,7 @@ TEST_CASE("the target's mask covers the truth on noisy frames", "[target]") {
     if (name.find("blocks") != std::string::npos)
       continue;  // what lies on its neighbours is one object with them
     const TargetResult r = target_of(view.cloud);
-    INFO(name << " seed " << seed << ": " << r.because);
+    INFO(name << " seed " << seed << ": " << r.reason);
     REQUIRE(r.target);
     ious.push_back(overlap(view, r.target->pixels));
     // the camera's ragged edges alone move up to a pixel on either side of a thin pipe or slat
@@ -56,7 +56,7 @@ TEST_CASE("a point picks its object instead of the largest", "[target]") {
   const TargetResult picked = target_of(cloud, Vec3(0.0, -0.4, 0.1));
   REQUIRE(picked.target);
   CHECK(std::abs(picked.target->obb.center.y() + 0.4) < 0.05);
-  CHECK(picked.because.find("given point") != std::string::npos);
+  CHECK(picked.reason.find("given point") != std::string::npos);
 }
 
 TEST_CASE("an object that the image cuts at the side is not free-standing", "[target]") {
@@ -81,7 +81,7 @@ TEST_CASE("a bare floor has no target, and says so", "[target]") {
   const Pose X_WC = look_at(Vec3(-1.4, 0, 1.2), Vec3(0, 0, 0.2));
   const TargetResult r = target_of(deproject(measure(cast_rays(world, {}, X_WC), {}, 5), X_WC));
   CHECK_FALSE(r.target);
-  CHECK(r.because.find("no target") == 0);
+  CHECK(r.reason.find("no target") == 0);
 }
 
 TEST_CASE("a person is not a target", "[target]") {
@@ -95,7 +95,7 @@ TEST_CASE("a person is not a target", "[target]") {
     const Rendering truth = cast_rays(world, scene.intrinsics, scene.X_WC);
     for (std::uint64_t draw = 0; draw < 3; ++draw) {
       const TargetResult r = target_of(deproject(measure(truth, {}, seed + 100 * draw), scene.X_WC));
-      UNSCOPED_INFO(seed << ": " << r.because);
+      UNSCOPED_INFO(seed << ": " << r.reason);
       taken += r.target ? 1 : 0;
       seen += std::any_of(r.rejected.begin(), r.rejected.end(),
                           [](const auto& o) { return o.kind == RejectedObject::Kind::Person; });
@@ -111,7 +111,7 @@ TEST_CASE("the same frame gives the same target, bit for bit", "[target]") {
   REQUIRE(a.target);
   CHECK(a.target->pixels == b.target->pixels);
   CHECK(a.target->obb.center == b.target->obb.center);
-  CHECK(a.because == b.because);
+  CHECK(a.reason == b.reason);
 }
 
 }  // namespace colift::perception

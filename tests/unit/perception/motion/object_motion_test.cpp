@@ -149,35 +149,35 @@ TEST_CASE("a pipe that may roll is followed in all the rest") {
 TEST_CASE("frames without a view of the object are refused with the reason, and it is found again") {
   const MovingObject stage(ObjectKind::Box, 2);
   auto follower = stage.follower();
-  std::string because;
+  std::string reason;
   const auto still = stage.see(stage.moved(Pose::Identity(), false), 1);
-  REQUIRE(follower.update(still, &because));
-  CHECK(because.empty());
+  REQUIRE(follower.update(still, &reason));
+  CHECK(reason.empty());
   const Pose before = follower.last().X_WTnow_WTref;
 
   SECTION("no depth at all") {
     auto frame = still;
     std::fill(frame.depth_m.begin(), frame.depth_m.end(), kNan);
-    CHECK_FALSE(follower.update(frame, &because));
-    CHECK(because.find("100 % have no depth") != std::string::npos);
+    CHECK_FALSE(follower.update(frame, &reason));
+    CHECK(reason.find("100 % have no depth") != std::string::npos);
   }
   SECTION("somebody stands in front") {
     auto frame = still;
     cover(frame, 0, 640, 0.7f);
-    CHECK_FALSE(follower.update(frame, &because));
-    CHECK(because.find("100 % are hidden behind something nearer") != std::string::npos);
+    CHECK_FALSE(follower.update(frame, &reason));
+    CHECK(reason.find("100 % are hidden behind something nearer") != std::string::npos);
   }
   SECTION("another camera's frame") {
     auto frame = still;
     frame.intrinsics.width = 320;
-    CHECK_FALSE(follower.update(frame, &because));
-    CHECK(because.find("320 x 480") != std::string::npos);
+    CHECK_FALSE(follower.update(frame, &reason));
+    CHECK(reason.find("320 x 480") != std::string::npos);
   }
   CHECK(follower.last().X_WTnow_WTref.isApprox(before));
   // the object was lifted in the meantime
   const Pose X = stage.motion(Vec3::UnitX(), 0.0, {0.0, 0.0, 0.04});
-  const auto seen = follower.update(stage.see(stage.moved(X, false), 2), &because);
-  INFO(because);
+  const auto seen = follower.update(stage.see(stage.moved(X, false), 2), &reason);
+  INFO(reason);
   REQUIRE(seen);
   CHECK(std::abs(error_of(*seen, X, stage.scene.cog).rise_m) < 0.004);
 }

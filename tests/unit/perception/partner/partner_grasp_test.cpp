@@ -124,7 +124,7 @@ TEST_CASE("a hand that hovers 5 cm over the rim does not hold", "[partner][grasp
       ++looked;
       if (seen->kind != PartnerKind::Grasp) continue;
       ++grasped;
-      std::cout << "hovering taken for a grasp: " << stage.scene.name << ": " << seen->because << "\n";
+      std::cout << "hovering taken for a grasp: " << stage.scene.name << ": " << seen->reason << "\n";
     }
   }
   INFO(looked << " looks");
@@ -155,9 +155,9 @@ TEST_CASE("a camera that moved between real frames is no partner", "[partner][gr
   for (int i = 0; i < 3; ++i) {
     const auto seen = finder.find(deproject(cloud(i), X_WC));
     REQUIRE(seen);
-    std::cout << "real frame " << i << ": kind " << static_cast<int>(seen->kind) << ", " << seen->because
+    std::cout << "real frame " << i << ": kind " << static_cast<int>(seen->kind) << ", " << seen->reason
               << "\n";
-    CHECK_FALSE(seen->because.empty());
+    CHECK_FALSE(seen->reason.empty());
     CHECK((i == 0 ? seen->kind == PartnerKind::None : seen->kind != PartnerKind::Grasp));
   }
 }
@@ -171,9 +171,9 @@ TEST_CASE("somebody who passes by is not a grasp, however much of the object he 
       const auto seen =
           finder.find(stage.see(sim_hal::with_passer_by(stage.scene, seed, in_front), 9 + seed));
       REQUIRE(seen);
-      INFO(stage.scene.name << (in_front ? ", before: " : ", behind: ") << seen->because);
+      INFO(stage.scene.name << (in_front ? ", before: " : ", behind: ") << seen->reason);
       CHECK(seen->kind != PartnerKind::Grasp);
-      CHECK_FALSE(seen->because.empty());
+      CHECK_FALSE(seen->reason.empty());
     }
   }
 }
@@ -185,7 +185,7 @@ TEST_CASE("an unchanged scene is nobody, whoever stands in it already", "[partne
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
       const auto seen = finder.find(stage.see(stage.scene.world, 600 + seed));
       REQUIRE(seen);
-      INFO(seen->because);
+      INFO(seen->reason);
       CHECK(seen->kind == PartnerKind::None);
       CHECK(seen->pixels.empty());
     }

@@ -14,16 +14,16 @@ using State = PartnerTracker::State;
 constexpr hal::Duration kFrame = 33ms;
 const Vec3 kLeftEnd(0.4, 0.1, 0.45);
 
-PartnerSighting hand_at(const Vec3& position, double sigma_m = 0.006) {
-  PartnerSighting seen;
+PartnerObservation hand_at(const Vec3& position, double sigma_m = 0.006) {
+  PartnerObservation seen;
   seen.kind = PartnerKind::Grasp;
   seen.grasp = PartnerGrasp{position, Eigen::Matrix3d::Identity() * sigma_m * sigma_m, 500};
   return seen;
 }
 
-PartnerSighting nobody() {
-  PartnerSighting seen;
-  seen.because = "nothing changed";
+PartnerObservation nobody() {
+  PartnerObservation seen;
+  seen.reason = "nothing changed";
   return seen;
 }
 
@@ -33,7 +33,7 @@ struct Story {
   hal::Timestamp now{0};
   std::vector<PartnerEvent> events;
 
-  Story& show(const PartnerSighting& seen, hal::Duration during) {
+  Story& show(const PartnerObservation& seen, hal::Duration during) {
     for (const hal::Timestamp end = now + during; now < end; now += kFrame) {
       if (auto event = tracker.update(now, seen)) events.push_back(*event);
     }
@@ -58,7 +58,7 @@ TEST_CASE("a touch that stays for the dwell is a grasp, once", "[partner][tracke
   CHECK(story.events[0].kind == Kind::Grasped);
   CHECK(hal::seconds(story.events[0].at - story.tracker.since()) >= 0.3);
   CHECK(hal::seconds(story.events[0].at - story.tracker.since()) < 0.3 + 0.034);
-  CHECK(story.events[0].because.find("(0.40, 0.10, 0.45) m") != std::string::npos);
+  CHECK(story.events[0].reason.find("(0.40, 0.10, 0.45) m") != std::string::npos);
   REQUIRE(story.tracker.grasp());
   CHECK((story.tracker.grasp()->position - kLeftEnd).norm() < 1e-9);
 }
@@ -87,7 +87,7 @@ TEST_CASE("a hand that goes away has let go, with the reason of the frame", "[pa
   CHECK(story.events[1].kind == Kind::LetGo);
   CHECK(hal::seconds(story.events[1].at - last) > 0.15);
   CHECK(hal::seconds(story.events[1].at - last) <= 0.15 + 0.034);
-  CHECK(story.events[1].because.find("nothing changed") != std::string::npos);
+  CHECK(story.events[1].reason.find("nothing changed") != std::string::npos);
   CHECK(story.tracker.state() == State::Away);
 }
 
@@ -97,7 +97,7 @@ TEST_CASE("a hand that moves along the edge has to rest again", "[partner][track
   story.show(hand_at(kLeftEnd), 600ms).show(hand_at(elsewhere), 200ms);
   REQUIRE(story.events.size() == 2);
   CHECK(story.events[1].kind == Kind::Moved);
-  CHECK(story.events[1].because.find("80 mm (limit 30 mm)") != std::string::npos);
+  CHECK(story.events[1].reason.find("80 mm (limit 30 mm)") != std::string::npos);
   CHECK(story.tracker.state() == State::Touching);
   story.show(hand_at(elsewhere), 400ms);
   REQUIRE(story.events.size() == 3);

@@ -105,15 +105,15 @@ TEST_CASE("a plate at the height of a desk with a thing on it is no chair", "[co
   const CompletedShape without = bare.shape(), with = laden.shape();
   CHECK(without.kind == Kind::Plate);
   CHECK(with.kind == Kind::Plate);
-  CHECK(with.because.find("stand on it") != std::string::npos);
+  CHECK(with.reason.find("stand on it") != std::string::npos);
   // nobody knows what the thing weighs, but on which side it stands
   CHECK(with.covariance(0, 0) > without.covariance(0, 0) + 0.0005);
 }
 
 TEST_CASE("every completion says what was assumed", "[completion]") {
   const View table(ObjectKind::Table, 1), box(ObjectKind::Box, 1);
-  CHECK(table.shape().because.find("legs") != std::string::npos);
-  CHECK(box.shape().because.find("closed body") != std::string::npos);
+  CHECK(table.shape().reason.find("legs") != std::string::npos);
+  CHECK(box.shape().reason.find("closed body") != std::string::npos);
   CHECK(std::string(name_of(Kind::Plate)) == "plate on legs");
 }
 

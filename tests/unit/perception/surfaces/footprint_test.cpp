@@ -56,7 +56,7 @@ Points hull_by_all_pairs(const Points& points) {
   return corners;
 }
 
-double least_area_by_turning(const Points& points) {
+double min_area_by_turning(const Points& points) {
   double best = std::numeric_limits<double>::infinity();
   for (const Vector2d& a : points)
     for (const Vector2d& b : points) {
@@ -123,7 +123,7 @@ TEST_CASE("the rectangle is as small as trying every direction makes it, and hol
     for (int i = 0; i < 3 + static_cast<int>(seed % 30); ++i) points.emplace_back(dice(-2, 2), dice(0, 0.7));
     const FlatRectangle r = minimum_area_rectangle(convex_hull(points));
 
-    CHECK(r.area() == Approx(least_area_by_turning(convex_hull(points))).epsilon(1e-9));
+    CHECK(r.area() == Approx(min_area_by_turning(convex_hull(points))).epsilon(1e-9));
     CHECK(r.size.x() >= r.size.y());
     CHECK(r.u.norm() == Approx(1));
     for (const Vector2d& p : points) {

@@ -27,7 +27,7 @@ struct Recording {
     REQUIRE(g.ground);
     ground = *g.ground;
     const TargetResult t = find_target(cloud, blocks, ground, noise, TargetConfig{});
-    INFO(t.because);
+    INFO(t.reason);
     REQUIRE(t.target);
     target = *t.target;
   }
@@ -71,7 +71,7 @@ TEST_CASE("a desk with things on it is no chair", "[surfaces][completion][real]"
   const CompletedShape shape =
       complete_shape(desk.cloud, desk.target, desk.surfaces(), desk.ground, NoiseModel{});
   CHECK(shape.kind == CompletedShape::Kind::Plate);
-  CHECK(shape.because.find("stand on it") != std::string::npos);
+  CHECK(shape.reason.find("stand on it") != std::string::npos);
   // its top, measured by hand
   CHECK(desk.ground.plane.height(shape.box.center) + 0.5 * shape.box.size.z() == Approx(0.70).margin(0.03));
 }

@@ -19,10 +19,10 @@ struct Board {
   Board() { reference.insert(reference.end(), object.begin(), object.end()); }
 
   [[nodiscard]] std::optional<PartnerGrasp> with(const SampledShapes& added,
-                                                 std::string* because = nullptr) const {
+                                                 std::string* reason = nullptr) const {
     std::vector<Eigen::Vector3f> current = reference;
     current.insert(current.end(), added.points.begin(), added.points.end());
-    return thesis_partner(PclCloud{reference}, PclCloud{current}, object, config, because);
+    return thesis_partner(PclCloud{reference}, PclCloud{current}, object, config, reason);
   }
 };
 
@@ -46,19 +46,19 @@ TEST_CASE("the partner's grasp is the mean of the 100 changed points nearest to 
 
 TEST_CASE("a passer-by a metre away is not a grasp", "[thesis][partner]") {
   const Board board;
-  std::string because;
-  CHECK_FALSE(board.with(SampledShapes(0.01).rectangle({0, 1.5, 0.3}, {0.4, 0, 0}, {0, 0, 1.2}), &because));
-  CHECK(because.find("cm from the object") != std::string::npos);
+  std::string reason;
+  CHECK_FALSE(board.with(SampledShapes(0.01).rectangle({0, 1.5, 0.3}, {0.4, 0, 0}, {0, 0, 1.2}), &reason));
+  CHECK(reason.find("cm from the object") != std::string::npos);
 }
 
 TEST_CASE("an unchanged view, noise and a few stray points are not a grasp", "[thesis][partner]") {
   const Board board;
-  std::string because;
-  CHECK_FALSE(board.with(SampledShapes{}, &because));
-  CHECK(because == "no partner's grasp: 0 points changed by more than 3.0 cm, a grasp needs 100");
+  std::string reason;
+  CHECK_FALSE(board.with(SampledShapes{}, &reason));
+  CHECK(reason == "no partner's grasp: 0 points changed by more than 3.0 cm, a grasp needs 100");
   CHECK_FALSE(
-      board.with(SampledShapes(0.01).rectangle({0.2, 0.54, 0.3}, {0.08, 0, 0}, {0, 0, 0.08}), &because));
-  CHECK(because == "no partner's grasp: 81 points changed by more than 3.0 cm, a grasp needs 100");
+      board.with(SampledShapes(0.01).rectangle({0.2, 0.54, 0.3}, {0.08, 0, 0}, {0, 0, 0.08}), &reason));
+  CHECK(reason == "no partner's grasp: 81 points changed by more than 3.0 cm, a grasp needs 100");
 
   std::vector<Eigen::Vector3f> shaken = board.reference;
   for (std::size_t i = 0; i < shaken.size(); ++i) shaken[i].z() += i % 2 ? 0.01f : -0.01f;
@@ -68,9 +68,9 @@ TEST_CASE("an unchanged view, noise and a few stray points are not a grasp", "[t
 TEST_CASE("without an object or without any points nobody holds anything", "[thesis][partner]") {
   const Board board;
   const PclCloud reference{board.reference};
-  std::string because;
-  CHECK_FALSE(thesis_partner(reference, reference, {}, board.config, &because));
-  CHECK(because == "no partner's grasp: there is no object to hold");
+  std::string reason;
+  CHECK_FALSE(thesis_partner(reference, reference, {}, board.config, &reason));
+  CHECK(reason == "no partner's grasp: there is no object to hold");
   CHECK_FALSE(thesis_partner(reference, PclCloud{}, board.object, board.config));
   CHECK_FALSE(thesis_partner(PclCloud{}, PclCloud{}, board.object, board.config));
 }

@@ -78,7 +78,7 @@ TEST_CASE("a table in a cropped room is found with its ground, box, middle and t
   CHECK((target.cog - room.middle).norm() < 0.03);
   CHECK(std::sqrt(target.cog_covariance(0, 0)) == Approx(target.aabb.sizes().x() / 6));
   CHECK(room.overlap(thesis_pixels(room.frame, target, config)) > 0.9);
-  CHECK(starts_with(target.because, "largest of "));
+  CHECK(starts_with(target.reason, "largest of "));
 
   REQUIRE_FALSE(scene.surfaces.empty());
   const auto& top = std::get<Rectangle>(scene.surfaces.front());
@@ -140,7 +140,7 @@ TEST_CASE("no ground and no target are said in words with numbers", "[thesis][sc
   CHECK_FALSE(scene.ground);
   CHECK_FALSE(scene.target);
   CHECK(
-      scene.because ==
+      scene.reason ==
       "no ground: of 12 pixels 0 have a depth between 0.3 and 3.5 m, and 0 of these lie inside the crop box");
 
   const Room empty(false);
@@ -148,12 +148,12 @@ TEST_CASE("no ground and no target are said in words with numbers", "[thesis][sc
   CHECK(scene.ground);
   CHECK_FALSE(scene.target);
   CHECK(scene.surfaces.empty());
-  CHECK(starts_with(scene.because, "no target: "));
+  CHECK(starts_with(scene.reason, "no target: "));
 
   ThesisConfig demanding = Room::cropped();
   demanding.ground_min_fraction = 1.0;
   scene = thesis_scene(Room().frame, demanding);
   CHECK_FALSE(scene.ground);
-  CHECK(starts_with(scene.because, "no ground: the largest plane holds "));
-  CHECK(thesis_scene(OrganisedCloud{}, ThesisConfig{}).because.size() > 0);
+  CHECK(starts_with(scene.reason, "no ground: the largest plane holds "));
+  CHECK(thesis_scene(OrganisedCloud{}, ThesisConfig{}).reason.size() > 0);
 }

@@ -97,7 +97,7 @@ TEST_CASE("a table offers its visible edge faces, and only the legs behind them 
     std::set<int> faces;
     for (const auto& c : found) {
       if (c.kind != GraspKind::Ega5 || c.verdict == Verdict::TooWide) continue;
-      INFO("noise " << noise << ", " << c.position.transpose() << ": " << c.because);
+      INFO("noise " << noise << ", " << c.position.transpose() << ": " << c.reason);
       // legs stand 5 cm behind the edges, 33 and 18 cm from the middle; the fingers are 8 cm wide together
       const bool front = c.approach.y() > 0.9;
       const double to_leg =
@@ -148,7 +148,7 @@ TEST_CASE("a box wider than the opening is too wide on every face, with the numb
   REQUIRE(found.size() == 3);
   for (const auto& c : found) {
     CHECK(c.verdict == Verdict::TooWide);
-    CHECK_THAT(c.because, Catch::Contains("the hand opens 190 mm"));
+    CHECK_THAT(c.reason, Catch::Contains("the hand opens 190 mm"));
   }
   const std::string text = planner::explain(found);
   CHECK_THAT(text, Catch::StartsWith("0 of 3 candidates are free: 3 too wide"));
@@ -269,29 +269,29 @@ TEST_CASE("a pipe on the floor is wrapped from above and not from below", "[cand
   below.width = 0.08;
   finder.judge(below);
   CHECK(below.verdict == Verdict::Collision);
-  CHECK_THAT(below.because, Catch::Contains("the ground"));
+  CHECK_THAT(below.reason, Catch::Contains("the ground"));
 }
 
 TEST_CASE("a pipe thicker than the opening is too wide", "[candidates]") {
   const auto seen = tests::see(pipe_on_floor(0.12), false);
   const auto found = planner::generate_candidates(seen.scene, HandModel{}, CandidateConfig{}, &seen.cloud);
   REQUIRE(found.size() == 1);
-  CHECK(found[0].because == "the cylinder is 240 mm thick, the hand opens 190 mm");
+  CHECK(found[0].reason == "the cylinder is 240 mm thick, the hand opens 190 mm");
 }
 
 TEST_CASE("a candidate near a point lies at the foot on its line and is not repeated", "[candidates]") {
   const auto seen = tests::see(table(), false);
   const CandidateFinder finder(seen.scene, &seen.cloud, HandModel{}, CandidateConfig{});
   const auto all = finder.find();
-  const Vec3 wish(0.117, -0.3, 0.4375);
-  const auto extra = finder.near(wish, all);
+  const Vec3 request(0.117, -0.3, 0.4375);
+  const auto extra = finder.near(request, all);
   REQUIRE_FALSE(extra.empty());
   CHECK(extra[0].position.x() == Approx(0.117).margin(1e-6));
   CHECK(extra[0].id == static_cast<int>(all.size()));
   CHECK(extra[0].verdict == Verdict::Ok);
   auto both = all;
   both.insert(both.end(), extra.begin(), extra.end());
-  for (const auto& again : finder.near(wish, both)) {
+  for (const auto& again : finder.near(request, both)) {
     for (const auto& c : both) {
       const bool same = (c.position - again.position).norm() < 0.002 &&
                         c.approach.dot(again.approach) > 0.999 &&
@@ -360,17 +360,17 @@ TEST_CASE("the same scene gives the same candidates bit for bit", "[candidates]"
   REQUIRE(a.size() == b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
     CHECK(a[i].position == b[i].position);
-    CHECK(a[i].because == b[i].because);
+    CHECK(a[i].reason == b[i].reason);
     CHECK(a[i].stability == b[i].stability);
   }
 }
 
 TEST_CASE("when nothing is free the summary counts the reasons and names the nearest miss", "[candidates]") {
-  const auto refused = [](int id, const char* because, double miss_m) {
+  const auto refused = [](int id, const char* reason, double miss_m) {
     GraspCandidate c;
     c.id = id;
     c.verdict = Verdict::Collision;
-    c.because = because;
+    c.reason = reason;
     c.miss_m = miss_m;
     return c;
   };

@@ -33,7 +33,7 @@ TEST_CASE("fingers may reach into the wedge under a near edge", "[unseen]") {
   int near_edge = 0;
   for (const auto& c : found) {
     if (c.kind != GraspKind::Ega5 || c.verdict == Verdict::TooWide) continue;
-    INFO(c.because);
+    INFO(c.reason);
     CHECK(c.verdict == Verdict::Ok);
     ++near_edge;
   }
@@ -47,7 +47,7 @@ TEST_CASE("the far edge hides the lower fingers' way and is refused", "[unseen]"
   for (const auto& c : found) {
     if (c.kind != GraspKind::Edge || c.approach.y() > -0.9) continue;
     CHECK(c.verdict == Verdict::Collision);
-    CHECK_THAT(c.because, Catch::Contains("not seen"));
+    CHECK_THAT(c.reason, Catch::Contains("not seen"));
     ++far_edge;
   }
   CHECK(far_edge >= 5);
@@ -61,7 +61,7 @@ TEST_CASE("the unseen under the near edge is refused when fingers may not reach 
   int refused = 0;
   for (const auto& c : found) {
     if (c.kind == GraspKind::Ega5 && c.verdict == Verdict::Collision) {
-      CHECK_THAT(c.because, Catch::Contains("into space that was not seen"));
+      CHECK_THAT(c.reason, Catch::Contains("into space that was not seen"));
       ++refused;
     }
   }
@@ -87,7 +87,7 @@ TEST_CASE("a strip of a wide box that something else hides is not a narrow face"
   const auto found = planner::generate_candidates(seen.scene, HandModel{}, CandidateConfig{}, &seen.cloud);
   REQUIRE_FALSE(found.empty());
   for (const auto& c : found) {
-    INFO(c.because);
+    INFO(c.reason);
     CHECK(c.verdict == Verdict::Collision);
   }
   const std::string text = planner::explain(found);

@@ -42,7 +42,7 @@ TEST_CASE("the grasp opposite the partner is chosen and takes half the load", "[
   CHECK(c[1].verdict == Verdict::Chosen);
   CHECK(d.share == Approx(0.5).epsilon(1e-9));
   CHECK((d.optimum - Vec3(0.4, 0, 0.7)).norm() < 1e-12);
-  CHECK(d.because.find("50 %") != std::string::npos);
+  CHECK(d.reason.find("50 %") != std::string::npos);
   for (std::size_t i = 0; i < c.size(); ++i) CHECK(d.scores[i]->cost >= d.cost);
 }
 
@@ -66,7 +66,7 @@ TEST_CASE("a place far off the line through the partner and the centre of gravit
   REQUIRE(d.chosen);
   CHECK(c[*d.chosen].id == 1);
   CHECK(c[0].verdict == Verdict::Unstable);
-  CHECK(c[0].because.find("179 mm beside the line") != std::string::npos);
+  CHECK(c[0].reason.find("179 mm beside the line") != std::string::npos);
   c = {at(0, 0.2, 0.3, 0.7)};
   CHECK_FALSE(decided(c, table(), config).chosen);
 }
@@ -79,9 +79,9 @@ TEST_CASE("a refusal says when the best place is out of reach altogether", "[dec
   DecisionConfig config;
   config.max_lever_m = 0.1;
   std::vector<GraspCandidate> c{at(0, 0.35, 0.3, 0.7)};
-  CHECK(decided(c, in).because.find("at (1.00, 0.00) m") == std::string::npos);
+  CHECK(decided(c, in).reason.find("at (1.00, 0.00) m") == std::string::npos);
   c = {at(0, 0.35, 0.3, 0.7)};
-  CHECK(decided(c, in, config).because.find("at (1.00, 0.00) m, the load would be shared best") !=
+  CHECK(decided(c, in, config).reason.find("at (1.00, 0.00) m, the load would be shared best") !=
         std::string::npos);
 }
 
@@ -89,7 +89,7 @@ TEST_CASE("a candidate at the partner's hand is refused with the distance", "[de
   std::vector<GraspCandidate> c{at(0, -0.35, 0.05, 0.7), at(1, 0.4, 0, 0.7)};
   decided(c, table());
   CHECK(c[0].verdict == Verdict::NearPartner);
-  CHECK(c[0].because.find("71 mm") != std::string::npos);
+  CHECK(c[0].reason.find("71 mm") != std::string::npos);
 }
 
 TEST_CASE("hands at different heights may not balance the tilt by pushing", "[decision]") {
@@ -97,7 +97,7 @@ TEST_CASE("hands at different heights may not balance the tilt by pushing", "[de
   std::vector<GraspCandidate> c{at(0, 0.05, 0.25, 0.05), at(1, 0.4, 0.1, 0.7)};
   const Decision d = decided(c, table());
   CHECK(c[0].verdict == Verdict::OverLimit);
-  CHECK(c[0].because.find("push sideways") != std::string::npos);
+  CHECK(c[0].reason.find("push sideways") != std::string::npos);
   REQUIRE(d.chosen);
   CHECK(c[*d.chosen].id == 1);
 }
@@ -115,7 +115,7 @@ TEST_CASE("reach is judged only when the base is known", "[decision]") {
   const Decision d = decided(far, in);
   CHECK(far[0].verdict == Verdict::Unreachable);
   CHECK_FALSE(d.chosen);
-  CHECK(d.because.find("out of reach") != std::string::npos);
+  CHECK(d.reason.find("out of reach") != std::string::npos);
 }
 
 TEST_CASE("limits of either agent refuse with what is missing", "[decision]") {
@@ -126,7 +126,7 @@ TEST_CASE("limits of either agent refuse with what is missing", "[decision]") {
   std::vector<GraspCandidate> c{at(0, 0.4, 0, 0.7)};
   const Decision d = decided(c, table(), config);
   CHECK(c[0].verdict == Verdict::OverLimit);
-  CHECK(c[0].because.find("60 N") != std::string::npos);
+  CHECK(c[0].reason.find("60 N") != std::string::npos);
   CHECK_FALSE(d.chosen);
   CHECK(d.scores[0]);
 }
@@ -134,18 +134,18 @@ TEST_CASE("limits of either agent refuse with what is missing", "[decision]") {
 TEST_CASE("refusals of earlier stages stay, and none left says how many fell to what", "[decision]") {
   std::vector<GraspCandidate> c{at(0, 0.4, 0, 0.7), at(1, 0.3, 0, 0.7), at(2, -0.4, 0.0, 0.7)};
   c[0].verdict = c[1].verdict = Verdict::Collision;
-  c[0].because = "finger 1 meets the ground 3 mm deep";
+  c[0].reason = "finger 1 meets the ground 3 mm deep";
   const Decision d = decided(c, table());
   CHECK_FALSE(d.chosen);
   CHECK(c[0].verdict == Verdict::Collision);
-  CHECK(d.because.find("2 would collide (candidate 0: finger 1 meets the ground 3 mm deep)") !=
+  CHECK(d.reason.find("2 would collide (candidate 0: finger 1 meets the ground 3 mm deep)") !=
         std::string::npos);
-  CHECK(d.because.find("1 are too near the partner") != std::string::npos);
+  CHECK(d.reason.find("1 are too near the partner") != std::string::npos);
 }
 
 TEST_CASE("no candidates is said in words", "[decision]") {
   std::vector<GraspCandidate> none;
-  CHECK(decided(none, table()).because == "no grasp: the object offers no candidate");
+  CHECK(decided(none, table()).reason == "no grasp: the object offers no candidate");
 }
 
 TEST_CASE("the choice does not depend on the mass without limits", "[decision]") {

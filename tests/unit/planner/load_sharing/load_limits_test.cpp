@@ -94,12 +94,12 @@ Tally compare(Dice& dice, int count, double zero_omega) {
       ++t.infeasible;
       continue;
     }
-    const double price = model.sharing().price(*w);
+    const double cost_weight = model.sharing().cost_weight(*w);
     t.worst_balance = std::max(t.worst_balance, off_balance(*w, c));
     t.worst_over = std::max(t.worst_over, over_limit(*w, c.limits));
     if (i % 4 == 0) {
-      const double slow = model.sharing().price(model.wrenches_by_enumeration(c.p1, c.p2, c.task));
-      t.worst_slow = std::max(t.worst_slow, std::abs(slow - price) / price);
+      const double slow = model.sharing().cost_weight(model.wrenches_by_enumeration(c.p1, c.p2, c.task));
+      t.worst_slow = std::max(t.worst_slow, std::abs(slow - cost_weight) / cost_weight);
     }
     const auto r = reference::solve_limited(program);
     if (!r.converged) {
@@ -109,9 +109,9 @@ Tally compare(Dice& dice, int count, double zero_omega) {
     ++t.compared;
     t.several += active(*w, c.limits) >= 3;
     const double expected = static_cast<double>(reference::cost(program, r.x));
-    const double error = std::abs(price - expected) / expected;
+    const double error = std::abs(cost_weight - expected) / expected;
     if (error > 1e-6) {
-      CAPTURE(i, price, expected, c.weights.epsilon, c.weights.omega1_per_m, c.weights.omega2_per_m);
+      CAPTURE(i, cost_weight, expected, c.weights.epsilon, c.weights.omega1_per_m, c.weights.omega2_per_m);
       CHECK(error <= 1e-6);
     }
     t.worst_cost = std::max(t.worst_cost, error);

@@ -41,7 +41,7 @@ double relative(const AgentWrenches& a, const reference::Vector& x) {
 
 TEST_CASE("the closed form is the solution of the thesis's program", "[load_sharing]") {
   Dice dice(1);
-  double worst_cost = 0, worst_wrench = 0, worst_balance = 0, worst_price = 0;
+  double worst_cost = 0, worst_wrench = 0, worst_balance = 0, worst_weight = 0;
   for (int i = 0; i < 10000; ++i) {
     const SharingWeights weights{dice.log_uniform(0.2, 5.0), dice.log_uniform(0.5, 30.0),
                                  dice.log_uniform(0.5, 30.0)};
@@ -53,12 +53,12 @@ TEST_CASE("the closed form is the solution of the thesis's program", "[load_shar
     const auto w = model.wrenches(p1, p2, task);
     worst_cost = std::max(
         worst_cost, relative(model.cost(p1, p2, task), static_cast<double>(reference::cost(program, x))));
-    worst_price = std::max(worst_price, relative(model.cost(p1, p2, task), model.price(w)));
+    worst_weight = std::max(worst_weight, relative(model.cost(p1, p2, task), model.cost_weight(w)));
     worst_wrench = std::max(worst_wrench, relative(w, x));
     worst_balance = std::max(worst_balance, off_balance(w, p1, p2, task));
   }
   CHECK(worst_cost < 1e-12);
-  CHECK(worst_price < 1e-12);
+  CHECK(worst_weight < 1e-12);
   CHECK(worst_wrench < 1e-12);
   CHECK(worst_balance < 1e-14);
 }
@@ -175,7 +175,7 @@ TEST_CASE("no wrenches that balance the task are cheaper", "[load_sharing]") {
     const Vec3 p1 = dice.vector(1), p2 = dice.vector(1);
     const Wrench task = dice.wrench(100, 20);
     auto w = model.wrenches(p1, p2, task);
-    const double best = model.price(w);
+    const double best = model.cost_weight(w);
     CHECK(best == Approx(model.cost(p1, p2, task)).epsilon(1e-10));
     const Vec3 df = dice.vector(5), dt = dice.vector(2);
     w.partner.force += df;
@@ -183,7 +183,7 @@ TEST_CASE("no wrenches that balance the task are cheaper", "[load_sharing]") {
     w.partner.torque += dt - (p1 - p2).cross(df);
     w.robot.torque -= dt;
     CHECK(off_balance(w, p1, p2, task) < 1e-13);
-    CHECK(model.price(w) >= best * (1 - 1e-12));
+    CHECK(model.cost_weight(w) >= best * (1 - 1e-12));
   }
 }
 

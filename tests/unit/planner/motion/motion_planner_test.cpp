@@ -167,15 +167,15 @@ TEST_CASE("a grasp behind an obstacle is refused, and the words say what is met 
       tests::grasp_at({2, 0, 0.4}, Vec3::UnitX(), Vec3::UnitZ(), 0.02),
       tests::plate_grasp(table, kSideNear, 0.1)};
   candidates[2].verdict = planner::Verdict::Collision;
-  candidates[2].because = "known before";
+  candidates[2].reason = "known before";
   planner.judge(candidates, kLift);
   CHECK(candidates[0].verdict == planner::Verdict::Unreachable);
-  CHECK_THAT(candidates[0].because, Catch::Contains("obstacle") && Catch::Contains("mm"));
+  CHECK_THAT(candidates[0].reason, Catch::Contains("obstacle") && Catch::Contains("mm"));
   REQUIRE(candidates[0].miss_m);
   CHECK(*candidates[0].miss_m > 0.0);
   CHECK(candidates[1].verdict == planner::Verdict::Unreachable);
-  CHECK_THAT(candidates[1].because, Catch::Contains("beyond the arm's reach"));
-  CHECK(candidates[2].because == "known before");
+  CHECK_THAT(candidates[1].reason, Catch::Contains("beyond the arm's reach"));
+  CHECK(candidates[2].reason == "known before");
 }
 
 TEST_CASE("nothing is planned from a start that touches something or lies beyond the limits") {

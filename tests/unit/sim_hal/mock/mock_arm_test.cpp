@@ -37,11 +37,11 @@ TEST_CASE("a mock arm is where it was commanded one cycle later, as far as its s
   CHECK(there->q_rad[1] == 0.005);
   CHECK(there->measured_at == milliseconds(10));
   REQUIRE(rig.arm.command(to(1.0)));
-  const auto on_the_way = rig.arm.wait_cycle();
-  REQUIRE(on_the_way);
+  const auto in_transit = rig.arm.wait_cycle();
+  REQUIRE(in_transit);
   // A2 of the LWR 4+ turns with 110 deg/s
-  CHECK(on_the_way->q_rad[1] == Approx(0.005 + 110.0 / 180.0 * 3.14159265358979 * 0.005));
-  CHECK(on_the_way->q_commanded_rad[1] == 1.0);
+  CHECK(in_transit->q_rad[1] == Approx(0.005 + 110.0 / 180.0 * 3.14159265358979 * 0.005));
+  CHECK(in_transit->q_commanded_rad[1] == 1.0);
 }
 
 TEST_CASE("a mock arm feels what its script says", "[mock][arm]") {

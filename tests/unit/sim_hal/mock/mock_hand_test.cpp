@@ -36,10 +36,10 @@ struct Rig {
 TEST_CASE("fingers of a mock hand move at their speed and rest on what they meet", "[mock][hand]") {
   Rig rig({1.0, 1.2, 0.8});
   REQUIRE(rig.hand.close(0.7));
-  const auto on_the_way = rig.after(300);
-  for (const double angle : on_the_way.finger_rad) CHECK(angle == Approx(0.6));
-  CHECK(on_the_way.moving);
-  CHECK(on_the_way.outer_rad[0] == Approx(0.2));
+  const auto in_transit = rig.after(300);
+  for (const double angle : in_transit.finger_rad) CHECK(angle == Approx(0.6));
+  CHECK(in_transit.moving);
+  CHECK(in_transit.outer_rad[0] == Approx(0.2));
   const auto one_there = rig.after(150);
   CHECK(one_there.finger_rad[2] == Approx(0.8));
   CHECK(one_there.torque_nm[2] == 0.7);

@@ -47,18 +47,18 @@ TEST_CASE("what the arm feels outside of itself is the transposed Jacobian times
   grasp_table(rig);
   rig.move(around_edge() + Vec3(0, 0, 0.05), 2.0, 20.0);
   rig.wait(0.5);
-  hal::JointVector felt = hal::JointVector::Zero(), expected = hal::JointVector::Zero();
+  hal::JointVector measured = hal::JointVector::Zero(), expected = hal::JointVector::Zero();
   for (int i = 0; i < 200; ++i) {  // over whole periods of the tremor, near enough
     rig.wait(0.005);
     const SimTruth truth = rig.world().truth();
     Eigen::Matrix<double, 6, 1> on_hand;
     on_hand << -truth.robot_force_W, -truth.robot_torque_W;
     expected += hal::jacobian(hal::built_in_robot(), truth.q_rad, Vec3::Zero()).transpose() * on_hand / 200;
-    felt += rig.world().arm_state().tau_external_nm / 200;
+    measured += rig.world().arm_state().tau_external_nm / 200;
   }
-  INFO(felt.transpose() << " against " << expected.transpose());
+  INFO(measured.transpose() << " against " << expected.transpose());
   CHECK(expected.cwiseAbs().maxCoeff() > 10.0);
-  CHECK((felt - expected).cwiseAbs().maxCoeff() < 0.05);
+  CHECK((measured - expected).cwiseAbs().maxCoeff() < 0.05);
 }
 
 TEST_CASE("with less force ahead the arm sags, as its stiffness says") {

@@ -120,27 +120,27 @@ TEST_CASE("a grip near its limit gives way to one that carries less", "[robust]"
 TEST_CASE("decision.robust changes the choice where the nominal grip may slip, and says so", "[robust]") {
   // a block of 6 kg; half of it is just what friction holds, and nobody knows where in it the weight lies
   using namespace colift;
-  control::Look look;
+  control::SceneAnalysis analysis;
   perception::Ground ground;
   ground.plane = {Vec3::UnitZ(), 0.0};
   perception::Target target;
   target.cog = {0.0, 0.0, 0.1};
   target.shape.size = {0.8, 0.1, 0.2};
-  look.scene.ground = ground;
-  look.scene.target = target;
+  analysis.scene.ground = ground;
+  analysis.scene.target = target;
   control::Config config;
   config.candidates.refine_lines = 0;  // the candidates as they stand
   config.decision.check_reach = false;
   config.decision.mass_kg = 6.0;
-  look.finder =
-      std::make_shared<planner::CandidateFinder>(look.scene, nullptr, HandModel{}, config.candidates);
+  analysis.finder =
+      std::make_shared<planner::CandidateFinder>(analysis.scene, nullptr, HandModel{}, config.candidates);
   for (const double x : {-0.15, -0.40}) {
     GraspCandidate c;
-    c.id = static_cast<int>(look.candidates.size());
+    c.id = static_cast<int>(analysis.candidates.size());
     c.position = {x, 0.0, 0.2};
     c.approach = -Vec3::UnitZ();
     c.width = 0.1;
-    look.candidates.push_back(c);
+    analysis.candidates.push_back(c);
   }
   perception::PartnerGrasp partner;
   partner.position = {0.15, 0.0, 0.2};
@@ -150,22 +150,22 @@ TEST_CASE("decision.robust changes the choice where the nominal grip may slip, a
   const auto choice = [&](const char* robust, double unevenness) {
     config.decision.robust = robust;
     config.decision.unevenness = unevenness;
-    auto outcome = control::decide_for(look, partner, config, clock);
+    auto outcome = control::decide_for(analysis, partner, config, clock);
     REQUIRE(outcome);
     REQUIRE(outcome->decision.chosen);
     const auto& chosen = outcome->candidates[*outcome->decision.chosen];
     CHECK(chosen.verdict == Verdict::Chosen);
-    CHECK(chosen.because == outcome->decision.because);
+    CHECK(chosen.reason == outcome->decision.reason);
     CHECK(outcome->decision.share == outcome->decision.scores[*outcome->decision.chosen]->share);
-    return std::pair(chosen.id, outcome->decision.because);
+    return std::pair(chosen.id, outcome->decision.reason);
   };
   CHECK(choice("nominal", 0.05).first == 0);
   CHECK(choice("expected", 0.0).first == 0);
   CHECK(choice("expected", 0.0).second.find("the same over 10000 what-ifs") != std::string::npos);
-  const auto [id, because] = choice("expected", 0.05);
+  const auto [id, reason] = choice("expected", 0.05);
   CHECK(id == 1);
-  CHECK(because.find("candidate 1 costs least on average over 10000 what-ifs") == 0);
-  CHECK(because.find("with what is believed it would be 0") != std::string::npos);
+  CHECK(reason.find("candidate 1 costs least on average over 10000 what-ifs") == 0);
+  CHECK(reason.find("with what is believed it would be 0") != std::string::npos);
   CHECK(choice("worst", 0.02).first == 1);
 }
 

@@ -22,9 +22,9 @@ double dense_cost(const std::vector<CarryingAgent>& agents, const Wrench& task, 
   Eigen::VectorXd b = Eigen::VectorXd::Zero(6 * n + 6);
   for (Eigen::Index i = 0; i < n; ++i) {
     const CarryingAgent& a = agents[static_cast<std::size_t>(i)];
-    K.block<3, 3>(6 * i, 6 * i) = 2 * a.force_price * Eigen::Matrix3d::Identity();
+    K.block<3, 3>(6 * i, 6 * i) = 2 * a.force_weight * Eigen::Matrix3d::Identity();
     K.block<3, 3>(6 * i + 3, 6 * i + 3) =
-        2 * a.force_price * a.omega_per_m * a.omega_per_m * Eigen::Matrix3d::Identity();
+        2 * a.force_weight * a.omega_per_m * a.omega_per_m * Eigen::Matrix3d::Identity();
     Eigen::Matrix<double, 6, 6> G = Eigen::Matrix<double, 6, 6>::Identity();
     G.block<3, 3>(3, 0) = skew(a.position);
     K.block<6, 6>(6 * n, 6 * i) = G;
@@ -40,7 +40,7 @@ double dense_cost(const std::vector<CarryingAgent>& agents, const Wrench& task, 
     Wrench& w = out[static_cast<std::size_t>(i)];
     w.force = x.segment<3>(6 * i);
     w.torque = x.segment<3>(6 * i + 3);
-    cost += a.force_price * (w.force.squaredNorm() + a.omega_per_m * a.omega_per_m * w.torque.squaredNorm());
+    cost += a.force_weight * (w.force.squaredNorm() + a.omega_per_m * a.omega_per_m * w.torque.squaredNorm());
   }
   return cost;
 }
@@ -49,12 +49,12 @@ double dense_cost(const std::vector<CarryingAgent>& agents, const Wrench& task, 
 
 TEST_CASE("any number of agents: the closed form is the dense solution", "[agents]") {
   std::mt19937 random(7);
-  std::uniform_real_distribution<double> place(-1.0, 1.0), price(0.3, 3.0), omega(1.0, 25.0);
+  std::uniform_real_distribution<double> place(-1.0, 1.0), cost_weight(0.3, 3.0), omega(1.0, 25.0);
   for (int n = 1; n <= 6; ++n)
     for (int repeat = 0; repeat < 20; ++repeat) {
       std::vector<CarryingAgent> agents;
       for (int i = 0; i < n; ++i)
-        agents.push_back({{place(random), place(random), place(random)}, price(random), omega(random)});
+        agents.push_back({{place(random), place(random), place(random)}, cost_weight(random), omega(random)});
       const Wrench task{{place(random), place(random), 40.0}, {place(random), place(random), place(random)}};
       const auto made = SeveralAgents::create(agents);
       REQUIRE(made);

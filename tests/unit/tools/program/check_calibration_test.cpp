@@ -5,7 +5,7 @@
 
 #include "sim_hal/synthetic/kinect/kinect_noise.hpp"
 #include "sim_hal/synthetic/ray_caster.hpp"
-#include "tools/calibrate/cmd_check_calibration.hpp"
+#include "tools/check/check_calibration.hpp"
 #include "tools/doctor/doctor_usb_capture.hpp"
 
 using namespace colift;
@@ -54,7 +54,7 @@ hal::DepthFrame picture(const hal::Pose& X_WC) {
 TEST_CASE("a calibration says how old and how good it is, and where the camera is", "[check]") {
   const auto c = check_calibration(calibration_at(kGood), {}, {}, days_later(3.2));
   INFO(c.summary);
-  CHECK_FALSE(c.because);
+  CHECK_FALSE(c.reason);
   CHECK(c.warnings.empty());
   CHECK(c.summary.find("3 days old") != std::string::npos);
   CHECK(c.summary.find("0.41 px by 20 poses") != std::string::npos);
@@ -68,12 +68,12 @@ TEST_CASE("a calibration says how old and how good it is, and where the camera i
 TEST_CASE("a calibration that no camera beside a robot can have is refused", "[check]") {
   const auto below = check_calibration(calibration_at(sim_hal::look_at({2.1, -0.7, -0.3}, {0.65, 0, 0.45})),
                                        {}, {}, days_later(1));
-  REQUIRE(below.because);
-  CHECK_THAT(*below.because, Catch::Contains("-0.30 m above the robot's floor"));
+  REQUIRE(below.reason);
+  CHECK_THAT(*below.reason, Catch::Contains("-0.30 m above the robot's floor"));
   const auto away = check_calibration(calibration_at(sim_hal::look_at({2.1, -0.7, 1.3}, {4.0, 0, 0.45})), {},
                                       {}, days_later(1));
-  REQUIRE(away.because);
-  CHECK_THAT(*away.because, Catch::Contains("looks past") || Catch::Contains("look past the workspace"));
+  REQUIRE(away.reason);
+  CHECK_THAT(*away.reason, Catch::Contains("looks past") || Catch::Contains("look past the workspace"));
 }
 
 TEST_CASE("what makes a calibration doubtful is said, with its numbers", "[check]") {
@@ -105,7 +105,7 @@ TEST_CASE("what makes a calibration doubtful is said, with its numbers", "[check
 TEST_CASE("one picture shows whether the ground is where the calibration has it", "[check]") {
   const control::Config config;
   const auto good = check_ground(picture(kGood), kGood, config);
-  INFO(good.because);
+  INFO(good.reason);
   CHECK(good.good);
   CHECK(*good.tilt_deg < 1.0);
   CHECK(std::abs(*good.height_m) < 0.02);
@@ -113,19 +113,19 @@ TEST_CASE("one picture shows whether the ground is where the calibration has it"
   const auto tilted =
       check_ground(picture(kGood * Eigen::AngleAxisd(0.09, hal::Vec3::UnitX())), kGood, config);
   CHECK_FALSE(tilted.good);
-  CHECK_THAT(tilted.because, Catch::Contains("tilted by") && Catch::Contains("calibrate again"));
+  CHECK_THAT(tilted.reason, Catch::Contains("tilted by") && Catch::Contains("calibrate again"));
   const auto far = check_ground(picture(kGood * Eigen::AngleAxisd(0.4, hal::Vec3::UnitX())), kGood, config);
   CHECK_FALSE(far.good);
   hal::Pose higher = kGood;
   higher.translation().z() += 0.1;
   const auto low = check_ground(picture(higher), kGood, config);
   CHECK_FALSE(low.good);
-  CHECK_THAT(low.because, Catch::Contains("below the"));
+  CHECK_THAT(low.reason, Catch::Contains("below the"));
   hal::DepthFrame blind = picture(kGood);
   std::fill(blind.depth_m.begin(), blind.depth_m.end(), std::numeric_limits<float>::quiet_NaN());
   const auto nothing = check_ground(blind, kGood, config);
   CHECK_FALSE(nothing.good);
-  CHECK_THAT(nothing.because, Catch::Contains("no ground"));
+  CHECK_THAT(nothing.reason, Catch::Contains("no ground"));
 }
 
 TEST_CASE("the doctor says whether the capture process is there and starts with its library", "[doctor]") {

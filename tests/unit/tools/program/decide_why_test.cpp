@@ -17,7 +17,7 @@ control::Outcome decided(const control::Config& config) {
     c.id = i;
     c.position = {-0.4, 0.1 * i, 0.0};
     c.verdict = i == 3 ? Verdict::Collision : Verdict::Ok;
-    c.because = i == 3 ? "palm meets the table top 14 mm inside" : "";
+    c.reason = i == 3 ? "palm meets the table top 14 mm inside" : "";
     o.candidates.push_back(c);
   }
   planner::DecisionInput input;

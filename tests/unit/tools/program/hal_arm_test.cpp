@@ -52,12 +52,12 @@ struct Stand {
   tools::ArmTaskEnd run(const ArmTask& task) {
     const tools::ArmTaskHooks hooks{interrupted, progress,
                                     [this] { return why_not(fri->status(), fri->config()); }};
-    hal::Arm& used = task.kind == ArmTask::Kind::Watch ? static_cast<hal::Arm&>(*fri) : *arm;
+    hal::Arm& used = task.kind == ArmTask::Kind::PerceptionSession ? static_cast<hal::Arm&>(*fri) : *arm;
     return run_arm_task(used, hal::built_in_robot(), guard, task, clock, hooks);
   }
 
   [[nodiscard]] tools::ArmView view() const {
-    tools::ProgramWatch program;
+    tools::ProgramMonitor program;
     hal::FriMeasurement m = fri->measurement();
     program.note(m, 0.0);
     ++m.krl.integer[4];
@@ -68,7 +68,7 @@ struct Stand {
   [[nodiscard]] std::string broken() const {
     std::string text;
     for (const auto& b : krc->report().broken_rules)
-      text += std::string(name(b.rule)) + ": " + b.because + "\n";
+      text += std::string(name(b.rule)) + ": " + b.reason + "\n";
     return text;
   }
   [[nodiscard]] bool left_command_mode() const { return krc->report().state != sim_hal::FriState::Command; }
@@ -157,7 +157,7 @@ TEST_CASE("watching asks for nothing and moves nothing", "[hal][arm]") {
   ArmTask watch;
   watch.for_s = 1.0;
   const auto end = s.run(watch);
-  INFO(end.because);
+  INFO(end.reason);
   CHECK(end.how == How::Done);
   CHECK(end.cycles > 400);
   CHECK_FALSE(end.commanded);
@@ -171,7 +171,7 @@ TEST_CASE("watching asks for nothing and moves nothing", "[hal][arm]") {
 TEST_CASE("holding gets command mode, stays at the measured pose, and leaves", "[hal][arm]") {
   Stand s;
   const auto end = s.run(hold_for(2.0));
-  INFO(end.because);
+  INFO(end.reason);
   REQUIRE(end.how == How::Done);
   CHECK(end.commanded_s == Approx(2.0).margin(0.01));
   CHECK(s.krc->report().command_cycles > 900);
@@ -184,7 +184,7 @@ TEST_CASE("holding gets command mode, stays at the measured pose, and leaves", "
 TEST_CASE("a joint moves by the angle, no faster than asked, the others stay", "[hal][arm]") {
   Stand s;
   const auto end = s.run(move(3, -10.0, 5.0));
-  INFO(end.because);
+  INFO(end.reason);
   REQUIRE(end.how == How::Done);
   const hal::JointVector by = end.end_rad - end.start_rad;
   CHECK(kDeg * by[3] == Approx(-10.0).margin(0.2));
@@ -200,8 +200,8 @@ TEST_CASE("a motion beyond a limit is refused before command mode is asked for",
   Stand s;
   const auto end = s.run(move(5, -80.0));  // A6 stands at -52 deg, its limit is -120
   CHECK(end.how == How::BadRequest);
-  CHECK(end.because.find("A6") != std::string::npos);
-  CHECK(end.because.find("-67.4") != std::string::npos);  // what is left this way
+  CHECK(end.reason.find("A6") != std::string::npos);
+  CHECK(end.reason.find("-67.4") != std::string::npos);  // what is left this way
   CHECK(s.krc->report().command_cycles == 0);
 }
 
@@ -237,7 +237,7 @@ TEST_CASE("the stiffness that was asked for arrives at the arm", "[hal][arm]") {
   WatchedArm arm(*s.arm, s.interrupted, 1'000'000);
   const auto end =
       run_arm_task(arm, hal::built_in_robot(), s.guard, task, s.clock, {s.interrupted, s.progress, {}});
-  INFO(end.because);
+  INFO(end.reason);
   CHECK(end.how == How::Done);
   CHECK(arm.first_stiffness_ == Approx(1000.0).margin(10.0));  // as the driver starts; then on a ramp
   CHECK(arm.last_stiffness_ == Approx(200.0));
@@ -254,8 +254,8 @@ TEST_CASE("a controller without its program refuses in words, and nothing moves"
   Stand s(krc, config);
   const auto end = s.run(hold_for(1.0));
   CHECK(end.how == How::Refused);
-  INFO(end.because);
-  CHECK_FALSE(end.because.empty());
+  INFO(end.reason);
+  CHECK_FALSE(end.reason.empty());
   CHECK_FALSE(end.commanded);
   CHECK(s.krc->report().command_cycles == 0);
   const auto found = obstacles(s.view(), hal::built_in_robot());
@@ -272,8 +272,8 @@ TEST_CASE("an emergency stop while holding ends it with the reason", "[hal][arm]
   Stand s(krc);
   const auto end = s.run(hold_for(20.0));
   CHECK(end.how == How::Lost);
-  INFO(end.because);
-  CHECK(end.because.find("the drives are off") != std::string::npos);
+  INFO(end.reason);
+  CHECK(end.reason.find("the drives are off") != std::string::npos);
   CHECK(end.commanded);
   CHECK(end.commanded_s < 19.0);
 }
@@ -295,7 +295,7 @@ TEST_CASE("nobody on the wire is refused within the deadline", "[hal][arm]") {
   const auto end =
       run_arm_task(fri, hal::built_in_robot(), {}, hold_for(1.0), clock, {interrupted, progress, {}});
   CHECK(end.how == How::Refused);
-  CHECK(end.because.find("nothing usable comes") != std::string::npos);
+  CHECK(end.reason.find("nothing usable comes") != std::string::npos);
   CHECK(hal::seconds(clock.now()) < 1.0);
   tools::ArmView view = view_of(fri, {}, {}, 1.0, 0.5);
   const auto found = obstacles(view, hal::built_in_robot());

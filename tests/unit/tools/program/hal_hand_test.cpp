@@ -46,7 +46,7 @@ struct Stand {
 
 TEST_CASE("watching a hand moves nothing", "[hal][hand]") {
   Stand s;
-  const auto end = s.run(Kind::Watch);
+  const auto end = s.run(Kind::PerceptionSession);
   CHECK(end.how == How::Done);
   CHECK(end.states > 100);
   CHECK_FALSE(end.moved);
@@ -56,7 +56,7 @@ TEST_CASE("watching a hand moves nothing", "[hal][hand]") {
 TEST_CASE("closing on something says that it is held, on nothing that it is not", "[hal][hand]") {
   Stand with(1.2);
   const auto grip = with.run(Kind::Grip);
-  INFO(grip.because);
+  INFO(grip.reason);
   CHECK(grip.how == How::Done);
   CHECK(grip.after.held);
   CHECK(grip.after.finger_rad[0] == Approx(1.2).margin(0.01));
@@ -65,7 +65,7 @@ TEST_CASE("closing on something says that it is held, on nothing that it is not"
   const auto nothing = without.run(Kind::Close);
   CHECK(nothing.how == How::NoGrip);
   CHECK_FALSE(nothing.after.held);
-  CHECK(nothing.because == "the fingers met nothing");
+  CHECK(nothing.reason == "the fingers met nothing");
 }
 
 TEST_CASE("a hand that holds something opens with a word of consent only", "[hal][hand]") {
@@ -74,10 +74,10 @@ TEST_CASE("a hand that holds something opens with a word of consent only", "[hal
   s.report.loaded = true;
   const auto refused = s.run(Kind::Open);
   CHECK(refused.how == How::BadRequest);
-  CHECK(refused.because.find("--yes") != std::string::npos);
+  CHECK(refused.reason.find("--yes") != std::string::npos);
   CHECK(refused.after.finger_rad[0] == Approx(1.2).margin(0.01));
   const auto opened = s.run(Kind::Open, [](HandTask& t) { t.although_loaded = true; });
-  INFO(opened.because);
+  INFO(opened.reason);
   CHECK(opened.how == How::Done);
   CHECK(opened.after.finger_rad[0] < 0.05);
 }
@@ -85,7 +85,7 @@ TEST_CASE("a hand that holds something opens with a word of consent only", "[hal
 TEST_CASE("preshape turns the spread", "[hal][hand]") {
   Stand s;
   const auto end = s.run(Kind::Preshape, [](HandTask& t) { t.spread_rad = 1.0; });
-  INFO(end.because);
+  INFO(end.reason);
   CHECK(end.how == How::Done);
   CHECK(end.after.spread_rad == Approx(1.0).margin(0.02));
 }
@@ -105,7 +105,7 @@ TEST_CASE("a slip ends the grip", "[hal][hand]") {
   s.report.slipped = true;
   const auto end = s.run(Kind::Grip);
   CHECK(end.how == How::NoGrip);
-  CHECK(end.because.find("slipped") != std::string::npos);
+  CHECK(end.reason.find("slipped") != std::string::npos);
 }
 
 TEST_CASE("a hand that is lost while it moves is a failure with its words", "[hal][hand]") {
@@ -113,7 +113,7 @@ TEST_CASE("a hand that is lost while it moves is a failure with its words", "[ha
   s.hand->inject(sim_hal::MockHand::Fault::Unplug, 40, 100000);
   const auto end = s.run(Kind::Close);
   CHECK(end.how == How::Failed);
-  CHECK_FALSE(end.because.empty());
+  CHECK_FALSE(end.reason.empty());
   CHECK(end.code == hal::ErrorCode::LinkLost);
 }
 

@@ -58,7 +58,7 @@ struct Example {
     what.scene = &scene;
     what.candidates = &candidates;
     what.title = "Example";
-    what.because = "made by hand";
+    what.reason = "made by hand";
   }
   Example(const Example&) = delete;
   Example& operator=(const Example&) = delete;
@@ -159,8 +159,8 @@ TEST_CASE("a frame without a target shows the reason, whole, however long it is"
   e.scene.target.reset();
   e.scene.surfaces.clear();
   for (int i = 0; i < 60; ++i)
-    e.what.because += " and nothing that stands free on the ground was larger than 50 cm2";
-  e.what.because += " " + std::string(200, 'W');
+    e.what.reason += " and nothing that stands free on the ground was larger than 50 cm2";
+  e.what.reason += " " + std::string(200, 'W');
   e.what.notes.assign(3, std::string(400, 'n'));
   const Canvas canvas = draw_scene_picture(e.what);
   CHECK(canvas.height() > 8 * 120 + 300);
@@ -259,7 +259,7 @@ TEST_CASE("nothing in a report can break out of its place in the page") {
   Report report;
   report.title = "<script>alert('a')</script>";
   report.summary = {"5 < 6 & \"7\""};
-  report.candidates.push_back({.id = 1, .kind = "<b>", .because = "</td><img src=x>"});
+  report.candidates.push_back({.id = 1, .kind = "<b>", .reason = "</td><img src=x>"});
   report.facts = {{"file", "a\"onload=\"b.png"}};
   report.command = "colift look '<x>'";
   report.pictures.push_back({{}, "\"><i>"});
@@ -277,11 +277,11 @@ TEST_CASE("a report holds its pictures and puts the best candidates first") {
   report.pictures.push_back({{'M', 'a'}, "one short"});
   report.pictures.push_back({{'M'}, "two short"});
   using planner::Verdict;
-  report.candidates.push_back({.id = 1, .verdict = Verdict::Collision, .because = "row one"});
-  report.candidates.push_back({.id = 2, .verdict = Verdict::Ok, .cost = 9.0, .because = "row two"});
-  report.candidates.push_back({.id = 3, .verdict = Verdict::Ok, .cost = 2.0, .because = "row three"});
+  report.candidates.push_back({.id = 1, .verdict = Verdict::Collision, .reason = "row one"});
+  report.candidates.push_back({.id = 2, .verdict = Verdict::Ok, .cost = 9.0, .reason = "row two"});
+  report.candidates.push_back({.id = 3, .verdict = Verdict::Ok, .cost = 2.0, .reason = "row three"});
   report.candidates.push_back(
-      {.id = 4, .verdict = Verdict::Chosen, .share = 0.525, .cost = 1.0, .because = "row four"});
+      {.id = 4, .verdict = Verdict::Chosen, .share = 0.525, .cost = 1.0, .reason = "row four"});
   report.timing = {{"ground", 1.25}, {"target", 0.0}};
   const std::string page = report_html(report);
   for (const char* part : {"base64,TWFu\"", "base64,TWE=\"", "base64,TQ==\"", "52.5 %", "1.25 ms"}) {

@@ -87,11 +87,12 @@ RunExample look_at_table() {
   const control::Config config;
   const planner::HandModel hand;
   const hal::ManualClock clock;
-  e.record.look = control::look({frame_of(world(0), e.setting.X_WC, 1, 0.5), e.setting.X_WC, true, {}},
-                                control::Method::Fast, config, hand, clock)
-                      .value();
+  e.record.analysis =
+      control::analyse_scene({frame_of(world(0), e.setting.X_WC, 1, 0.5), e.setting.X_WC, true, {}},
+                             control::Method::Fast, config, hand, clock)
+          .value();
   e.record.states = {{at(0.0), Task::Observe, "the run began"},
-                     {at(0.6), Task::AwaitPartner, "there is something to carry, and places to grasp it"}};
+                     {at(0.6), Task::AwaitPartner, "an object to carry and feasible grasps were found"}};
   e.record.timing.sim_s = 30.6;
   e.record.timing.wall_s = 3.2;
   e.truth.mass_kg = kMass;
@@ -110,8 +111,8 @@ const RunExample& seen_run() {
 RunExample refused_run() {
   RunExample e = seen_run();
   e.record.outcome = control::RunRecord::Result::Refused;
-  e.record.because = "nobody took hold of the object within 30 s";
-  e.record.states.push_back({at(30.6), Task::Refused, e.record.because});
+  e.record.reason = "no partner grasped the object within 30 s";
+  e.record.states.push_back({at(30.6), Task::Refused, e.record.reason});
   return e;
 }
 
@@ -124,26 +125,26 @@ RunExample lift_table() {
   config.decision.weights.epsilon = planner::epsilon_for_share(0.5).value();
   const hal::ManualClock clock;
   r.frame_partner = frame_of(with_person(0), e.setting.X_WC, 2, 3.9);
-  r.decision = control::decide(*r.look, {std::nullopt, r.frame_partner}, config, clock).value();
+  r.decision = control::decide(*r.analysis, {std::nullopt, r.frame_partner}, config, clock).value();
   r.outcome = control::RunRecord::Result::Lifted;
-  r.because = "held 5.0 cm for 2.0 s, lowered, released";
+  r.reason = "held 5.0 cm for 2.0 s, lowered, released";
   r.plan = planner::MotionPlan{};
   r.plan->reach.grasp_rad << 0.2, 0.9, 0.0, -1.4, 0.0, 0.6, 0.0;
   r.plan->reach.lifted_rad << 0.2, 0.85, 0.0, -1.4, 0.0, 0.65, 0.0;
   r.plan->plan_ms = 2.1;
   r.plan->shortcut_ms = 3.4;
   r.plan->exact_ms = 8.8;
-  const auto enter = [&](double t, Task state, const char* because) {
-    r.states.push_back({at(t), state, because});
+  const auto enter = [&](double t, Task state, const char* reason) {
+    r.states.push_back({at(t), state, reason});
   };
-  enter(3.9, Task::Decide, "the partner holds the object");
-  enter(4.0, Task::Plan, "a reachable grasp shares the load as wished");
-  enter(4.0, Task::Approach, "there is a way to the grasp that touches nothing");
-  enter(9.4, Task::Close, "the hand is around the grasp");
-  enter(10.8, Task::Verify, "every finger is held by contact");
-  enter(11.2, Task::AwaitReady, "the grip is as wide and as firm as planned");
+  enter(3.9, Task::Decide, "the partner grasps the object");
+  enter(4.0, Task::Plan, "a reachable grasp gives the requested load share");
+  enter(4.0, Task::Approach, "collision-free path to the grasp found");
+  enter(9.4, Task::Close, "hand at the grasp");
+  enter(10.8, Task::Verify, "every finger is in contact");
+  enter(11.2, Task::AwaitReady, "the grip has the planned width and force");
   enter(11.7, Task::Lift, "the partner holds and is at rest");
-  enter(13.7, Task::Hold, "the object is at its height");
+  enter(13.7, Task::Hold, "target height reached");
   enter(15.7, Task::Lower, "held for as long as was asked");
   enter(17.9, Task::Release, "the object stands on the ground");
   enter(19.0, Task::Retreat, "the hand is open");
@@ -188,9 +189,9 @@ RunExample stopped_run() {
   RunExample e = lifted_run();
   control::RunRecord& r = e.record;
   r.outcome = control::RunRecord::Result::Aborted;
-  r.because = "the partner let go while the object was carried; holds, the grip stays closed";
+  r.reason = "the partner let go while the object was carried; holds, the grip stays closed";
   std::erase_if(r.states, [](const auto& s) { return s.at > at(12.5); });
-  r.states.push_back({at(12.9), Task::Stopped, r.because});
+  r.states.push_back({at(12.9), Task::Stopped, r.reason});
   r.lift.reset();
   r.hand_keeps_grip = true;
   r.faults = {{at(6.0), "camera", "no picture for 0.4 s"},

@@ -42,7 +42,7 @@ TEST_CASE("a run's document has the keys and types of the contract", "[run]") {
   REQUIRE(j["states"].size() == e.record.states.size());
   CHECK(j["states"][0]["state"] == "observe");
   CHECK(j["states"][2]["t"].get<double>() == Approx(3.9));
-  CHECK(j["states"][2]["because"] == "the partner holds the object");
+  CHECK(j["states"][2]["because"] == "the partner grasps the object");
   CHECK(is_place(j["partner"]["position"]));
   CHECK(j["partner"]["error_m"].get<double>() ==
         Approx((e.record.decision->partner->position - *e.truth.partner).norm()));
@@ -110,7 +110,7 @@ TEST_CASE("no number of a run's document is NaN or infinite", "[run]") {
   e.record.lift = control::LiftSummary{nan, nan, nan, nan, nan, std::numeric_limits<double>::infinity()};
   e.record.timing.grasp_to_decision_s = nan;
   e.truth.curve.clear();
-  e.record.because = "bytes that are no text: \xFF";
+  e.record.reason = "bytes that are no text: \xFF";
   const std::string text = tools::run_document(e.view());
   CHECK(text.find("nan") == std::string::npos);
   CHECK(text.find("inf\"") == std::string::npos);
@@ -130,7 +130,7 @@ TEST_CASE("two machines differ only in three times of a run's document", "[run]"
   slow.record.timing.wall_s *= 3;
   slow.record.timing.plan_ms *= 3;
   slow.record.timing.decision_compute_ms *= 3;
-  slow.record.look->ms.total = 99;
+  slow.record.analysis->ms.total = 99;
   slow.record.decision->decision_ms = 99;
   slow.record.decision->partner_ms = 99;
   slow.record.plan->plan_ms = slow.record.plan->exact_ms = 99;

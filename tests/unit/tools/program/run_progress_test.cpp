@@ -69,7 +69,7 @@ RunStatus crowded() {
   s.t_s = 123.456;
   s.state = Task::Approach;
   s.in_state_s = 3.21;
-  s.because = "there is a way to the grasp that touches nothing, though it is a narrow one between two legs";
+  s.reason = "collision-free path to the grasp found, though it is a narrow one between two legs";
   s.now = std::string(200, 'x');
   s.done = 0.45;
   hal::DeviceHealth health;
@@ -150,7 +150,7 @@ TEST_CASE("without a terminal every change is one plain line, said once", "[run]
       if (i == 40) s.faults.emplace_back("camera: silent");
       if (i == 50) {
         s.state = Task::Close;
-        s.because = "the hand is around the grasp";
+        s.reason = "hand at the grasp";
       }
       progress.show(s);
     }
@@ -159,7 +159,7 @@ TEST_CASE("without a terminal every change is one plain line, said once", "[run]
   const std::string text = paper.text();
   CHECK(text.find('\x1b') == std::string::npos);
   CHECK(count(text, "approach") == 1);
-  CHECK(count(text, "the hand is around the grasp") == 1);
+  CHECK(count(text, "hand at the grasp") == 1);
   CHECK(count(text, "camera: silent") == 1);
   for (const std::string& line : lines_of(text)) CHECK(columns_of(line) <= 80);
 }
@@ -222,7 +222,7 @@ TEST_CASE("the summary says how good it was, in lines that fit", "[run]") {
     for (const int columns : {60, 80}) {
       const std::string text = run_summary(e.view(), columns);
       INFO(text);
-      CHECK(text.find(e.record.because.substr(0, 20)) != std::string::npos);
+      CHECK(text.find(e.record.reason.substr(0, 20)) != std::string::npos);
       for (const std::string& line : lines_of(text))
         CHECK(columns_of(line) <= static_cast<std::size_t>(columns));
     }

@@ -24,12 +24,12 @@ TEST_CASE("a run's report holds each candidate's reason and each state's", "[run
   CHECK(page.find(">lifted<") != std::string::npos);
   CHECK(page.find("Held 5.0 cm for 2.0 s, lowered, released.") != std::string::npos);
   for (const auto& c : e.record.decision->candidates) {
-    INFO(c.because);
-    CHECK(page.find(picture::html_escaped(c.because)) != std::string::npos);
+    INFO(c.reason);
+    CHECK(page.find(picture::html_escaped(c.reason)) != std::string::npos);
   }
   for (const auto& s : e.record.states) {
-    INFO(s.because);
-    CHECK(page.find(picture::html_escaped(s.because)) != std::string::npos);
+    INFO(s.reason);
+    CHECK(page.find(picture::html_escaped(s.reason)) != std::string::npos);
   }
   CHECK(page.find("truth 4.00 kg") != std::string::npos);
   // two of the scene in space, one from the side, one of the decision, one of the curves
@@ -38,7 +38,7 @@ TEST_CASE("a run's report holds each candidate's reason and each state's", "[run
 
 TEST_CASE("a run's report needs nothing from outside and nothing breaks out of its place", "[run]") {
   auto e = tests::stopped_run();
-  e.record.because = "<script>alert(1)</script> & \"more\"";
+  e.record.reason = "<script>alert(1)</script> & \"more\"";
   e.setting.scenario = "</h1><img src=x>.yaml";
   const std::string page = tools::run_report_html(e.view());
   for (const char* bad : {"<script", "<img src=x", "http://", "https://", "<8>", "lift <1>", "src=\"/"}) {

@@ -112,7 +112,7 @@ TEST_CASE("every message is what its schema says", "[messages]") {
   scene.candidates = decision.outcome.candidates;
   scene.partner.emplace();
   scene.optimum = hal::Vec3(0, 0, 0);
-  scene.way_W = {hal::Vec3(0, 0, 0), hal::Vec3(1, 0, 0)};
+  scene.path_W = {hal::Vec3(0, 0, 0), hal::Vec3(1, 0, 0)};
   scene.gripper = gripper_view(model, hal::Pose::Identity());
   const std::string entities = scene_message(at, scene);
   check_message(Topic::Scene, entities);

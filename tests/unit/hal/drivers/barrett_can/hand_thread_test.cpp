@@ -75,9 +75,9 @@ class UncountedBus final : public hal::CanBus {
   explicit UncountedBus(hal::CanBus& inner) : inner_(inner) {}
   Result<> open() override { return inner_.open(); }
   void close() noexcept override { inner_.close(); }
-  Received receive(hal::CanFrame& into, hal::Duration patience) noexcept override {
+  Received receive(hal::CanFrame& into, hal::Duration timeout) noexcept override {
     const bool was = std::exchange(counting, false);
-    const Received got = inner_.receive(into, patience);
+    const Received got = inner_.receive(into, timeout);
     counting = was;
     return got;
   }

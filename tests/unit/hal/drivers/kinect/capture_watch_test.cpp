@@ -2,22 +2,22 @@
 
 #include <catch2/catch.hpp>
 
-#include "hal/drivers/kinect/capture_link/capture_watch.hpp"
+#include "hal/drivers/kinect/capture_link/capture_monitor.hpp"
 #include "hal/drivers/kinect/capture_link/capture_words.hpp"
 
 using namespace colift::hal;
 using namespace colift::hal::kinect;
 using namespace std::chrono_literals;
-using Do = CaptureWatch::Do;
+using Do = CaptureMonitor::Do;
 
 namespace {
 
 /// A process as the watch sees it: it does what it is told, unless it hangs.
 struct Story {
   KinectConfig config;
-  CaptureWatch watch{config};
+  CaptureMonitor watch{config};
   Timestamp now{0};
-  CaptureWatch::Sight sight;
+  CaptureMonitor::Sight sight;
   bool beats = true, gives_frames = true, dies_when_killed = true;
   int starts = 0, kills = 0, abandoned = 0;
   std::vector<double> started_at;
@@ -166,7 +166,7 @@ TEST_CASE("what the process says is understood line by line, in any pieces", "[k
     CHECK(news.infrared);
     CHECK(news.motor);
     CHECK(news.end == CaptureEnd::DeviceLost);
-    CHECK(news.because == "the device is gone");
+    CHECK(news.reason == "the device is gone");
     CHECK(news.refused == "the motor refuses");
     CHECK(news.last_words == "libusb: hm");
     CHECK(news.garbage == 0);

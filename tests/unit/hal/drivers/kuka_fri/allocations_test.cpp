@@ -58,14 +58,14 @@ class CannedLink final : public DatagramLink {
   Result<> open() override { return {}; }
   void close() noexcept override {}
 
-  Datagram receive(std::span<std::byte> into, Duration patience) noexcept override {
+  Datagram receive(std::span<std::byte> into, Duration timeout) noexcept override {
     Datagram got;
     got.arrived_at = clock_.now();
     if (again_ > 0) {
       --again_;
       return put(into, got);
     }
-    if (patience == Duration::zero()) return got;
+    if (timeout == Duration::zero()) return got;
     clock_.advance(std::chrono::milliseconds(2));
     got.arrived_at = clock_.now();
     ++tick_;

@@ -144,7 +144,7 @@ TEST_CASE("a controller that was switched off and on is met as a new one (row 44
     CHECK(run.arm->status().session == FriSession::Fault);
   }
   SECTION("slowly") {
-    run.lose(500);
+    run.note_device(500);
     run.krc.reboot();
     run.cycles(200);
     CHECK(run.reason() == FriReason::LinkLost);

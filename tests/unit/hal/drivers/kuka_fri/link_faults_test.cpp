@@ -21,7 +21,7 @@ TEST_CASE("one to three lost datagrams make no step (row 36)", "[fri][faults]") 
       run.cycles(n);
       run.krc.deaf = false;
     } else {
-      run.lose(n);
+      run.note_device(n);
     }
     run.cycles(40);
   }
@@ -64,7 +64,7 @@ TEST_CASE("more than five lost: at rest, then from the measured pose, not to the
   run.cycles(200);
   const JointVector old = run.q;
   const std::size_t before = run.krc.heard.size();
-  run.lose(n);
+  run.note_device(n);
   // the controller was pushed elsewhere in the meantime
   run.krc.offset_rad[5] += 0.05f;
   run.krc.worst_dv_rad_s = 0.0;
@@ -93,7 +93,7 @@ TEST_CASE("more than five lost: at rest, then from the measured pose, not to the
 TEST_CASE("a tenth of a second of silence is a lost link, which comes back without moving (row 36)",
           "[fri][faults]") {
   Moving run;
-  run.lose(80);
+  run.note_device(80);
   CHECK(run.lost > 0);
   CHECK(run.timeouts >= 40);
   CHECK(run.arm->status().session == FriSession::Silent);

@@ -72,7 +72,7 @@ struct Moving {
     c.q_rad = q;
     if (!arm->command(c)) ++refusals;
   }
-  void lose(int n) {
+  void note_device(int n) {
     krc.silent = true;
     const auto until = krc.clock.now() + std::chrono::nanoseconds(static_cast<std::int64_t>(n * kT * 1e9));
     while (krc.clock.now() < until) cycle();

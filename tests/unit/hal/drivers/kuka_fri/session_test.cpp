@@ -56,7 +56,7 @@ TEST_CASE("whatever happens, commands need a confirmation, command mode, drives 
         if (draw(8) == 0) s.leave();
         break;
       case 3:
-        s.forget_wishes();
+        s.forget_requests();
         break;
       case 4:
         s.script(static_cast<ScriptSign>(draw(8)), draw(10));
@@ -116,7 +116,7 @@ TEST_CASE("from every state the way to command mode is activate() and good datag
       if (random() % 9 == 0) s.leave();
       if (random() % 9 == 0) s.silence(60, true, false);
     }
-    s.forget_wishes();
+    s.forget_requests();
     s.activate();
     for (int i = 0; i < 3; ++i) s.measured(good(FriState::Monitor), 1, 0.002, false);
     CHECK(s.ask() == Ask::Start);

@@ -52,7 +52,7 @@ struct Emulated {
   [[nodiscard]] std::string broken() const {
     std::string text;
     for (const auto& b : krc->report().broken_rules)
-      text += std::to_string(b.t) + " " + std::string(name(b.rule)) + ": " + b.because + "\n";
+      text += std::to_string(b.t) + " " + std::string(name(b.rule)) + ": " + b.reason + "\n";
     return text;
   }
 };
@@ -191,21 +191,21 @@ TEST_CASE("faults of wire and controller at a random moment: no rule broken, no 
       [](KrcFault& f) {
         f.for_s = 0.1;
         f.kind = Kind::Loss;
-        f.way = KrcFault::Way::ToClient;
+        f.way = KrcFault::Direction::ToClient;
         f.value = 3;
         f.counted = true;
       },
       [](KrcFault& f) {
         f.for_s = 0.1;
         f.kind = Kind::Loss;
-        f.way = KrcFault::Way::ToClient;
+        f.way = KrcFault::Direction::ToClient;
         f.value = 10;
         f.counted = true;
       },
       [](KrcFault& f) {
         f.for_s = 0.1;
         f.kind = Kind::Loss;
-        f.way = KrcFault::Way::ToKrc;
+        f.way = KrcFault::Direction::ToKrc;
         f.value = 3;
         f.counted = true;
       },
@@ -236,12 +236,12 @@ TEST_CASE("faults of wire and controller at a random moment: no rule broken, no 
       [](KrcFault& f) {
         f.for_s = 0.4;
         f.kind = Kind::Corrupt;
-        f.way = KrcFault::Way::ToClient;
+        f.way = KrcFault::Direction::ToClient;
       },
       [](KrcFault& f) {
         f.for_s = 0.4;
         f.kind = Kind::Burst;
-        f.way = KrcFault::Way::ToClient;
+        f.way = KrcFault::Direction::ToClient;
         f.value = 25;
       },
       [](KrcFault& f) {

@@ -199,9 +199,9 @@ TEST_CASE("a carried object may leave what it stood on upwards, and meet nothing
 
   // an obstacle where the end of the bar will come to
   const hal::Vec3 swung = Eigen::AngleAxisd(0.2, hal::Vec3::UnitZ()) * end;
-  auto in_the_way = carrying(scene_with(post(swung + hal::Vec3(0, 0, 0.06))));
-  CHECK(in_the_way.is_free(q));
-  const Touch touch = in_the_way.what_touches(turned(0.2));
+  auto blocked = carrying(scene_with(post(swung + hal::Vec3(0, 0, 0.06))));
+  CHECK(blocked.is_free(q));
+  const Touch touch = blocked.what_touches(turned(0.2));
   CHECK(touch.with == Touch::With::Carried);
   CHECK(touch.text().find("the carried object") == 0);
 

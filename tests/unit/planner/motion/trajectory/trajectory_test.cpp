@@ -247,12 +247,12 @@ TEST_CASE("bad paths and limits are refused") {
     CHECK(result.error().code == hal::ErrorCode::BadInput);
     CHECK_THAT(result.error().detail, Catch::Matchers::Contains(says));
   };
-  refused(planner::make_trajectory({}, MotionLimits{}, 0.1), "no way point");
-  refused(planner::make_trajectory_along({}, MotionLimits{}), "no way point");
+  refused(planner::make_trajectory({}, MotionLimits{}, 0.1), "no waypoint");
+  refused(planner::make_trajectory_along({}, MotionLimits{}), "no waypoint");
   JointPath bad = good;
   bad[1][3] = std::numeric_limits<double>::quiet_NaN();
-  refused(planner::make_trajectory(bad, MotionLimits{}, 0.1), "way point 1");
-  refused(planner::make_trajectory_along(bad, MotionLimits{}), "way point 1");
+  refused(planner::make_trajectory(bad, MotionLimits{}, 0.1), "waypoint 1");
+  refused(planner::make_trajectory_along(bad, MotionLimits{}), "waypoint 1");
   refused(planner::make_trajectory(good, MotionLimits{}, -0.1), "blend");
   refused(planner::make_trajectory(good, MotionLimits{}, std::numeric_limits<double>::quiet_NaN()), "blend");
   MotionLimits still;

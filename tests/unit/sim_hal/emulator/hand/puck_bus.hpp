@@ -51,11 +51,11 @@ struct Bus {
     say(id, {0x80 | property, 0, value & 255, value >> 8 & 255, value >> 16 & 255, value >> 24 & 255});
     pass(300us);
   }
-  std::vector<hal::CanFrame> ask(int id, int property, hal::Duration patience = 3ms) {
+  std::vector<hal::CanFrame> ask(int id, int property, hal::Duration timeout = 3ms) {
     pass(0ns);
     heard.clear();
     say(id, {property});
-    pass(patience);
+    pass(timeout);
     return heard;
   }
   std::optional<int> value(int id, int property) {

@@ -82,9 +82,9 @@ struct Bench {
   }
 
   /// The next measurement; none within `patience`: unset.
-  std::optional<Seen> receive(hal::Duration patience = milliseconds(250)) {
+  std::optional<Seen> receive(hal::Duration timeout = milliseconds(250)) {
     std::array<std::byte, 2000> buffer;
-    const hal::Datagram got = client->receive(buffer, patience);
+    const hal::Datagram got = client->receive(buffer, timeout);
     if (got.kind != hal::Datagram::Kind::Data) return std::nullopt;
     return Seen{{buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(got.size)}};
   }

@@ -39,7 +39,7 @@ TEST_CASE("a fault is read from one line", "[krc]") {
   const auto f = parse_krc_fault("4.5:loss.in=20%:2");
   REQUIRE(f);
   CHECK(f->kind == KrcFault::Kind::Loss);
-  CHECK(f->way == KrcFault::Way::ToKrc);
+  CHECK(f->way == KrcFault::Direction::ToKrc);
   CHECK(f->at_s == 4.5);
   CHECK(f->for_s == 2.0);
   CHECK(f->value == 20.0);
@@ -135,7 +135,7 @@ TEST_CASE("delayed, doubled and swapped answers", "[krc]") {
     b.live(1.0);
     CHECK(b.last.state() == 1);
     CHECK(b.krc->report().late > 100);
-    CHECK(b.krc->report().mode_changes.back().because.find("4 answers in a row") != std::string::npos);
+    CHECK(b.krc->report().mode_changes.back().reason.find("4 answers in a row") != std::string::npos);
   }
   SECTION("doubled answers are counted once") {
     Faulty b("duplicate.in:1");

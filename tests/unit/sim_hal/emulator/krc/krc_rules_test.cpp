@@ -42,7 +42,7 @@ void commit(const Offence& offence, std::int32_t strategy, std::uint32_t flags) 
   CHECK(b.broken() == offence.rule);
   CHECK(b.was_told(offence.told));
   REQUIRE(b.until([](const Seen& m) { return m.power() == 0; }));
-  CHECK(b.krc->report().mode_changes.back().because == b.krc->report().broken_rules.back().because);
+  CHECK(b.krc->report().mode_changes.back().reason == b.krc->report().broken_rules.back().reason);
 }
 
 }  // namespace

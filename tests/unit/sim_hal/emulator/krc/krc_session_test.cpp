@@ -126,7 +126,7 @@ TEST_CASE("by Stanford's hand-shake into command mode, to a motion, and out agai
   const KrcReport r = b.krc->report();
   REQUIRE(r.mode_changes.size() == 4);
   CHECK(r.mode_changes[1].to == FriState::Command);
-  CHECK(r.mode_changes[2].because == "the client asked for a stop");
+  CHECK(r.mode_changes[2].reason == "the client asked for a stop");
   CHECK(r.missed <= 1);
 }
 

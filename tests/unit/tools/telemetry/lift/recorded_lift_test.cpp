@@ -47,14 +47,14 @@ sim_hal::Scenario short_lift() {
 
 /// Every number that a run leaves behind, to the bit.
 std::string fingerprint(const control::RunRecord& r) {
-  std::string out = r.because;
+  std::string out = r.reason;
   const auto put = [&](double v) { out += ' ' + std::to_string(std::bit_cast<std::uint64_t>(v)); };
-  for (const auto& s : r.states) out += '\n' + std::to_string(s.at.count()) + s.because;
+  for (const auto& s : r.states) out += '\n' + std::to_string(s.at.count()) + s.reason;
   for (const auto& s : r.curve)
     for (const double v : {s.t_s, s.palm_height_m, s.load_n}) put(v);
   if (r.decision)
     for (const auto& c : r.decision->candidates) {
-      out += '\n' + c.because;
+      out += '\n' + c.reason;
       for (const double v : {c.position.x(), c.position.y(), c.position.z(), c.width}) put(v);
     }
   if (r.lift)

@@ -9,7 +9,7 @@
 #include "hal/drivers/kinect/guarded_kinect.hpp"
 #include "perception/calibration/spot_finder.hpp"
 #include "sim_hal/emulator/camera/camera_server.hpp"
-#include "sim_hal/emulator/mujoco/camera_world_eye.hpp"
+#include "sim_hal/emulator/mujoco/camera_world_source.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 
 using namespace colift;
@@ -51,7 +51,7 @@ TEST_CASE("a Kinect behind its guard shows the emitter on the palm where it is, 
           "[camera][emulated][calibration]") {
   Room room;
   const hal::SteadyClock clock;
-  sim_hal::CameraServer server({}, std::make_unique<sim_hal::CameraWorldEye>(*room.world, room.emitter));
+  sim_hal::CameraServer server({}, std::make_unique<sim_hal::CameraWorldSource>(*room.world, room.emitter));
   REQUIRE(server.start());
   hal::KinectConfig config;
   config.source = "emulated:" + server.address();
@@ -72,7 +72,7 @@ TEST_CASE("a Kinect behind its guard shows the emitter on the palm where it is, 
     images.push_back(std::move(*image));
   }
   const auto spot = perception::find_blinking_spot(images, {});
-  if (!spot) FAIL(spot.error().because);
+  if (!spot) FAIL(spot.error().reason);
   const Eigen::Vector2d truth = room.truth(images.front().intrinsics);
   INFO(spot->pixel.transpose() << " for " << truth.transpose());
   CHECK((spot->pixel - truth).norm() < 0.3);

@@ -1,0 +1,238 @@
+#include "control/session/perception_session.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "control/session/pipeline.hpp"
+#include "perception/ground_and_target/slivers.hpp"
+#include "perception/motion/moved_object.hpp"
+#include "perception/reference_image.hpp"
+
+namespace colift::control {
+namespace {
+
+using perception::PartnerKind;
+
+bool shows_anything(const hal::DepthFrame& frame) {
+  if (frame.depth_m.size() !=
+      static_cast<std::size_t>(frame.intrinsics.width) * static_cast<std::size_t>(frame.intrinsics.height))
+    return false;
+  return std::any_of(frame.depth_m.begin(), frame.depth_m.end(), [](float d) { return d > 0.0f; });
+}
+
+}  // namespace
+
+struct PerceptionSession::Impl {
+  Impl(Method m, const Config& c, const RigView& r, const hal::Clock& s)
+      : method(m), config(c), rig(r), stopwatch(s), map(c.map), tracker(c.tracker) {
+    // a method that is not there is said by the first look
+    if (auto made = make_pipeline(m)) pipeline = std::move(*made);
+  }
+
+  Method method;
+  std::unique_ptr<const Pipeline> pipeline;
+  const Config& config;
+  RigView rig;
+  const hal::Clock& stopwatch;
+
+  std::vector<hal::DepthFrame> reference_frames;
+  std::optional<hal::DepthFrame> with_robot;  ///< The first of them, before the robot was taken out.
+  RobotPosture robot_then;
+  std::optional<perception::SelfFilter> filter;
+  SceneAnalysis analysis;
+  perception::WorldMap map;
+  std::unique_ptr<PartnerSight> partner_sight;
+  std::optional<perception::ObjectFollower> follower;
+  perception::PartnerTracker tracker;
+  std::vector<Eigen::Vector3f> partner_points;
+  int frames = 0;                             ///< That the partner might have been looked for in.
+  std::vector<char> robot_hid;                ///< By pixel, in any frame of the reference.
+  perception::PartnerObservation last_sight;  ///< Holds for the frames in which nobody is looked for.
+
+  // the robot's own pixels are nobody's
+  const std::vector<std::uint32_t>& hide_robot(hal::DepthFrame& frame, const RobotPosture& robot) {
+    if (!filter) filter.emplace(rig.model, frame.intrinsics, rig.X_WC, config.noise, config.self_filter);
+    return filter->remove(frame, robot.q_rad, robot.hand);
+  }
+
+  hal::Result<> take_look(const perception::ReferenceImage& reference, hal::DepthFrame frame) {
+    SceneAnalysisInput input;
+    input.frame = std::move(frame);
+    input.frame.depth_m = reference.cloud.depth_m;
+    input.X_WC = rig.X_WC;
+    input.base_frame_known = true;
+    auto seen =
+        control::analyse_scene(std::move(input), method, config, rig.hand, stopwatch, rig.hand_tables);
+    if (!seen) return tl::unexpected(seen.error());
+    analysis = std::move(*seen);
+    return {};
+  }
+
+  hal::Result<> make_rest(const perception::ReferenceImage& reference, const RobotPosture& robot) {
+    if (!analysis.scene.target || !analysis.scene.ground) return {};
+    if (auto made = make_finders(reference); !made) return made;
+    make_map(robot);
+    return {};
+  }
+
+  [[nodiscard]] std::vector<std::uint32_t> slivers() const {
+    return perception::find_slivers(analysis.cloud, *analysis.scene.target, *analysis.scene.ground,
+                                    config.noise, config.target.slivers);
+  }
+
+  /// Of the target and of the slivers that go where it goes, ascending.
+  [[nodiscard]] std::vector<std::uint32_t> target_pixels(const std::vector<std::uint32_t>& slivers) const {
+    std::vector<std::uint32_t> pixels = pipeline->target_pixels(analysis, config);
+    const auto own = static_cast<std::ptrdiff_t>(pixels.size());
+    pixels.insert(pixels.end(), slivers.begin(), slivers.end());
+    std::inplace_merge(pixels.begin(), pixels.begin() + own, pixels.end());
+    return pixels;
+  }
+
+  hal::Result<> make_finders(const perception::ReferenceImage& reference) {
+    auto sight = pipeline->watch_partner({reference, analysis, robot_hid}, config);
+    if (!sight) return tl::unexpected(sight.error());
+    partner_sight = std::move(*sight);
+    perception::Target target = *analysis.scene.target;
+    target.pixels = pipeline->target_pixels(analysis, config);
+    auto followed = perception::ObjectFollower::make(reference, target, config.noise, config.object_motion);
+    if (!followed) return tl::unexpected(followed.error());
+    follower.emplace(std::move(*followed));
+    return {};
+  }
+
+  void make_map(const RobotPosture& robot) {
+    const std::vector<std::uint32_t> own_slivers = slivers();
+    map = perception::WorldMap(config.map);
+    map.insert(analysis.cloud, target_pixels(own_slivers));
+    map.carve_robot(rig.model, robot.q_rad, robot.hand);
+    std::vector<hal::Vec3> points;
+    points.reserve(analysis.scene.target->points.size() + own_slivers.size());
+    for (const auto& p : analysis.scene.target->points) points.emplace_back(p.cast<double>());
+    for (const std::uint32_t i : own_slivers) points.push_back(analysis.cloud.point(i));
+    map.set_target(points);
+  }
+};
+
+PerceptionSession::PerceptionSession(Method method, const Config& config, const RigView& rig,
+                                     const hal::Clock& stopwatch)
+    : impl_(std::make_unique<Impl>(method, config, rig, stopwatch)) {}
+PerceptionSession::~PerceptionSession() = default;
+
+void PerceptionSession::add_reference(hal::DepthFrame frame, const RobotPosture& robot) {
+  if (!shows_anything(frame)) return;
+  if (impl_->reference_frames.empty() && impl_->config.pose_check.on) {
+    impl_->with_robot = frame;
+    impl_->robot_then = robot;
+  }
+  const auto& hidden = impl_->hide_robot(frame, robot);
+  if (impl_->reference_frames.empty()) impl_->robot_hid.assign(frame.depth_m.size(), 0);
+  for (const std::uint32_t p : hidden)
+    if (p < impl_->robot_hid.size()) impl_->robot_hid[p] = 1;
+  impl_->reference_frames.push_back(std::move(frame));
+}
+
+int PerceptionSession::reference_frames() const {
+  return static_cast<int>(impl_->reference_frames.size());
+}
+
+void PerceptionSession::forget_reference() {
+  impl_->reference_frames.clear();
+}
+
+hal::Result<> PerceptionSession::understand(const RobotPosture& robot) {
+  Impl& i = *impl_;
+  const auto reference =
+      perception::build_reference(i.reference_frames, i.rig.X_WC, i.config.noise, i.config.partner.reference);
+  if (!reference) return tl::unexpected(reference.error());
+
+  if (auto seen = i.take_look(*reference, i.reference_frames.back()); !seen) return seen;
+  i.reference_frames.clear();
+  if (i.with_robot) {
+    std::optional<hal::Plane> ground;
+    if (i.analysis.scene.ground) ground = i.analysis.scene.ground->plane;
+    const auto check = perception::check_pose(*i.with_robot, i.rig.X_WC, ground, i.rig.model,
+                                              i.robot_then.q_rad, i.robot_then.hand, i.config.pose_check);
+    i.with_robot.reset();
+    if (!check.good) return hal::failure(hal::ErrorCode::BadConfig, kCameraOff, check.reason);
+  }
+  return i.make_rest(*reference, robot);
+}
+
+hal::Result<> PerceptionSession::object_moved(const hal::Pose& X, const RobotPosture& robot) {
+  Impl& i = *impl_;
+  if (!i.analysis.scene.target || !i.analysis.scene.ground)
+    return hal::failure(hal::ErrorCode::NotFound, "watch", "there is no object");
+  const hal::DepthFrame moved = perception::move_object(i.analysis.cloud, i.target_pixels(i.slivers()), X,
+                                                        i.config.object_motion.moved);
+  const auto reference =
+      perception::build_reference({&moved, 1}, i.rig.X_WC, i.config.noise, i.config.partner.reference);
+  if (!reference) return tl::unexpected(reference.error());
+  if (auto seen = i.take_look(*reference, i.analysis.frame); !seen) return seen;
+  forget_partner();
+  return i.make_rest(*reference, robot);
+}
+
+const SceneAnalysis& PerceptionSession::analysis() const {
+  return impl_->analysis;
+}
+SceneAnalysis& PerceptionSession::analysis() {
+  return impl_->analysis;
+}
+const perception::WorldMap& PerceptionSession::map() const {
+  return impl_->map;
+}
+
+hal::Result<Sight> PerceptionSession::watch_partner(hal::DepthFrame frame, const RobotPosture& robot) {
+  Impl& i = *impl_;
+  Sight out;
+  const hal::Timestamp start = i.stopwatch.now();
+  if (!i.partner_sight) return hal::failure(hal::ErrorCode::NotFound, "watch", "there is no object");
+  const int every = i.pipeline->frames_per_sight();
+  if (i.frames++ % every != 0) {
+    out.partner = i.last_sight;
+    return out;
+  }
+  i.hide_robot(frame, robot);
+  const hal::Timestamp at = frame.exposed_at;
+  auto observation = i.partner_sight->find(frame, i.partner_points);
+  if (!observation) return tl::unexpected(observation.error());
+  if (every > 1) i.last_sight = *observation;
+  // a scene that moved says nothing about hands
+  if (observation->kind != PartnerKind::ObjectMoved) out.event = i.tracker.update(at, *observation);
+  out.partner = std::move(*observation);
+  out.compute_ms = 1e3 * hal::seconds(i.stopwatch.now() - start);
+  return out;
+}
+
+std::optional<perception::PartnerEvent> PerceptionSession::no_frame(hal::Timestamp now) {
+  return impl_->tracker.tick(now);
+}
+void PerceptionSession::looked_away(hal::Duration how_long) {
+  impl_->tracker.looked_away(how_long);
+}
+const perception::PartnerTracker& PerceptionSession::tracker() const {
+  return impl_->tracker;
+}
+void PerceptionSession::forget_partner() {
+  impl_->tracker = perception::PartnerTracker(impl_->config.tracker);
+}
+const std::vector<Eigen::Vector3f>& PerceptionSession::partner_points() const {
+  return impl_->partner_points;
+}
+
+std::optional<perception::ObjectMotion> PerceptionSession::watch_object(hal::DepthFrame frame,
+                                                                        const RobotPosture& robot) {
+  Impl& i = *impl_;
+  if (!i.follower || !shows_anything(frame)) return std::nullopt;
+  i.hide_robot(frame, robot);
+  return i.follower->update(perception::deproject(frame, i.rig.X_WC));
+}
+void PerceptionSession::object_stands_again() {
+  if (impl_->follower) impl_->follower->start_again();
+}
+
+}  // namespace colift::control

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "hal/drivers/barrett_can/hand_config.hpp"
+#include "hal/drivers/barrett_can/hand_facts.hpp"
+#include "hal/drivers/barrett_can/hand_motion.hpp"
+#include "hal/drivers/barrett_can/pucks/bus_monitor.hpp"
+
+namespace colift::hal::barrett {
+
+/// A position that was judged: a jump that the motor cannot make is not taken over.
+struct GoodPosition {
+  std::int32_t motor = 0;
+  std::optional<std::int32_t> joint;
+  Timestamp at{0};
+  bool known = false;
+};
+
+/// Why the hand cannot be used now.
+struct HandFault {
+  ErrorCode code = ErrorCode::LinkLost;
+  std::optional<Puck> alone;  ///< It is of this puck alone, which is silent; the others obey.
+  ShortText words;
+};
+
+/// Asks the pucks for everything in its own rhythm, and notices what goes wrong: silence, reset, a lost mode
+/// or zero, heat, too much torque. Sees to it that the motion does not go on then; never opens the hand.
+class HandMonitor {
+ public:
+  HandMonitor(const BarrettHandConfig& config, PuckLink& link, BusMonitor& bus, HandFacts& facts,
+              HandMotion& motion);
+
+  void start();  ///< Forgets what was noticed; after start-up.
+  void step(Timestamp now);
+
+  [[nodiscard]] std::optional<HandFault> trouble() const;
+  /// Pucks that are silent now are no trouble any more, until they have answered again or start() was called:
+  /// a person or a controller knows, and goes on with the others.
+  void go_without_silent();
+  [[nodiscard]] std::optional<Puck> missing() const;  ///< One of those.
+  [[nodiscard]] const GoodPosition& good(Puck puck) const { return good_[index(puck)]; }
+  [[nodiscard]] Timestamp oldest_position() const;  ///< Of those that are not done without.
+  [[nodiscard]] bool all_known() const;
+  [[nodiscard]] double temperature_c(Puck puck) const;  ///< Of puck or motor, the hotter; NaN when not told.
+  [[nodiscard]] double hottest_c() const;
+  [[nodiscard]] bool warm() const { return warm_; }
+  [[nodiscard]] bool hot() const { return hot_; }
+  [[nodiscard]] bool over_torque() const { return over_torque_; }
+  [[nodiscard]] const ShortText& warning() const { return warning_; }
+
+ private:
+  void ask(Timestamp now);
+  void judge_position(Puck puck);
+  void judge_status(Puck puck);
+  void judge_mode(Puck puck, Timestamp now);
+  void judge_heat();
+  void judge_torque(Puck puck);
+  void lose_zero(Puck puck);
+
+  struct Rhythm {
+    Duration period{0};
+    Timestamp next{0};
+    bool due(Timestamp now) {
+      if (now < next) return false;
+      next = now + period;
+      return true;
+    }
+  };
+
+  const BarrettHandConfig& config_;
+  PuckLink& link_;
+  BusMonitor& bus_;
+  HandFacts& facts_;
+  HandMotion& motion_;
+  Rhythm measure_, status_, mode_, pads_, palm_, heat_, torque_;
+  std::array<GoodPosition, kPucks> good_{};
+  std::array<int, kPucks> jumps_{}, torques_over_{};
+  std::array<std::int32_t, kPucks> jumped_to_{};
+  std::array<Timestamp, kPucks> torque_seen_{}, judged_at_{}, mode_suspected_{}, reset_suspected_{};
+  std::array<Timestamp, kFingers> strained_at_{};  ///< When a gauge last showed its most.
+  std::array<bool, kPucks> was_quiet_{}, failed_{}, without_{};
+  bool therm_next_ = false, warm_ = false, hot_ = false, over_torque_ = false;
+  ShortText warning_;
+};
+
+}  // namespace colift::hal::barrett

@@ -1,0 +1,178 @@
+// Options of what brings devices up, one at a time.
+
+#include "tools/bring_up/cmd_hal.hpp"
+#include "tools/bring_up/cmd_hal_camera.hpp"
+#include "tools/calibrate/calibrate.hpp"
+#include "tools/programs/command_line.hpp"
+#include "tools/cli/commands.hpp"
+#include "tools/cli/config_of.hpp"
+
+namespace colift::tools {
+namespace {
+
+/// A verb of `hal DEVICE`, with what all of them take.
+CLI::App& add_verb(CLI::App& device, const char* name, const char* help, HalOptions& o, CommandLine& line) {
+  CLI::App* verb = device.add_subcommand(name, help);
+  verb->add_option("--robot", o.robot, "Robot file: address of the device (default: the driver's defaults)")
+      ->type_name("FILE");
+  verb->callback([&o, name] { o.verb = name; });
+  line.add_common(*verb);
+  return *verb;
+}
+
+void add_hal_arm(CommandLine& line, CLI::App& arm, HalOptions& o) {
+  arm.require_subcommand(1);
+  const auto for_s = [&o](CLI::App& verb, const char* help) {
+    verb.add_option("--for", o.for_s, help)->type_name("S");
+  };
+  const auto yes = [&o](CLI::App& verb) {
+    verb.add_flag("--yes", o.yes, "Allows values beyond the limits of bring-up");
+  };
+  for_s(add_verb(arm, "state", "State, and what prevents command mode; no motion", o, line),
+        "Observation time (default 1.2)");
+  for_s(add_verb(arm, "watch", "State continuously, with response times; no motion", o, line),
+        "Duration (default: until interrupted)");
+  for_s(
+      add_verb(arm, "hold", "Enters command mode, holds the measured position, leaves command mode", o, line),
+      "Duration (default 10)");
+  CLI::App& move = add_verb(arm, "move-joint", "Moves one joint by a relative angle, slowly", o, line);
+  move.add_option("N", o.joint, "Joint, 1 to 7 from the base")->required();
+  move.add_option("DEG", o.degrees, "Relative angle in degrees")->required();
+  move.add_option("--speed", o.speed_deg_s, "Degrees per second (default 5)")->type_name("DEG/S");
+  yes(move);
+  add_verb(arm, "limits", "Joint limits: of the arm, of the guard, in T1", o, line);
+  CLI::App& stiffness = add_verb(
+      arm, "stiffness", "Joint impedance control with this stiffness, to be pushed by hand", o, line);
+  stiffness.add_option("VALUE", o.stiffness_nm_rad, "N m/rad, 0 to 2000")->required();
+  for_s(stiffness, "Duration (default 30)");
+  yes(stiffness);
+}
+
+void add_hal_hand(CommandLine& line, CLI::App& hand, HalOptions& o) {
+  hand.require_subcommand(1);
+  const auto for_s = [&o](CLI::App& verb, const char* help) {
+    verb.add_option("--for", o.for_s, help)->type_name("S");
+  };
+  const auto yes = [&o](CLI::App& verb) {
+    verb.add_flag("--yes", o.yes, "Opens even if the hand holds an object, which then falls");
+  };
+  const auto torque = [&o](CLI::App& verb) {
+    verb.add_option("--torque", o.torque_nm, "Max torque at the fingertips (default 0.5 N m)")
+        ->type_name("NM");
+  };
+  yes(add_verb(hand, "init", "Wakes the pucks and opens all joints to their stops to find their zeros", o,
+               line));
+  for_s(add_verb(hand, "state", "State; no motion", o, line), "Observation time (default 1)");
+  for_s(add_verb(hand, "watch", "State continuously; no motion", o, line),
+        "Duration (default: until interrupted)");
+  for_s(add_verb(hand, "tactile", "Forces on the tactile pads; no motion", o, line),
+        "Duration (default: until interrupted)");
+  yes(add_verb(hand, "open", "Opens the fingers", o, line));
+  torque(add_verb(hand, "close", "Closes until each finger meets an object or its stop", o, line));
+  CLI::App& preshape = add_verb(hand, "preshape", "Opens the fingers and turns the spread", o, line);
+  preshape.add_option("DEG", o.spread_deg, "Spread, 0 to 180 degrees")->required();
+  yes(preshape);
+  CLI::App& grip = add_verb(hand, "grip", "Closes on an object and monitors the grip", o, line);
+  torque(grip);
+  for_s(grip, "Duration (default 5)");
+}
+
+void add_hal_camera(CommandLine& line, CLI::App& camera, HalCameraOptions& o) {
+  camera.require_subcommand(1);
+  const auto add = [&](const char* name, const char* help) -> CLI::App& {
+    CLI::App& verb = add_verb(camera, name, help, o.hal, line);
+    verb.add_option("--source", o.source,
+                    "usb, usb:SERIAL, fakenect:DIR or emulated:ADDRESS (default: the file's)");
+    verb.add_option("--for", o.hal.for_s, "Duration")->type_name("S");
+    return verb;
+  };
+  const auto png = [&o](CLI::App& verb) {
+    verb.add_option("--png", o.png, "Writes a picture of the last frame")->type_name("OUT.png");
+    verb.add_option("--depth", o.depth,
+                    "Writes the last frame itself (16-bit PNG, mm), camera.json beside it")
+        ->type_name("OUT.png");
+    verb.add_option("--infrared", o.infrared,
+                    "Writes an infrared image, to check that the emitter is visible")
+        ->type_name("OUT.png");
+  };
+  png(add("info", "Serial number, mounting angle, depth statistics"));
+  png(add("watch", "Statistics continuously (with --png: for one second)"));
+  add("record", "Records raw depth for fakenect, 18 MB a second, until interrupted")
+      .add_option("FOLDER", o.folder, "New or empty folder")
+      ->required();
+  CLI::App& tilt = add("tilt", "Tilts the camera with its motor; invalidates the calibration");
+  tilt.add_option("DEG", o.tilt_deg, "-31 to 31 degrees against the horizon")->required();
+  tilt.add_flag("--yes", o.hal.yes, "Confirms that the camera may move");
+}
+
+void add_calibrate(CLI::App& command, CalibrateOptions& o) {
+  command.add_option("--samples", o.samples, "Folder with samples.yaml and infrared images")
+      ->type_name("FOLDER");
+  command.add_flag("--sim", o.sim, "Takes the samples on the simulated rig");
+  command
+      .add_option("--robot", o.robot,
+                  "Takes the samples with these devices; clear the space around the arm first")
+      ->type_name("FILE");
+  command
+      .add_option("--scenario", o.scenario, "Scenario of the simulated rig (default: nothing near the arm)")
+      ->type_name("FILE");
+  command.add_option("--poses", o.poses, "Poses of the arm, 5 to 200 (default 20)")->type_name("N");
+  command.add_option("--seed", o.seed, "Same samples, seed and program: same result, bit for bit")
+      ->type_name("N");
+  command.add_option("--camera-at", o.camera_at, "Approximate camera position in the robot base")
+      ->type_name("X,Y,Z");
+  command.add_option("--date", o.date, "Date written into the result (default: now)")->type_name("TEXT");
+  command.add_option("--out", o.out, "Writes the result, for calibration_file: in a configuration")
+      ->type_name("FILE.yaml");
+  command.add_option("--save", o.save, "Keeps the samples, for --samples")->type_name("FOLDER");
+  command.add_option("--png", o.png, "Writes a picture of spots and residuals")->type_name("OUT.png");
+}
+
+void add_doctor(CLI::App& command, DoctorOptions& o) {
+  command
+      .add_option("--robot", o.robot,
+                  "Robot file whose port and bus are checked (default: the drivers' defaults)")
+      ->type_name("FILE");
+  command.add_option("--root", o.root, "Root folder of /sys, /proc and /dev (default: /)")
+      ->type_name("FOLDER");
+}
+
+}  // namespace
+
+void add_device_commands(CommandLine& line) {
+  CommonOptions& common = line.common;
+
+  CLI::App& hal = line.command("hal");
+  hal.require_subcommand(1);
+  CLI::App& arm_command = *hal.add_subcommand("arm", "The KUKA LWR 4+ over FRI");
+  const auto arm = std::make_shared<HalOptions>();
+  add_hal_arm(line, arm_command, *arm);
+  line.when(arm_command, [&common, arm] { return cmd_hal_arm(common, *arm); });
+  const auto hal_config = [&common] { return config_of(common, control::Command::Hal); };
+  line.configured(arm_command, {hal_config});
+  CLI::App& hand_command = *hal.add_subcommand("hand", "The BarrettHand over CAN");
+  const auto hand = std::make_shared<HalOptions>();
+  add_hal_hand(line, hand_command, *hand);
+  line.when(hand_command, [&common, hand] { return cmd_hal_hand(common, *hand); });
+  line.configured(hand_command, {hal_config});
+  CLI::App& camera_command = *hal.add_subcommand("camera", "The Kinect v1 over libfreenect");
+  const auto camera = std::make_shared<HalCameraOptions>();
+  add_hal_camera(line, camera_command, *camera);
+  line.when(camera_command, [&common, camera] { return cmd_hal_camera(common, *camera); });
+  line.configured(camera_command, {hal_config});
+
+  CLI::App& calibrate_command = line.command("calibrate");
+  const auto calibrate = std::make_shared<CalibrateOptions>();
+  add_calibrate(calibrate_command, *calibrate);
+  line.add_common(calibrate_command);
+  line.when(calibrate_command, [&common, calibrate] { return cmd_calibrate(common, *calibrate); });
+  line.configured(calibrate_command, {[&common] { return config_of(common, control::Command::Calibrate); }});
+
+  CLI::App& doctor_command = line.command("doctor");
+  const auto doctor = std::make_shared<DoctorOptions>();
+  add_doctor(doctor_command, *doctor);
+  line.add_common(doctor_command);
+  line.when(doctor_command, [&common, doctor] { return cmd_doctor(common, *doctor); });
+}
+
+}  // namespace colift::tools

@@ -1,0 +1,102 @@
+// Options of what looks and decides, and touches no device.
+
+#include "tools/analyse/cmd_rank.hpp"
+#include "tools/programs/command_line.hpp"
+#include "tools/cli/commands.hpp"
+#include "tools/cli/config_of.hpp"
+
+namespace colift::tools {
+namespace {
+
+void add_look(CLI::App& command, LookOptions& o) {
+  command.add_option("CLOUD", o.cloud, "Recorded frame: .pcd, .ply, or a 16-bit .png depth image")
+      ->required();
+  command.add_option("--method", o.method, "fast (default) or thesis");
+  command.add_option("--camera", o.camera, "Intrinsics of a .png (default: camera.json beside it)")
+      ->type_name("CAMERA.json");
+  command
+      .add_option("--camera-pose", o.camera_pose,
+                  "Pose of the camera in the robot base; results are then in that frame")
+      ->type_name("X,Y,Z,QX,QY,QZ,QW");
+  command.add_option("--at", o.at, "Takes the object nearest to this point instead of the largest")
+      ->type_name("X,Y,Z");
+  command.add_option("--png", o.png, "Writes a picture of scene and decision")->type_name("OUT.png");
+  command.add_option("--report", o.report, "Writes one HTML page with picture, table and reasons")
+      ->type_name("OUT.html");
+}
+
+void add_decide(CLI::App& command, DecideOptions& o) {
+  add_look(command, o.look);
+  command.add_option("--partner", o.partner, "Where the partner grasps the object")->type_name("X,Y,Z");
+  command
+      .add_option("--partner-cloud", o.partner_cloud,
+                  "A second frame of the same camera that shows the partner's grasp")
+      ->type_name("CLOUD2");
+  command.add_option("--share", o.share, "Share of the load that the robot shall carry, between 0 and 1")
+      ->type_name("S");
+  command
+      .add_option("--epsilon", o.epsilon,
+                  "Cost weight of the robot's effort relative to the partner's (thesis eq. 4.5)")
+      ->type_name("E");
+  command
+      .add_option("--why", o.why,
+                  "Explains candidate K: the terms of its cost and the reasons for its verdict")
+      ->type_name("K");
+}
+
+void add_check(CLI::App& command, CheckOptions& o, CheckedCamera& camera) {
+  command
+      .add_option("--for", o.command,
+                  "Whose configuration (default: run); behind it stand that command's own options, as in "
+                  "check --for decide --method thesis --share 0.3")
+      ->type_name("COMMAND ...");
+  command.add_flag("--explain", o.explain, "With what each entry means, its unit and what it may be");
+  command.add_flag("--graph", o.graph,
+                   "Prints states and transitions of the job as a Graphviz graph; "
+                   "with --json the rules");
+  command.add_option("--robot", camera.robot, "Robot file whose calibration and Kinect are checked too")
+      ->type_name("FILE");
+  command.add_option("--frame", camera.frame, "Depth image: checks the ground plane against the calibration")
+      ->type_name("FILE");
+  command
+      .add_option("--camera", camera.camera, "Intrinsics of the depth image (default: camera.json beside it)")
+      ->type_name("FILE");
+}
+
+}  // namespace
+
+void add_sight_commands(CommandLine& line) {
+  CommonOptions& common = line.common;
+
+  CLI::App& look_command = line.command("look");
+  const auto look = std::make_shared<LookOptions>();
+  add_look(look_command, *look);
+  line.add_common(look_command);
+  line.when(look_command, [&common, look] { return cmd_look(common, *look); });
+  line.configured(look_command, {[&common, look] { return config_of_look(common, *look); }});
+
+  CLI::App& decide_command = line.command("decide");
+  const auto decide = std::make_shared<DecideOptions>();
+  add_decide(decide_command, *decide);
+  line.add_common(decide_command);
+  line.when(decide_command, [&common, decide] { return cmd_decide(common, *decide); });
+  line.configured(decide_command, {[&common, decide] { return config_of_decide(common, *decide); }});
+
+  CLI::App& rank_command = line.command("rank");
+  const auto problem = std::make_shared<std::string>();
+  rank_command.add_option("PROBLEM.json", *problem, "The problem; - reads it from stdin")->required();
+  line.add_common(rank_command);
+  line.when(rank_command, [&common, problem] { return cmd_rank(*problem, common.json); });
+
+  CLI::App& check_command = line.command("check");
+  const auto check = std::make_shared<CheckOptions>();
+  const auto camera = std::make_shared<CheckedCamera>();
+  add_check(check_command, *check, *camera);
+  line.add_common(check_command);
+  line.when(check_command, [&common, check, camera] {
+    check->command = "run";
+    return cmd_check(common, *check, *camera, [&common] { return config_of_run(common, {}); });
+  });
+}
+
+}  // namespace colift::tools

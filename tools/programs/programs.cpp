@@ -1,0 +1,78 @@
+#include "tools/programs/programs.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include "tools/cli/options.hpp"
+
+namespace colift::tools {
+namespace {
+
+constexpr CommandEntry kCommands[] = {
+    {"run", "colift",
+     "One complete co-lift: observe, decide, approach, lift together, lower, release, retreat"},
+    {"log", "colift-log", "Recordings of runs"},
+    {"experiment", "colift-experiment",
+     "Repeats the experiments of the thesis's chapter 6 in simulation: tables, figures with intervals, a "
+     "page"},
+    {"look", "colift-analyse",
+     "Perception of one recorded frame: ground, target, surfaces, grasp candidates"},
+    {"decide", "colift-analyse", "look, then the robot's grasp for the partner's grasp, with the reason"},
+    {"rank", "colift-analyse", "The load-sharing decision alone, for a problem given as numbers"},
+    {"check", "colift-analyse", "Prints the configuration that a command would use; touches no device"},
+    {"hal", "colift-bring-up", "Bring-up of one device at a time"},
+    {"calibrate", "colift-bring-up",
+     "Camera-to-arm calibration: a blinking emitter on the palm, observed at many poses of the arm"},
+    {"doctor", "colift-bring-up", "Checks this machine; each finding with the command that repairs it"},
+    {"emulate", "colift-emulate", "Emulates a device at the far end of its wire"},
+};
+
+}  // namespace
+
+std::span<const CommandEntry> command_table() {
+  return kCommands;
+}
+
+std::string_view command_asked_for(std::span<const std::string> words) {
+  if (words.empty()) return {};
+  if (words.front() != "check") return words.front();
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    std::string_view name = words[i];
+    if (name == "--for" && i + 1 < words.size())
+      name = words[i + 1];
+    else if (name.starts_with("--for="))
+      name.remove_prefix(std::string_view("--for=").size());
+    else
+      continue;
+    return name.substr(0, name.find(' '));  // "log replay" in one word
+  }
+  return words.front();
+}
+
+const CommandEntry* find_command(std::string_view name) {
+  const auto found = std::find_if(std::begin(kCommands), std::end(kCommands),
+                                  [&](const CommandEntry& c) { return c.name == name; });
+  return found == std::end(kCommands) ? nullptr : found;
+}
+
+int become(const CommandEntry& command, char** argv) {
+  std::error_code error;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const auto program = self.parent_path() / command.program;
+  ::execv(program.c_str(), argv);
+  const int why = errno;
+  if (why == ENOENT)
+    std::fprintf(stderr, "colift %s: %s is not there yet; tools/build builds it\n", command.name,
+                 program.c_str());
+  else
+    std::fprintf(stderr, "colift %s: %s cannot be started: %s\n", command.name, program.c_str(),
+                 std::strerror(why));
+  return kInternal;
+}
+
+}  // namespace colift::tools
