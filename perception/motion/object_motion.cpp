@@ -225,9 +225,9 @@ struct ObjectFollower::Impl {
 
   std::optional<ObjectMotion> update(const hal::CameraIntrinsics& now, const std::vector<float>& depth_m,
                                      std::string* reason) {
-    const auto refuse = [&](auto&& reason) -> std::optional<ObjectMotion> {
+    const auto refuse = [&](auto&& describe) -> std::optional<ObjectMotion> {
       missed = std::min(missed + 1, config.max_search_steps);
-      if (reason) *reason = reason();
+      if (reason) *reason = describe();
       return std::nullopt;
     };
     if (now.width != k.width || now.height != k.height || depth_m.size() != ray_x.size() * ray_y.size())
