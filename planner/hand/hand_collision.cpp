@@ -110,7 +110,7 @@ std::string Collision::text() const {
       return mm > 0.0 ? fmt::format("{} meets the ground {:.0f} mm deep", part, mm)
                       : fmt::format("{} passes {:.0f} mm above the ground, too near", part, -mm);
     case With::Unseen:
-      return fmt::format("{} would move through unseen space: {:.0f} % of its path before the face", part,
+      return fmt::format("{} would move through unobserved space: {:.0f} % of its path before the face", part,
                          100.0 * depth_m);
     case With::Reach:
       return fmt::format("{} would reach {:.0f} mm into unobserved space", part, mm);
