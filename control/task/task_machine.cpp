@@ -83,7 +83,7 @@ constexpr auto kRules = std::to_array<Rule>({
 
     {Halt, CameraBack, BackOff, "camera back: returns, then observes and plans again"},
     {Halt, Blocked, Stopped, kHit},
-    {Halt, TimeOut, Stopped, "timeout: the camera did not come back; holds"},
+    {Halt, TimeOut, Stopped, "timeout: timeout: the camera did not come back; holds"},
     {Halt, ArmLost, Stopped, kArmGone},
     {Halt, HandLost, Stopped, kHandGone},
     {Halt, Interrupted, Stopped, kAskedInTransit},

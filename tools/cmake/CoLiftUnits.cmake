@@ -27,7 +27,8 @@ function(colift_units target)
       set_source_files_properties(${CMAKE_MATCH_2} PROPERTIES UNITY_GROUP ${target}_${CMAKE_MATCH_1})
     endif()
   endforeach()
-  # a file's own types are those of the unit then, and gcc takes the unit for a header
-  target_compile_options(${target} PRIVATE "$<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage;-Wno-shadow>")
+  # What a file has for itself is seen by the whole unit: gcc takes it for a header's, and for what a local name hides.
+  # Builds without units warn of both.
+  target_compile_options(${target} PRIVATE -Wno-shadow $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
 endfunction()

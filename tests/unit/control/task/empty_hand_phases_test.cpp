@@ -93,7 +93,10 @@ TEST_CASE("an approach whose path starts elsewhere is blocked and says where", "
 TEST_CASE("a contact on the way blocks the approach", "[phases]") {
   EmptyHand rig;
   rig.approach_until(ApproachPhase::Leg::Transit);
-  rig.external_nm[0] = 80.0;
+  Eigen::Matrix<double, 6, 1> push = Eigen::Matrix<double, 6, 1>::Zero();
+  push[1] = 60.0;
+  rig.external_nm =
+      hal::jacobian(hal::built_in_robot(), rig.c->arm.commanded(), hal::Vec3::Zero()).transpose() * push;
   const auto event = rig.run([&] { return rig.approach.approach(); }, 0.2);
   REQUIRE(event);
   CHECK(event->event == Event::Blocked);
