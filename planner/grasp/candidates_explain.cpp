@@ -14,7 +14,7 @@ namespace {
 /// list long.
 std::string obstacle_of(const std::string& reason) {
   const auto speaks_of = [&](const char* words) { return reason.find(words) != std::string::npos; };
-  if (speaks_of("not seen")) return "would move through unobserved space";
+  if (speaks_of("unobserved space")) return "would move through unobserved space";
   if (speaks_of("the ground")) return "would meet the ground";
   if (speaks_of("beside the object")) return "would meet something beside the object";
   if (speaks_of("the object")) return "would meet the object";

@@ -47,7 +47,7 @@ TEST_CASE("the far edge hides the lower fingers' way and is refused", "[unseen]"
   for (const auto& c : found) {
     if (c.kind != GraspKind::Edge || c.approach.y() > -0.9) continue;
     CHECK(c.verdict == Verdict::Collision);
-    CHECK_THAT(c.reason, Catch::Contains("not seen"));
+    CHECK_THAT(c.reason, Catch::Contains("unobserved space"));
     ++far_edge;
   }
   CHECK(far_edge >= 5);
@@ -61,7 +61,7 @@ TEST_CASE("the unseen under the near edge is refused when fingers may not reach 
   int refused = 0;
   for (const auto& c : found) {
     if (c.kind == GraspKind::Ega5 && c.verdict == Verdict::Collision) {
-      CHECK_THAT(c.reason, Catch::Contains("into space that was not seen"));
+      CHECK_THAT(c.reason, Catch::Contains("into unobserved space"));
       ++refused;
     }
   }
