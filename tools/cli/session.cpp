@@ -51,10 +51,10 @@ hal::Result<Seen> look_at_file(const LookOptions& options, const Setup& setup) {
   input.X_WC = seen.X_WF * seen.file.X_FC;
   input.frame = std::move(seen.file.frame);
 
-  auto look = control::look(std::move(input), setup.method, setup.config, setup.hand, hal::SteadyClock(),
+  auto analysis = control::analyse_scene(std::move(input), setup.method, setup.config, setup.hand, hal::SteadyClock(),
                             setup.hand_tables);
-  if (!look) return tl::unexpected(look.error());
-  seen.look = std::move(*look);
+  if (!analysis) return tl::unexpected(analysis.error());
+  seen.analysis = std::move(*analysis);
   return seen;
 }
 

@@ -27,7 +27,7 @@ struct Setup : control::ResolvedConfig {
 struct Seen {
   hal::RecordedFrame file;  ///< Its frame has moved into the look.
   hal::Pose X_WF = hal::Pose::Identity();
-  control::SceneAnalysis look;
+  control::SceneAnalysis analysis;
 };
 
 /// Reads and looks. Errors: BadInput and BadConfig.
