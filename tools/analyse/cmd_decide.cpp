@@ -25,7 +25,7 @@ hal::Result<control::PartnerInput> read_partner(const DecideOptions& options) {
     input.position_W = *p;
     return input;
   }
-  auto file = hal::read_frame(*options.partner_cloud, options.analysis.camera);
+  auto file = hal::read_frame(*options.partner_cloud, options.look.camera);
   if (!file) return tl::unexpected(file.error());
   input.frame = std::move(file->frame);
   return input;
@@ -39,7 +39,7 @@ int cmd_decide(const CommonOptions& common, const DecideOptions& options) {
   show_warnings("decide", common, *setup);
   const auto partner = read_partner(options);
   if (!partner) return report_error("decide", partner.error());
-  const auto seen = look_at_file(options.analysis, *setup);
+  const auto seen = look_at_file(options.look, *setup);
   if (!seen) return report_error("decide", seen.error());
   const auto outcome = control::decide(seen->analysis, *partner, setup->config, hal::SteadyClock());
   if (!outcome) return report_error("decide", outcome.error());
@@ -65,7 +65,7 @@ int cmd_decide(const CommonOptions& common, const DecideOptions& options) {
     std::fputs((why ? text + "\n" + why->text : text).c_str(), stdout);
   }
   std::fflush(stdout);
-  if (auto shown = show(*seen, &*outcome, options.analysis, common, *setup); !shown)
+  if (auto shown = show(*seen, &*outcome, options.look, common, *setup); !shown)
     return report_error("decide", shown.error());
   return outcome->decision.chosen ? kDone : kNoGoal;
 }

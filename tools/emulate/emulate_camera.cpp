@@ -1,4 +1,5 @@
 #include "tools/emulate/emulate_camera.hpp"
+#include "tools/cli/interrupt.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,5 @@
 #include "tools/emulate/emulate_hand.hpp"
+#include "tools/cli/interrupt.hpp"
 
 #include <fmt/format.h>
 

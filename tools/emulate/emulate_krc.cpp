@@ -7,6 +7,7 @@
 #include "hal/os/udp_link.hpp"
 #include "sim_hal/emulator/krc/plant/krc_light_plant.hpp"
 #include "sim_hal/emulator/mujoco/krc_world_plant.hpp"
+#include "tools/cli/interrupt.hpp"
 #include "tools/cli/session.hpp"
 #include "tools/emulate/emulate_krc_json.hpp"
 #include "tools/rig/rig_world.hpp"

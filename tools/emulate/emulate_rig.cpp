@@ -1,4 +1,5 @@
 #include "tools/emulate/emulate_rig.hpp"
+#include "tools/cli/interrupt.hpp"
 
 #include <fmt/format.h>
 
