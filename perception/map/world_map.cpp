@@ -5,10 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <mutex>
 
-#include "perception/map/bt_file.hpp"
 #include "perception/map/cell_tree.hpp"
 #include "perception/map/cell_view.hpp"
 
@@ -59,13 +57,6 @@ double distance_to(const hal::LinkShape& shape, const Vec3& p_S) {
                       std::max(0.0, std::abs(p_S.z()) - half.z()));
   }
   return (p_S.cwiseAbs() - half).cwiseMax(0.0).norm();
-}
-
-/// OctoMap's own function with the header would print to stderr.
-void write_bt(const octomap::OcTree& tree, std::ostream& out) {
-  out << "# Octomap OcTree binary file\nid " << tree.getTreeType() << "\nsize " << tree.size() << "\nres "
-      << tree.getResolution() << "\ndata\n";
-  if (tree.size() > 0) tree.writeBinaryData(out);
 }
 
 }  // namespace
@@ -204,32 +195,21 @@ std::size_t WorldMap::occupied_cells() const {
       std::count(impl_->grid.cells.begin(), impl_->grid.cells.end(), CellState::Occupied));
 }
 
-hal::Result<> WorldMap::save(const std::filesystem::path& file) const {
-  // written beside and then moved: an error on the way leaves what was there
-  std::filesystem::path part = file;
-  part += ".part";
-  {
-    std::ofstream out(part, std::ios::binary);
-    if (out) write_bt(tree(), out);
-    out.flush();
-    if (!out) return hal::failure(hal::ErrorCode::BadInput, file.string(), "cannot be written");
+hal::Result<WorldMap> WorldMap::from_tree(const octomap::OcTree& tree, const WorldMapConfig& config) {
+  if (!(std::abs(tree.getResolution() - config.cell_m) <= 1e-6)) {
+    return hal::failure(hal::ErrorCode::BadInput, "octree",
+                        fmt::format("has cells of {} m, expected {} m", tree.getResolution(), config.cell_m));
   }
-  std::error_code error;
-  std::filesystem::rename(part, file, error);
-  if (error) {
-    return hal::failure(hal::ErrorCode::BadInput, file.string(),
-                        fmt::format("cannot be written: {}", error.message()));
-  }
-  return {};
-}
-
-hal::Result<WorldMap> WorldMap::load(const std::filesystem::path& file, const WorldMapConfig& config) {
   WorldMap map(config);
   Impl& m = *map.impl_;
-  if (auto read = read_bt(file, m.grid); !read) return tl::unexpected(read.error());
-  for (std::size_t i = 0; i < m.grid.cells.size(); ++i) {
-    if (m.grid.cells[i] == CellState::Occupied) m.log_odds[i] = kMost;
-    if (m.grid.cells[i] == CellState::Free) m.log_odds[i] = kLeast;
+  for (int z = 0; z < m.grid.nz; ++z) {
+    for (int y = 0; y < m.grid.ny; ++y) {
+      for (int x = 0; x < m.grid.nx; ++x) {
+        const Vec3 p = m.grid.middle(x, y, z);
+        if (const auto* node = tree.search(p.x(), p.y(), p.z()))
+          m.set(m.grid.index(x, y, z), tree.isNodeOccupied(node) ? kMost : kLeast);
+      }
+    }
   }
   return map;
 }

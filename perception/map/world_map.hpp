@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <span>
 #include <vector>
@@ -102,11 +101,12 @@ class WorldMap {
   [[nodiscard]] const octomap::OcTree& tree() const;
   [[nodiscard]] std::size_t occupied_cells() const;
 
-  /// OctoMap's .bt format. Errors: BadInput with the file (cannot be written, is no .bt, is damaged, has
-  /// cells of another size). What lies outside of the mapped space is left out.
-  [[nodiscard]] hal::Result<> save(const std::filesystem::path& file) const;
-  [[nodiscard]] static hal::Result<WorldMap> load(const std::filesystem::path& file,
-                                                  const WorldMapConfig& config);
+  /// The map that a tree describes, as tree() gave it or as OctoMap read it from a file (writeBinary and
+  /// readBinary; the latter believes what it reads and recurses as deep as a damaged file says: read only
+  /// files that are trusted). What lies outside of the mapped space is left out. Errors: BadInput (cells of
+  /// another size).
+  [[nodiscard]] static hal::Result<WorldMap> from_tree(const octomap::OcTree& tree,
+                                                       const WorldMapConfig& config);
 
  private:
   struct Impl;

@@ -3,14 +3,10 @@
 #include "control/session/map_check.hpp"
 
 #include <octomap/octomap.h>
-#include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <ctime>
-#include <filesystem>
-#include <fstream>
-#include <string>
 
 #include "planner/motion/motion_planner.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
@@ -47,7 +43,7 @@ struct Room {
   }
 };
 
-/// A map whose every cell is occupied, as a file that went wrong would hold it.
+/// A map whose every cell is occupied.
 WorldMap full_map() {
   const perception::WorldMapConfig config{.cell_m = 0.05};
   octomap::OcTree tree(config.cell_m);
@@ -62,13 +58,7 @@ WorldMap full_map() {
             true, true);
       }
   tree.updateInnerOccupancy();
-  const auto file = std::filesystem::temp_directory_path() /
-                    ("colift-full-" + std::to_string(std::clock()) + std::to_string(::getpid()) + ".bt");
-  std::ofstream out(file, std::ios::binary);
-  REQUIRE(tree.writeBinary(out));
-  out.close();
-  auto map = WorldMap::load(file, config);
-  std::filesystem::remove(file);
+  auto map = WorldMap::from_tree(tree, config);
   if (!map) FAIL(map.error().text());
   return std::move(*map);
 }
