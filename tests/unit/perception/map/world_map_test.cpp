@@ -218,7 +218,7 @@ TEST_CASE("a map comes back from its tree as it was, and from OctoMap's file of 
   WorldMap map(seen.config);
   map.insert(seen.cloud, seen.target);
   std::stringstream file;
-  REQUIRE(map.tree().writeBinary(file));
+  REQUIRE(map.tree().writeBinaryConst(file));
   octomap::OcTree read(0.1);
   REQUIRE(read.readBinary(file));
   for (const octomap::OcTree* tree : {&map.tree(), static_cast<const octomap::OcTree*>(&read)}) {
