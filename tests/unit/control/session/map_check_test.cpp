@@ -45,7 +45,8 @@ struct Room {
 
 /// A map whose every cell is occupied.
 WorldMap full_map() {
-  const perception::WorldMapConfig config{.cell_m = 0.05};
+  perception::WorldMapConfig config;
+  config.cell_m = 0.05;
   octomap::OcTree tree(config.cell_m);
   const WorldMap empty(config);
   const auto& grid = empty.grid();
