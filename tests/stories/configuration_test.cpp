@@ -131,7 +131,7 @@ TEST_CASE("check --for shows the configuration of every command, method and ship
     analysis.method = method;
     CHECK(used(tools::config_of_look(common, analysis)) == shown("look" + named));
     tools::DecideOptions decide;
-    decide.analysis = analysis;
+    decide.look = analysis;
     decide.epsilon = "2";
     CHECK(used(tools::config_of_decide(common, decide)) == shown("decide --epsilon 2" + named));
     const auto trials =

@@ -33,7 +33,7 @@ struct Recording {
     return read->frame;
   }
 
-  [[nodiscard]] control::SceneAnalysis analyse_scene(std::optional<Vec3> at = std::nullopt,
+  [[nodiscard]] control::SceneAnalysis analysis(std::optional<Vec3> at = std::nullopt,
                                                      control::Method method = control::Method::Fast,
                                                      const std::string& image = "depth.png") const {
     control::SceneAnalysisInput input;
