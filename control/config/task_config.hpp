@@ -183,9 +183,9 @@ struct TaskConfig {
   void visit(Visitor& v) {
     v("reference_frames", reference_frames, hal::Range{1, 60},
       "Frames that the picture of the scene is made of.");
-    v.renamed("patience_s", "partner_timeout_s");
     v("partner_timeout_s", partner_timeout_s, hal::Range{0.1, 3600},
       "Timeout for the partner's grasp, and for a lost camera (s).");
+    v.renamed("patience_s", "partner_timeout_s");
     v("asks", asks, hal::Range{0, 20},
       "Max number of requests to the partner to grasp elsewhere when the robot has no feasible grasp.");
     v("ready_s", ready_s, hal::Range{0, 10}, "How long the partner has to hold still before the lift (s).");
@@ -202,11 +202,11 @@ struct TaskConfig {
       "Max load of the arm (N); its rated payload is 7 kg with the hand.");
     v("contact_n", contact_n, hal::Range{1, 200},
       "Force threshold of an unexpected contact during free motion (N).");
-    v.renamed("slow_part", "slow_fraction");
     v("slow_fraction", slow_fraction, hal::Range{0.05, 1}, "Speed scale while the arm's controller warns.");
-    v.renamed("arm_patience_s", "arm_timeout_s");
+    v.renamed("slow_part", "slow_fraction");
     v("arm_timeout_s", arm_timeout_s, hal::Range{0, 30},
       "Timeout while the arm's controller accepts no commands; after it the job ends (s).");
+    v.renamed("arm_patience_s", "arm_timeout_s");
     v("limit_margin_deg", limit_margin_deg, hal::Range{1.2, 45},
       "Margin to the joint limits while the object is carried; plans keep motion.limit_margin_deg (deg).");
     v("attempts", attempts, "What is tried how often before the job is given up.");

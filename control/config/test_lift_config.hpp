@@ -77,8 +77,8 @@ struct TestLiftConfig {
     v("slow_turn_deg", slow_turn_deg, hal::Range{0.1, 10},
       "An object that has turned so far about the line between both hands is raised slowly from there "
       "(deg).");
-    v.renamed("slow_part", "slow_fraction");
     v("slow_fraction", slow_fraction, hal::Range{0.05, 1}, "Speed scale beyond slow_turn_deg.");
+    v.renamed("slow_part", "slow_fraction");
     v("good_turn_deg", good_turn_deg, hal::Range{0.1, 10},
       "An object that hangs at this tilt or less is lifted on; at more, another grip is looked for (deg).");
     v("max_turn_deg", max_turn_deg, hal::Range{0.1, 10},
@@ -87,24 +87,24 @@ struct TestLiftConfig {
       "One that still turns faster at the top slips in the hand, and is put down (deg/s).");
     v("max_share_error", max_share_error, hal::kFraction,
       "Difference of the robot's share from what was predicted that is still lifted.");
-    v.renamed("least_load_n", "min_load_n");
     v("min_load_n", min_load_n, hal::kNotNegative,
       "A load below this says nothing: the object stands still on the ground (N).");
+    v.renamed("least_load_n", "min_load_n");
     v("grips", grips, hal::Range{1, 20},
       "Grasps that are tested for each grasp of the partner before the test lifts end without result.");
-    v.renamed("least_chance", "min_level_probability");
     v("min_level_probability", min_level_probability, hal::kFraction,
       "Min probability of a level grip for which a grasp is tried.");
+    v.renamed("least_chance", "min_level_probability");
     v("asks", asks, hal::Range{0, 10},
       "How often the partner is asked to grasp elsewhere where no level grip is found.");
-    v.renamed("least_chance_elsewhere", "min_level_probability_elsewhere");
     v("min_level_probability_elsewhere", min_level_probability_elsewhere, hal::kFraction,
       "Min probability of a level grip for which he is asked.");
-    v.renamed("least_share", "min_share");
+    v.renamed("least_chance_elsewhere", "min_level_probability_elsewhere");
     v("min_share", min_share, hal::kFraction,
       "Min share of the robot at a place to which the partner is asked to go.");
-    v.renamed("most_share", "max_share");
+    v.renamed("least_share", "min_share");
     v("max_share", max_share, hal::kFraction, "Max share of the robot there; the rest is the partner's.");
+    v.renamed("most_share", "max_share");
     v("agreeing_frames", agreeing_frames, hal::Range{1, 100},
       "Frames in a row that have to agree on how the object is raised.");
     v("clear_factor", clear_factor, hal::Range{1, 20},

@@ -23,9 +23,9 @@ struct GuardConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v("limit_margin_deg", limit_margin_deg, Range{0, 20}, "No command comes nearer to a joint limit (deg).");
-    v.renamed("velocity_part", "velocity_fraction");
     v("velocity_fraction", velocity_fraction, kFraction,
       "Velocity scale: fraction of the joints' velocity limits that commands may use.");
+    v.renamed("velocity_part", "velocity_fraction");
     v("max_velocity_rad_s", max_velocity_rad_s, kPositive, "Max commanded joint velocity (rad/s).");
     v("acceleration_rad_s2", acceleration_rad_s2, kPositive, "Max acceleration of commands (rad/s^2).");
     v("max_stiffness_nm_rad", max_stiffness_nm_rad, kPositive, "Max joint stiffness (N m/rad).");

@@ -22,18 +22,18 @@ struct CameraGuardConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v("silent_s", silent_s, kPositive, "Without a good frame for this long the camera is lost (s).");
-    v.renamed("stuck_s", "frozen_s");
     v("frozen_s", frozen_s, kNotNegative,
       "The same picture to the last bit for this long is a dead camera (s); 0: not looked at.");
-    v.renamed("least_seen", "min_valid_fraction");
+    v.renamed("stuck_s", "frozen_s");
     v("min_valid_fraction", min_valid_fraction, kFraction,
       "Min fraction of pixels with depth in a usable frame.");
+    v.renamed("least_seen", "min_valid_fraction");
     v("bad_in_a_row", bad_in_a_row, Range{1, 1000}, "So many bad frames in a row and the camera is lost.");
     v("good_to_return", good_to_return, Range{1, 1000},
       "So many good frames in a row and a lost one is back.");
-    v.renamed("most_age_s", "max_age_s");
     v("max_age_s", max_age_s, kPositive,
       "Frames that are older than this when they come, in the mean: the camera is lost (s).");
+    v.renamed("most_age_s", "max_age_s");
     v("moved_deg", moved_deg, kPositive,
       "A camera whose gravity turns by more than this since the start was moved (deg).");
     v("mounted_deg", mounted_deg, kPositive,

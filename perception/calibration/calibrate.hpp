@@ -51,22 +51,22 @@ struct CalibrationConfig {
     v("inlier_px", inlier_px, hal::Range{0.1, 50},
       "Max distance of an inlier from its predicted pixel (px).");
     v("draws", draws, hal::Range{20, 5000}, "Max number of random draws of seven poses.");
-    v.renamed("least_inliers", "min_inliers");
     v("min_inliers", min_inliers, hal::Range{8, 1000}, "Min number of inlier poses.");
-    v.renamed("least_inlier_share", "min_inlier_fraction");
+    v.renamed("least_inliers", "min_inliers");
     v("min_inlier_fraction", min_inlier_fraction, hal::kFraction, "Min fraction of inlier poses.");
+    v.renamed("least_inlier_share", "min_inlier_fraction");
     v("max_rms_px", max_rms_px, hal::kPositive, "Max root mean square residual (px).");
     v("max_emitter_sigma_m", max_emitter_sigma_m, hal::kPositive,
       "Max standard deviation of the emitter's position (m).");
     v("max_error_m", max_error_m, hal::kPositive,
       "Max predicted error of a point in the workspace, root mean square (m).");
     v("max_condition", max_condition, hal::kPositive, "Max condition number of the normal equations.");
-    v.renamed("least_rotation_deg", "min_rotation_deg");
     v("min_rotation_deg", min_rotation_deg, hal::Range{0, 90},
       "Min spread of the poses' rotation about a second axis (deg).");
-    v.renamed("least_thickness_m", "min_thickness_m");
+    v.renamed("least_rotation_deg", "min_rotation_deg");
     v("min_thickness_m", min_thickness_m, hal::kNotNegative,
       "Min spread of the emitter's positions out of one plane (m).");
+    v.renamed("least_thickness_m", "min_thickness_m");
     v("shift_m", shift_m, hal::kPositive,
       "Shift of points in the workspace without one pose, above which that pose is reported (m).");
     v("workspace_center_m", workspace_center_m, hal::Range{-3, 3}, "Middle of the workspace (m).");

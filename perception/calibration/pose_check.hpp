@@ -33,9 +33,9 @@ struct PoseCheckConfig {
       "Max depth of the ground below the robot's floor (m).");
     v("max_arm_m", max_arm_m, hal::Range{0.001, 0.5},
       "Max offset of the arm from its model, which is as coarse as the links' solids (m).");
-    v.renamed("least_points", "min_points");
     v("min_points", min_points, hal::Range{20, 100000},
       "Min number of pixels of the arm in view for its offset to be judged.");
+    v.renamed("least_points", "min_points");
     v("reach_m", reach_m, hal::Range{0.01, 0.3}, "Max distance of the arm's points from the model (m).");
     v("stride", stride, hal::Range{1, 32}, "Every n-th pixel of every n-th row is used.");
     v("iterations", iterations, hal::Range{1, 1000}, "Max number of iterations of the fit of the offset.");

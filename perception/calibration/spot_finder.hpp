@@ -31,19 +31,19 @@ struct SpotConfig {
   template <class Visitor>
   void visit(Visitor& v) {
     v("sigmas", sigmas, hal::Range{3, 50}, "Min brightness of a spot, in standard deviations of the noise.");
-    v.renamed("peak_part", "peak_fraction");
     v("peak_fraction", peak_fraction, hal::kFraction,
       "Min brightness of a spot's pixels, as a fraction of its peak.");
-    v.renamed("steady_part", "steady_fraction");
+    v.renamed("peak_part", "peak_fraction");
     v("steady_fraction", steady_fraction, hal::kFraction,
       "Min fraction of a spot's brightness that every pair of images shows; less is something that moves.");
-    v.renamed("least_px", "min_px");
+    v.renamed("steady_part", "steady_fraction");
     v("min_px", min_px, hal::Range{1, 100}, "Min area of a spot (px).");
-    v.renamed("most_px", "max_px");
+    v.renamed("least_px", "min_px");
     v("max_px", max_px, hal::Range{10, 5000}, "Max area of a spot (px).");
-    v.renamed("rival_part", "rival_fraction");
+    v.renamed("most_px", "max_px");
     v("rival_fraction", rival_fraction, hal::kFraction,
       "Max light of a second spot, as a fraction of the first one's.");
+    v.renamed("rival_part", "rival_fraction");
     v("move_px", move_px, hal::kPositive, "Max motion of a spot between images (px).");
     v("saturation", saturation, hal::Range{100, 65535}, "Brightness at which a pixel is saturated.");
     v("window_px", window_px, hal::Range{0, 50}, "Width around a spot that still holds its light (px).");

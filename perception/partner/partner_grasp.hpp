@@ -53,18 +53,18 @@ struct PartnerConfig {
     v("change", change, "Which pixels count as changed.");
     v("reach_m", reach_m, hal::Range{0.1, 5.0},
       "Distance around the object within which a partner is searched (m).");
-    v.renamed("smallest_body_m2", "min_body_m2");
     v("min_body_m2", min_body_m2, hal::Range{0.0, 1.0},
       "Min visible area of a partner's hand and forearm (m^2).");
-    v.renamed("smallest_part_m2", "min_part_m2");
+    v.renamed("smallest_body_m2", "min_body_m2");
     v("min_part_m2", min_part_m2, hal::Range{0.0, 1.0},
       "Min visible area of a connected part of a partner's body (m^2).");
+    v.renamed("smallest_part_m2", "min_part_m2");
     v("touch_m", touch_m, hal::Range{0.0, 0.1}, "Max gap between skin and object that is a touch (m).");
     v("hand_thickness_m", hand_thickness_m, hal::Range{0.0, 0.2},
       "Max thickness of a hand on the object (m).");
     v("clear_m", clear_m, hal::Range{0.0, 0.5}, "Min distance of a passer-by from the object (m).");
-    v.renamed("smallest_touch_m2", "min_touch_m2");
     v("min_touch_m2", min_touch_m2, hal::Range{0.0, 0.1}, "Min visible area of a touching hand (m^2).");
+    v.renamed("smallest_touch_m2", "min_touch_m2");
     v("along_sigma_m", along_sigma_m, hal::Range{0.001, 0.1},
       "Standard deviation of a contact along the object's edge (m).");
     v("cross_sigma_m", cross_sigma_m, hal::Range{0.001, 0.1},

@@ -180,9 +180,9 @@ struct SurfaceConfig {
     v("max_normal_sigma_deg", max_normal_sigma_deg, hal::kPositive,
       "Max standard deviation of a rectangle's normal by depth noise (deg).");
     v("fill_threshold", fill_threshold, hal::kFraction, "Covered fraction below which a rectangle is split.");
-    v.renamed("least_fill", "min_fill");
     v("min_fill", min_fill, hal::kFraction,
       "Covered fraction below which a rectangle is dropped after all splits.");
+    v.renamed("least_fill", "min_fill");
     v("max_splits", max_splits, hal::Range{0, 8}, "Max depth of splits of a rectangle.");
     v("max_edge_m", max_edge_m, hal::kPositive,
       "Max width of a narrow face along the edge of another face (m).");

@@ -54,10 +54,10 @@ struct PlannerConfig {
     v("elbow_steps", elbow_steps, hal::Range{4, 360}, "Number of elbow angles that are tried for a pose.");
     v("goals", goals, hal::Range{1, 64},
       "Max number of joint positions of the pre-grasp that are planned to, best first.");
-    v.renamed("plan_s", "planning_budget_s");
     v("planning_budget_s", planning_budget_s, hal::Range{0.01, 30},
       "Timeout of the search for a path (s, as work at the speed of docs/benchmarks.md: the same on every "
       "machine).");
+    v.renamed("plan_s", "planning_budget_s");
     v("exact_step_rad", exact_step_rad, hal::Range{0.005, 0.3},
       "Step of the exact check of a final path (rad).");
     v("blend_rad", blend_rad, hal::Range{0, 0.5},
@@ -66,9 +66,9 @@ struct PlannerConfig {
       "Speed of the palm along the approach (m/s).");
     v("transit_speed_m_s", transit_speed_m_s, hal::Range{0.01, 1.0},
       "Max speed of the palm elsewhere (m/s).");
-    v.renamed("joint_speed", "velocity_fraction");
     v("velocity_fraction", velocity_fraction, hal::kFraction,
       "Fraction of the joints' own velocity limits that is used.");
+    v.renamed("joint_speed", "velocity_fraction");
     v("max_joint_rad_s", max_joint_rad_s, hal::kPositive, "Max planned speed of any joint (rad/s).");
     v("acceleration_rad_s2", acceleration_rad_s2, hal::kPositive, "Max joint acceleration (rad/s^2).");
     v("jerk_rad_s3", jerk_rad_s3, hal::kPositive, "Max joint jerk (rad/s^3).");

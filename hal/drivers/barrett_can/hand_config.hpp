@@ -62,8 +62,8 @@ struct BarrettHandConfig {
     v("max_torque_nm", max_torque_nm, kPositive, "Max closing torque at the fingertips (N m).");
     v("torque_units_per_nm", torque_units_per_nm, kPositive,
       "Units of a puck for 1 N m at the fingertip; to be measured on the hand.");
-    v.renamed("least_torque_units", "min_torque_units");
     v("min_torque_units", min_torque_units, kUnits, "Below it a finger does not overcome its friction.");
+    v.renamed("least_torque_units", "min_torque_units");
     v("move_torque_units", move_torque_units, kUnits, "Torque limit of free moves, and of closing.");
     v("hold_torque_units", hold_torque_units, kUnits, "Most torque that is kept up while something is held.");
     v("warm_hold_torque_units", warm_hold_torque_units, kUnits, "The same above warn_c.");
@@ -91,10 +91,10 @@ struct BarrettHandConfig {
     v("stopped_ms", stopped_ms, Range{20, 1000}, "A puck ends its move after this long without motion (ms).");
     v("verify_s", verify_s, kPositive, "Time for which a grip has to be measured before it counts (s).");
     v("reopen_s", reopen_s, Range{0.1, 60}, "A lost bus is opened again no more often than this (s).");
-    v.renamed("felt_nm", "contact_nm");
     v("contact_nm", contact_nm, kPositive, "Strain above idle that counts as contact (N m).");
-    v.renamed("felt_n", "contact_n");
+    v.renamed("felt_nm", "contact_nm");
     v("contact_n", contact_n, kPositive, "Force on a pad that counts as contact (N).");
+    v.renamed("felt_n", "contact_n");
     v("slip_rad", slip_rad, kPositive,
       "Holding fingers that close by this much in the mean have slipped (rad).");
     v("slip_share", slip_share, kFraction, "A grip force that falls to this share at once is a slip.");

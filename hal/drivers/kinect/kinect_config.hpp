@@ -51,8 +51,8 @@ struct KinectConfig {
     v("kill_s", kill_s, kDeadline, "A killed process that is still there after this is left alone (s).");
     v("first_pause_s", first_pause_s, kDeadline,
       "Pause before a process is started anew; grows by half (s).");
-    v.renamed("most_pause_s", "max_pause_s");
     v("max_pause_s", max_pause_s, kDeadline, "Longest such pause, and that without a device (s).");
+    v.renamed("most_pause_s", "max_pause_s");
   }
 };
 

@@ -53,9 +53,9 @@ struct FriConfig {
       "KRL program that runs on the KRC; none: a person starts command mode at the panel.");
     v("control", control, Choices{"joint_impedance", "position", "cartesian_impedance"},
       "Control strategy that is asked for and commanded.");
-    v.renamed("least_quality", "min_quality");
     v("min_quality", min_quality, Choices{"bad", "ok", "perfect"},
       "Quality of the connection that is needed to start.");
+    v.renamed("least_quality", "min_quality");
     v("check_header", check_header, "Refuse datagrams with another id or size in their header.");
     v("check_sequence", check_sequence,
       "Refuse doubled and reordered datagrams by their counter; off for servers that do not count.");
@@ -66,9 +66,9 @@ struct FriConfig {
     v("script_s", script_s, kPositive, "Longest wait for an answer of the KRL program (s).");
     v("stop_s", stop_s, kPositive, "Longest wait for monitor mode at the end (s).");
     v("silent_s", silent_s, Range{0.01, 10}, "Without a datagram for so long the link counts as lost (s).");
-    v.renamed("velocity_part", "velocity_fraction");
     v("velocity_fraction", velocity_fraction, kFraction,
       "Velocity scale: fraction of the joints' velocity limits that a step may use.");
+    v.renamed("velocity_part", "velocity_fraction");
     v("acceleration_rad_s2", acceleration_rad_s2, kPositive,
       "Acceleration of the driver's own stops and approaches (rad/s^2).");
     v("max_superposed_nm", max_superposed_nm, kNotNegative, "Max superposed torque (N m).");
