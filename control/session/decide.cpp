@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "control/session/pipeline.hpp"
+#include "hal/types/units.hpp"
 #include "perception/partner/partner_grasp.hpp"
 #include "planner/grasp/grasp_stability.hpp"
 
@@ -39,7 +40,6 @@ hal::Result<> find_partner(const SceneAnalysis& analysis, const PartnerInput& in
   return {};
 }
 
-constexpr double kGravity = 9.80665;  // m/s^2, standard
 constexpr std::size_t kAtOnce = 512;  // candidates; more are taken in turns
 
 double sigma_mm(const Eigen::Matrix3d& covariance) {
@@ -129,7 +129,7 @@ planner::UncertainScene uncertain_scene(const SceneAnalysis& analysis, const Par
   scene.partner = partner.position;
   scene.partner_covariance = partner.covariance;
   scene.up = analysis.scene.ground->plane.normal;
-  scene.weight_n = kGravity * config.mass_kg;
+  scene.weight_n = hal::kGravity_m_s2 * config.mass_kg;
   return scene;
 }
 

@@ -4,13 +4,13 @@
 
 #include <vector>
 
+#include "hal/types/units.hpp"
 #include "planner/grasp/task_choice.hpp"
 
 namespace colift::control {
 namespace {
 
 constexpr double kMinGain = 0.1;
-constexpr double kGravity_m_s2 = 9.80665;
 constexpr double kAsHigh_m = 0.15;  // as he holds it now: a table is not carried by its feet
 
 // distance of the centre of gravity from the vertical plane through both hands
@@ -32,7 +32,7 @@ std::optional<Suggestion> suggest_to_partner(const Outcome& outcome,
   if (!outcome.partner) return std::nullopt;
   const planner::SharingWeights& w = config.weights;
   const planner::CarryingAgent robot{hal::Vec3::Zero(), w.epsilon * w.epsilon, w.omega2_per_m};
-  const std::vector<hal::Wrench> lift{{config.mass_kg * kGravity_m_s2 * up, hal::Vec3::Zero()}};
+  const std::vector<hal::Wrench> lift{{config.mass_kg * hal::kGravity_m_s2 * up, hal::Vec3::Zero()}};
   struct {
     double cost = 0.0;
     hal::Vec3 place, robot;

@@ -13,7 +13,6 @@ namespace {
 
 using Vec2 = Eigen::Vector2d;
 
-constexpr double kGravity = 9.80665;     // m/s^2, standard
 constexpr double kNearest_m = 0.02;      // the centre of gravity is not in the partner's hand
 constexpr double kFootHeight_m = 0.001;  // feet that differ by less stand together: the camera's resolution
 constexpr double kSureTurn_rad = hal::deg_to_rad(0.3);  // below it the camera's noise is the turn
@@ -90,7 +89,7 @@ double grip_of(const CarriedObject& object, std::span<const MeasuredLift> tests,
   for (const MeasuredLift& test : tests) {
     const Vec2 axis = along_hands(test.partner, test.grasp);
     const double turn = std::abs(hanging(object, test.partner, test.grasp, test.X_WTnow_WTref).turn_rad);
-    const double torque = kGravity * std::abs(cross(measured_moment(test), axis));
+    const double torque = hal::kGravity_m_s2 * std::abs(cross(measured_moment(test), axis));
     product += torque * turn;
     square += turn * turn;
   }
@@ -115,7 +114,7 @@ Vec2 measured_moment(const MeasuredLift& test) {
   // what the hand does to the object, about the partner; z x (d x z) = d for level d
   const hal::Vec3 force = -test.measured.force;
   const hal::Vec3 about = (test.palm - test.partner).cross(force) - test.measured.torque;
-  return Vec2(-about.y(), about.x()) / kGravity;
+  return Vec2(-about.y(), about.x()) / hal::kGravity_m_s2;
 }
 
 Vec2 CogBelief::mean() const {
@@ -176,7 +175,8 @@ hal::Result<CogBelief> weigh_cog(const CarriedObject& object, std::span<const Me
         const auto fits = fit(reading, place - reading.partner);
         possible = fits && fits->mass_kg > config.min_mass_kg && fits->mass_kg < config.max_mass_kg;
         if (!possible) break;
-        const double sigma = std::hypot(config.place_m, config.partner_nm / (fits->mass_kg * kGravity));
+        const double sigma =
+            std::hypot(config.place_m, config.partner_nm / (fits->mass_kg * hal::kGravity_m_s2));
         log_chance -= 0.5 * fits->off_m * fits->off_m / (sigma * sigma);
         masses.push_back(std::log(fits->mass_kg));
         log_mass += masses.back();
@@ -211,7 +211,7 @@ double lever_share(const Vec2& cog, const hal::Vec3& partner, const hal::Vec3& g
 double chance_level(const CogBelief::Case& one, double grip_nm_rad, const hal::Vec3& partner,
                     const hal::Vec3& grasp, double max_turn_rad, double grip_sigma) {
   const Vec2 axis = along_hands(partner, grasp);
-  const double torque = one.mass_kg * kGravity * std::abs(cross(axis, one.cog - level(partner)));
+  const double torque = one.mass_kg * hal::kGravity_m_s2 * std::abs(cross(axis, one.cog - level(partner)));
   const double spare = std::log(grip_nm_rad * max_turn_rad / std::max(torque, 1e-9));
   return 0.5 * std::erfc(-spare / (std::sqrt(2.0) * std::max(grip_sigma, 1e-3)));
 }

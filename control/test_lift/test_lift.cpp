@@ -10,7 +10,6 @@
 namespace colift::control {
 namespace {
 
-constexpr double kGravity = 9.80665;  // m/s^2, standard
 constexpr double kSameHand_m = 0.05;  // nearer hands, less than a palm apart, hold no object between them
 
 using Vec2 = Eigen::Vector2d;
@@ -66,7 +65,7 @@ hal::Result<TestLift> understand_test_lift(const CarriedObject& object, std::spa
   const Vec2 line = (last.grasp - last.partner).head<2>().normalized();
   const Vec2 arm = (out.cog - last.partner).head<2>();
   out.lever_m = std::abs(arm.x() * line.y() - arm.y() * line.x());
-  out.share = load_n / (out.mass_kg * kGravity);
+  out.share = load_n / (out.mass_kg * hal::kGravity_m_s2);
 
   const std::string facts = fmt::format(
       "{:.1f} kg, centre of gravity {:.0f} mm from where its shape has it, {:.0f} mm beside the line "

@@ -3,13 +3,11 @@
 #include <array>
 
 #include "hal/robot_model/robot_model.hpp"
+#include "hal/types/units.hpp"
 
 namespace colift::hal {
 
 using JointMatrix = Eigen::Matrix<double, kArmJoints, kArmJoints>;
-
-/// Gravity of every model here: what MuJoCo and public descriptions of the arm use (m/s^2).
-inline constexpr double kGravity_m_s2 = 9.81;
 
 /// Rigid-body dynamics of the arm from its URDF: M(q) ddq + c(q, dq) + g(q) = tau, base fixed, z up.
 /// Recursive Newton-Euler and composite rigid bodies (Featherstone, Rigid Body Dynamics Algorithms, ch. 5 and

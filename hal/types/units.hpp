@@ -14,6 +14,10 @@ namespace colift::hal {
 [[nodiscard]] constexpr double rad_to_deg(double rad) {
   return rad * 180.0 / std::numbers::pi;
 }
+/// Of physics, of the arm's model, and of everything that turns a mass into a load or a load into a mass: one
+/// figure, so that what is predicted can be compared with what is measured. MuJoCo's own default.
+inline constexpr double kGravity_m_s2 = 9.81;
+
 inline constexpr double kRadPerDeg = std::numbers::pi / 180.0, kDegPerRad = 180.0 / std::numbers::pi;
 
 }  // namespace colift::hal

@@ -1,4 +1,5 @@
 #include "planner/grasp/grasp_decision.hpp"
+#include "hal/types/units.hpp"
 
 #include <fmt/format.h>
 
@@ -7,8 +8,6 @@
 
 namespace colift::planner {
 namespace {
-
-constexpr double kGravity = 9.80665;  // m/s^2, standard
 
 void refuse(GraspCandidate& c, Verdict verdict, std::string why) {
   c.verdict = verdict;
@@ -137,7 +136,7 @@ hal::Result<Decision> decide_grasp(std::vector<GraspCandidate>& candidates, cons
   if (!limited) return tl::unexpected(limited.error());
 
   const Vec3 partner = input.partner.position - input.cog;
-  const Wrench lift{config.mass_kg * kGravity * input.up, Vec3::Zero()};
+  const Wrench lift{config.mass_kg * hal::kGravity_m_s2 * input.up, Vec3::Zero()};
   Decision d;
   d.optimum = input.cog + sharing->best_robot_position(partner);
   d.scores.resize(candidates.size());

@@ -1,4 +1,5 @@
 #include "planner/grasp/task_choice.hpp"
+#include "hal/types/units.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -7,7 +8,6 @@
 namespace colift::planner {
 namespace {
 
-constexpr double kGravity = 9.80665;           // m/s^2, standard
 constexpr double kMinimumJerkPeak = 5.773503;  // 10/sqrt(3): peak acceleration times t^2 / d
 
 bool possible(const GraspCandidate& c) {
@@ -62,7 +62,7 @@ std::vector<Wrench> task_wrenches(const Task& task, const CarriedBody& body, con
   out.reserve(task.size());
   for (const TaskPose& pose : task) {
     const double scale = std::sqrt(pose.weight);
-    const Vec3 force = body.mass_kg * (kGravity * up + pose.acceleration_m_s2);
+    const Vec3 force = body.mass_kg * (hal::kGravity_m_s2 * up + pose.acceleration_m_s2);
     const Eigen::Matrix3d to_object = pose.R.transpose();
     out.push_back({scale * (to_object * force), scale * (body.inertia * (to_object * pose.turning_rad_s2))});
   }

@@ -22,7 +22,6 @@ using picture::Solid;
 using picture::SolidRole;
 using picture::SolidScene;
 
-constexpr double kGravity = 9.81;
 constexpr Colour kLimit = picture::rgb(0xD55E00);
 constexpr Colour kFloor = picture::rgb(0x8A949E);
 constexpr double kHandClosed_rad = 1.0;  // of the inner joints, where nothing tells how far they closed
@@ -212,7 +211,7 @@ std::optional<picture::LinePlot> curves_plot(const RunView& view) {
   PlotPanel share{
       .title = "Robot's share of the load (%)", .lines = {}, .levels = {}, .y_low = 0, .y_high = 100};
   const double weight = view.record.lift && std::isfinite(view.record.lift->mass_kg)
-                            ? kGravity * view.record.lift->mass_kg
+                            ? hal::kGravity_m_s2 * view.record.lift->mass_kg
                             : 0.0;
   const auto in_air = [](Task s) {
     return s == Task::TestLift || s == Task::Lift || s == Task::Hold || s == Task::Lower;

@@ -11,7 +11,6 @@ namespace {
 constexpr double kMeanLoad = 0.005;  // of a cycle in the slow mean of the load: some 200 cycles
 constexpr double kMinLever =
     0.05;  // of the span between the hands: with less the load says nothing of the mass
-constexpr double kGravity_m_s2 = 9.81;
 
 double deg(double rad) {
   return hal::rad_to_deg(rad);
@@ -153,9 +152,9 @@ void LiftPhase::summarise_hold() {
   const auto& tested = c_.test_lifts.known();
   const hal::Vec3& cog = tested ? tested->cog : c_.session.analysis().scene.target->cog;
   const double lever = (cog - partner).head<2>().dot(span) / span.squaredNorm();
-  if (lever > kMinLever) s.mass_kg = load / (kGravity_m_s2 * lever);
+  if (lever > kMinLever) s.mass_kg = load / (hal::kGravity_m_s2 * lever);
   const double mass = c_.options.known_mass_kg > 0.0 ? c_.options.known_mass_kg : s.mass_kg;
-  if (mass > 0.0) s.share_robot = load / (mass * kGravity_m_s2);
+  if (mass > 0.0) s.share_robot = load / (mass * hal::kGravity_m_s2);
   c_.record.lift = s;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "control/session/suggest.hpp"
+#include "hal/types/units.hpp"
 #include "planner/grasp/task_choice.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
 #include "tools/experiments/bar_plot.hpp"
@@ -76,7 +77,7 @@ hal::Result<Lifted> decide_and_lift(const sim_hal::Scenario& scenario, const Tri
   l.lift.reason = l.outcome.decision.reason;
   if (!l.possible()) return l;
   const planner::GraspCandidate& chosen = l.outcome.candidates[*l.outcome.decision.chosen];
-  const hal::Wrench lift{{0.0, 0.0, 9.80665}, hal::Vec3::Zero()};
+  const hal::Wrench lift{{0.0, 0.0, hal::kGravity_m_s2}, hal::Vec3::Zero()};
   l.effort = sharing->cost(l.true_partner - l.true_cog, planner::load_point(chosen) - l.true_cog, lift);
   l.lift = try_grasp(**observation, scenario, chosen, config, seed);
   return l;
@@ -88,7 +89,7 @@ std::optional<double> saved_by_knowing(const Lifted& l, const std::vector<Carryi
                                        const control::Config& config) {
   const planner::SharingWeights& w = config.decision.weights;
   const CarryingAgent robot{hal::Vec3::Zero(), w.epsilon * w.epsilon, w.omega2_per_m};
-  const std::vector<hal::Wrench> lift{{{0.0, 0.0, 9.80665}, hal::Vec3::Zero()}};
+  const std::vector<hal::Wrench> lift{{{0.0, 0.0, hal::kGravity_m_s2}, hal::Vec3::Zero()}};
   const double near_m = config.decision.near_partner_m;
   const CarryingAgent person{others_seen[0].position, 1.0, w.omega1_per_m};
   const auto knowing = choose_beside(l.outcome.candidates, others_seen, robot, l.cog, lift, near_m);

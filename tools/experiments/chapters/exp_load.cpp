@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "hal/types/units.hpp"
 #include "tools/experiments/bar_plot.hpp"
 #include "tools/experiments/experiment.hpp"
 #include "tools/experiments/trials/box_in_line.hpp"
@@ -178,7 +179,7 @@ picture::Canvas plot(const Results& r) {
   for (const Row& row : r.trials.rows()) {
     if (panels.size() == 4) break;
     const int trial = TrialTable::trial_of(row);
-    const double weight = 9.80665 * r.trials.number(row, "mass_kg");
+    const double weight = hal::kGravity_m_s2 * r.trials.number(row, "mass_kg");
     BarPanel panel;
     panel.title = fmt::format("{}: force of the robot (N), half wanted", r.trials.text(row, "layout"));
     for (const Row& d : r.details.rows())

@@ -17,7 +17,6 @@ namespace {
 using namespace std::chrono_literals;
 using control::Task;
 
-constexpr double kGravity = 9.80665;
 constexpr hal::Duration kJointsEvery = 20ms, kTransformsEvery = 100ms, kTimingEvery = 100ms;
 constexpr hal::Duration kDevicesEvery = 500ms, kPreviewEvery = 500ms, kCloudEvery = 1000ms;
 
@@ -245,7 +244,7 @@ struct RunTelemetry::Impl {
     publish(Topic::Status, at, [kept] { return status_message(kept); });
     LoadNow load{view.wrench_W, view.load_n, {}, share_predicted, s.height_m, s.tilt_rad, s.slip_m};
     if (setting.known_mass_kg > 0.0 && control::is_loaded(s.state))
-      load.share = view.load_n / (setting.known_mass_kg * kGravity);
+      load.share = view.load_n / (setting.known_mass_kg * hal::kGravity_m_s2);
     publish(Topic::Load, at, [load] { return load_message(load); });
   }
 

@@ -7,12 +7,13 @@
 #include <numbers>
 
 #include "control/test_lift/test_lift.hpp"
+#include "hal/types/units.hpp"
 
 namespace colift::control::test {
 
 using hal::Vec3;
 
-inline constexpr double kGravity = 9.80665, kDegree = std::numbers::pi / 180.0;
+inline constexpr double kGravity = hal::kGravity_m_s2, kDegree = std::numbers::pi / 180.0;
 inline const Vec3 kPartner(0.4, 0.05, 0.4);
 
 struct Table {

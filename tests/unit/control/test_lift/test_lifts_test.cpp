@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "control/test_lift/level_grip.hpp"
+#include "hal/types/units.hpp"
 
 using namespace colift;
 using namespace std::chrono_literals;
@@ -35,12 +36,12 @@ perception::ObjectMotion raised(double height_m, double turn_rad = 0.0) {
 /// A table of 4 kg whose centre of gravity lies a little to one side: both hands hold it with 65 N m/rad.
 void lift(TestLifts& lifts, double cog_y) {
   const Vec3 u = (kGrasp - kPartner).normalized();
-  const double turn = -4.0 * 9.80665 * Vec3::UnitZ().cross(u).dot(Vec3(0.0, cog_y, 0.0)) / 65.0;
+  const double turn = -4.0 * hal::kGravity_m_s2 * Vec3::UnitZ().cross(u).dot(Vec3(0.0, cog_y, 0.0)) / 65.0;
   lifts.begin(table(), kPartner, kGrasp, 0.5);
   for (int i = 0; i < 10; ++i) (void)lifts.rising(raised(0.02, turn));
   for (int i = 0; i < 30; ++i) {
     lifts.at_top(33ms * i, raised(0.02, turn));
-    lifts.feel({Vec3(0.0, 0.0, -0.5 * 4.0 * 9.80665), 65.0 * turn * u}, kGrasp);
+    lifts.feel({Vec3(0.0, 0.0, -0.5 * 4.0 * hal::kGravity_m_s2), 65.0 * turn * u}, kGrasp);
   }
 }
 

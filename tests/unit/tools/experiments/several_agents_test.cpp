@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "hal/types/units.hpp"
 #include "planner/grasp/task_choice.hpp"
 #include "planner/load_sharing/several_agents.hpp"
 
@@ -101,7 +102,7 @@ TEST_CASE("beside several others the robot goes where all together need least", 
   // beside one it is the choice for a task of the thesis
   const SharingWeights weights;
   const auto pair = choose_for_task(candidates, first.position, Vec3::Zero(), Vec3::UnitZ(), {TaskPose{}},
-                                    {4.0 / 9.80665 * 10.0, Eigen::Matrix3d::Zero()}, weights);
+                                    {4.0 / hal::kGravity_m_s2 * 10.0, Eigen::Matrix3d::Zero()}, weights);
   REQUIRE(pair);
   for (std::size_t i = 0; i < candidates.size(); ++i)
     CHECK(alone->costs[i] == Approx(pair->costs[i]).epsilon(1e-9));
@@ -147,6 +148,6 @@ TEST_CASE("a turned object asks for the same weight in its own axes", "[task]") 
   const Task turned = tilt_task(Vec3::UnitX(), 1.5707963267948966, 1);
   const auto w = task_wrenches(turned, {2.0, Eigen::Matrix3d::Zero()}, Vec3::UnitZ());
   REQUIRE(w.size() == 1);
-  CHECK(w[0].force.norm() == Approx(2.0 * 9.80665));
-  CHECK(w[0].force.y() == Approx(2.0 * 9.80665));
+  CHECK(w[0].force.norm() == Approx(2.0 * hal::kGravity_m_s2));
+  CHECK(w[0].force.y() == Approx(2.0 * hal::kGravity_m_s2));
 }
