@@ -101,8 +101,9 @@ TEST_CASE("beside several others the robot goes where all together need least", 
   for (std::size_t i = 0; i < candidates.size(); ++i) CHECK(both->costs[i] >= both->costs[1] - 1e-12);
   // beside one it is the choice for a task of the thesis
   const SharingWeights weights;
-  const auto pair = choose_for_task(candidates, first.position, Vec3::Zero(), Vec3::UnitZ(), {TaskPose{}},
-                                    {4.0 / hal::kGravity_m_s2 * 10.0, Eigen::Matrix3d::Zero()}, weights);
+  const auto pair =
+      choose_for_task(candidates, first.position, Vec3::Zero(), Vec3::UnitZ(), {TaskPose{}},
+                      {4.0 / colift::hal::kGravity_m_s2 * 10.0, Eigen::Matrix3d::Zero()}, weights);
   REQUIRE(pair);
   for (std::size_t i = 0; i < candidates.size(); ++i)
     CHECK(alone->costs[i] == Approx(pair->costs[i]).epsilon(1e-9));
@@ -148,6 +149,6 @@ TEST_CASE("a turned object asks for the same weight in its own axes", "[task]") 
   const Task turned = tilt_task(Vec3::UnitX(), 1.5707963267948966, 1);
   const auto w = task_wrenches(turned, {2.0, Eigen::Matrix3d::Zero()}, Vec3::UnitZ());
   REQUIRE(w.size() == 1);
-  CHECK(w[0].force.norm() == Approx(2.0 * hal::kGravity_m_s2));
-  CHECK(w[0].force.y() == Approx(2.0 * hal::kGravity_m_s2));
+  CHECK(w[0].force.norm() == Approx(2.0 * colift::hal::kGravity_m_s2));
+  CHECK(w[0].force.y() == Approx(2.0 * colift::hal::kGravity_m_s2));
 }
