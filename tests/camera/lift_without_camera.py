@@ -186,7 +186,7 @@ def check(document, code, fault, witness):
     assert not stood(document), f"arm or hand were disturbed: {stood(document)}"
     if where in LOADED:
         assert "halt" not in after and document["outcome"] == "lifted", (where, after, document["because"])
-        slow = [f for f in document["faults"] if f["device"] == "arm" and "goes on slowly" in f["what"]]
+        slow = [f for f in document["faults"] if f["device"] == "arm" and "continues at reduced speed" in f["what"]]
         if where in ("lift", "lower"):
             assert slow, f"the arm did not slow down: {document['faults']}"
     elif where in ("approach", "back-off"):

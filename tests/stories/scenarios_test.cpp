@@ -104,7 +104,7 @@ TEST_CASE("without a partner nothing moves", "[scenario]") {
   config.task.partner_timeout_s = 3.0;
   const auto lift = run("no_partner", control::Method::Fast, config);
   CHECK(lift.record.outcome == Result::Refused);
-  CHECK(lift.record.reason.find("nobody") != std::string::npos);
+  CHECK(lift.record.reason.find("timeout: no partner") != std::string::npos);
   CHECK_FALSE(passed(lift, Task::Approach));
 }
 

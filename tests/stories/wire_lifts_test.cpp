@@ -270,7 +270,7 @@ TEST_CASE("while the controller warns, the arm really goes slower (rows 40 and 4
     if (i % 4 == 0) continue;  // the first of four is as fast as planned
     CHECK(lifts[i].in_state_s > 2.2 * lifts[i - i % 4].in_state_s);
     CHECK(lifts[i].in_state_s < 4.0 * lifts[i - i % 4].in_state_s);
-    CHECK_THAT(lifts[i].told, Catch::Contains("goes on slowly"));
+    CHECK_THAT(lifts[i].told, Catch::Contains("continues at reduced speed"));
   }
 }
 

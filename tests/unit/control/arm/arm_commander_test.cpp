@@ -155,7 +155,7 @@ TEST_CASE("A way that starts elsewhere, or while the arm moves, is refused at on
       planner::make_trajectory(std::vector{way().goal(), home()}, planner::MotionLimits{}, 0.0).value();
   auto refused = rig.loop.follow(elsewhere);
   REQUIRE_FALSE(refused);
-  CHECK_THAT(refused.error().detail, Catch::Contains("rad away from the command"));
+  CHECK_THAT(refused.error().detail, Catch::Contains("rad from the commanded position"));
   REQUIRE(rig.loop.follow(way()));
   rig.pass(20);
   refused = rig.loop.follow(way());

@@ -121,7 +121,7 @@ TEST_CASE("the screen says what it waits for, why, and how the devices are", "[r
   for (const std::string& line : progress_screen(crowded(), setting, {true, false, false, true, 80}))
     all += line + "\n";
   for (const char* part :
-       {"[approach]", "for 3.2 s", "45 %", "the arm to arrive at the grasp", "there is a way",
+       {"[approach]", "for 3.2 s", "45 %", "the arm to arrive at the grasp", "collision-free path",
         "arm        stalled", "200 Hz", "1234567 used", "99999 rejected", "(1.23, -0.12, 0.43)", "number 112",
         "50 %", "19.8 N", "49 %", "5.0 cm", "0.5°", "1 mm", "b c"}) {
     INFO(part << "\n" << all);

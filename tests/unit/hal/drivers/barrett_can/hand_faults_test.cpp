@@ -77,7 +77,7 @@ TEST_CASE("row 26: fingers that stop early but feel nothing hold nothing", "[han
   rig.put_object(1.2);
   REQUIRE(rig.hand.close(0.75));
   CHECK_FALSE(rig.settle().held);
-  CHECK_THAT(rig.why(), Contains("neither strain nor pads feel anything"));
+  CHECK_THAT(rig.why(), Contains("neither strain gauges nor pads measure a force"));
   // they may touch something all the same: release() opens, nothing else
   CHECK(rig.hand.preshape(0.0).error().code == ErrorCode::NotReady);
   REQUIRE(rig.hand.release());
