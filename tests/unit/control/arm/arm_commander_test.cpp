@@ -174,7 +174,7 @@ TEST_CASE("A contact stops the way in the cycle in which it is felt, without the
   CHECK(rig.loop.blocked());
   CHECK(rig.loop.at_rest());
   CHECK(rig.loop.progress() < 0.9);
-  CHECK_THAT(rig.loop.why_blocked(), Catch::Contains("met something"));
+  CHECK_THAT(rig.loop.why_blocked(), Catch::Contains("unexpected contact"));
 }
 
 TEST_CASE("Misses are counted, and told with their reason") {
