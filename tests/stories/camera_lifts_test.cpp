@@ -273,7 +273,7 @@ TEST_CASE(
     CHECK_FALSE(lift.record.hand_keeps_grip);
     CHECK_FALSE(came_to(lift, Task::Halt));
     if (in != Task::Lift) continue;
-    CHECK(said(lift, "continues at reduced speed: the camera gives no picture", "arm"));
+    CHECK(said(lift, "continues at reduced speed: no camera image", "arm"));
     CHECK(seconds_in(lift, Task::Lift) > 2.5);  // 2.3 s with a camera
   }
 }

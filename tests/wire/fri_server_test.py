@@ -227,7 +227,7 @@ def silence(colift):
 
 
 def refusals(colift):
-    for spoil, code, words in ((lambda k: setattr(k, "external", [0, 25.0, 0, 0, 0, 0, 0]), 3, "A2 feels 25.0 N m"),
+    for spoil, code, words in ((lambda k: setattr(k, "external", [0, 25.0, 0, 0, 0, 0, 0]), 3, "external torque on A2: 25.0 N m"),
                                (lambda k: setattr(k, "celsius", [90.0] * 7), 3, "90 deg C"),
                                (lambda k: setattr(k, "error", 0x01), 3, "drive error of A1"),
                                (lambda k: setattr(k, "control", 1), 3, "position control")):

@@ -156,7 +156,7 @@ TEST_CASE("the effective configuration says of every value where it comes from",
   CHECK_THAT(yaml, Catch::Contains("\n  max_tilt_deg: 50  # default\n"));
   CHECK_THAT(effective_yaml(table, true),
              Catch::Contains(
-                 "  # Largest angle between the normal and up. (a number from 0 to 90)\n  max_tilt_deg: 50"));
+                 "  # Largest angle between the normal and up. (a number from 0 to 90; deg)\n  max_tilt_deg: 50"));
 }
 
 TEST_CASE("a file name cannot break out of its comment", "[config]") {

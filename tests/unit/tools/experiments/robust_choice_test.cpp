@@ -164,7 +164,7 @@ TEST_CASE("decision.robust changes the choice where the nominal grip may slip, a
   CHECK(choice("expected", 0.0).second.find("the same over 10000 what-ifs") != std::string::npos);
   const auto [id, reason] = choice("expected", 0.05);
   CHECK(id == 1);
-  CHECK(reason.find("candidate 1 costs least on average over 10000 what-ifs") == 0);
+  CHECK(reason.find("candidate 1 has the lowest cost on average over 10000 what-ifs") == 0);
   CHECK(reason.find("with what is believed it would be 0") != std::string::npos);
   CHECK(choice("worst", 0.02).first == 1);
 }

@@ -56,7 +56,7 @@ TEST_CASE("a run that ended early has a report without what did not happen", "[r
   const auto e = tests::refused_run();
   const std::string page = tools::run_report_html(e.view());
   CHECK(page.find(">refused<") != std::string::npos);
-  CHECK(page.find("Nobody took hold of the object within 30 s.") != std::string::npos);
+  CHECK(page.find("No partner grasped the object within 30 s.") != std::string::npos);
   CHECK(page.find(">nan") == std::string::npos);
   CHECK(page.find(" nan ") == std::string::npos);
   CHECK(page.find("Curves") == std::string::npos);

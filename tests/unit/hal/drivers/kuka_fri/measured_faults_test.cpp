@@ -54,7 +54,7 @@ TEST_CASE("under load from outside command mode is not asked for (row 47)", "[fr
   REQUIRE(arm->configure());
   const auto refused = arm->activate();
   REQUIRE_FALSE(refused);
-  CHECK(refused.error().detail.find("A4 feels 25.0") != std::string::npos);
+  CHECK(refused.error().detail.find("external torque on A4: 25.0") != std::string::npos);
 }
 
 }  // namespace colift
