@@ -26,6 +26,7 @@ set(COLIFT_PUBLIC_HEADERS
   hal/types/result.hpp
   hal/types/short_text.hpp
   hal/types/time.hpp
+  hal/types/units.hpp
   # ... and what these include
   hal/can_bus.hpp
   hal/config/effective_yaml.hpp
@@ -106,6 +107,8 @@ set(COLIFT_PUBLIC_HEADERS
   planner/motion/search_config.hpp
   # control: configuration; look, decide, run
   control/config/config.hpp
+  control/config/load_config.hpp
+  control/config/test_lift_config.hpp
   control/config/resolve_config.hpp
   control/session/decide.hpp
   control/session/library_layout.hpp
