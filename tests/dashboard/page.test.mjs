@@ -130,7 +130,7 @@ test("the recording of it is watched on the same page", async () => {
     await page.goto(replay.url);
     await until(async () => (await page.textContent("#name")).includes(RECORDING), "the recording's name");
     await until(() => /^the same, bit for bit/m.test(replay.output), "the replay's end", 60000);
-    assert.ok(await page.$("#candidates tr[data-id]"));
+    await until(async () => (await page.$("#candidates tr[data-id]")) !== null, "the candidates");  // drawn after the last message
     assert.deepEqual(await page.$$eval("#device-list b", (list) => list.map((b) => b.textContent)), ["arm", "hand", "camera"]);
     assert.ok(["stopped", "aborted", "refused", "done"].includes(await page.textContent("#state")));
     await until(async () => (await litPixels()) > 0.05, "lit pixels");
