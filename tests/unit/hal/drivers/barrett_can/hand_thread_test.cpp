@@ -24,6 +24,11 @@ void* operator new(std::size_t size) {
   if (void* p = std::malloc(size ? size : 1)) return p;
   throw std::bad_alloc();
 }
+// the library frees with our delete what it takes from here
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  if (counting) ++allocated;
+  return std::malloc(size ? size : 1);
+}
 void operator delete(void* p) noexcept {
   std::free(p);
 }
