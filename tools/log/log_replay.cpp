@@ -6,8 +6,8 @@
 #include "control/config/resolve_config.hpp"
 #include "hal/config/config_file.hpp"
 #include "tools/cli/config_of.hpp"
-#include "tools/cli/session.hpp"
 #include "tools/cli/interrupt.hpp"
+#include "tools/cli/session.hpp"
 #include "tools/log/cmd_log.hpp"
 #include "tools/run/run_live.hpp"
 #include "tools/telemetry/channels/built_in_texts.hpp"
@@ -185,6 +185,9 @@ std::string text(const Json& j) {
 
 hal::Result<control::ResolvedConfig> config_of_replay(const CommonOptions& common,
                                                       const LogOptions& options) {
+  if (options.file.empty())
+    return hal::failure(hal::ErrorCode::BadInput, "FILE",
+                        "a replay starts from the configuration in its recording; name the recording");
   const auto opened = open_recording(options.file);
   if (!opened) return tl::unexpected(opened.error());
   return config_of_replay(common, opened->run);
