@@ -8,16 +8,12 @@
 namespace colift::control {
 namespace {
 
-double deg(double rad) {
-  return hal::rad_to_deg(rad);
-}
-
 // The joint with the least angle left to one of its limits, in words.
 std::string nearest_limit(const hal::RobotModel& model, const hal::JointVector& q_rad) {
   const hal::JointVector to_lower = q_rad - model.lower_rad(), to_upper = model.upper_rad() - q_rad;
   Eigen::Index joint = 0;
   const double left_rad = to_lower.cwiseMin(to_upper).minCoeff(&joint);
-  return fmt::format("A{} is {:.1f} deg from its limit", joint + 1, deg(left_rad));
+  return fmt::format("A{} is {:.1f} deg from its limit", joint + 1, hal::rad_to_deg(left_rad));
 }
 
 }  // namespace
@@ -49,7 +45,7 @@ void ObjectMonitor::update() {
     sample.tilt_rad = tilt_rad_;
     sample.slip_m = slip_m_;
     c_.arm.see_partner(partner_rise_m_);
-    frames_tilting_ = deg(tilt_rad_) > c_.config.task.max_tilt_deg ? frames_tilting_ + 1 : 0;
+    frames_tilting_ = hal::rad_to_deg(tilt_rad_) > c_.config.task.max_tilt_deg ? frames_tilting_ + 1 : 0;
     frames_slipping_ = slip_m_ > c_.config.task.max_slip_m ? frames_slipping_ + 1 : 0;
   }
   c_.record.curve.push_back(sample);
@@ -64,7 +60,7 @@ std::optional<TaskEvent> ObjectMonitor::beyond_limits() const {
   if (hand.hot) return TaskEvent{Event::HandUnfit, hand.warning.str()};
   if (frames_tilting_ >= task.carry.limit_frames)
     return TaskEvent{Event::LimitReached, fmt::format("the object tilts by {:.1f} deg (limit {:.1f})",
-                                                      deg(tilt_rad_), task.max_tilt_deg)};
+                                                      hal::rad_to_deg(tilt_rad_), task.max_tilt_deg)};
   if (frames_slipping_ >= task.carry.limit_frames)
     return TaskEvent{Event::LimitReached, fmt::format("the object slips {:.0f} mm in the hand (limit {:.0f})",
                                                       1e3 * slip_m_, 1e3 * task.max_slip_m)};

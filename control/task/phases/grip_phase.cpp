@@ -13,10 +13,6 @@ namespace {
 // the hand's state shows a command some cycles later: before, it may look as if it had ended already
 constexpr double kCommandShows_s = 0.1;
 
-double deg(double rad) {
-  return hal::rad_to_deg(rad);
-}
-
 }  // namespace
 
 void GripPhase::begin_close() {
@@ -46,8 +42,8 @@ std::optional<TaskEvent> GripPhase::verify() {
   for (const double q : hand.finger_rad) widest = std::max(widest, std::abs(q - expected));
   double force = 0.0;
   for (const double f : hand.tip_force_n) force += std::isnan(f) ? 0.0 : f;
-  const std::string facts =
-      fmt::format("fingers within {:.0f} deg of the observed width, pad force {:.0f} N", deg(widest), force);
+  const std::string facts = fmt::format("fingers within {:.0f} deg of the observed width, pad force {:.0f} N",
+                                        hal::rad_to_deg(widest), force);
   if (!hand.held) return TaskEvent{Event::GripBad, "the grip was lost: " + facts};
   if (widest > c_.config.task.grip.finger_tolerance_rad)
     return TaskEvent{Event::GripBad, "that does not match the observed object: " + facts};

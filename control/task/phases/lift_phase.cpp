@@ -12,10 +12,6 @@ constexpr double kMeanLoad = 0.005;  // of a cycle in the slow mean of the load:
 constexpr double kMinLever =
     0.05;  // of the span between the hands: with less the load says nothing of the mass
 
-double deg(double rad) {
-  return hal::rad_to_deg(rad);
-}
-
 }  // namespace
 
 void LiftPhase::begin_lift(Task from) {
@@ -45,8 +41,9 @@ std::optional<TaskEvent> LiftPhase::lift() {
     return TaskEvent{Event::TimeOut,
                      fmt::format("{:.1f} cm after {:.0f} s", 1e2 * arm.height_m, c_.in_state_s())};
   if (!settled()) return std::nullopt;
-  return TaskEvent{Event::AtHeight, fmt::format("{:.1f} cm up, tilt {:.1f} deg, load {:.0f} N",
-                                                1e2 * arm.height_m, deg(object_.tilt_rad()), arm.load_n)};
+  return TaskEvent{Event::AtHeight,
+                   fmt::format("{:.1f} cm up, tilt {:.1f} deg, load {:.0f} N", 1e2 * arm.height_m,
+                               hal::rad_to_deg(object_.tilt_rad()), arm.load_n)};
 }
 
 bool LiftPhase::settled() {
