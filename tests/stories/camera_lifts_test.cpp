@@ -18,6 +18,7 @@
 #include "hal/guards/guarded_hand.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
+#include "tests/support/fault_table.hpp"
 #include "tests/support/thorough.hpp"
 
 namespace {
@@ -233,21 +234,44 @@ double seconds_in(const Lift& lift, Task state) {
   return NAN;
 }
 
-const std::pair<Fault, std::string> kLosses[] = {
-    {{Fault::Kind::Killed, 1.5}, "signal 9"},     {{Fault::Kind::Stopped, 2.0}, "no"},
-    {{Fault::Kind::Unplugged, 3.0}, "no Kinect"}, {{Fault::Kind::Silent, 1.0}, "no good frame"},
-    {{Fault::Kind::Blind, 1.0}, "shows nothing"}, {{Fault::Kind::Zeros, 1.0}, "no depth camera"},
-    {{Fault::Kind::HalfSize, 1.0}, "pixels"},     {{Fault::Kind::Stuck, 1.0}, "same picture"},
-    {{Fault::Kind::Late, 1.5}, "older"},
+struct Loss {
+  Fault fault;
+  std::string says;
+  /// Of the fault catalogue: in await-partner, on the way, and while loaded, where these have rows of their
+  /// own.
+  std::string_view row, row_loaded;
+};
+const Loss kLosses[] = {
+    {{Fault::Kind::Killed, 1.5}, "signal 9", "4 library crashes", "4 library crashes"},
+    {{Fault::Kind::Stopped, 2.0}, "no", "4 library hangs", "4 library hangs"},
+    {{Fault::Kind::Unplugged, 3.0}, "no Kinect", "2 unplugged", "3 unplugged"},
+    {{Fault::Kind::Silent, 1.0}, "no good frame", "2 silent", "3 silent"},
+    {{Fault::Kind::Blind, 1.0}, "shows nothing", "5 no depth", "5 no depth"},
+    {{Fault::Kind::Zeros, 1.0}, "no depth camera", "5 all zeros", "5 all zeros"},
+    {{Fault::Kind::HalfSize, 1.0}, "pixels", "6 wrong size", "6 wrong size"},
+    {{Fault::Kind::Stuck, 1.0}, "same picture", "7 stuck", "7 stuck"},
+    {{Fault::Kind::Late, 1.5}, "older", "8 late", "8 late"},
 };
 
 }  // namespace
+
+TEST_CASE("the faults of the camera that are injected here", "[.fault-table]") {
+  for (std::size_t i = 0; i < std::size(kLosses); ++i) {
+    tests::print_fault(kLosses[i].row, Task::Approach, tests::chosen(i, 0));
+    tests::print_fault(kLosses[i].row_loaded, Task::Lift, tests::chosen(i, 1));
+    tests::print_fault(kLosses[i].row_loaded, Task::Hold, tests::chosen(i, 2));
+  }
+  tests::print_fault("1 unplugged", Task::AwaitPartner, true);
+  tests::print_fault("11 moved", Task::AwaitPartner, true);
+  tests::print_fault("8 older and older", Task::Approach, true);
+  tests::print_fault("9 half the pixels missing", Task::Observe, true);
+}
 
 TEST_CASE("a camera that is lost on the approach stops the arm, which plans anew when it sees again",
           "[camera][faults]") {
   for (std::size_t i = 0; i < std::size(kLosses); ++i) {
     if (!tests::chosen(i, 0)) continue;
-    const auto& [fault, words] = kLosses[i];
+    const auto& [fault, words, row, row_loaded] = kLosses[i];
     const Lift lift = lift_with(fault, Task::Approach);
     INFO(words << "\n" << told(lift));
     CHECK(came_to(lift, Task::Halt));
@@ -264,7 +288,7 @@ TEST_CASE(
     "[camera][faults]") {
   const Task in = GENERATE(Task::Lift, Task::Hold);
   for (std::size_t i = 0; i < std::size(kLosses); ++i) {
-    const auto& [fault, words] = kLosses[i];
+    const auto& [fault, words, row, row_loaded] = kLosses[i];
     if (!tests::chosen(i, in == Task::Lift ? 1 : 2)) continue;
     const Lift lift = lift_with(fault, in);
     INFO(control::word(in) << ": " << words << "\n" << told(lift));

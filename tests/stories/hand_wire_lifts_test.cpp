@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
+#include "tests/support/fault_table.hpp"
 #include "tests/support/lift_figures.hpp"
 #include "tests/support/thorough.hpp"
 
@@ -128,6 +129,74 @@ struct Row {
   bool seldom = false;  ///< Only where it is to be thorough.
 };
 
+const Row kOnApproach[] = {
+    {"27 one puck silent", {"0.5:silent@F2:60", Task::Approach}, End::Stopped, "F2 (node 12) is silent"},
+    {"28 too hot", {"0.5:hot=75:60", Task::Approach}, End::Back, "may not grip"},
+    {"29 reset", {"0.5:reset@F3", Task::Approach}, End::Stopped, "F3 was reset"},
+    {"29 zero forgotten", {"0.5:jump=20000@F1", Task::Approach}, End::Stopped, "lost its zero"},
+    {"30 bus-off", {"0.5:bus-off:60", Task::Approach}, End::Stopped, "bus"},
+    {"32 interface down", {"0.5:down:60", Task::Approach}, End::Stopped, "hand"},
+    {"33 full queue", {"0.5:full:60", Task::Approach}, End::Stopped, "hand"},
+    {"34 all silent", {"0.5:silent:60", Task::Approach}, End::Stopped, "silent"},
+};
+
+const Row kClosingAndReleasing[] = {
+    {"25 does not close, once", {"0:stuck:4", Task::Close}, End::Lifted, "tries again"},
+    {"25 does not close", {"0:stuck:4", Task::Close, true}, End::Back, "the fingers met nothing"},
+    // nothing is held yet: the others open, and with one finger less nothing is tried again
+    {"27 one puck silent", {"0.1:silent@F2:60", Task::Close}, End::Back, "F2 (node 12) is silent"},
+    {"27 one puck silent", {"0.4:silent@F3:60", Task::Close}, End::Back, "F3 (node 13) is silent", true},
+    {"27 the spread silent",
+     {"0.1:silent@spread:60", Task::Close},
+     End::Back,
+     "spread (node 14) is silent",
+     true},
+    {"27 silent for a while", {"0.1:silent@F1:1", Task::Close}, End::Back, "F1 (node 11) is silent", true},
+    {"34 all silent", {"0.1:silent:60", Task::Close}, End::Stopped, "all four pucks are silent", true},
+    {"28 too hot", {"0.1:hot=75:60", Task::Close}, End::Back, "75 C"},
+    {"29 reset", {"0.1:reset@F1", Task::Close}, End::Stopped, "F1 was reset"},
+    {"30 bus-off", {"0.1:bus-off:60", Task::Close}, End::Stopped, "bus"},
+    {"27 silent", {"0.1:silent@F3:60", Task::Release}, End::Stopped, "F3 (node 13) is silent"},
+    {"25 does not open", {"0:stuck:60", Task::Release}, End::Stopped, "did not open"},
+};
+
+const Row kLifting[] = {
+    {"27 one puck silent", {"0.4:silent@F2:60", Task::Lift}, End::Stopped, "F2 (node 12) is silent"},
+    {"27 one puck silent", {"0.05:silent@F2:60", Task::Verify}, End::Stopped, "F2 (node 12) is silent"},
+    {"27 one puck silent",
+     {"0.1:silent@F1:60", Task::AwaitReady},
+     End::Stopped,
+     "F1 (node 11) is silent",
+     true},
+    {"28 too hot", {"0.4:hot=75:60", Task::Lift}, End::Stopped, "lower the object on request"},
+    {"29 reset", {"0.4:reset@F3", Task::Lift}, End::Stopped, "F3 was reset"},
+    {"29 all reset", {"0.4:brown-out", Task::Lift}, End::Stopped, "was reset"},
+    {"29 in error", {"0.4:error=7@F1:60", Task::Lift}, End::Stopped, "code 7"},
+    {"30 bus-off", {"0.4:bus-off:60", Task::Lift}, End::Stopped, "bus"},
+    {"32 interface down", {"0.4:down:60", Task::Lift}, End::Stopped, "hand"},
+    {"33 full queue", {"0.4:full:60", Task::Lift}, End::Stopped, "hand"},
+    // asked as a group, all four answer with each other's names: only their leaps tell
+    {"34 wrong puck", {"0.4:wrong:60", Task::Lift}, End::Stopped, "lost its zero"},
+};
+
+const Row kHoldingAndLowering[] = {
+    {"27 silent", {"0.2:silent@F1:60", Task::Hold}, End::Stopped, "F1 (node 11) is silent"},
+    {"28 too hot",
+     {"0.2:hot=75:60", Task::Hold},
+     End::Stopped,
+     "the hand has 75 C (limit 70): lower the object"},
+    // goes on slowly and sets it down; from 60 C on these pucks have no torque left to open
+    {"28 warm", {"0.2:hot=62:60", Task::Hold}, End::Stopped, "62 C"},
+    {"29 zero forgotten", {"0.2:jump=20000@F2", Task::Hold}, End::Stopped, "lost its zero"},
+    {"30 bus-off, back soon", {"0.2:bus-off:0.3", Task::Hold}, End::Stopped, "bus"},
+    {"34 none answers", {"0.2:loss=100:60", Task::Hold}, End::Stopped, "silent"},
+    {"27 silent", {"0.2:silent@F2:60", Task::Lower}, End::Stopped, "F2 (node 12) is silent"},
+    // set down; then its motors have no torque to open until they have cooled
+    {"28 too hot", {"0.2:hot=75:60", Task::Lower}, End::Stopped, "did not open"},
+    {"29 reset", {"0.2:reset@F1", Task::Lower}, End::Stopped, "F1 was reset"},
+    {"30 bus-off", {"0.2:bus-off:60", Task::Lower}, End::Stopped, "bus"},
+};
+
 void check(const Row& row) {
   if (row.seldom && !tests::thorough()) return;
   const auto lift = lift_with({row.fault});
@@ -160,41 +229,24 @@ void check(const Row& row) {
 
 }  // namespace
 
-TEST_CASE("faults of bus and pucks on the approach end as they have to", "[bus][faults]") {
-  const Row rows[] = {
-      {"27 one puck silent", {"0.5:silent@F2:60", Task::Approach}, End::Stopped, "F2 (node 12) is silent"},
-      {"28 too hot", {"0.5:hot=75:60", Task::Approach}, End::Back, "may not grip"},
-      {"29 reset", {"0.5:reset@F3", Task::Approach}, End::Stopped, "F3 was reset"},
-      {"29 zero forgotten", {"0.5:jump=20000@F1", Task::Approach}, End::Stopped, "lost its zero"},
-      {"30 bus-off", {"0.5:bus-off:60", Task::Approach}, End::Stopped, "bus"},
-      {"32 interface down", {"0.5:down:60", Task::Approach}, End::Stopped, "hand"},
-      {"33 full queue", {"0.5:full:60", Task::Approach}, End::Stopped, "hand"},
-      {"34 all silent", {"0.5:silent:60", Task::Approach}, End::Stopped, "silent"},
+TEST_CASE("the faults of bus and pucks that are injected here", "[.fault-table]") {
+  const auto print = [](const auto& rows) {
+    for (const Row& row : rows) tests::print_fault(row.rows, row.fault.in, !row.seldom);
   };
-  for (const Row& row : rows) check(row);
+  print(kOnApproach);
+  print(kClosingAndReleasing);
+  print(kLifting);
+  print(kHoldingAndLowering);
+  tests::print_fault("26 closed on nothing", Task::Close, true);
+  tests::print_fault("31 error passive", Task::Lift, true);
+}
+
+TEST_CASE("faults of bus and pucks on the approach end as they have to", "[bus][faults]") {
+  for (const Row& row : kOnApproach) check(row);
 }
 
 TEST_CASE("faults of bus and pucks while closing and releasing end as they have to", "[bus][faults]") {
-  const Row rows[] = {
-      {"25 does not close, once", {"0:stuck:4", Task::Close}, End::Lifted, "tries again"},
-      {"25 does not close", {"0:stuck:4", Task::Close, true}, End::Back, "the fingers met nothing"},
-      // nothing is held yet: the others open, and with one finger less nothing is tried again
-      {"27 one puck silent", {"0.1:silent@F2:60", Task::Close}, End::Back, "F2 (node 12) is silent"},
-      {"27 one puck silent", {"0.4:silent@F3:60", Task::Close}, End::Back, "F3 (node 13) is silent", true},
-      {"27 the spread silent",
-       {"0.1:silent@spread:60", Task::Close},
-       End::Back,
-       "spread (node 14) is silent",
-       true},
-      {"27 silent for a while", {"0.1:silent@F1:1", Task::Close}, End::Back, "F1 (node 11) is silent", true},
-      {"34 all silent", {"0.1:silent:60", Task::Close}, End::Stopped, "all four pucks are silent", true},
-      {"28 too hot", {"0.1:hot=75:60", Task::Close}, End::Back, "75 C"},
-      {"29 reset", {"0.1:reset@F1", Task::Close}, End::Stopped, "F1 was reset"},
-      {"30 bus-off", {"0.1:bus-off:60", Task::Close}, End::Stopped, "bus"},
-      {"27 silent", {"0.1:silent@F3:60", Task::Release}, End::Stopped, "F3 (node 13) is silent"},
-      {"25 does not open", {"0:stuck:60", Task::Release}, End::Stopped, "did not open"},
-  };
-  for (const Row& row : rows) check(row);
+  for (const Row& row : kClosingAndReleasing) check(row);
 }
 
 TEST_CASE("a hand that closes on nothing twice opens twice, and the arm goes home (row 26)",
@@ -216,45 +268,10 @@ TEST_CASE("a hand that closes on nothing twice opens twice, and the arm goes hom
 
 TEST_CASE("faults of bus and pucks while lifting end as they have to, and the grip is kept",
           "[bus][faults][loaded]") {
-  const Row rows[] = {
-      {"27 one puck silent", {"0.4:silent@F2:60", Task::Lift}, End::Stopped, "F2 (node 12) is silent"},
-      {"27 one puck silent", {"0.05:silent@F2:60", Task::Verify}, End::Stopped, "F2 (node 12) is silent"},
-      {"27 one puck silent",
-       {"0.1:silent@F1:60", Task::AwaitReady},
-       End::Stopped,
-       "F1 (node 11) is silent",
-       true},
-      {"28 too hot", {"0.4:hot=75:60", Task::Lift}, End::Stopped, "lower the object on request"},
-      {"29 reset", {"0.4:reset@F3", Task::Lift}, End::Stopped, "F3 was reset"},
-      {"29 all reset", {"0.4:brown-out", Task::Lift}, End::Stopped, "was reset"},
-      {"29 in error", {"0.4:error=7@F1:60", Task::Lift}, End::Stopped, "code 7"},
-      {"30 bus-off", {"0.4:bus-off:60", Task::Lift}, End::Stopped, "bus"},
-      {"32 interface down", {"0.4:down:60", Task::Lift}, End::Stopped, "hand"},
-      {"33 full queue", {"0.4:full:60", Task::Lift}, End::Stopped, "hand"},
-      // asked as a group, all four answer with each other's names: only their leaps tell
-      {"34 wrong puck", {"0.4:wrong:60", Task::Lift}, End::Stopped, "lost its zero"},
-  };
-  for (const Row& row : rows) check(row);
+  for (const Row& row : kLifting) check(row);
 }
 
 TEST_CASE("faults of bus and pucks while holding and lowering end as they have to, and the grip is kept",
           "[bus][faults][loaded]") {
-  const Row rows[] = {
-      {"27 silent", {"0.2:silent@F1:60", Task::Hold}, End::Stopped, "F1 (node 11) is silent"},
-      {"28 too hot",
-       {"0.2:hot=75:60", Task::Hold},
-       End::Stopped,
-       "the hand has 75 C (limit 70): lower the object"},
-      // goes on slowly and sets it down; from 60 C on these pucks have no torque left to open
-      {"28 warm", {"0.2:hot=62:60", Task::Hold}, End::Stopped, "62 C"},
-      {"29 zero forgotten", {"0.2:jump=20000@F2", Task::Hold}, End::Stopped, "lost its zero"},
-      {"30 bus-off, back soon", {"0.2:bus-off:0.3", Task::Hold}, End::Stopped, "bus"},
-      {"34 none answers", {"0.2:loss=100:60", Task::Hold}, End::Stopped, "silent"},
-      {"27 silent", {"0.2:silent@F2:60", Task::Lower}, End::Stopped, "F2 (node 12) is silent"},
-      // set down; then its motors have no torque to open until they have cooled
-      {"28 too hot", {"0.2:hot=75:60", Task::Lower}, End::Stopped, "did not open"},
-      {"29 reset", {"0.2:reset@F1", Task::Lower}, End::Stopped, "F1 was reset"},
-      {"30 bus-off", {"0.2:bus-off:60", Task::Lower}, End::Stopped, "bus"},
-  };
-  for (const Row& row : rows) check(row);
+  for (const Row& row : kHoldingAndLowering) check(row);
 }

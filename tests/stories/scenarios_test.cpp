@@ -8,6 +8,7 @@
 
 #include "control/session/pipeline.hpp"
 #include "sim_hal/scenario/scenario.hpp"
+#include "tests/support/fault_table.hpp"
 #include "tests/support/lift_figures.hpp"
 #include "tests/support/thorough.hpp"
 
@@ -81,6 +82,11 @@ TEST_CASE("a wrong centre of gravity shows in the share, not in the tilt", "[sce
   REQUIRE(lift.record.outcome == Result::Lifted);
   CHECK(lift.tilt_deg < 1.0);
   CHECK(lift.share_robot < lift.record.lift->share_predicted - 0.1);
+}
+
+TEST_CASE("the faults of the partner that are injected here", "[.fault-table]") {
+  tests::print_fault("13 lets go", control::Task::Approach, true);
+  tests::print_fault("14 moves", control::Task::Approach, true);
 }
 
 TEST_CASE("a partner who moves during the approach is decided on anew", "[scenario]") {

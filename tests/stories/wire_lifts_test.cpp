@@ -12,6 +12,7 @@
 
 #include "control/config/arm_mode.hpp"
 #include "hal/guards/t1_profile.hpp"
+#include "tests/support/fault_table.hpp"
 #include "tests/support/forked_lifts.hpp"
 #include "tests/support/thorough.hpp"
 
@@ -153,6 +154,15 @@ void check_rows(std::size_t first, std::size_t end) {
 }
 
 }  // namespace
+
+TEST_CASE("the faults of wire and controller that are injected here", "[.fault-table]") {
+  for (std::size_t p = 0; p < kPhases.size(); ++p)
+    for (const Row& row : kRows)
+      if (row.ends[p] != ' ')
+        tests::print_fault(row.rows, kPhases[p].task,
+                           p < kPhasesOfEvery && tests::chosen(static_cast<std::size_t>(&row - kRows), p));
+  for (const Task in : {Task::Lift, Task::Plan}) tests::print_fault("45, joint near its limit", in, true);
+}
 
 TEST_CASE("faults of wire and controller until the hand is closed end as they have to", "[wire][faults]") {
   check_rows(0, 3);
