@@ -236,9 +236,10 @@ TEST_CASE("while the controller is patient, a gap that heals makes the arm rest 
   const auto lifts = lift_with(faults, patient());
   for (std::size_t i = 0; i < lifts.size(); ++i) {
     const auto& lift = lifts[i];
-    INFO(faults[i].fault.text << " in " << control::word(faults[i].in) << " " << lift.crash << "\n"
-                              << lift.reason << "\n"
-                              << lift.told);
+    INFO(std::get<sim_hal::KrcFault>(faults[i].fault).text << " in " << control::word(faults[i].in) << " "
+                                                           << lift.crash << "\n"
+                                                           << lift.reason << "\n"
+                                                           << lift.told);
     REQUIRE(lift.ran);
     CHECK(lift.outcome == Result::Lifted);
     CHECK_THAT(lift.told, Catch::Contains("takes commands again after"));
@@ -273,7 +274,8 @@ TEST_CASE("while the controller warns, the arm really goes slower (rows 40 and 4
       faults.push_back(fault_at(what, phase));
   const auto lifts = lift_with(faults);
   for (std::size_t i = 0; i < lifts.size(); ++i) {
-    INFO(faults[i].fault.text << " in " << control::word(faults[i].in) << "\n" << lifts[i].told);
+    INFO(std::get<sim_hal::KrcFault>(faults[i].fault).text << " in " << control::word(faults[i].in) << "\n"
+                                                           << lifts[i].told);
     REQUIRE(lifts[i].ran);
     CHECK(lifts[i].outcome == Result::Lifted);
     CHECK(lifts[i].broken_rules == 0);

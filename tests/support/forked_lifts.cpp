@@ -19,8 +19,13 @@ std::string everything_told(const SimulatedLift& lift) {
     all += fmt::format("{:.2f} {}: {}\n", hal::seconds(s.at), control::word(s.state), s.reason);
   for (const auto& f : lift.record.faults)
     all += fmt::format("{:.2f} {}: {}\n", hal::seconds(f.at), f.device, f.what);
-  for (const auto& b : lift.wire->broken_rules) all += "broken: " + b.reason + "\n";
-  for (const auto& m : lift.wire->mode_changes) all += "mode: " + m.reason + "\n";
+  if (lift.wire) {
+    for (const auto& b : lift.wire->broken_rules) all += "broken: " + b.reason + "\n";
+    for (const auto& m : lift.wire->mode_changes) all += "mode: " + m.reason + "\n";
+  }
+  for (std::size_t r = 0; lift.pucks && r < sim_hal::kHandRules; ++r)
+    if (lift.pucks->broken[r] > 0)
+      all += fmt::format("broken: {}: {}\n", sim_hal::kHandRuleNames[r], lift.pucks->first[r]);
   return all;
 }
 
@@ -66,9 +71,10 @@ bool get(int pipe, std::string& text) {
 struct Numbers {
   control::RunRecord::Result outcome;
   control::Task end;
-  bool hand_keeps_grip, hit_something;
+  bool hand_keeps_grip, hit_something, touches_object;
   unsigned troubles, broken_rules;
-  double in_state_s;
+  double in_state_s, most_open_while_loaded_rad;
+  unsigned long visited;
 };
 
 void send(int pipe, control::Task in, const SimulatedLift& lift) {
@@ -78,7 +84,14 @@ void send(int pipe, control::Task in, const SimulatedLift& lift) {
   n.hand_keeps_grip = lift.record.hand_keeps_grip;
   n.hit_something = lift.hit_something;
   n.troubles = static_cast<unsigned>(lift.at_end.troubles);
-  n.broken_rules = static_cast<unsigned>(lift.wire->broken_rules_in_all);
+  n.touches_object = lift.at_end.robot_touches_object;
+  if (lift.wire) n.broken_rules = static_cast<unsigned>(lift.wire->broken_rules_in_all);
+  for (std::size_t r = 0; lift.pucks && r < sim_hal::kHandRules; ++r)
+    n.broken_rules += static_cast<unsigned>(lift.pucks->broken[r]);
+  n.most_open_while_loaded_rad = lift.most_open_while_loaded_rad;
+  std::bitset<control::kTasks> visited;
+  for (const auto& s : lift.record.states) visited.set(static_cast<std::size_t>(s.state));
+  n.visited = visited.to_ulong();
   n.in_state_s = time_in(in, lift.record.states);
   put(pipe, &n, sizeof n);
   put(pipe, lift.record.reason);
@@ -96,6 +109,9 @@ ForkedEnd receive(int pipe, pid_t child) {
   e.troubles = n.troubles;
   e.broken_rules = n.broken_rules;
   e.in_state_s = n.in_state_s;
+  e.touches_object = n.touches_object;
+  e.most_open_while_loaded_rad = n.most_open_while_loaded_rad;
+  e.visited = std::bitset<control::kTasks>(n.visited);
   ::close(pipe);
   int status = 0;
   ::waitpid(child, &status, 0);
@@ -111,10 +127,11 @@ std::vector<ForkedEnd> lift_forked(const sim_hal::Scenario& scenario, const cont
   std::vector<ForkedEnd> ends(faults.size());
   std::set<control::Task> entered;
   int pipe_up = -1;  // of a branch, to who branched it off
-  control::Task branched_in = control::Task::Observe;
+  const ForkedFault* branch = nullptr;
   OverWire wire = over;
-  wire.entered = [&](control::Task state) -> std::optional<sim_hal::KrcFault> {
-    if (pipe_up >= 0 || !entered.insert(state).second) return std::nullopt;
+  wire.entered = [&](control::Task state) -> std::optional<WireFault> {
+    if (branch && branch->each_time && branch->in == state) return branch->fault;
+    if (branch || !entered.insert(state).second) return std::nullopt;
     for (std::size_t i = 0; i < faults.size(); ++i) {
       if (faults[i].in != state) continue;
       int ends_of_pipe[2];
@@ -124,8 +141,8 @@ std::vector<ForkedEnd> lift_forked(const sim_hal::Scenario& scenario, const cont
       if (child == 0) {
         ::close(ends_of_pipe[0]);
         pipe_up = ends_of_pipe[1];
-        branched_in = state;
-        return faults[i].fault;
+        branch = &faults[i];
+        return branch->fault;
       }
       ::close(ends_of_pipe[1]);
       ends[i] = receive(ends_of_pipe[0], child);
@@ -134,10 +151,10 @@ std::vector<ForkedEnd> lift_forked(const sim_hal::Scenario& scenario, const cont
   };
   try {
     const SimulatedLift lift = simulate(scenario, control::Method::Fast, 1, config, wire);
-    if (pipe_up < 0) return ends;
-    send(pipe_up, branched_in, lift);
+    if (!branch) return ends;
+    send(pipe_up, branch->in, lift);
   } catch (const std::exception&) {
-    if (pipe_up < 0) throw;
+    if (!branch) throw;
     ::_exit(2);
   }
   // no destructor, no test of the parent runs here

@@ -101,14 +101,24 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
   int n = 0;
   double tilt = 0, height = 0, share = 0, slip = 0;
   control::JobHooks hooks;
-  // the pucks have to wake and to find their stops first
-  const auto entered = [&](control::Task state) {
-    if (!wire || !over->entered) return;
-    if (auto fault = over->entered(state)) {
-      fault->at_s += hal::seconds(wire->clock.now());
-      wire->krc.inject(*fault);
-    }
+  const auto inject_arm = [&](sim_hal::KrcFault fault) {
+    fault.at_s += hal::seconds(wire->clock.now());
+    wire->krc.inject(fault);
   };
+  const auto inject_hand = [&](sim_hal::HandFault fault) {
+    fault.at_s += bus->pucks.elapsed_s();
+    bus->pucks.inject(fault);
+  };
+  const auto entered = [&](control::Task state) {
+    if (!over || !over->entered) return;
+    const auto fault = over->entered(state);
+    if (!fault) return;
+    if (const auto* of_hand = std::get_if<sim_hal::HandFault>(&*fault))
+      inject_hand(*of_hand);
+    else
+      inject_arm(std::get<sim_hal::KrcFault>(*fault));
+  };
+  // the pucks have to wake and to find their stops first
   hooks.started = [&] {
     if (bus) world->begin_scenario();
     entered(control::Task::Observe);
@@ -133,16 +143,12 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
   hooks.changed = [&](control::Task, control::Task to) {
     std::erase_if(to_come, [&](const OverWire::Fault& f) {
       if (f.in != to) return false;
-      sim_hal::KrcFault fault = f.fault;
-      fault.at_s += hal::seconds(wire->clock.now());
-      wire->krc.inject(fault);
+      inject_arm(f.fault);
       return true;
     });
     std::erase_if(hand_to_come, [&](const OverWire::OfHand& f) {
       if (f.in != to) return false;
-      sim_hal::HandFault fault = f.fault;
-      fault.at_s += bus->pucks.elapsed_s();
-      bus->pucks.inject(fault);
+      inject_hand(f.fault);
       return !f.each_time;
     });
     entered(to);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "control/config/config.hpp"
@@ -34,6 +35,9 @@ struct SimulatedLift {
       NAN;  ///< How far a finger went open between a grip and the way down's end.
 };
 
+/// A fault of the arm's wire or of the hand's.
+using WireFault = std::variant<sim_hal::KrcFault, sim_hal::HandFault>;
+
 /// Which device is reached over its wire.
 struct OverWire {
   bool arm = true, hand = false;  ///< One of them.
@@ -52,8 +56,8 @@ struct OverWire {
   };
   std::vector<OfHand> hand_faults;
   hal::Vec3 camera_off_m = hal::Vec3::Zero();  ///< Where the rig believes the camera beside where it is.
-  /// Asked at the start of the job and whenever it enters a state: what goes wrong with the arm from then on.
-  std::function<std::optional<sim_hal::KrcFault>(control::Task)> entered;
+  /// Asked at the start of the job and whenever it enters a state: what goes wrong on the wire from then on.
+  std::function<std::optional<WireFault>(control::Task)> entered;
   int extrapolated = 3;       ///< Missing answers in a row that the arm's controller bridges.
   double min_rate = 0.80;     ///< Of answers: with fewer its quality is unacceptable.
   double joint_rad_s = 10.0;  ///< Faster joints it does not let pass, as in its mode T1.
