@@ -38,9 +38,8 @@ std::string names_in(const FieldTable& table, std::string_view group) {
   constexpr std::size_t kShown = 12;
   std::vector<std::string> names;
   const auto collect = [&](const auto& items) {
-    for (const auto& item : items) {
+    for (const auto& item : items)
       if (is_directly_in(item.path, group)) names.push_back(item.path.substr(item.path.rfind('.') + 1));
-    }
   };
   collect(table.groups());
   collect(table.fields());
@@ -251,10 +250,6 @@ class Change {
   std::vector<NewList> lists_;
 };
 
-struct CloseFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-
 /// "parts[12]" -> "parts", 12. Nothing when the text is no indexed name.
 struct Indexed {
   std::string_view list;
@@ -367,7 +362,8 @@ Result<std::string> read_yaml_file(const std::filesystem::path& path) {
   if (status.type() == std::filesystem::file_type::directory)
     return refuse("this is a directory, expected a YAML file");
 
-  const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
+  constexpr auto kClose = [](std::FILE* f) { std::fclose(f); };
+  const std::unique_ptr<std::FILE, decltype(kClose)> file(std::fopen(path.c_str(), "rb"), kClose);
   if (!file) return refuse(fmt::format("cannot be opened: {}", std::generic_category().message(errno)));
   // one byte more than allowed tells a file that is too large, also when it has no size (a pipe)
   std::string text(kMaxYamlBytes + 1, '\0');
@@ -385,10 +381,15 @@ Result<> apply_yaml_file(FieldTable& table, const std::filesystem::path& path) {
 
 Result<> apply_yaml_text(FieldTable& table, std::string_view text, const std::string& name,
                          UnknownKeys unknown) {
-  const auto tree = parse_yaml(text, name);
-  if (!tree) return tl::unexpected(tree.error());
-  Change change(*tree, name, unknown);
-  if (auto done = change.read_group(table, "", "", tree->root, tree->at(tree->root).place, 0); !done)
+  return parse_yaml(text, name).and_then([&](const YamlTree& tree) {
+    return apply_yaml_tree(table, tree, name, unknown);
+  });
+}
+
+Result<> apply_yaml_tree(FieldTable& table, const YamlTree& tree, const std::string& name,
+                         UnknownKeys unknown) {
+  Change change(tree, name, unknown);
+  if (auto done = change.read_group(table, "", "", tree.root, tree.at(tree.root).place, 0); !done)
     return done;
   change.commit(table);
   return {};

@@ -7,6 +7,7 @@
 
 #include "hal/config/effective_yaml.hpp"
 #include "hal/config/field_table.hpp"
+#include "hal/config/yaml_tree.hpp"
 #include "hal/types/result.hpp"
 
 namespace colift::hal {
@@ -34,6 +35,10 @@ namespace colift::hal {
 /// Keys that the table does not know are refused, or left out with a warning in the table (for texts that
 /// another version of the program wrote).
 [[nodiscard]] Result<> apply_yaml_text(FieldTable& table, std::string_view text, const std::string& name,
+                                       UnknownKeys unknown = UnknownKeys::Refused);
+
+/// The same for a document that was parsed and prepared by the caller.
+[[nodiscard]] Result<> apply_yaml_tree(FieldTable& table, const YamlTree& tree, const std::string& name,
                                        UnknownKeys unknown = UnknownKeys::Refused);
 
 /// One value for `path`, written as after the "=" of a setting, for options of a command line that stand for

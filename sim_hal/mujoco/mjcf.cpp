@@ -103,13 +103,23 @@ void write_object(const Scenario& scenario, const ObjectParts& object, Out out) 
   fmt::format_to(out, "</body>\n");
 }
 
-void write_clutter(const Shape& s, Out out) {
+void write_clutter(const Shape& s, const std::string& moved_as, Out out) {
+  Pose X_WS = s.X_WS;
+  if (!moved_as.empty()) {
+    fmt::format_to(out, "<body name=\"{}\" mocap=\"true\" {}>\n", moved_as, placed(s.X_WS));
+    X_WS = Pose::Identity();
+  }
   fmt::format_to(out, "<geom {} {} contype=\"{}\" conaffinity=\"0\"/>\n",
-                 s.kind == Shape::Kind::Box ? box_size(s.size) : cylinder_size(s.size), placed(s.X_WS),
+                 s.kind == Shape::Kind::Box ? box_size(s.size) : cylinder_size(s.size), placed(X_WS),
                  kStatic);
+  if (!moved_as.empty()) fmt::format_to(out, "</body>\n");
 }
 
 }  // namespace
+
+std::string clutter_body(std::size_t index) {
+  return fmt::format("C{}", index);
+}
 
 std::string mjcf(const Scenario& scenario, const hal::RobotModel& model, const ObjectParts& object,
                  const std::optional<SupportBlock>& support) {
@@ -124,7 +134,9 @@ std::string mjcf(const Scenario& scenario, const hal::RobotModel& model, const O
 <geom type="plane" size="0 0 1" contype="{}" conaffinity="0"/>
 )",
                  kStatic);
-  for (const Shape& clutter : clutter_shapes(scenario)) write_clutter(clutter, out);
+  const std::vector<Shape> clutter = clutter_shapes(scenario);
+  for (std::size_t i = 0; i < clutter.size(); ++i)
+    write_clutter(clutter[i], scenario.clutter[i].moves.empty() ? "" : clutter_body(i), out);
   for (int link = 0; link < static_cast<int>(model.links.size()); ++link) {
     if (model.links[static_cast<std::size_t>(link)].parent < 0)
       write_link(model, link, scenario.object.friction, out);

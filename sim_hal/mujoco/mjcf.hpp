@@ -19,6 +19,8 @@ struct SupportBlock {
 /// Names of bodies in the generated model. Link i of the robot is body "Li", its joint "Ji".
 inline constexpr const char* kObjectBody = "object";
 inline constexpr const char* kSupportBody = "support";
+/// Of a piece of clutter that moves; one that does not belongs to the world.
+[[nodiscard]] std::string clutter_body(std::size_t index);
 
 /// The scene as MuJoCo's XML (MJCF): floor, clutter, robot with the
 /// joints' inertia, object as one free body, support block (waits far below the floor as a mocap body). No

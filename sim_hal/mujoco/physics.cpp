@@ -12,7 +12,7 @@
 namespace colift::sim_hal {
 namespace {
 
-enum class Kind { Static, Support, Object, Arm, Palm, Finger };
+enum class Kind { Static, Support, Object, Arm, Palm, Finger, Person };
 
 /// What a body of the model is.
 struct BodyRole {
@@ -67,6 +67,14 @@ struct Physics::Impl {
   std::array<int, 2> spread_joint{};
   int object_body = -1, palm_body = -1, support_body = -1, object_qpos = 0, object_dof = 0;
   ContactReading contacts;
+  /// What people do to links in this step, and to all joints together.
+  struct Push {
+    BodyRole role;
+    Vec3 at_W, force_W;
+    double normal_n;
+  };
+  std::vector<Push> pushes;
+  Eigen::VectorXd pushed_nm;
   hal::JointVector external_nm = hal::JointVector::Zero();
 
   void index(const hal::RobotModel& robot);
@@ -80,6 +88,13 @@ struct Physics::Impl {
     return roles[static_cast<std::size_t>(model->geom_bodyid[geom])];
   }
   void read_contacts();
+  void push(int body, const Vec3& at_W, const Vec3& force_W);
+  [[nodiscard]] Vec3 velocity_W(int body, const Vec3& at_W) const {
+    std::array<mjtNum, 6> turning_and_linear{};
+    mj_objectVelocity(model.get(), data.get(), mjOBJ_BODY, body, turning_and_linear.data(), 0);
+    return vec(turning_and_linear.data() + 3) +
+           vec(turning_and_linear.data()).cross(at_W - vec(data->xpos + 3 * body));
+  }
   void add_finger_contact(const BodyRole& role, const BodyRole& other, const Vec3& p, const Vec3& force,
                           const Vec3& torque_W, double normal_n);
   [[nodiscard]] hal::JointVector external() const;
@@ -162,6 +177,7 @@ void Physics::Impl::read_contacts() {
           contacts.support_force_W += sign * force;
           break;
         case Kind::Object:
+        case Kind::Person:
           break;
         case Kind::Arm:
         case Kind::Palm:
@@ -176,6 +192,17 @@ void Physics::Impl::read_contacts() {
     }
   }
   if (grip_n > 0.0) contacts.grip_W = grip / grip_n;
+  for (const Push& push : pushes) {
+    contacts.robot_hit = true;
+    if (push.role.kind == Kind::Finger)
+      add_finger_contact(push.role, {Kind::Person}, push.at_W, push.force_W, Vec3::Zero(), push.normal_n);
+  }
+}
+
+void Physics::Impl::push(int body, const Vec3& at_W, const Vec3& force_W) {
+  if (pushed_nm.size() == 0) pushed_nm.setZero(model->nv);
+  const Vec3 none = Vec3::Zero();
+  mj_applyFT(model.get(), data.get(), force_W.data(), none.data(), at_W.data(), body, pushed_nm.data());
 }
 
 // constraint torque of the arm's joints without that of their own limits
@@ -183,6 +210,8 @@ hal::JointVector Physics::Impl::external() const {
   hal::JointVector tau;
   for (int a = 0; a < hal::kArmJoints; ++a)
     tau[a] = data->qfrc_constraint[arm_dof[static_cast<std::size_t>(a)]];
+  if (pushed_nm.size() > 0)
+    for (int a = 0; a < hal::kArmJoints; ++a) tau[a] += pushed_nm[arm_dof[static_cast<std::size_t>(a)]];
   for (int row = 0; row < data->nefc; ++row) {
     if (data->efc_type[row] != mjCNSTR_LIMIT_JOINT) continue;
     for (int a = 0; a < hal::kArmJoints; ++a) {
@@ -258,11 +287,31 @@ void Physics::set_object_load(const Vec3& at_W, const Vec3& force_W, const Vec3&
   load << force_W, torque_W + lever.cross(force_W);
 }
 
+void Physics::push_link(int link, const Vec3& at_W, const Vec3& force_W, double normal_n) {
+  const int body = impl_->link_body[static_cast<std::size_t>(link)];
+  impl_->push(body, at_W, force_W);
+  impl_->pushes.push_back({impl_->roles[static_cast<std::size_t>(body)], at_W, force_W, normal_n});
+}
+
+void Physics::push_object(const Vec3& at_W, const Vec3& force_W) {
+  impl_->push(impl_->object_body, at_W, force_W);
+}
+
 void Physics::step() {
+  // a run in which nobody is pushed has not a rounding more than one without people
+  const bool pushed = impl_->pushed_nm.size() > 0;
+  Eigen::Map<Eigen::VectorXd> applied(impl_->data->qfrc_applied, impl_->model->nv);
+  if (pushed) applied += impl_->pushed_nm;
   mj_step2(impl_->model.get(), impl_->data.get());
   // forces belong to the contacts of the old state: read them before the new one finds its own
   impl_->read_contacts();
   impl_->external_nm = impl_->external();
+  if (pushed) {
+    applied.segment(impl_->object_dof, 6)
+        .setZero();  // those of the robot's joints are set anew in every step
+    impl_->pushed_nm.resize(0);
+    impl_->pushes.clear();
+  }
   mj_step1(impl_->model.get(), impl_->data.get());
 }
 
@@ -286,6 +335,20 @@ Vec3 Physics::object_velocity_W() const {
 
 Vec3 Physics::object_turning_W() const {
   return object_pose().linear() * vec(impl_->data->qvel + impl_->object_dof + 3);
+}
+
+Vec3 Physics::link_velocity_W(int link, const Vec3& at_W) const {
+  return impl_->velocity_W(impl_->link_body[static_cast<std::size_t>(link)], at_W);
+}
+
+Vec3 Physics::object_velocity_W(const Vec3& at_W) const {
+  return impl_->velocity_W(impl_->object_body, at_W);
+}
+
+void Physics::place_clutter(std::size_t index, const Vec3& center_W) {
+  const int body = mj_name2id(impl_->model.get(), mjOBJ_BODY, clutter_body(index).c_str());
+  if (body < 0) return;
+  Eigen::Map<Vec3>(impl_->data->mocap_pos + 3 * impl_->model->body_mocapid[body]) = center_W;
 }
 
 void Physics::place_support(const Vec3& center_W) {

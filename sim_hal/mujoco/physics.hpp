@@ -29,7 +29,7 @@ struct ContactReading {
   Vec3 support_force_W = Vec3::Zero();                               ///< Support block on object.
   std::optional<Vec3> grip_W;  ///< Middle of the hand's contacts on the object, weighted by their force.
   bool robot_touches_object = false;
-  bool robot_hit = false;  ///< Arm on anything, or palm on anything but the object.
+  bool robot_hit = false;  ///< Arm on anything, palm on anything but the object, or anything on a person.
   std::array<double, hal::kFingers> strain_nm{}, tip_force_n{}, link_force_n{};
 };
 
@@ -53,6 +53,10 @@ class Physics {
   void set_torque(const hal::JointVector& arm_nm, const HandTorque& hand);
   /// Force at a point and torque on the object; replaces the one before.
   void set_object_load(const Vec3& at_W, const Vec3& force_W, const Vec3& torque_W);
+  /// Force at a point of a link, or of the object, in the coming step alone: of a person. `normal_n` is what
+  /// a finger's pads measure of it (N, positive).
+  void push_link(int link, const Vec3& at_W, const Vec3& force_W, double normal_n);
+  void push_object(const Vec3& at_W, const Vec3& force_W);
   /// 1 ms: contact forces and acceleration under these loads, the new state, and all that follows from it.
   void step();
   /// Contacts of the step that has just ended.
@@ -62,8 +66,13 @@ class Physics {
   [[nodiscard]] Pose object_pose() const;
   [[nodiscard]] Vec3 object_velocity_W() const;  ///< Of the origin of T.
   [[nodiscard]] Vec3 object_turning_W() const;
+  /// Of the point of a link, or of the object, that is there now (m/s).
+  [[nodiscard]] Vec3 link_velocity_W(int link, const Vec3& at_W) const;
+  [[nodiscard]] Vec3 object_velocity_W(const Vec3& at_W) const;
 
   void place_support(const Vec3& center_W);
+  /// A piece of clutter that has moves.
+  void place_clutter(std::size_t index, const Vec3& center_W);
   [[nodiscard]] Overlap overlap() const;
   /// Times that MuJoCo met numbers that cannot be (and reset the state) or had no room for contacts.
   [[nodiscard]] int troubles() const;

@@ -10,6 +10,7 @@
 #include "sim_hal/mujoco/mjcf.hpp"
 #include "sim_hal/mujoco/physics.hpp"
 #include "sim_hal/mujoco/sim_partner.hpp"
+#include "sim_hal/mujoco/sim_people.hpp"
 #include "sim_hal/mujoco/sim_person.hpp"
 #include "sim_hal/mujoco/start_checks.hpp"
 #include "sim_hal/mujoco/support_block.hpp"
@@ -20,6 +21,18 @@ namespace {
 constexpr hal::Duration kTick = std::chrono::milliseconds(1);
 constexpr double kTick_s = 0.001;
 constexpr double kObserver_s = 0.005;  // time constant of the external torque's observer
+
+/// The object's pieces where it stands, for the camera and for people.
+std::vector<Shape> placed_parts(const ObjectParts& object, const Pose& X_WT) {
+  std::vector<Shape> shapes;
+  for (const ObjectParts::Part& part : object.parts) {
+    Shape s = part.shape;
+    s.X_WS = X_WT * s.X_WS;
+    s.label = Label::Target;
+    shapes.push_back(s);
+  }
+  return shapes;
+}
 
 double tilt(const Pose& X_WT0, const Pose& X_WT, bool may_roll) {
   if (!may_roll) {
@@ -67,6 +80,8 @@ struct SimWorld::Impl {
   std::atomic<hal::Timestamp::rep> start{0};
   std::vector<PartnerFigure> figures = {};  // one for each of the partner's holds
   std::vector<Shape> clutter;
+  SimPeople people;
+  bool clutter_moves = false;
 
   ArmReading arm_reading = {};
   HandReading hand_reading = {};
@@ -85,6 +100,8 @@ struct SimWorld::Impl {
   [[nodiscard]] Pose palm() const { return physics->link_pose(model.palm); }
   [[nodiscard]] double now_s() const { return hal::seconds(clock.now() - hal::Timestamp(start.load())); }
   void place_partners();
+  void move_clutter();
+  [[nodiscard]] std::vector<Shape> object_shapes() const;
 };
 
 void SimWorld::Impl::tick() {
@@ -102,6 +119,8 @@ void SimWorld::Impl::tick() {
     physics->place_support(support->center_W);
     support_stands = true;
   }
+  move_clutter();
+  if (!people.empty()) people.tick(now_s(), *physics, object_shapes(), clutter);
   physics->set_torque(
       arm.tick(arm_reading.q_rad, arm_reading.dq_rad_s, arm_reading.bias_nm, arm_reading.inertia),
       hand.tick(hand_reading));
@@ -120,14 +139,20 @@ void SimWorld::Impl::note_grasp() {
   X_HT_locked = palm().inverse() * X_WT;
 }
 
+std::vector<Shape> SimWorld::Impl::object_shapes() const {
+  return placed_parts(object, physics->object_pose());
+}
+
+void SimWorld::Impl::move_clutter() {
+  if (!clutter_moves) return;
+  clutter = clutter_shapes(scenario, now_s());
+  for (std::size_t i = 0; i < clutter.size(); ++i)
+    if (!scenario.clutter[i].moves.empty()) physics->place_clutter(i, clutter[i].X_WS.translation());
+}
+
 void SimWorld::Impl::place_partners() {
   World around;
-  for (const ObjectParts::Part& part : object.parts) {
-    Shape s = part.shape;
-    s.X_WS = X_WT0 * s.X_WS;
-    s.label = Label::Target;
-    around.shapes.push_back(s);
-  }
+  around.shapes = placed_parts(object, X_WT0);
   around.shapes.insert(around.shapes.end(), clutter.begin(), clutter.end());
   const Vec3 middle_W = X_WT0 * object.cog_T;
   figures.clear();
@@ -162,7 +187,12 @@ hal::Result<std::unique_ptr<SimWorld>> SimWorld::make(const Scenario& scenario, 
       .partner = SimPartner(scenario.partner, scenario.task, seed),
       .support = support,
       .clutter = clutter_shapes(scenario),
+      .people = SimPeople(scenario, model),
+      .clutter_moves = std::any_of(scenario.clutter.begin(), scenario.clutter.end(),
+                                   [](const ScenarioClutter& c) { return !c.moves.empty(); }),
   });
+  if (auto done = impl->people.check_start(*impl->physics, impl->object_shapes()); !done)
+    return tl::unexpected(done.error());
   impl->X_WT0 = impl->physics->object_pose();
   impl->physics->read(impl->arm_reading, impl->hand_reading);
   impl->place_partners();
@@ -232,6 +262,16 @@ SimTruth SimWorld::truth() const {
   truth.q_rad = impl_->arm_reading.q_rad;
   truth.troubles = physics.troubles();
   return truth;
+}
+
+std::vector<BodyContact> SimWorld::body_contacts() const {
+  const std::scoped_lock lock(impl_->mutex);
+  return impl_->people.contacts();
+}
+
+double SimWorld::people_distance_m() const {
+  const std::scoped_lock lock(impl_->mutex);
+  return impl_->people.distance_m();
 }
 
 hal::ArmState SimWorld::arm_state() const {
@@ -304,12 +344,7 @@ World SimWorld::shapes() const {
   const std::scoped_lock lock(impl_->mutex);
   World world;
   const Pose X_WT = impl_->physics->object_pose();
-  for (const ObjectParts::Part& part : impl_->object.parts) {
-    Shape s = part.shape;
-    s.X_WS = X_WT * s.X_WS;
-    s.label = Label::Target;
-    world.shapes.push_back(s);
-  }
+  world.shapes = placed_parts(impl_->object, X_WT);
   world.shapes.push_back(half_space(Vec3::Zero(), Vec3::UnitZ(), Label::Ground));
   world.shapes.insert(world.shapes.end(), impl_->clutter.begin(), impl_->clutter.end());
   for (int link = 0; link < static_cast<int>(impl_->model.links.size()); ++link) {
@@ -317,6 +352,7 @@ World SimWorld::shapes() const {
     for (const hal::LinkShape& s : impl_->model.links[static_cast<std::size_t>(link)].shapes)
       world.shapes.push_back(link_shape(s, X_WL));
   }
+  impl_->people.add_to(world);
   // a block under the object is felt and not seen: it stands for the person who is drawn holding it
   const double t = impl_->now_s();
   if (const PartnerHold* hold = impl_->partner.hold_to_show(t); hold && !impl_->figures.empty()) {

@@ -11,6 +11,7 @@
 #include "hal/robot_model/robot_model.hpp"
 #include "hal/types/result.hpp"
 #include "hal/types/time.hpp"
+#include "sim_hal/people/body_contact.hpp"
 #include "sim_hal/scenario/object_parts.hpp"
 #include "sim_hal/scenario/scenario.hpp"
 #include "sim_hal/synthetic/shapes.hpp"
@@ -70,6 +71,10 @@ class SimWorld {
   /// Moves time and everything in it; whole milliseconds.
   void advance(hal::Duration by);
   [[nodiscard]] SimTruth truth() const;
+  /// Who is touched in the last millisecond, by what and how hard.
+  [[nodiscard]] std::vector<BodyContact> body_contacts() const;
+  /// Between the robot and anybody of Scenario::people (m); infinite when nobody is there.
+  [[nodiscard]] double people_distance_m() const;
 
   // What the devices stand on. The controller inside the KRC runs at 1 ms between two commands of the client.
   [[nodiscard]] hal::ArmState arm_state() const;

@@ -174,9 +174,23 @@ hal::Result<ObjectParts> object_parts(const ScenarioObject& object) {
   return out;
 }
 
-std::vector<Shape> clutter_shapes(const Scenario& scenario) {
+Vec3 clutter_xyz(const ScenarioClutter& clutter, double t_s) {
+  Vec3 at = clutter.xyz;
+  for (std::size_t i = 0; i < clutter.moves.size() && clutter.moves[i].at_s < t_s; ++i) {
+    const ClutterMove& move = clutter.moves[i];
+    const double until_s = i + 1 < clutter.moves.size() ? std::min(t_s, clutter.moves[i + 1].at_s) : t_s;
+    const Vec3 way = move.to - at;
+    const double far = way.norm(), gone = move.speed * (until_s - move.at_s);
+    at = gone >= far ? move.to : Vec3(at + way * (gone / far));
+  }
+  return at;
+}
+
+std::vector<Shape> clutter_shapes(const Scenario& scenario, double t_s) {
   std::vector<Shape> shapes;
-  for (const ScenarioClutter& c : scenario.clutter) {
+  for (const ScenarioClutter& each : scenario.clutter) {
+    ScenarioClutter c = each;
+    c.xyz = clutter_xyz(each, t_s);
     if (c.shape == "cylinder") {
       shapes.push_back(
           cylinder(c.xyz + Vec3(0, 0, 0.5 * c.size[1]), Vec3::UnitZ(), c.size[0], c.size[1], Label::Clutter));

@@ -27,7 +27,11 @@ struct ObjectParts {
 /// the scenario's entry as `where` ("object.size").
 [[nodiscard]] hal::Result<ObjectParts> object_parts(const ScenarioObject& object);
 
-/// The clutter in W, Label::Clutter; cylinders stand upright.
-[[nodiscard]] std::vector<Shape> clutter_shapes(const Scenario& scenario);
+/// Lowest middle point of a piece of clutter at a time of the scenario (W). A move begins where the piece is
+/// at its time, also where the one before has not ended.
+[[nodiscard]] Vec3 clutter_xyz(const ScenarioClutter& clutter, double t_s);
+
+/// The clutter in W at a time of the scenario, Label::Clutter; cylinders stand upright.
+[[nodiscard]] std::vector<Shape> clutter_shapes(const Scenario& scenario, double t_s = 0.0);
 
 }  // namespace colift::sim_hal

@@ -14,6 +14,7 @@
 #include "hal/types/units.hpp"
 #include "sim_hal/scenario/object_parts.hpp"
 #include "sim_hal/scenario/scenario_blocks.hpp"
+#include "sim_hal/scenario/scenario_lists.hpp"
 
 namespace colift::sim_hal {
 namespace {
@@ -23,7 +24,7 @@ using hal::YamlNode;
 using hal::YamlPlace;
 using hal::YamlTree;
 
-constexpr std::size_t kMaxParts = 50, kMaxClutter = 100, kMaxEvents = 100;
+constexpr std::size_t kMaxParts = 50, kMaxClutter = 100, kMaxEvents = 100, kMaxPeople = 10, kMaxPath = 50;
 
 /// Place of "object.parts[2].size" in a document, or of the last thing on the way to it that there is.
 YamlPlace place_of(const YamlTree& tree, std::string_view path) {
@@ -66,6 +67,7 @@ class Checker {
       return refuse("camera.look_at",
                     "camera.look_at is where the camera is, expected a point at least 5 cm away");
     if (auto done = check_partner(); !done) return done;
+    if (auto done = check_people(); !done) return done;
     if (file_.faults.size() > kMaxEvents) return too_many("faults", file_.faults.size(), kMaxEvents);
     for (std::size_t i = 0; i < file_.faults.size(); ++i) {
       const FaultBlock& f = file_.faults[i];
@@ -163,6 +165,44 @@ class Checker {
       const ClutterBlock& each = file_.clutter[i];
       if (auto done = check_sizes(fmt::format("clutter[{}].size", i), each.shape, each.size); !done)
         return done;
+      if (each.moves.size() > kMaxEvents)
+        return too_many(fmt::format("clutter[{}].moves", i), each.moves.size(), kMaxEvents);
+      for (std::size_t k = 1; k < each.moves.size(); ++k) {
+        if (each.moves[k].at_s >= each.moves[k - 1].at_s) continue;
+        const std::string path = fmt::format("clutter[{}].moves[{}].at_s", i, k);
+        return refuse(path, fmt::format("{} is {}, expected at least {}: moves stand in the order of time",
+                                        path, each.moves[k].at_s, each.moves[k - 1].at_s));
+      }
+    }
+    return {};
+  }
+
+  Result<> check_people() const {
+    if (file_.people.size() > kMaxPeople) return too_many("people", file_.people.size(), kMaxPeople);
+    for (std::size_t i = 0; i < file_.people.size(); ++i) {
+      const PersonBlock& each = file_.people[i];
+      const std::string path = fmt::format("people[{}]", i);
+      if (each.path.empty() || each.path.size() > 2 * kMaxPath)
+        return refuse(path + ".path", fmt::format("{}.path has {} points, expected 1 to {}", path,
+                                                  each.path.size() / 2, kMaxPath));
+      const bool reaches = each.action == "reach";
+      if (reaches && each.reach_to.empty())
+        return refuse(path, path +
+                                ".reach_to is missing, expected where he reaches: robot-hand, object, "
+                                "between-fingers, under-object, or a list of 3 numbers");
+      for (const auto& [given, key] :
+           {std::pair{!each.reach_to.empty(), ".reach_to"}, std::pair{!each.with.empty(), ".with"},
+            std::pair{each.point.has_value(), ".point"}})
+        if (given && !reaches)
+          return refuse(path + key,
+                        fmt::format("{}{} belongs to do: reach, but found do: {}", path, key, each.action));
+      if ((each.reach_to == "point") != each.point.has_value())
+        return refuse(path, fmt::format("{0}.reach_to: point and {0}.point belong together, but only one of "
+                                        "them is given",
+                                        path));
+      if (each.leaves_s && *each.leaves_s < each.enters_s)
+        return refuse(path + ".leaves_s", fmt::format("{}.leaves_s is {}, expected at least enters_s, {}",
+                                                      path, *each.leaves_s, each.enters_s));
     }
     return {};
   }
@@ -225,10 +265,29 @@ ScenarioObject object_of(const ObjectBlock& block) {
   return object;
 }
 
+ScenarioPerson person_of(const PersonBlock& block) {
+  ScenarioPerson p;
+  p.enters_s = block.enters_s;
+  for (std::size_t k = 0; k + 1 < block.path.size(); k += 2)
+    p.path.emplace_back(block.path[k], block.path[k + 1]);
+  p.speed = block.speed;
+  p.action = block.action;
+  p.reach_to = block.reach_to;
+  p.point = block.point.value_or(Vec3::Zero());
+  // what is under the object a hand's breadth above the floor is a foot's place
+  p.with_foot = block.with == "foot" || (block.with.empty() && block.reach_to == "under-object");
+  p.hand_speed = block.hand_speed;
+  p.leaves_s = block.leaves_s;
+  return p;
+}
+
 Scenario scenario_of(const ScenarioBlock& file) {
   Scenario s;
   s.object = object_of(file.object);
-  for (const ClutterBlock& c : file.clutter) s.clutter.push_back({c.shape, c.size, c.xyz, c.yaw_deg});
+  for (const ClutterBlock& c : file.clutter) {
+    s.clutter.push_back({c.shape, c.size, c.xyz, c.yaw_deg});
+    for (const MoveBlock& m : c.moves) s.clutter.back().moves.push_back({m.at_s, m.to, m.speed});
+  }
   s.camera = {file.camera.xyz, file.camera.look_at, file.camera.noise};
   s.partner.kind = file.partner.kind;
   s.partner.grasp = file.partner.grasp;
@@ -236,6 +295,7 @@ Scenario scenario_of(const ScenarioBlock& file) {
   s.partner.obliging = file.partner.obliging;
   for (const EventBlock& e : file.partner.events) s.partner.events.push_back({e.at_s, e.action, e.to});
   s.task = {file.task.kind, file.task.height, file.task.hold_s};
+  for (const PersonBlock& p : file.people) s.people.push_back(person_of(p));
   for (const FaultBlock& f : file.faults) {
     DeviceFaultEvent event{f.at_s, f.device, f.action, f.for_s};
     event.value = f.value;
@@ -248,11 +308,12 @@ Scenario scenario_of(const ScenarioBlock& file) {
 }  // namespace
 
 Result<Scenario> parse_scenario(const std::string& yaml, const std::string& name) {
-  const auto tree = hal::parse_yaml(yaml, name);
+  auto tree = hal::parse_yaml(yaml, name);
   if (!tree) return tl::unexpected(tree.error());
+  if (auto done = flatten_lists(*tree, name); !done) return tl::unexpected(done.error());
   ScenarioBlock file;
   hal::FieldTable table = hal::table_of(file);
-  if (auto done = hal::apply_yaml_text(table, yaml, name); !done) return tl::unexpected(done.error());
+  if (auto done = hal::apply_yaml_tree(table, *tree, name); !done) return tl::unexpected(done.error());
   const Checker checker(file, *tree, name);
   if (auto done = check_required(table, checker, file.partner.kind != "none"); !done)
     return tl::unexpected(done.error());

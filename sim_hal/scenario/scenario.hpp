@@ -39,12 +39,20 @@ struct ScenarioObject {
   std::vector<ScenarioPart> parts;
 };
 
-/// A fixed piece beside the object (W, m); sizes as in ScenarioPart.
+/// Somebody moves a piece of clutter in a straight line (W, m, m/s).
+struct ClutterMove {
+  double at_s = 0.0;
+  Vec3 to = Vec3::Zero();  ///< Of its lowest middle point.
+  double speed = 0.5;
+};
+
+/// A piece beside the object (W, m); sizes as in ScenarioPart. Fixed, unless it has moves.
 struct ScenarioClutter {
   std::string shape = "box";
   std::vector<double> size;
   Vec3 xyz = Vec3::Zero();  ///< Of its lowest middle point.
   double yaw_deg = 0.0;
+  std::vector<ClutterMove> moves{};  ///< In the order of their times.
 };
 
 /// Where the camera is and where it looks (W, m).
@@ -68,6 +76,19 @@ struct ScenarioPartner {
   double arrives_s = 3.0;
   bool obliging = false;  ///< Takes hold elsewhere when he is asked to.
   std::vector<PartnerScriptEvent> events;
+};
+
+/// A person beside the partner: comes along a path on the floor and does something at its end (W, m, m/s).
+struct ScenarioPerson {
+  double enters_s = 0.0;  ///< He appears at the start of the path.
+  std::vector<Eigen::Vector2d> path;
+  double speed = 1.2;
+  std::string action = "stand";      ///< walk | stand | crouch | reach | sit, at the end of the path.
+  std::string reach_to;              ///< robot-hand | object | between-fingers | under-object | point
+  Vec3 point = Vec3::Zero();         ///< For reach_to: point.
+  bool with_foot = false;            ///< He reaches with his right foot, else with his right hand.
+  double hand_speed = 1.0;           ///< Of the hand or foot that reaches.
+  std::optional<double> leaves_s{};  ///< He goes back along the path; unset: he stays.
 };
 
 /// What both do with the object (m, s).
@@ -95,6 +116,7 @@ struct Scenario {
   ScenarioCamera camera;
   ScenarioPartner partner;
   ScenarioTask task;
+  std::vector<ScenarioPerson> people;
   std::vector<DeviceFaultEvent> faults;
 };
 

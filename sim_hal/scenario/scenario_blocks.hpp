@@ -21,6 +21,7 @@ inline constexpr hal::Range kMass_kg{0.001, 100.0};
 inline constexpr hal::Range kFriction{std::numeric_limits<double>::min(), 3.0};
 inline constexpr hal::Range kHeight_m{std::numeric_limits<double>::min(), 0.5};
 inline constexpr hal::Range kTime_s{0.0, 36000.0};
+inline constexpr hal::Range kSpeed_m_s{0.01, 3.0};
 
 struct PoseBlock {
   Vec3 xyz = Vec3::Zero();
@@ -72,11 +73,24 @@ struct ObjectBlock {
   }
 };
 
+struct MoveBlock {
+  double at_s = 0.0, speed = ClutterMove{}.speed;
+  Vec3 to = Vec3::Zero();
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("at_s", at_s, kTime_s, "When (s).", hal::Presence::Required);
+    v("to", to, kPlace_m, "New lowest middle point in the robot base frame (m).", hal::Presence::Required);
+    v("speed", speed, kSpeed_m_s, "How fast (m/s).");
+  }
+};
+
 struct ClutterBlock {
   std::string shape;
   std::vector<double> size;
   Vec3 xyz = Vec3::Zero();
   double yaw_deg = 0.0;
+  std::vector<MoveBlock> moves;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -85,6 +99,7 @@ struct ClutterBlock {
     v("size", size, kSize_m, "box: x, y, z; cylinder: radius, length (m).", kRequired);
     v("xyz", xyz, kPlace_m, "Lowest middle point in the robot base frame (m).", kRequired);
     v("yaw_deg", yaw_deg, kAngle_deg, "Turn about the vertical (deg).");
+    v("moves", moves, "Where somebody moves it, in the order of time.");
   }
 };
 
@@ -128,6 +143,31 @@ struct PartnerBlock {
     v("arrives_s", arrives_s, kTime_s, "When his hand is on the object (s).");
     v("obliging", obliging, "Whether he grasps elsewhere when the robot asks him to.");
     v("events", events, "What he does later.");
+  }
+};
+
+/// The path is a list of [x, y], and reach_to may be a point: scenario_lists.hpp.
+struct PersonBlock {
+  double enters_s = ScenarioPerson{}.enters_s;
+  std::vector<double> path;
+  double speed = ScenarioPerson{}.speed, hand_speed = ScenarioPerson{}.hand_speed;
+  std::string action = ScenarioPerson{}.action, reach_to, with;
+  std::optional<Vec3> point;
+  std::optional<double> leaves_s;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("enters_s", enters_s, kTime_s, "When he appears at the start of his path (s).");
+    v("path", path, kPlace_m, "Points on the floor, [x, y] each (m).", hal::Presence::Required);
+    v("speed", speed, kSpeed_m_s, "How fast he walks (m/s).");
+    v("do", action, hal::Choices{"walk", "stand", "crouch", "reach", "sit"}, "What he does at its end.");
+    v("reach_to", reach_to,
+      hal::Choices{"", "robot-hand", "object", "between-fingers", "under-object", "point"},
+      "Where he reaches.");
+    v("point", point, kPlace_m, "The point that he reaches for (m).");
+    v("with", with, hal::Choices{"", "hand", "foot"}, "What he reaches with.");
+    v("hand_speed", hand_speed, kSpeed_m_s, "How fast the hand or foot moves that reaches (m/s).");
+    v("leaves_s", leaves_s, kTime_s, "When he goes back along his path (s).");
   }
 };
 
@@ -198,6 +238,7 @@ struct ScenarioBlock {
   CameraBlock camera;
   PartnerBlock partner;
   TaskBlock task;
+  std::vector<PersonBlock> people;
   std::vector<FaultBlock> faults;
 
   template <class Visitor>
@@ -209,6 +250,7 @@ struct ScenarioBlock {
     v("camera", camera, "Where the camera is.");
     v("partner", partner, "Who lifts along.");
     v("task", task, "What is to be done.");
+    v("people", people, "Who else is in the room.");
     v("faults", faults, "What fails.");
   }
 };

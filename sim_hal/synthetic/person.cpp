@@ -13,13 +13,16 @@ constexpr double kUpperArm_m = 0.31, kForearm_m = 0.27, kThigh_m = 0.43, kShin_m
 constexpr double kFinger_m = 0.009, kThumb_m = 0.010;  // radii
 constexpr double kSkin_m = 0.45;  // reflectivity of skin and light cloth in the near infrared
 
-void add(World& world, Shape shape) {
+void add(World& world, Shape shape, BodyPart part, bool left = false) {
   shape.label = Label::Partner;
   shape.reflectivity = kSkin_m;
+  shape.part = part;
+  shape.left = left;
   world.shapes.push_back(shape);
 }
-void add_limb(World& world, const Vec3& from, const Vec3& to, double radius) {
-  add(world, capsule(from, to, radius, Label::Partner));
+void add_limb(World& world, const Vec3& from, const Vec3& to, double radius, BodyPart part = BodyPart::Hand,
+              bool left = false) {
+  add(world, capsule(from, to, radius, Label::Partner), part, left);
 }
 
 // the joint between two segments that reach from one point to another, bent towards `bend`
@@ -38,25 +41,46 @@ Vec3 joint(const Vec3& from, const Vec3& to, double first, double second, const 
   return from + along * axis + aside * side;
 }
 
-void add_arm(World& world, const Vec3& shoulder, const Vec3& wrist, const Vec3& outwards) {
+void add_arm(World& world, const Vec3& shoulder, const Vec3& wrist, const Vec3& outwards, bool left) {
   const Vec3 elbow = joint(shoulder, wrist, kUpperArm_m, kForearm_m, outwards * 0.6 - Vec3::UnitZ());
-  add_limb(world, shoulder, elbow, 0.048);
-  add_limb(world, elbow, wrist, 0.034);
+  add_limb(world, shoulder, elbow, 0.048, BodyPart::UpperArm, left);
+  add_limb(world, elbow, wrist, 0.034, BodyPart::LowerArm, left);
 }
 
-void add_leg(World& world, const Vec3& hip, const Vec3& facing) {
-  const Vec3 foot = Vec3(hip.x(), hip.y(), 0.06) + 0.06 * facing;
-  const Vec3 knee = joint(hip, foot, kThigh_m, kShin_m, facing);
-  add_limb(world, hip, knee, 0.075);
-  add_limb(world, knee, foot, 0.05);
-  add_limb(world, foot - 0.06 * facing, foot + 0.16 * facing, 0.045);
+void add_leg(World& world, const Vec3& hip, const std::optional<Vec3>& ankle, const Posture& p, bool left) {
+  const Vec3 foot = ankle.value_or(Vec3(hip.x(), hip.y(), 0.06) + 0.06 * p.facing);
+  const Vec3 knee = joint(hip, foot, kThigh_m, kShin_m, p.facing);
+  add_limb(world, hip, knee, 0.075, BodyPart::Thigh, left);
+  add_limb(world, knee, foot, 0.05, BodyPart::LowerLeg, left);
+  if (!p.toes) {
+    add_limb(world, foot - 0.06 * p.facing, foot + 0.16 * p.facing, 0.045, BodyPart::Foot, left);
+    return;
+  }
+  constexpr double kShoe_m = 0.035, kToes_m = 0.020, kSole_m = 0.06;  // radii; sole below the ankle
+  const Vec3 heel = foot - Vec3(0, 0, kSole_m - kShoe_m);
+  const Vec3 ball = foot - Vec3(0, 0, kSole_m - kToes_m);
+  add_limb(world, heel - 0.05 * p.facing, heel + 0.09 * p.facing, kShoe_m, BodyPart::Foot, left);
+  add_limb(world, ball + 0.10 * p.facing, ball + (kAnkleToToe_m - kToes_m) * p.facing, kToes_m,
+           BodyPart::Foot, left);
+}
+
+// fingers stretched, palm down, as somebody reaches for something
+void add_reaching_hand(World& world, const Vec3& wrist, const Vec3& tip) {
+  const Vec3 along = (tip - wrist).normalized();
+  Vec3 across = along.cross(Vec3::UnitZ());
+  across = across.norm() > 1e-6 ? across.normalized() : Vec3(Vec3::UnitX());
+  for (const double side : {-0.020, 0.020})
+    add_limb(world, wrist + side * across, wrist + side * across + 0.070 * along, 0.018);
+  for (const double side : {-0.024, 0.0, 0.024})
+    add_limb(world, wrist + side * across + 0.075 * along,
+             wrist + side * across + (kHandLength_m - 0.010) * along, 0.010);
 }
 
 // a box with given axes
 void add_block(World& world, const Vec3& center, const Vec3& x, const Vec3& y, const Vec3& size) {
   Shape s = box(center, size, 0.0, Label::Partner);
   s.X_WS.linear() << x, y, x.cross(y);
-  add(world, s);
+  add(world, s, BodyPart::Hand);
 }
 
 // the face of a box that a point lies on, as axis and side
@@ -260,28 +284,30 @@ void add_person(World& world, const Posture& p) {
   const Vec3 right = (p.right_shoulder - p.left_shoulder).normalized();
   // who stoops moves the hips back and down; the trunk is half a metre long
   const double stoop = std::clamp((1.42 - middle.z()) / 0.8, 0.0, 1.0);
-  const Vec3 trunk = (Vec3::UnitZ() + 0.9 * stoop * p.facing).normalized();
-  Vec3 hip = middle - 0.50 * trunk;
+  Vec3 trunk = (Vec3::UnitZ() + 0.9 * stoop * p.facing).normalized();
+  Vec3 hip = p.hip.value_or(middle - 0.50 * trunk);
   hip.z() = std::max(hip.z(), 0.30);
+  if (p.hip) trunk = (middle - hip).normalized();
 
-  add_limb(world, hip, middle - 0.13 * trunk, 0.125);
-  add_limb(world, p.right_shoulder - 0.05 * right, p.left_shoulder + 0.05 * right, 0.06);
-  add_limb(world, middle, middle + 0.14 * trunk, 0.05);
-  add(world, sphere(middle + 0.22 * trunk + 0.05 * p.facing, 0.105, Label::Partner));
-  for (const double side : {1.0, -1.0}) add_leg(world, hip + side * 0.10 * right, p.facing);
+  add_limb(world, hip, middle - 0.13 * trunk, 0.125, BodyPart::Trunk);
+  add_limb(world, p.right_shoulder - 0.05 * right, p.left_shoulder + 0.05 * right, 0.06, BodyPart::Shoulders);
+  add_limb(world, middle, middle + 0.14 * trunk, 0.05, BodyPart::Neck);
+  add(world, sphere(middle + 0.22 * trunk + 0.05 * p.facing, 0.105, Label::Partner), BodyPart::Head);
+  add_leg(world, hip + 0.10 * right, p.right_foot, p, false);
+  add_leg(world, hip - 0.10 * right, p.left_foot, p, true);
 
   const auto hanging = [&](const Vec3& shoulder, double side) {
     return Vec3(shoulder - 0.52 * Vec3::UnitZ() + side * 0.05 * right + 0.05 * p.facing);
   };
-  add_arm(world, p.right_shoulder, p.right_wrist.value_or(hanging(p.right_shoulder, 1.0)), right);
-  add_arm(world, p.left_shoulder, p.left_wrist.value_or(hanging(p.left_shoulder, -1.0)), -right);
+  add_arm(world, p.right_shoulder, p.right_wrist.value_or(hanging(p.right_shoulder, 1.0)), right, false);
+  add_arm(world, p.left_shoulder, p.left_wrist.value_or(hanging(p.left_shoulder, -1.0)), -right, true);
   // a hanging hand
-  if (!p.right_wrist)
-    add_limb(world, hanging(p.right_shoulder, 1.0), hanging(p.right_shoulder, 1.0) - 0.14 * Vec3::UnitZ(),
-             0.03);
-  if (!p.left_wrist)
-    add_limb(world, hanging(p.left_shoulder, -1.0), hanging(p.left_shoulder, -1.0) - 0.14 * Vec3::UnitZ(),
-             0.03);
+  const auto hang = [&](const Vec3& wrist, bool left) {
+    add_limb(world, wrist, wrist - 0.14 * Vec3::UnitZ(), 0.03, BodyPart::Hand, left);
+  };
+  if (!p.right_wrist) hang(hanging(p.right_shoulder, 1.0), false);
+  if (!p.left_wrist) hang(hanging(p.left_shoulder, -1.0), true);
+  if (p.right_wrist && p.right_tip) add_reaching_hand(world, *p.right_wrist, *p.right_tip);
 }
 
 }  // namespace colift::sim_hal

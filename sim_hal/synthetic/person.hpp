@@ -36,7 +36,14 @@ struct Posture {
   Vec3 right_shoulder = Vec3::Zero(), left_shoulder = Vec3::Zero();
   Vec3 facing = Vec3::UnitX();                  ///< Horizontal unit vector.
   std::optional<Vec3> right_wrist, left_wrist;  ///< Unset: the arm hangs down.
+  std::optional<Vec3> hip;                    ///< Middle of both hips; unset: as the shoulders' height asks.
+  std::optional<Vec3> right_foot, left_foot;  ///< Ankles; unset: below the hips.
+  /// Tip of the right hand's fingers, for a flat hand of its own (one without a Grip), 16.5 cm from the
+  /// wrist.
+  std::optional<Vec3> right_tip;
+  bool toes = false;  ///< Feet with flat toes, 22 cm from ankle to tip.
 };
+inline constexpr double kHandLength_m = 0.165, kAnkleToToe_m = 0.22;
 void add_person(World& world, const Posture& posture);
 
 }  // namespace colift::sim_hal

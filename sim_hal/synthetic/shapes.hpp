@@ -17,6 +17,21 @@ using hal::Vec3;
 /// What a pixel shows, as truth for tests.
 enum class Label : std::uint8_t { Nothing, Ground, Target, Partner, Clutter, Wall, Robot };
 
+/// Which part of a person a shape is.
+enum class BodyPart : std::uint8_t {
+  None,
+  Head,
+  Neck,
+  Shoulders,
+  Trunk,
+  UpperArm,
+  LowerArm,
+  Hand,
+  Thigh,
+  LowerLeg,
+  Foot
+};
+
 /// A solid primitive in W. Sizes: box = full lengths x, y, z; cylinder and capsule = radius, length along Sz
 /// (the capsule's length without its caps), unused; sphere = radius, unused, unused; half space = unused,
 /// surface at Sz = 0, solid below.
@@ -28,6 +43,8 @@ struct Shape {
   Label label = Label::Clutter;
   double reflectivity =
       0.6;  ///< In the near infrared, 0 to 1; dark surfaces give no depth at grazing angles.
+  BodyPart part = BodyPart::None;
+  bool left = false;  ///< Of a person's parts that come in pairs.
 };
 
 /// All that a camera can see; what hides what follows from the shapes.

@@ -36,6 +36,14 @@ void demand_sound(const sim_hal::Scenario& s) {
   for (const auto& event : s.partner.events)
     demand(event.at_s >= 0.0 && event.to.has_value() == (event.action == "move"), "an event that is none",
            s.name);
+  for (const auto& person : s.people) {
+    demand(!person.path.empty() && person.speed > 0.0 && person.hand_speed > 0.0, "a person who is none",
+           s.name);
+    for (const auto& point : person.path) demand(point.allFinite(), "a person nowhere", s.name);
+    demand(person.reach_to.empty() == (person.action != "reach"), "a reach that is none", s.name);
+  }
+  for (const auto& shape : sim_hal::clutter_shapes(s, 1e4))
+    demand(shape.X_WS.matrix().allFinite(), "clutter that moved nowhere", s.name);
   for (const auto& fault : s.faults)
     demand(fault.at_s >= 0.0 && fault.for_s >= 0.0 && std::isfinite(fault.at_s), "a fault out of time",
            s.name);

@@ -81,7 +81,17 @@ void LiftRig::cycle() {
   const hal::ArmJacobian J = hal::jacobian(hal::built_in_robot(), command_.q_rad, {0.0, 0.0, 0.08});
   command_.tau_superposed_nm = J.row(2).transpose() * load_n_;
   world_->command_arm(command_);
-  world_->advance(kCycle);
+  if (!each_ms_) return world_->advance(kCycle);
+  for (int ms = 0; ms < 5; ++ms) {
+    world_->advance(std::chrono::milliseconds(1));
+    each_ms_();
+  }
+}
+
+void LiftRig::move_watched(const Vec3& p_W, double time_s, std::function<void()> each_ms) {
+  each_ms_ = std::move(each_ms);
+  move(p_W, time_s);
+  each_ms_ = nullptr;
 }
 
 void LiftRig::move(const Vec3& p_W, double time_s, double load_n) {

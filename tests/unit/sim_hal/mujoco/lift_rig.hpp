@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "hal/robot_model/robot_model.hpp"
@@ -24,6 +25,8 @@ class LiftRig {
   /// To a pose in a time (min-jerk), with `load_n` that the arm is to bear at the end; commanded ahead as
   /// J^T f.
   void move(const Vec3& p_W, double time_s, double load_n = 0.0);
+  /// The same, with a look at the world after every millisecond.
+  void move_watched(const Vec3& p_W, double time_s, std::function<void()> each_ms);
   void wait(double time_s);
   /// Closes until the hand says that it has ended; false after 4 s.
   bool close(double torque_nm = 0.75);
@@ -37,6 +40,7 @@ class LiftRig {
   hal::ImpedanceCommand command_;
   Pose X_WH_;
   double load_n_ = 0.0;
+  std::function<void()> each_ms_;
 };
 
 /// The built-in robot's scene: a table of 0.8 x 0.6 x 0.45 m, 4 kg, whose near edge is at x = 0.8 m, and a
