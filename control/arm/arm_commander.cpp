@@ -161,12 +161,14 @@ hal::Result<> ArmCommander::follow(const planner::Trajectory& trajectory) {
   // asked here too, where an answer can be given: the arm's cycle may be in another thread
   if (auto can = can_follow(trajectory, view_.running, at_rest(), view_.commanded_rad, limits_); !can)
     return can;
+  goes_back_ = false;
   trajectories_.push_back(std::make_shared<const planner::Trajectory>(trajectory));
   ask({ArmRequest::Kind::Follow, 0, trajectories_.back(), 0.0, {}});
   return {};
 }
 
 void ArmCommander::resume(double speed) {
+  goes_back_ = false;
   ask({ArmRequest::Kind::Resume, 0, nullptr, speed, {}});
 }
 
@@ -174,7 +176,12 @@ void ArmCommander::go_slow(bool on) {
   ask({ArmRequest::Kind::Slow, 0, nullptr, on ? 1.0 : 0.0, {}});
 }
 
+void ArmCommander::set_scale(double scale) {
+  ask({ArmRequest::Kind::Scale, 0, nullptr, scale, {}});
+}
+
 void ArmCommander::back(double speed) {
+  goes_back_ = true;
   ask({ArmRequest::Kind::Back, 0, nullptr, speed, {}});
 }
 

@@ -49,6 +49,9 @@ class ArmCommander {
   void resume(double speed = 1.0);
   void back(double speed);
   void go_slow(bool on);
+  /// At most this fraction of the planned speed from now on, 0 to 1, until something else is asked; at 0 the
+  /// arm comes to rest on its path and stays there, with whatever it carries.
+  void set_scale(double scale);
   void unload();
   void start_tare();
   void end_tare();
@@ -71,6 +74,11 @@ class ArmCommander {
   [[nodiscard]] bool blocked() const;
   [[nodiscard]] std::string why_blocked() const;
   [[nodiscard]] const hal::JointVector& commanded() const { return view_.commanded_rad; }
+  /// The trajectory that was followed last, null before the first one; whether the arm goes back along it.
+  [[nodiscard]] const planner::Trajectory* trajectory() const {
+    return trajectories_.empty() ? nullptr : trajectories_.back().get();
+  }
+  [[nodiscard]] bool goes_back() const { return goes_back_; }
   [[nodiscard]] std::uint32_t starts() const { return view_.starts; }
 
  private:
@@ -87,6 +95,7 @@ class ArmCommander {
   std::vector<std::shared_ptr<const planner::Trajectory>>
       trajectories_;  ///< Kept: none is freed in the arm's cycle.
   std::vector<std::string> realtime_;
+  bool goes_back_ = false;
   bool started_ = false;
   std::unique_ptr<Threaded> thread_;
   std::function<void(ArmView&)> recorded_;

@@ -44,6 +44,9 @@ void ArmController::take(const ArmRequest& request) {
     case Kind::Slow:
       setpoints_.go_slow(request.number != 0.0);
       break;
+    case Kind::Scale:
+      setpoints_.set_scale(request.number);
+      break;
     case Kind::Unload:
       setpoints_.superpose(hal::JointVector::Zero());
       break;

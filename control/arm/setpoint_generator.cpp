@@ -192,7 +192,7 @@ void SetpointGenerator::start_from(const hal::ArmState& state, bool usable) {
 
 void SetpointGenerator::set_pace(bool slow, double dt_s) {
   slow_left_s_ = slow ? limits_.slow_hold_s : std::max(0.0, slow_left_s_ - dt_s);
-  pace_ = towards(pace_, slow_left_s_ > 0.0 ? slow_part_ : 1.0, limits_.slow_slope_1_s * dt_s);
+  pace_ = towards(pace_, speed_goal(), limits_.slow_slope_1_s * dt_s);
 }
 
 void SetpointGenerator::step_hold(double dt_s) {
@@ -207,7 +207,7 @@ void SetpointGenerator::step_trajectory(double dt_s) {
   // keep the acceleration: |q'' r^2 + q' r'| <= a for every joint, with q' and q'' taken along the
   // trajectory.
   const planner::JointSample at = trajectory_->sample(trajectory_s_);
-  const double goal = rate_goal_ * (slow() ? slow_part_ : 1.0);
+  const double goal = rate_goal_ * speed_goal();
   // stops are short, starts are gentle
   const bool faster = std::abs(goal) > std::abs(rate_) && goal * rate_ >= 0.0;
   const double acceleration = faster ? limits_.resume_rad_s2 : limits_.acceleration_rad_s2;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -62,6 +63,9 @@ class SetpointGenerator {
   void set_stiffness(double nm_rad);
   /// Slower until further notice, whatever the controller says.
   void go_slow(bool on) { asked_slow_ = on; }
+  /// At most this fraction of the speed from now on, 0 to 1; NaN counts as 0. At 0 it comes to rest on the
+  /// trajectory, or in a lift where it is, and is not done.
+  void set_scale(double scale) { asked_scale_ = scale > 0.0 ? std::min(scale, 1.0) : 0.0; }
 
   /// The answer to one cycle.
   [[nodiscard]] hal::ImpedanceCommand step(const hal::ArmState& state);
@@ -101,6 +105,8 @@ class SetpointGenerator {
   void step_servo(double dt_s);
   void watch(const hal::ArmState& state, double dt_s);
   void set_pace(bool slow, double dt_s);
+  /// Fraction of the planned speed that is asked for now.
+  [[nodiscard]] double speed_goal() const { return std::min(slow() ? slow_part_ : 1.0, asked_scale_); }
   bool run_along(double rate);
   bool rejoin();
 
@@ -128,6 +134,7 @@ class SetpointGenerator {
   double joined_s_ = 0.0;        ///< ... so long ago; blended out.
   double trajectory_s_ = 0.0, rate_ = 0.0, rate_slope_ = 0.0, rate_goal_ = 0.0;
   bool asked_slow_ = false;
+  double asked_scale_ = 1.0;
   double pace_ = 1.0, slow_left_s_ = 0.0;
 
   bool armed_ = true;

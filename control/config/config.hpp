@@ -5,6 +5,7 @@
 #include "control/config/check_config.hpp"
 #include "control/config/load_config.hpp"
 #include "control/config/method.hpp"
+#include "control/config/monitor_config.hpp"
 #include "control/config/setpoint_limits.hpp"
 #include "control/config/task_config.hpp"
 #include "control/config/test_lift_config.hpp"
@@ -12,6 +13,8 @@
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_camera.hpp"
 #include "hal/guards/guarded_hand.hpp"
+#include "perception/bodies/body_finder.hpp"
+#include "perception/bodies/body_tracker.hpp"
 #include "perception/calibration/calibrate.hpp"
 #include "perception/calibration/next_pose.hpp"
 #include "perception/calibration/pose_check.hpp"
@@ -53,8 +56,11 @@ struct Config {
   perception::WorldMapConfig map;
   perception::SelfFilterConfig self_filter;
   perception::MotionConfig object_motion;
+  perception::BodyConfig bodies;
+  perception::BodyTrackConfig body_tracks;
   planner::PlannerConfig motion;
   TaskConfig task;
+  MonitorConfig monitor;
   TestLiftConfig test_lift;
   LoadConfig load;
   SetpointLimits setpoints;
@@ -90,8 +96,11 @@ struct Config {
     v("map", map, "The collision world.");
     v("self_filter", self_filter, "How the robot's own pixels are removed.");
     v("object_motion", object_motion, "How the object is followed while it is lifted.");
+    v("bodies", bodies, "What counts as a foreign body, a person or a thing.");
+    v("body_tracks", body_tracks, "How such bodies are followed over frames.");
     v("motion", motion, "Motion planning of the arm.");
     v("task", task, "The job: timeouts, lift, limits that end it.");
+    v("monitor", monitor, "How fast the arm may be with people around.");
     v("test_lift", test_lift, "Test lifts before the lift.");
     v("load", load, "Estimation of the external wrench.");
     v("setpoints", setpoints, "Limits of the arm's set points: stops, corrections, ramps, contact.");

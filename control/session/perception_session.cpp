@@ -27,7 +27,7 @@ bool shows_anything(const hal::DepthFrame& frame) {
 
 struct PerceptionSession::Impl {
   Impl(Method m, const Config& c, const RigView& r, const hal::Clock& s)
-      : method(m), config(c), rig(r), stopwatch(s), map(c.map), tracker(c.tracker) {
+      : method(m), config(c), rig(r), stopwatch(s), map(c.map), tracker(c.tracker), body_tracker(c.body_tracks) {
     // a method that is not there is said by the first look
     if (auto made = make_pipeline(m)) pipeline = std::move(*made);
   }
@@ -47,6 +47,10 @@ struct PerceptionSession::Impl {
   std::unique_ptr<PartnerSight> partner_sight;
   std::optional<perception::ObjectFollower> follower;
   perception::PartnerTracker tracker;
+  std::optional<perception::SelfFilter> body_filter;  ///< With a wider margin than the other's.
+  std::optional<perception::BodyFinder> body_finder;
+  perception::BodyTracker body_tracker;
+  hal::DepthFrame body_frame;
   std::vector<Eigen::Vector3f> partner_points;
   int frames = 0;                             ///< That the partner might have been looked for in.
   std::vector<char> robot_hid;                ///< By pixel, in any frame of the reference.
@@ -101,6 +105,7 @@ struct PerceptionSession::Impl {
     auto followed = perception::ObjectFollower::make(reference, target, config.noise, config.object_motion);
     if (!followed) return tl::unexpected(followed.error());
     follower.emplace(std::move(*followed));
+    body_finder.emplace(reference, target.points, robot_hid, config.noise, config.bodies);
     return {};
   }
 
@@ -222,6 +227,22 @@ void PerceptionSession::forget_partner() {
 }
 const std::vector<Eigen::Vector3f>& PerceptionSession::partner_points() const {
   return impl_->partner_points;
+}
+
+BodySighting PerceptionSession::watch_bodies(const hal::DepthFrame& frame, const RobotPosture& robot) {
+  Impl& i = *impl_;
+  if (!i.body_finder || !i.follower) return {};
+  if (!i.body_filter) {
+    perception::SelfFilterConfig padded = i.config.self_filter;
+    padded.padding_m = std::max(padded.padding_m, i.config.bodies.robot_padding_m);
+    i.body_filter.emplace(i.rig.model, frame.intrinsics, i.rig.X_WC, i.config.noise, padded);
+  }
+  i.body_frame.exposed_at = frame.exposed_at;
+  i.body_frame.intrinsics = frame.intrinsics;
+  i.body_frame.depth_m.assign(frame.depth_m.begin(), frame.depth_m.end());
+  const auto& own = i.body_filter->remove(i.body_frame, robot.q_rad, robot.hand);
+  const auto& bodies = i.body_finder->find(i.body_frame, own, i.follower->last().X_WTnow_WTref);
+  return {bodies, i.body_tracker.update(frame.exposed_at, bodies), i.body_finder->points()};
 }
 
 std::optional<perception::ObjectMotion> PerceptionSession::watch_object(hal::DepthFrame frame,

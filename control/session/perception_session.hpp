@@ -2,12 +2,15 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "control/config/config.hpp"
 #include "control/session/scene_analysis.hpp"
 #include "hal/robot_model/robot_model.hpp"
+#include "perception/bodies/body_finder.hpp"
+#include "perception/bodies/body_tracker.hpp"
 #include "perception/map/world_map.hpp"
 #include "perception/motion/object_motion.hpp"
 #include "perception/partner/partner_grasp.hpp"
@@ -35,6 +38,13 @@ struct Sight {
   perception::PartnerObservation partner;
   std::optional<perception::PartnerEvent> event;
   double compute_ms = 0.0;
+};
+
+/// Bodies in one frame that are neither robot nor object nor known scene. Borrowed until the next one.
+struct BodySighting {
+  std::span<const perception::Body> bodies;
+  std::span<const perception::BodyTrack> tracks;  ///< Of the first bodies, in their order.
+  std::span<const perception::BodyPoint> points;  ///< Body::first and count refer to them.
 };
 
 /// `where` of the error when the camera is not where its calibration says.
@@ -77,6 +87,10 @@ class PerceptionSession {
   void looked_away(hal::Duration how_long);
   [[nodiscard]] const perception::PartnerTracker& tracker() const;
   void forget_partner();
+
+  /// Everybody and everything that was not there in the reference, the partner too. Empty before there is an
+  /// object.
+  [[nodiscard]] BodySighting watch_bodies(const hal::DepthFrame& frame, const RobotPosture& robot);
 
   /// Points of the partner in the last frame that was looked at, in W: his hands, arms and body near the
   /// object.

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "control/arm/drive.hpp"
 #include "control/session/perception_session.hpp"
@@ -12,6 +13,24 @@
 namespace colift::control {
 
 struct ArmView;  ///< One cycle of the arm (control/arm/arm_controller.hpp).
+
+/// Who is near the arm, and what that means for its speed.
+struct SeparationStatus {
+  struct Body {
+    int id = 0;
+    bool partner = false;
+    hal::Aabb box;  ///< Of what is seen of it (W).
+    hal::Vec3 center_W = hal::Vec3::Zero(), velocity_m_s = hal::Vec3::Zero();
+    std::optional<double> distance_m;  ///< To the arm or the rest of its path; unset where it is far.
+  };
+  bool on = true;
+  double scale = 1.0;  ///< Of the planned speed.
+  bool waits = false;  ///< The arm stands on its path.
+  std::string reason;  ///< Why it is slowed or stands; empty: it is not.
+  std::optional<double> distance_m;
+  std::vector<Body> bodies;
+  double compute_ms = 0.0;
+};
 
 /// What a running job reports to whoever watches it.
 struct JobStatus {
@@ -25,6 +44,7 @@ struct JobStatus {
   std::string partner_note;
   double load_n = 0.0;
   std::optional<double> height_m, tilt_rad, slip_m;
+  SeparationStatus separation;
   const RunRecord* record = nullptr;  ///< As far as it is.
   /// The collision world, made once when the scene is known; null until then. Borrowed for the call.
   const perception::WorldMap* map = nullptr;

@@ -61,7 +61,8 @@ struct TaskContext {
   /// Something about a device is worth saying.
   void note_device(const std::string& device, const std::string& what);
 
-  [[nodiscard]] double in_state_s() const { return hal::seconds(now - since); }
+  /// Time in this state, without the time for which the arm waited for somebody to go away.
+  [[nodiscard]] double in_state_s() const { return hal::seconds(now - since) - waited_s; }
   [[nodiscard]] RobotPosture posture() const { return {readings.arm.q_rad, hal::posture_of(readings.hand)}; }
   [[nodiscard]] hal::Pose palm() const { return hal::hand_pose(rig.model, readings.arm.q_rad); }
   /// The grasp that was decided on. There has to be one.
@@ -79,6 +80,7 @@ struct TaskContext {
 
   Task state = Task::Observe;
   hal::Timestamp now{0}, began{0}, since{0};  ///< Of the robot's clock; `since`: in this state.
+  double waited_s = 0.0;  ///< Of the time in this state; a slowed arm's counts in proportion.
 
   DeviceReadings readings;
   Attempts attempts;

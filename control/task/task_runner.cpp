@@ -41,6 +41,7 @@ hal::Result<> TaskRunner::start() {
   hand_.start();
   camera_.start();
   speed_.start();
+  separation_.start();
   c_.readings.arm = c_.arm.view().state;
   retreat_phase_.set_home(c_.readings.arm.q_commanded_rad);
   reason_ = "observing the scene";
@@ -93,6 +94,7 @@ void TaskRunner::read_devices() {
   hand_.read();
   camera_.read();
   speed_.update(hand_.warning());
+  separation_.update(speed_.image_age_s());
 }
 
 std::optional<TaskEvent> TaskRunner::emergency(const JobHooks& hooks) const {
@@ -103,6 +105,7 @@ std::optional<TaskEvent> TaskRunner::emergency(const JobHooks& hooks) const {
     return TaskEvent{Event::FingerLost, hand_.fault()};
   if (hand_.lost()) return TaskEvent{Event::HandLost, hand_.fault()};
   if (c_.readings.camera_lost) return TaskEvent{Event::CameraLost, "the camera gives no picture"};
+  if (separation_.waited_too_long()) return TaskEvent{Event::TimeOut, separation_.reason()};
   const hal::HandState& hand = c_.readings.hand;
   if (hand.hot && !is_loaded(c_.state)) return TaskEvent{Event::HandUnfit, hand.warning.str()};
   return std::nullopt;
@@ -208,6 +211,7 @@ void TaskRunner::apply(const TaskEvent& event, const JobHooks& hooks) {
   if (!rule) return;
   const Task from = std::exchange(c_.state, rule->to);
   c_.since = c_.now;
+  c_.waited_s = 0.0;
   c_.doing.clear();
   c_.done.reset();
   reason_ = rule->reason;
@@ -239,6 +243,8 @@ void TaskRunner::report(const JobHooks& hooks) {
   s.reason = reason_;
   s.doing = c_.doing;
   s.done = c_.done;
+  separation_.report(s.separation);
+  if (s.separation.waits) s.doing = "waits: " + s.separation.reason;
   if (const auto grasp = c_.session.tracker().grasp()) s.partner_W = grasp->position;
   s.partner_note = c_.partner_note;
   s.load_n = c_.arm.view().load_n;

@@ -17,6 +17,7 @@
 #include "control/task/supervision/arm_supervisor.hpp"
 #include "control/task/supervision/camera_supervisor.hpp"
 #include "control/task/supervision/hand_supervisor.hpp"
+#include "control/task/supervision/separation_supervisor.hpp"
 #include "control/task/supervision/speed_scaling.hpp"
 #include "control/task/task_context.hpp"
 
@@ -63,6 +64,7 @@ class TaskRunner {
   HandSupervisor hand_{c_};
   CameraSupervisor camera_{c_};
   SpeedScaling speed_{c_};
+  SeparationSupervisor separation_{c_};
 
   PartnerMonitor partner_{c_};
   ObjectMonitor object_{c_};

@@ -67,9 +67,10 @@ set(COLIFT_PUBLIC_HEADERS
   perception/motion/moved_object.hpp
   perception/motion/object_motion_samples.hpp
   perception/noise_model.hpp
+  perception/change_limit.hpp
   perception/partner/change_image.hpp
   perception/partner/local_shape.hpp
-  perception/partner/object_grid.hpp
+  perception/object_grid.hpp
   perception/partner/partner_contact.hpp
   perception/partner/partner_leg.hpp
   perception/reference_image.hpp

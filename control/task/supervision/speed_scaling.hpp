@@ -18,6 +18,8 @@ class SpeedScaling {
 
   /// Why the arm was asked to go slowly; empty: it was not.
   [[nodiscard]] const std::string& reason() const { return reason_; }
+  /// Mean age of the newest picture over the last moments (s).
+  [[nodiscard]] double image_age_s() const { return image_age_s_; }
 
  private:
   void update_image_age();

@@ -1,4 +1,4 @@
-#include "perception/partner/object_grid.hpp"
+#include "perception/object_grid.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,72 @@
+#include "control/monitor/separation_monitor.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "control/monitor/separation.hpp"
+
+namespace colift::control {
+
+double SeparationMonitor::hold_distance_m(Nearby who) const {
+  switch (who) {
+    case Nearby::Person:
+      return config_.hold_distance_m;
+    case Nearby::Partner:
+    case Nearby::Thing:
+      return config_.partner_hold_distance_m;
+    case Nearby::PartnerHand:
+      break;
+  }
+  return -std::numeric_limits<double>::infinity();
+}
+
+double SeparationMonitor::limit_m_s(const Neighbour& n, double latency_s, double robot_kg) const {
+  const double latency = std::max(latency_s, config_.latency_s);
+  if (n.who == Nearby::Person) return allowed_speed(n.distance_m, config_.person_speed_m_s, latency, config_);
+  const double speed = std::clamp(n.speed_m_s, config_.partner_speed_m_s, config_.person_speed_m_s);
+  const double kept = allowed_speed(n.distance_m, speed, latency, config_);
+  if (n.who != Nearby::PartnerHand) return kept;
+  // whichever allows more: his hand may be touched with a speed that does not hurt
+  const double softly =
+      std::min(contact_speed(BodyRegion::Hand, robot_kg), contact_speed(BodyRegion::LowerArm, robot_kg));
+  return std::max(kept, softly);
+}
+
+const SeparationState& SeparationMonitor::update(hal::Timestamp now, std::span<const Neighbour> near,
+                                                 double latency_s, double robot_kg) {
+  const double extra_m = state_.hold ? config_.hysteresis_m : 0.0;
+  SeparationState next;
+  bool too_near = false;
+  for (const Neighbour& n : near) {
+    const bool holds = n.distance_m < hold_distance_m(n.who) + extra_m;
+    const double limit = holds ? 0.0 : limit_m_s(n, latency_s, robot_kg);
+    too_near = too_near || holds || limit <= 0.0;
+    if (next.limited && limit > next.speed_m_s) continue;
+    if (next.limited && limit == next.speed_m_s && n.distance_m >= next.nearest.distance_m) continue;
+    next.limited = true;
+    next.speed_m_s = limit;
+    next.nearest = n;
+  }
+  if (too_near) near_at_ = now;
+  next.hold = too_near;
+  if (state_.hold && !too_near) {
+    const bool free = hal::seconds(now - near_at_) >= config_.free_s;
+    next.hold = !(free && config_.resume && !touched_);
+    if (next.hold && !next.limited) next.nearest = state_.nearest;
+  }
+  if (next.hold) next.speed_m_s = 0.0;
+  state_ = next;
+  return state_;
+}
+
+std::string describe(const Neighbour& n) {
+  const char* who = n.who == Nearby::Person    ? "a person"
+                    : n.who == Nearby::Partner ? "the partner"
+                    : n.who == Nearby::Thing   ? "something at rest"
+                                               : "the partner's hand";
+  return fmt::format("{} is {:.2f} m from {}", who, std::max(0.0, n.distance_m),
+                     n.to_path ? "the arm's path" : "the arm");
+}
+
+}  // namespace colift::control

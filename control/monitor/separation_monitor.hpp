@@ -1,0 +1,70 @@
+#pragma once
+
+#include <limits>
+#include <span>
+#include <string>
+
+#include "control/config/monitor_config.hpp"
+#include "hal/types/geometry.hpp"
+#include "hal/types/time.hpp"
+
+namespace colift::control {
+
+/// Who is near the arm.
+enum class Nearby {
+  Person,       ///< Anybody, and anything that might be somebody.
+  Partner,      ///< The body of the partner who holds the object.
+  PartnerHand,  ///< His hand and forearm at the object.
+  Thing,        ///< Something low that has been at rest for a while.
+};
+
+/// One of them, at its nearest point.
+struct Neighbour {
+  Nearby who = Nearby::Person;
+  double distance_m = 0.0;  ///< To the links or to the rest of the path, whichever is less.
+  bool to_path = false;     ///< It is the path that is nearer.
+  double speed_m_s = 1.6;   ///< Measured, with its uncertainty added.
+  hal::Vec3 point_W = hal::Vec3::Zero();
+  int id = 0;
+};
+
+/// How fast the arm may be, and why.
+struct SeparationState {
+  bool hold = false;
+  double speed_m_s = std::numeric_limits<double>::infinity();  ///< Limit of any point of the arm.
+  Neighbour nearest;                                           ///< That sets the limit ...
+  bool limited = false;                                        ///< ... if any does.
+};
+
+/// Speed and separation monitoring. A continuous limit of the arm's speed from the distances of one frame:
+/// the fastest at which it comes to rest before anybody is reached. Nearer than the hold distance it stops;
+/// it resumes when nobody has been near for MonitorConfig::free_s and nothing was touched. One thread, no
+/// allocation.
+class SeparationMonitor {
+ public:
+  explicit SeparationMonitor(const MonitorConfig& config) : config_(config) {}
+
+  /// Once for each frame. `latency_s`: measured, from exposure until now; `robot_kg`: effective mass.
+  const SeparationState& update(hal::Timestamp now, std::span<const Neighbour> near, double latency_s,
+                                double robot_kg);
+  /// Something was touched: a stop is not left by itself any more.
+  void note_contact() { touched_ = true; }
+  /// A person confirmed: a stop may be left again.
+  void confirm() { touched_ = false; }
+
+  [[nodiscard]] const SeparationState& state() const { return state_; }
+
+ private:
+  [[nodiscard]] double hold_distance_m(Nearby who) const;
+  [[nodiscard]] double limit_m_s(const Neighbour& n, double latency_s, double robot_kg) const;
+
+  MonitorConfig config_;
+  SeparationState state_;
+  bool touched_ = false;
+  hal::Timestamp near_at_{0};  ///< When somebody was last too near.
+};
+
+/// In a person's words: "a person is 0.42 m from the arm".
+[[nodiscard]] std::string describe(const Neighbour& neighbour);
+
+}  // namespace colift::control

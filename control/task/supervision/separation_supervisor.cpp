@@ -1,0 +1,230 @@
+#include "control/task/supervision/separation_supervisor.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace colift::control {
+namespace {
+
+constexpr double kPeakOfMean = 1.875;  // of a minimum-jerk profile's speed: 15/8
+constexpr double kArmMass_kg = 16.0;   // LWR 4+; half of it counts in a contact
+constexpr double kCarried_kg = 6.0;    // hand and a share of the object, as the reference table has them
+constexpr double kHandAt_m = 0.25;     // whose points are this near to the grasp is the partner
+constexpr double kBeside_m = 0.30;     // parts of him that are seen apart
+constexpr double kInside_m = 0.10;     // his hand reaches so far over the edge towards the robot
+constexpr double kSmallChange = 0.02;  // of the speed scale: not worth a request
+
+hal::Vec3 flat(const hal::Vec3& v) {
+  return {v.x(), v.y(), 0.0};
+}
+
+}  // namespace
+
+SeparationSupervisor::SeparationSupervisor(TaskContext& context)
+    : c_(context), monitor_(context.config.monitor), arm_(context.rig.model) {}
+
+void SeparationSupervisor::start() {
+  updated_at_ = c_.now;
+  if (!c_.config.monitor.on)
+    c_.note_device("monitor", "speed and separation monitoring is off: nobody near the arm is noticed");
+}
+
+void SeparationSupervisor::remember_posture() {
+  past_[remembered_++ % past_.size()] = {c_.readings.arm.measured_at, c_.posture()};
+}
+
+// Of the two remembered postures around a time, in between; the newest for a time after it.
+RobotPosture SeparationSupervisor::posture_at(hal::Timestamp at) const {
+  const std::size_t n = std::min(remembered_, past_.size());
+  const Posture* after = nullptr;
+  for (std::size_t i = 1; i <= n; ++i) {
+    const Posture& p = past_[(remembered_ - i) % past_.size()];
+    if (p.at > at) {
+      after = &p;
+      continue;
+    }
+    if (!after || after->at == p.at) return p.posture;
+    const double part = hal::seconds(at - p.at) / hal::seconds(after->at - p.at);
+    RobotPosture out = p.posture;  // fingers move little between two cycles
+    out.q_rad += part * (after->posture.q_rad - p.posture.q_rad);
+    return out;
+  }
+  return after ? after->posture : c_.posture();
+}
+
+void SeparationSupervisor::update(double image_age_s) {
+  remember_posture();
+  const double passed_s = std::max(0.0, hal::seconds(c_.now - updated_at_));
+  updated_at_ = c_.now;
+  if (!c_.config.monitor.on) return;
+  const bool moving = is_moving(c_.state);
+  if (moving) c_.waited_s += (1.0 - scale_) * passed_s;
+  waited_s_ = moving && holds() ? waited_s_ + passed_s : 0.0;
+  if (c_.readings.frame && c_.record.analysis && c_.record.analysis->scene.target) look(*c_.readings.frame);
+
+  const SeparationState& state = monitor_.state();
+  double scale = 1.0;
+  std::string why;
+  if (c_.readings.camera_lost) {
+    bodies_.clear();  // what is not seen is not known; the state's own rule stops or slows the arm
+  } else if (moving && !is_loaded(c_.state) && image_age_s > c_.config.monitor.hold_image_age_s) {
+    scale = 0.0;
+    why = fmt::format("the camera's pictures are {:.0f} ms old in the mean", 1e3 * image_age_s);
+  } else if (state.hold || state.limited) {
+    scale = state.hold ? 0.0 : std::min(1.0, state.speed_m_s / planned_speed_m_s());
+    if (scale < 1.0) why = describe(state.nearest);
+  }
+  request(scale, std::move(why));
+}
+
+void SeparationSupervisor::request(double scale, std::string why) {
+  const bool held = holds();
+  if (scale == scale_) {
+    if (!why.empty()) reason_ = std::move(why);
+    return;
+  }
+  const bool end = scale == 0.0 || scale == 1.0;
+  if (!end && std::abs(scale - scale_) < kSmallChange) return;
+  scale_ = scale;
+  reason_ = std::move(why);
+  c_.arm.set_scale(scale_);
+  if (!is_moving(c_.state) || held == holds()) return;
+  c_.note_device("monitor", holds() ? "the arm waits: " + reason_ : "the arm continues");
+}
+
+// Of the fastest point of the arm, as planned: what the scale refers to.
+double SeparationSupervisor::planned_speed_m_s() const {
+  const double transit = c_.config.motion.transit_speed_m_s;
+  if (!is_loaded(c_.state)) return transit;
+  const TaskConfig& task = c_.config.task;
+  return std::min(transit,
+                  std::max(kPeakOfMean * task.lift_height_m / task.lift_s, task.lift.follow_speed_m_s));
+}
+
+std::optional<hal::Vec3> SeparationSupervisor::partner_contact() const {
+  if (const auto grasp = c_.session.tracker().grasp()) return grasp->position;
+  if (c_.record.decision && c_.record.decision->partner && (is_loaded(c_.state) || is_moving(c_.state)))
+    return c_.record.decision->partner->position;
+  return std::nullopt;
+}
+
+void SeparationSupervisor::place_arm(const RobotPosture& posture) {
+  links_.clear();
+  path_.clear();
+  arm_.add_links(posture.q_rad, posture.hand, links_);
+  const planner::Trajectory* trajectory = c_.arm.trajectory();
+  if (!trajectory || !is_moving(c_.state) || is_loaded(c_.state)) return;
+  const double at_s = c_.arm.progress() * trajectory->duration_s();
+  const double end_s = c_.arm.goes_back() ? 0.0 : trajectory->duration_s();
+  if (std::abs(end_s - at_s) > 0.0) arm_.add_path(*trajectory, at_s, end_s, posture.hand, path_);
+}
+
+void SeparationSupervisor::look(const hal::DepthFrame& frame) {
+  const hal::Timestamp began = c_.stopwatch.now();
+  const RobotPosture posture = posture_at(frame.exposed_at);
+  place_arm(posture);
+  const BodySighting seen = c_.session.watch_bodies(frame, posture);
+  near_.clear();
+  bodies_.clear();
+  sort_points(seen);
+  const double latency_s = hal::seconds(c_.readings.frame_latency);
+  monitor_.update(c_.now, near_, latency_s, 0.5 * kArmMass_kg + kCarried_kg);
+  compute_ms_ = 1e3 * hal::seconds(c_.stopwatch.now() - began);
+}
+
+void SeparationSupervisor::sort_points(const BodySighting& seen) {
+  const MonitorConfig& config = c_.config.monitor;
+  const auto contact = partner_contact();
+  const hal::Vec3 middle = c_.session.analysis().scene.target->obb.center;
+  const hal::Vec3 out =
+      contact ? hal::Vec3(flat(*contact - middle).normalized()) : hal::Vec3(hal::Vec3::UnitX());
+  // who holds the object; then what is beside him and near enough to be his
+  hal::Aabb partner_box;
+  for (const perception::Body& body : seen.bodies) {
+    if (!contact || body.box.exteriorDistance(*contact) > kHandAt_m) continue;
+    for (const auto& p : seen.points.subspan(body.first, body.count))
+      if ((p.p_W.cast<double>() - *contact).norm() < kHandAt_m) {
+        partner_box.extend(body.box);
+        break;
+      }
+  }
+  for (std::size_t i = 0; i < seen.bodies.size(); ++i) {
+    const perception::Body& body = seen.bodies[i];
+    const perception::BodyTrack* track = i < seen.tracks.size() ? &seen.tracks[i] : nullptr;
+    const bool partner = !partner_box.isEmpty() && body.box.exteriorDistance(partner_box) < kBeside_m;
+    const bool thing =
+        !partner && track && track->still_s >= config.still_s && body.box.max().z() < config.low_m;
+    hand_.clear();
+    partner_.clear();
+    others_.clear();
+    for (const auto& p : seen.points.subspan(body.first, body.count)) {
+      const hal::Vec3 off = contact ? hal::Vec3(p.p_W.cast<double>() - *contact) : hal::Vec3::Zero();
+      if (!partner || flat(off).norm() > config.partner_radius_m)
+        others_.push_back(p);
+      else if (off.norm() < config.forearm_m && off.dot(out) > -kInside_m)
+        hand_.push_back(p);
+      else
+        partner_.push_back(p);
+    }
+    const std::size_t before = near_.size();
+    add_neighbour(Nearby::PartnerHand, hand_, track);
+    add_neighbour(Nearby::Partner, partner_, track);
+    add_neighbour(thing ? Nearby::Thing : Nearby::Person, others_, track);
+    SeparationStatus::Body view;
+    view.id = track ? track->id : 0;
+    view.partner = partner;
+    view.box = body.box;
+    view.center_W = body.center;
+    if (track) view.velocity_m_s = track->velocity_m_s;
+    for (std::size_t n = before; n < near_.size(); ++n)
+      if (!view.distance_m || near_[n].distance_m < *view.distance_m) view.distance_m = near_[n].distance_m;
+    bodies_.push_back(view);
+  }
+}
+
+void SeparationSupervisor::add_neighbour(Nearby who, std::span<const perception::BodyPoint> points,
+                                         const perception::BodyTrack* track) {
+  perception::Approach to_links, to_path;
+  const double within_m = c_.config.monitor.observed_m;
+  const bool links = nearest_approach(points, links_, within_m, to_links);
+  const bool path = nearest_approach(points, path_, links ? to_links.distance_m : within_m, to_path);
+  if (!links && !path) return;
+  Neighbour n;
+  n.who = who;
+  n.to_path = path;
+  n.distance_m = path ? to_path.distance_m : to_links.distance_m;
+  n.point_W = path ? to_path.point_W : to_links.point_W;
+  n.id = track ? track->id : 0;
+  // until it has been followed for some frames anything may be fast
+  n.speed_m_s = track && track->frames > 3 ? track->velocity_m_s.norm() + 2.0 * track->sigma_m_s
+                                           : c_.config.monitor.person_speed_m_s;
+  near_.push_back(n);
+}
+
+bool SeparationSupervisor::waited_too_long() const {
+  return waited_s_ > c_.config.monitor.max_wait_s;
+}
+
+bool SeparationSupervisor::path_obstructed() const {
+  const SeparationState& state = monitor_.state();
+  return holds() && waited_s_ > c_.config.monitor.obstacle_wait_s && state.limited &&
+         state.nearest.who == Nearby::Thing && state.nearest.to_path;
+}
+
+void SeparationSupervisor::report(SeparationStatus& out) const {
+  out.on = c_.config.monitor.on;
+  out.scale = scale_;
+  out.waits = holds() && is_moving(c_.state);
+  out.reason = reason_;
+  out.bodies = bodies_;
+  out.compute_ms = compute_ms_;
+  out.distance_m.reset();
+  for (const SeparationStatus::Body& body : bodies_)
+    if (body.distance_m && (!out.distance_m || *body.distance_m < *out.distance_m))
+      out.distance_m = body.distance_m;
+}
+
+}  // namespace colift::control

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "control/monitor/separation_monitor.hpp"
+#include "control/monitor/swept_volume.hpp"
+#include "control/task/task_context.hpp"
+
+namespace colift::control {
+
+/// People around the arm: finds them in each frame, measures their distance to the arm and to the rest of its
+/// path, and asks the arm for the speed that the SeparationMonitor allows. While the arm waits or is slowed,
+/// the time limits of the state wait with it.
+class SeparationSupervisor {
+ public:
+  explicit SeparationSupervisor(TaskContext& context);
+
+  void start();
+  /// Once in each cycle, when the devices have been read. `image_age_s`: of the newest frame, in the mean.
+  void update(double image_age_s);
+
+  /// The arm stands on its path, or would, because of it.
+  [[nodiscard]] bool holds() const { return scale_ == 0.0; }
+  /// Why the arm is slowed or stands; empty: it is not.
+  [[nodiscard]] const std::string& reason() const { return reason_; }
+  /// It has stood for longer than MonitorConfig::max_wait_s at a stretch.
+  [[nodiscard]] bool waited_too_long() const;
+  /// Somebody's things stand in the path and do not move: it is worth to look for another path.
+  [[nodiscard]] bool path_obstructed() const;
+  /// For page, record and report.
+  void report(SeparationStatus& out) const;
+
+ private:
+  struct Posture {
+    hal::Timestamp at{0};
+    RobotPosture posture;
+  };
+  void remember_posture();
+  [[nodiscard]] RobotPosture posture_at(hal::Timestamp at) const;
+  void look(const hal::DepthFrame& frame);
+  void place_arm(const RobotPosture& posture);
+  void sort_points(const BodySighting& seen);
+  void add_neighbour(Nearby who, std::span<const perception::BodyPoint> points,
+                     const perception::BodyTrack* track);
+  [[nodiscard]] std::optional<hal::Vec3> partner_contact() const;
+  [[nodiscard]] double planned_speed_m_s() const;
+  void request(double scale, std::string why);
+
+  TaskContext& c_;
+  SeparationMonitor monitor_;
+  SweptVolume arm_;
+  perception::SphereSet links_, path_;
+  std::array<Posture, 256> past_{};  ///< About a second.
+  std::size_t remembered_ = 0;
+  std::vector<Neighbour> near_;
+  std::vector<perception::BodyPoint> hand_, partner_, others_;
+  std::vector<SeparationStatus::Body> bodies_;
+  hal::Timestamp updated_at_{0};
+  double scale_ = 1.0, waited_s_ = 0.0, compute_ms_ = 0.0;
+  std::string reason_;
+};
+
+}  // namespace colift::control

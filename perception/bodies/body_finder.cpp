@@ -1,0 +1,248 @@
+#include "perception/bodies/body_finder.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace colift::perception {
+namespace {
+
+constexpr int kBlock = 4;               // pixels; 3 cm at 4 m
+constexpr double kMoved_m = 0.002;      // an object that moved by less stands where it stood
+constexpr std::size_t kMaxParts = 256;  // small ones beyond are noise everywhere: the largest count
+
+}  // namespace
+
+BodyFinder::BodyFinder(const ReferenceImage& reference, std::span<const Eigen::Vector3f> object,
+                       std::span<const char> robot_hid, const NoiseModel& noise, const BodyConfig& config)
+    : config_(config),
+      noise_(noise),
+      intrinsics_(reference.cloud.intrinsics),
+      X_WC_(reference.cloud.X_WC),
+      eye_(X_WC_.translation().cast<float>()),
+      pixel_area_(1.0 / (intrinsics_.fx * intrinsics_.fy)),
+      object_(object, 0.015, std::max(config.object_margin_m, config.moved_object_margin_m) + 0.03),
+      has_object_(!object.empty()),
+      limit_m_(change_limits(reference, noise, config.change, {0, 0, intrinsics_.width, intrinsics_.height})),
+      columns_(static_cast<std::size_t>(intrinsics_.width / kBlock)),
+      rows_(static_cast<std::size_t>(intrinsics_.height / kBlock)) {
+  const std::size_t blocks = columns_ * rows_;
+  const auto width = static_cast<std::size_t>(intrinsics_.width);
+  row_sum_.resize(width);
+  row_count_.resize(width);
+  depth_.resize(blocks);
+  count_.resize(blocks);
+  robot_.resize(blocks);
+  foreign_.resize(blocks);
+  unknown_.resize(blocks);
+  for (std::size_t i = 0; i < robot_hid.size(); ++i) {
+    const std::size_t b = i / width / kBlock * columns_ + i % width / kBlock;
+    if (robot_hid[i] != 0 && !reference.cloud.seen(i) && b < blocks) unknown_[b] = 1;
+  }
+  point_.resize(blocks);
+  ray_.resize(blocks);
+  behind_m_.resize(blocks);
+  order_.reserve(blocks);
+  stack_.reserve(blocks);
+  parts_.reserve(blocks);
+  bodies_.reserve(kMaxParts);
+  points_.reserve(16 * static_cast<std::size_t>(config.max_points));
+  const Eigen::Matrix3f R_WC = X_WC_.linear().cast<float>();
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const double u = static_cast<double>(kBlock * (b % columns_)) + 0.5 * (kBlock - 1);
+    const double v = static_cast<double>(kBlock * (b / columns_)) + 0.5 * (kBlock - 1);
+    ray_[b] = R_WC * Eigen::Vector3f(static_cast<float>((u - intrinsics_.cx) / intrinsics_.fx),
+                                     static_cast<float>((v - intrinsics_.cy) / intrinsics_.fy), 1.0F);
+    behind_m_[b] = reference.cloud.depth_m[static_cast<std::size_t>(v) * width + static_cast<std::size_t>(u)];
+  }
+}
+
+const std::vector<Body>& BodyFinder::find(const hal::DepthFrame& frame, std::span<const std::uint32_t> robot,
+                                          const hal::Pose& X_WTnow_WTref) {
+  bodies_.clear();
+  points_.clear();
+  if (frame.depth_m.size() != limit_m_.size()) return bodies_;
+  mark(frame.depth_m);
+  leave_out_robot(robot);
+  place_blocks(X_WTnow_WTref);
+  connect();
+  join_parts();
+  return bodies_;
+}
+
+// Sums and counts of foreign depths by block. The two inner loops are plain, so that they become SIMD code; a
+// NaN compares false.
+void BodyFinder::mark(const std::vector<float>& depth_m) {
+  const auto width = static_cast<std::size_t>(intrinsics_.width);
+  for (std::size_t row = 0; row < rows_; ++row) {
+    std::fill(row_sum_.begin(), row_sum_.end(), 0.0F);
+    std::fill(row_count_.begin(), row_count_.end(), 0.0F);
+    float* sum = row_sum_.data();
+    float* count = row_count_.data();
+    for (std::size_t k = 0; k < kBlock; ++k) {
+      const std::size_t at = (row * kBlock + k) * width;
+      const float* depth = depth_m.data() + at;
+      const float* limit = limit_m_.data() + at;
+      for (std::size_t u = 0; u < width; ++u) {
+        const bool foreign = depth[u] < limit[u];
+        sum[u] += foreign ? depth[u] : 0.0F;
+        count[u] += foreign ? 1.0F : 0.0F;
+      }
+    }
+    for (std::size_t c = 0; c < columns_; ++c) {
+      const std::size_t u = c * kBlock, b = row * columns_ + c;
+      depth_[b] = sum[u] + sum[u + 1] + sum[u + 2] + sum[u + 3];
+      count_[b] = count[u] + count[u + 1] + count[u + 2] + count[u + 3];
+    }
+  }
+}
+
+// Beside the robot the sensor mixes its depth with what is behind it: nothing there is trusted.
+void BodyFinder::leave_out_robot(std::span<const std::uint32_t> robot) {
+  std::fill(robot_.begin(), robot_.end(), std::uint8_t{0});
+  const auto width = static_cast<std::uint32_t>(intrinsics_.width);
+  const auto columns = static_cast<std::uint32_t>(columns_);
+  for (const std::uint32_t i : robot) {
+    const std::uint32_t b = i / width / kBlock * columns + i % width / kBlock;
+    if (b < robot_.size()) robot_[b] = 1;
+  }
+  if (robot.empty()) return;
+  for (std::size_t r = 0; r < rows_; ++r)
+    for (std::size_t c = 0; c < columns_; ++c) {
+      if (robot_[r * columns_ + c] != 1) continue;
+      for (std::size_t y = r > 0 ? r - 1 : 0; y <= std::min(r + 1, rows_ - 1); ++y)
+        for (std::size_t x = c > 0 ? c - 1 : 0; x <= std::min(c + 1, columns_ - 1); ++x)
+          count_[y * columns_ + x] = 0.0F;
+    }
+}
+
+void BodyFinder::place_blocks(const hal::Pose& X_WTnow_WTref) {
+  const bool moved =
+      X_WTnow_WTref.translation().norm() > kMoved_m || !X_WTnow_WTref.linear().isIdentity(kMoved_m);
+  const Eigen::Isometry3f X_ref_now = X_WTnow_WTref.inverse().cast<float>();
+  const auto margin = static_cast<float>(moved ? config_.moved_object_margin_m : config_.object_margin_m);
+  const auto sigma0 = static_cast<float>(2.0 * noise_.sigma0_m),
+             sigma2 = static_cast<float>(2.0 * noise_.sigma2_per_m);
+  const auto least = static_cast<float>(config_.min_block_px);
+  for (std::size_t b = 0; b < count_.size(); ++b) {
+    foreign_[b] = 0;
+    if (count_[b] < least) continue;
+    const float z = depth_[b] / count_[b];
+    depth_[b] = z;
+    point_[b] = eye_ + z * ray_[b];
+    if (has_object_) {
+      const Eigen::Vector3f p = moved ? Eigen::Vector3f(X_ref_now * point_[b]) : point_[b];
+      const std::int32_t patch = object_.nearest(p.x(), p.y(), p.z());
+      if (patch != ObjectGrid::kNone &&
+          (p - object_.patches()[static_cast<std::size_t>(patch)]).norm() < margin + sigma0 + sigma2 * z * z)
+        continue;
+    }
+    foreign_[b] = 1;
+  }
+}
+
+void BodyFinder::connect() {
+  order_.clear();
+  parts_.clear();
+  for (std::size_t b = 0; b < foreign_.size(); ++b)
+    if (foreign_[b] == 1) grow_part(b);
+}
+
+// All blocks that hang together with `seed`, over the image without a step in depth.
+void BodyFinder::grow_part(std::size_t seed) {
+  const auto jump0 = static_cast<float>(config_.jump_m + 4.0 * noise_.sigma0_m);
+  const auto jump2 = static_cast<float>(4.0 * noise_.sigma2_per_m + 2.0 * noise_.step2_per_m);
+  Part part;
+  part.first = order_.size();
+  stack_.clear();
+  stack_.push_back(static_cast<std::uint32_t>(seed));
+  foreign_[seed] = 2;
+  while (!stack_.empty()) {
+    const std::size_t b = stack_.back();
+    stack_.pop_back();
+    order_.push_back(static_cast<std::uint32_t>(b));
+    const float z = depth_[b];
+    const double area_m2 = static_cast<double>(count_[b] * z * z) * pixel_area_;
+    part.area_m2 += area_m2;
+    part.unknown_m2 += unknown_[b] != 0 ? area_m2 : 0.0;
+    part.box.extend(point_[b].cast<double>());
+    const std::size_t r = b / columns_, c = b % columns_;
+    for (std::size_t y = r > 0 ? r - 1 : 0; y <= std::min(r + 1, rows_ - 1); ++y)
+      for (std::size_t x = c > 0 ? c - 1 : 0; x <= std::min(c + 1, columns_ - 1); ++x) {
+        const std::size_t n = y * columns_ + x;
+        if (foreign_[n] != 1 || std::abs(depth_[n] - z) > jump0 + jump2 * z * z) continue;
+        foreign_[n] = 2;
+        stack_.push_back(static_cast<std::uint32_t>(n));
+      }
+  }
+  part.count = order_.size() - part.first;
+  if (part.area_m2 >= config_.min_part_m2 && part.unknown_m2 <= config_.max_unknown_fraction * part.area_m2)
+    parts_.push_back(part);
+}
+
+void BodyFinder::join_parts() {
+  const auto larger = [](const Part& a, const Part& b) { return a.area_m2 > b.area_m2; };
+  std::sort(parts_.begin(), parts_.end(), larger);
+  if (parts_.size() > kMaxParts) parts_.resize(kMaxParts);
+  int bodies = 0;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    if (parts_[i].body >= 0) continue;
+    parts_[i].body = bodies;
+    // whatever is near to a part that belongs to it already, until nothing comes in any more
+    for (bool grew = true; grew;) {
+      grew = false;
+      for (Part& other : parts_) {
+        if (other.body >= 0) continue;
+        for (const Part& own : parts_) {
+          if (own.body != bodies || own.box.exteriorDistance(other.box) > config_.join_m) continue;
+          other.body = bodies;
+          grew = true;
+          break;
+        }
+      }
+    }
+    ++bodies;
+  }
+  for (int n = 0; n < bodies; ++n) make_body(n);
+  std::sort(bodies_.begin(), bodies_.end(),
+            [](const Body& a, const Body& b) { return a.area_m2 > b.area_m2; });
+}
+
+void BodyFinder::make_body(int number) {
+  Body body;
+  std::size_t blocks = 0;
+  for (const Part& part : parts_) {
+    if (part.body != number) continue;
+    body.area_m2 += part.area_m2;
+    body.box.extend(part.box);
+    blocks += part.count;
+  }
+  if (body.area_m2 < config_.min_body_m2) return;
+  body.first = points_.size();
+  body.pixels = {intrinsics_.width, intrinsics_.height, 0, 0};
+  const std::size_t stride = 1 + blocks / static_cast<std::size_t>(config_.max_points);
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  std::size_t at = 0;
+  for (const Part& part : parts_) {
+    if (part.body != number) continue;
+    for (std::size_t i = part.first; i < part.first + part.count; ++i) {
+      const std::size_t b = order_[i];
+      const int u = kBlock * static_cast<int>(b % columns_), v = kBlock * static_cast<int>(b / columns_);
+      body.pixels.u_begin = std::min(body.pixels.u_begin, u);
+      body.pixels.v_begin = std::min(body.pixels.v_begin, v);
+      body.pixels.u_end = std::max(body.pixels.u_end, u + kBlock);
+      body.pixels.v_end = std::max(body.pixels.v_end, v + kBlock);
+      sum += point_[b];
+      if (at++ % stride != 0) continue;
+      const float along = ray_[b].norm();
+      // behind a pixel without reference the room is open
+      const float room = (behind_m_[b] - depth_[b]) * along;
+      const auto most = static_cast<float>(config_.hidden_m);
+      points_.push_back({point_[b], ray_[b] / along, room < most ? std::max(room, 0.0F) : most});
+    }
+  }
+  body.count = points_.size() - body.first;
+  body.center = (sum / static_cast<float>(blocks)).cast<double>();
+  bodies_.push_back(body);
+}
+
+}  // namespace colift::perception
