@@ -5,6 +5,7 @@
 #include "control/config/check_config.hpp"
 #include "control/config/load_config.hpp"
 #include "control/config/method.hpp"
+#include "control/config/recovery_config.hpp"
 #include "control/config/setpoint_limits.hpp"
 #include "control/config/task_config.hpp"
 #include "control/config/test_lift_config.hpp"
@@ -56,6 +57,7 @@ struct Config {
   planner::PlannerConfig motion;
   TaskConfig task;
   TestLiftConfig test_lift;
+  RecoveryConfig recovery;
   LoadConfig load;
   SetpointLimits setpoints;
   MapCheckConfig map_check;
@@ -93,6 +95,7 @@ struct Config {
     v("motion", motion, "Motion planning of the arm.");
     v("task", task, "The job: timeouts, lift, limits that end it.");
     v("test_lift", test_lift, "Test lifts before the lift.");
+    v("recovery", recovery, "Lowering, release and the motion home after a stop (colift recover).");
     v("load", load, "Estimation of the external wrench.");
     v("setpoints", setpoints, "Limits of the arm's set points: stops, corrections, ramps, contact.");
     v("map_check", map_check, "When a collision map is refused.");
