@@ -2,6 +2,8 @@
 
 #include <array>
 #include <chrono>
+#include <string>
+#include <vector>
 
 #include "hal/device.hpp"
 #include "hal/types/short_text.hpp"
@@ -42,6 +44,9 @@ class Hand : public Device {
 
   /// Starts to open a loaded hand: the only call that does.
   [[nodiscard]] virtual Result<> release() = 0;
+
+  /// What the machine granted to a thread of the hand's own, in sentences; empty where it has none.
+  [[nodiscard]] virtual std::vector<std::string> realtime() const { return {}; }
 
   /// Fingers stay where they are. Any thread, any number of times.
   virtual void stop() noexcept = 0;

@@ -19,12 +19,6 @@ constexpr int kMostCyclesAtEnd = 1000;
 constexpr int kMissesAtStart = 50;  // a controller that was just activated may take some cycles to answer
 constexpr auto kTaskPeriod = 4ms;   // of a task that does not run the arm's cycle: eight cycles per frame
 
-bool moves(ArmRequest::Kind kind) {
-  using Kind = ArmRequest::Kind;
-  return kind == Kind::Hold || kind == Kind::Follow || kind == Kind::Resume || kind == Kind::Back ||
-         kind == Kind::StartLift || kind == Kind::RaiseOn || kind == Kind::Stay || kind == Kind::Lower;
-}
-
 /// Activation and the first good cycle, in the thread that makes all the others.
 hal::Result<> begin(hal::Arm& arm, ArmController& controller) {
   if (auto active = arm.activate(); !active) return active;
@@ -44,6 +38,7 @@ hal::Result<> begin(hal::Arm& arm, ArmController& controller) {
 struct ArmCommander::Threaded {
   hal::TripleBuffer<ArmView> views;
   hal::SpscRing<ArmRequest, 64> requests;
+  Heartbeat task;
   std::atomic<bool> begun{false}, end{false}, ended{false};
   hal::Result<> beginning;  ///< Read once `begun`.
   hal::RealtimeReport realtime;
@@ -53,6 +48,7 @@ struct ArmCommander::Threaded {
 };
 
 void ArmCommander::Threaded::run(hal::Arm& arm, ArmController& controller) {
+  hal::name_thread("colift-arm");
   realtime = hal::ask_for_realtime({});
   beginning = begin(arm, controller);
   if (beginning) views.write(controller.view());
@@ -60,6 +56,7 @@ void ArmCommander::Threaded::run(hal::Arm& arm, ArmController& controller) {
   for (int left = beginning ? kMostCyclesAtEnd : 0, rests = 0; left > 0 && rests < kCyclesAtEnd;) {
     controller.measured(arm.wait_cycle());
     while (const auto request = requests.pop()) controller.take(*request);
+    controller.heed_task(task.count());
     if (const auto command = controller.command()) controller.sent(arm.command(*command));
     const ArmView& view = controller.view();
     views.write(view);
@@ -125,6 +122,7 @@ void ArmCommander::finish() noexcept {
 void ArmCommander::begin_cycle() {
   if (recorded_) return recorded_(view_);
   if (thread_) {
+    thread_->task.beat();
     std::this_thread::sleep_for(kTaskPeriod);
     (void)thread_->views.read(view_);
     return;
@@ -148,6 +146,7 @@ void ArmCommander::ask(ArmRequest request) {
     view_ = controller_.view();
     return;
   }
+  thread_->task.beat();  // who has just computed for long asks now, and is there
   // full only when the arm's thread has stood still for a quarter of a second: then its link is gone, and
   // nothing that could be asked matters until it is back
   while (!thread_->requests.push(request) && !thread_->ended) std::this_thread::sleep_for(1ms);
@@ -205,6 +204,10 @@ void ArmCommander::raise_on(LiftController::Role role, double height_m, double t
   ask({ArmRequest::Kind::RaiseOn, 0, nullptr, height_m, role, time_s});
 }
 
+void ArmCommander::resume_lift() {
+  ask({ArmRequest::Kind::ResumeLift, 0, nullptr, 0.0, {}});
+}
+
 void ArmCommander::stay() {
   ask({ArmRequest::Kind::Stay, 0, nullptr, 0.0, {}});
 }
@@ -218,11 +221,13 @@ void ArmCommander::see_partner(double rise_m) {
 }
 
 bool ArmCommander::blocked() const {
-  return current() && (view_.blocked.why != SetpointGenerator::Contact::None || view_.trajectory_refused);
+  return current() &&
+         (view_.blocked.why != SetpointGenerator::Contact::None || view_.trajectory_refused || view_.stalled);
 }
 
 std::string ArmCommander::why_blocked() const {
   if (view_.trajectory_refused) return "the arm is not on its path: it was moved meanwhile";
+  if (view_.stalled) return describe_stall(view_);
   return describe(view_.blocked);
 }
 

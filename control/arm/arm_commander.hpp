@@ -59,6 +59,8 @@ class ArmCommander {
   /// the lift began.
   void start_lift(LiftController::Role role, double height_m, double time_s);
   void raise_on(LiftController::Role role, double height_m, double time_s);
+  /// Goes on with a lift that the arm stopped because the task was late; once it is at rest.
+  void resume_lift();
   /// Ends a slow lift at the height that it has reached; at once, so for slow ones only.
   void stay();
   void lower();
@@ -71,6 +73,8 @@ class ArmCommander {
   [[nodiscard]] bool lift_at_rest() const { return current() && view_.lift_at_rest; }
   [[nodiscard]] bool end_of_reach() const { return current() && view_.end_of_reach; }
   [[nodiscard]] double progress() const { return current() ? view_.progress : 0.0; }
+  /// The arm stopped by itself because the task was late, and has not been asked to move since.
+  [[nodiscard]] bool stalled() const { return view_.stalled; }
   [[nodiscard]] bool blocked() const;
   [[nodiscard]] std::string why_blocked() const;
   [[nodiscard]] const hal::JointVector& commanded() const { return view_.commanded_rad; }

@@ -1,10 +1,29 @@
 #include "control/arm/arm_controller.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
 namespace colift::control {
+
+bool moves(ArmRequest::Kind kind) {
+  using Kind = ArmRequest::Kind;
+  return kind == Kind::Hold || kind == Kind::Follow || kind == Kind::Resume || kind == Kind::Back ||
+         kind == Kind::StartLift || kind == Kind::RaiseOn || kind == Kind::Stay || kind == Kind::Lower ||
+         kind == Kind::ResumeLift;
+}
+
+std::string describe_stall(const ArmView& view) {
+  return fmt::format("the job's thread did not run for {:.2f} s: the arm stopped by itself", view.stall_s);
+}
 
 ArmController::ArmController(const hal::RobotModel& model, const planner::ArmGeometry& arm,
                              const TaskConfig& task, const LoadConfig& load, const SetpointLimits& limits)
-    : setpoints_(model, task, limits), load_(model, load), lift_(model, arm, task) {}
+    : setpoints_(model, task, limits),
+      load_(model, load),
+      lift_(model, arm, task),
+      beat_timeout_s_(task.supervision.beat_timeout_s) {}
 
 void ArmController::measured(const hal::Result<hal::ArmState>& state) {
   if (!state) {
@@ -24,6 +43,7 @@ void ArmController::measured(const hal::Result<hal::ArmState>& state) {
 void ArmController::take(const ArmRequest& request) {
   using Kind = ArmRequest::Kind;
   view_.answered = request.id;
+  if (moves(request.kind) && request.kind != Kind::Hold) view_.stalled = false;
   switch (request.kind) {
     case Kind::Hold:
       lifting_ = false;
@@ -57,11 +77,8 @@ void ArmController::take(const ArmRequest& request) {
       load_.end_tare();
       break;
     case Kind::StartLift:
-      lifting_ = true;
+      start_lift_time();
       view_.end_of_reach = false;
-      lift_time_.reset();
-      (void)lift_time_.advance(view_.state.measured_at);
-      lift_starts_ = setpoints_.starts();
       lift_.start(setpoints_.commanded());
       lift_.lift(request.role, request.number, request.time_s);
       break;
@@ -77,7 +94,32 @@ void ArmController::take(const ArmRequest& request) {
     case Kind::SeePartner:
       lift_.see_partner(request.number);
       break;
+    case Kind::ResumeLift:
+      if (!lift_cut_off_ || !setpoints_.at_rest()) break;
+      start_lift_time();
+      lift_.restart(setpoints_.commanded());
+      break;
   }
+}
+
+void ArmController::start_lift_time() {
+  lifting_ = true;
+  lift_cut_off_ = false;
+  lift_time_.reset();
+  (void)lift_time_.advance(view_.state.measured_at);
+  lift_starts_ = setpoints_.starts();
+}
+
+void ArmController::heed_task(std::uint64_t beats) {
+  if (view_.misses > 0) return;
+  const double silent_s = task_beat_.update(beats, view_.state.measured_at);
+  if (view_.stalled) view_.stall_s = std::max(view_.stall_s, silent_s);
+  if (view_.stalled || silent_s <= beat_timeout_s_ || setpoints_.at_rest()) return;
+  view_.stalled = true;
+  ++view_.stalls;
+  view_.stall_s = silent_s;
+  lift_cut_off_ = std::exchange(lifting_, false);
+  setpoints_.hold();
 }
 
 void ArmController::serve_lift() {

@@ -7,6 +7,7 @@
 #include "control/arm/setpoint_generator.hpp"
 #include "control/lift/lift_controller.hpp"
 #include "control/lift/load_estimator.hpp"
+#include "control/monitor/heartbeat.hpp"
 #include "hal/types/short_text.hpp"
 
 namespace colift::control {
@@ -28,6 +29,7 @@ struct ArmRequest {
     Stay,        ///< Raise it no further. At once: for a slow lift.
     Lower,       ///< Bring it down again.
     SeePartner,  ///< His end of the object has risen by `number` (m).
+    ResumeLift,  ///< Goes on with the lift that was stopped because the task was late.
   };
   Kind kind = Kind::Hold;
   std::uint32_t id = 0;  ///< Counts up; ArmView::answered tells which ones were taken.
@@ -36,6 +38,9 @@ struct ArmRequest {
   LiftController::Role role = LiftController::Role::Lead;
   double time_s = 0.0;
 };
+
+/// Whether a request changes what the arm is doing, so that answers about the motion before are void.
+[[nodiscard]] bool moves(ArmRequest::Kind kind);
 
 /// What the task knows of the arm after a cycle. Copied without allocation.
 struct ArmView {
@@ -51,6 +56,11 @@ struct ArmView {
   SetpointGenerator::Blockage blocked;
   bool trajectory_refused = false;  ///< The last trajectory could not be started, or not be taken up again.
   bool slow = false;  ///< Goes slower than planned: the controller warns, or the task asked for it.
+
+  // of the task's thread, where the cycle has one of its own
+  bool stalled = false;  ///< The task was late: the arm stopped by itself, until it is asked to move again.
+  std::uint32_t stalls = 0;  ///< How often, since the start.
+  double stall_s = 0.0;      ///< For how long the task had not run, in the last of them.
 
   // of what is felt
   std::optional<hal::Wrench> wrench_W;
@@ -69,6 +79,9 @@ struct ArmView {
   hal::ShortText trouble, refusal;
 };
 
+/// Why the arm stopped by itself, with figures.
+[[nodiscard]] std::string describe_stall(const ArmView& view);
+
 /// Everything that happens in one cycle of the arm: what it feels, the lift, the motion, the command. One
 /// thread; cycle() does not allocate unless something goes wrong.
 class ArmController {
@@ -79,6 +92,10 @@ class ArmController {
   /// What the controller measured, or why it did not.
   void measured(const hal::Result<hal::ArmState>& state);
   void take(const ArmRequest& request);
+  /// Once in each cycle, where the task runs in another thread: how often that has come by. A moving arm
+  /// whose task is late (SupervisionConfig::beat_timeout_s) comes to rest on its path and stays; at rest
+  /// nobody waits for the task.
+  void heed_task(std::uint64_t beats);
   /// The answer to the last cycle; none to one that was missed or whose controller takes no commands.
   [[nodiscard]] std::optional<hal::ImpedanceCommand> command();
   /// What became of it.
@@ -91,11 +108,15 @@ class ArmController {
   /// Once in every cycle. A lift stands still with an arm that is not commanded, and goes on from where it
   /// is.
   void serve_lift();
+  void start_lift_time();
 
   SetpointGenerator setpoints_;
   LoadEstimator load_;
   LiftController lift_;
   bool lifting_ = false, stopped_by_contact_ = false;
+  bool lift_cut_off_ = false;  ///< By a task that was late.
+  double beat_timeout_s_;
+  BeatMonitor task_beat_;
   std::uint32_t lift_starts_ = 0;  ///< Of the cycle, when the lift began or went on.
   hal::CycleTime lift_time_;
   ArmView view_;

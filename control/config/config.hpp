@@ -6,6 +6,7 @@
 #include "control/config/load_config.hpp"
 #include "control/config/method.hpp"
 #include "control/config/monitor_config.hpp"
+#include "control/config/recovery_config.hpp"
 #include "control/config/setpoint_limits.hpp"
 #include "control/config/task_config.hpp"
 #include "control/config/test_lift_config.hpp"
@@ -62,6 +63,7 @@ struct Config {
   TaskConfig task;
   MonitorConfig monitor;
   TestLiftConfig test_lift;
+  RecoveryConfig recovery;
   LoadConfig load;
   SetpointLimits setpoints;
   MapCheckConfig map_check;
@@ -102,6 +104,7 @@ struct Config {
     v("task", task, "The job: timeouts, lift, limits that end it.");
     v("monitor", monitor, "How fast the arm may be with people around.");
     v("test_lift", test_lift, "Test lifts before the lift.");
+    v("recovery", recovery, "Lowering, release and the motion home after a stop (colift recover).");
     v("load", load, "Estimation of the external wrench.");
     v("setpoints", setpoints, "Limits of the arm's set points: stops, corrections, ramps, contact.");
     v("map_check", map_check, "When a collision map is refused.");

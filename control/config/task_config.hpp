@@ -14,6 +14,10 @@ struct SupervisionConfig {
   double slow_image_age_s = 0.15;
   double full_speed_image_age_s = 0.10;
   double image_age_filter_s = 0.4;
+  double beat_timeout_s = 0.1;
+  double stall_timeout_s = 1.0;
+  double stall_recovery_s = 0.5;
+  int max_stalls = 5;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -31,6 +35,15 @@ struct SupervisionConfig {
     v("full_speed_image_age_s", full_speed_image_age_s, hal::Range{0.01, 10},
       "Mean age below which it goes at full speed again (s).");
     v("image_age_filter_s", image_age_filter_s, hal::Range{0.001, 10}, "Time constant of that mean (s).");
+    v("beat_timeout_s", beat_timeout_s, hal::Range{0.02, 10},
+      "A moving arm stops by itself when the job's thread has not run for this time; an arm whose thread has "
+      "not "
+      "run for it is lost (s).");
+    v("stall_timeout_s", stall_timeout_s, hal::Range{0, 60},
+      "A job whose thread did not run for longer than this while the arm moved ends (s).");
+    v("stall_recovery_s", stall_recovery_s, hal::Range{0, 60},
+      "After a shorter one the arm continues when the thread has run in time for this (s).");
+    v("max_stalls", max_stalls, hal::Range{0, 1000}, "Max number of these in a job.");
   }
 };
 

@@ -28,6 +28,9 @@ constexpr std::string_view kReachEnds =
 constexpr std::string_view kAlone =
     "the partner let go while the object was carried; holds, the grip stays closed";
 
+constexpr std::string_view kStalled =
+    "the job's thread stood still while the arm moved; holds, the grip stays as it is";
+
 constexpr auto kRules = std::to_array<Rule>({
     // looking: nothing has moved yet
     {Observe, SceneKnown, AwaitPartner, "an object to carry and feasible grasps were found"},
@@ -76,6 +79,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Approach, CameraLost, Halt, "camera lost: cannot check the path, stopped"},
     {Approach, Blocked, Stopped, kHit},
     {Approach, TimeOut, Stopped, "timeout: the arm did not arrive; holds"},
+    {Approach, Stalled, Stopped, kStalled},
     {Approach, ArmLost, Stopped, kArmGone},
     {Approach, HandLost, Stopped, kHandGone},
     {Approach, HandUnfit, BackOff, "the hand may not grip now: returns"},
@@ -93,6 +97,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {BackOff, CameraLost, Halt, "camera lost: cannot check the path, stopped"},
     {BackOff, Blocked, Stopped, kHit},
     {BackOff, TimeOut, Stopped, "timeout: did not reach home; holds"},
+    {BackOff, Stalled, Stopped, kStalled},
     {BackOff, ArmLost, Stopped, kArmGone},
     {BackOff, HandLost, Stopped, kHandGone},
     {BackOff, Interrupted, Stopped, kAskedInTransit},
@@ -141,6 +146,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {TestLift, PartnerLetGo, Stopped, kAlone},
     {TestLift, HandEmpty, Stopped, kFell},
     {TestLift, Blocked, Stopped, kPulled},
+    {TestLift, Stalled, Stopped, kStalled},
     {TestLift, ArmLost, Stopped, kArmGone},
     {TestLift, HandLost, Stopped, kHandGone},
     {TestLift, HandUnfit, Stopped, kHoldsBadly},
@@ -154,6 +160,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Lift, PartnerLetGo, Stopped, kAlone},
     {Lift, HandEmpty, Stopped, kFell},
     {Lift, Blocked, Stopped, kPulled},
+    {Lift, Stalled, Stopped, kStalled},
     {Lift, ArmLost, Stopped, kArmGone},
     {Lift, HandLost, Stopped, kHandGone},
     {Lift, HandUnfit, Stopped, kHoldsBadly},
@@ -177,6 +184,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Lower, PartnerLetGo, Stopped, kAlone},
     {Lower, HandEmpty, Stopped, kFell},
     {Lower, Blocked, Stopped, kPulled},
+    {Lower, Stalled, Stopped, kStalled},
     {Lower, ArmLost, Stopped, kArmGone},
     {Lower, HandLost, Stopped, kHandGone},
     {Lower, Interrupted, Stopped, kAskedLoaded},
@@ -193,6 +201,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Retreat, BackInVain, Aborted, "at home without the goal"},
     {Retreat, Blocked, Stopped, kHit},
     {Retreat, TimeOut, Stopped, "timeout: did not reach home; holds"},
+    {Retreat, Stalled, Stopped, kStalled},
     {Retreat, ArmLost, Stopped, kArmGone},
     {Retreat, HandLost, Stopped, kHandGone},
     {Retreat, Interrupted, Stopped, kAskedInTransit},
@@ -339,6 +348,8 @@ std::string_view word(Event event) {
       return "camera back";
     case ArmLost:
       return "arm lost";
+    case Stalled:
+      return "stalled";
     case HandUnfit:
       return "hand unfit";
     case HandLost:

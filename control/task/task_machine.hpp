@@ -68,6 +68,7 @@ enum class Event {
   ArmLost,
   HandLost,
   FingerLost,  ///< FingerLost: one puck does not answer, the others obey.
+  Stalled,     ///< The job's own thread did not run for too long: the arm stopped by itself meanwhile.
   HandUnfit,   ///< It works, but may not grip now, or not hold on for long.
   Interrupted,
   TimeOut,

@@ -36,6 +36,8 @@ hal::Result<RunRecord> TaskRunner::run(const JobHooks& hooks) {
 hal::Result<> TaskRunner::start() {
   if (auto started = start_devices(); !started) return started;
   c_.record.realtime = c_.arm.realtime();
+  for (const std::string& words : c_.robot.hand->realtime())
+    if (words.starts_with("scheduling")) c_.record.realtime.push_back("hand's thread: " + words);
   c_.began = c_.now = c_.since = c_.robot.clock->now();
   wall_start_ = c_.stopwatch.now();
   hand_.start();
@@ -75,8 +77,10 @@ bool TaskRunner::cycle(const JobHooks& hooks) {
     apply(*fault, hooks);
   } else if (waits_for_arm()) {
     c_.doing = "the arm is stopped until its controller accepts commands again";
+  } else if (stall_.waiting()) {
+    c_.doing = "the arm is stopped until the job's thread runs in time again";
   } else {
-    if (arm_.take_restart()) resume_after_restart();
+    if (arm_.take_restart() | stall_.take_recovery()) resume_after_restart();
     if (const auto event = work()) apply(*event, hooks);
   }
   c_.arm.end_cycle();
@@ -95,11 +99,13 @@ void TaskRunner::read_devices() {
   camera_.read();
   speed_.update(hand_.warning());
   separation_.update(speed_.image_age_s());
+  stall_.read();
 }
 
 std::optional<TaskEvent> TaskRunner::emergency(const JobHooks& hooks) const {
   if (hooks.interrupted && hooks.interrupted()) return TaskEvent{Event::Interrupted, "asked to end"};
   if (arm_.lost()) return TaskEvent{Event::ArmLost, arm_.fault()};
+  if (!stall_.fault().empty()) return TaskEvent{Event::Stalled, stall_.fault()};
   // with nothing held yet the others are opened; later one finger less is a grip that nobody may trust
   if (hand_.lost() && hand_.silent_puck() && next(c_.state, Event::FingerLost))
     return TaskEvent{Event::FingerLost, hand_.fault()};
@@ -117,7 +123,8 @@ bool TaskRunner::waits_for_arm() const {
 
 void TaskRunner::resume_after_restart() {
   c_.note_device("arm", "continues from the current position");
-  // a hand at work continues by itself, and so does a lift: from its height
+  // a hand at work continues by itself, and so does a lift whose arm was not commanded: from its height
+  if (c_.state == Task::TestLift || c_.state == Task::Lift || c_.state == Task::Lower) c_.arm.resume_lift();
   if (c_.state == Task::Approach) approach_phase_.resume_after_restart();
   if (c_.state == Task::BackOff) back_off_phase_.resume_after_restart();
   if (c_.state == Task::Retreat) retreat_phase_.resume_after_restart();
@@ -177,7 +184,7 @@ void TaskRunner::begin_state(Task from, Event event) {
     case Task::Halt:
       return approach_phase_.begin_halt();
     case Task::BackOff:
-      return back_off_phase_.begin(event, approach_phase_.abandon());
+      return back_off_phase_.begin(event, approach_phase_.abandon(), approach_phase_.set_out());
     case Task::Close:
       return grip_phase_.begin_close();
     case Task::AwaitReady:

@@ -19,6 +19,7 @@
 #include "control/task/supervision/hand_supervisor.hpp"
 #include "control/task/supervision/separation_supervisor.hpp"
 #include "control/task/supervision/speed_scaling.hpp"
+#include "control/task/supervision/stall_supervisor.hpp"
 #include "control/task/task_context.hpp"
 
 namespace colift::control {
@@ -47,7 +48,7 @@ class TaskRunner {
   /// What devices or the operator report; it comes before the phase's own work.
   [[nodiscard]] std::optional<TaskEvent> emergency(const JobHooks& hooks) const;
   [[nodiscard]] bool waits_for_arm() const;
-  /// The arm's cycle began anew: what was under way is taken up again.
+  /// The arm's cycle began anew, or stopped for a late task: what was under way is taken up again.
   void resume_after_restart();
   /// The work of the state's phase in this cycle.
   [[nodiscard]] std::optional<TaskEvent> work();
@@ -65,6 +66,7 @@ class TaskRunner {
   CameraSupervisor camera_{c_};
   SpeedScaling speed_{c_};
   SeparationSupervisor separation_{c_};
+  StallSupervisor stall_{c_};
 
   PartnerMonitor partner_{c_};
   ObjectMonitor object_{c_};

@@ -140,6 +140,10 @@ Result<> GuardedHand::release() {
   return done;
 }
 
+std::vector<std::string> GuardedHand::realtime() const {
+  return impl_->inner->realtime();
+}
+
 void GuardedHand::stop() noexcept {
   impl_->inner->stop();
 }

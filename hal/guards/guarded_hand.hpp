@@ -11,7 +11,7 @@ namespace colift::hal {
 /// Limits of requests and states at the last gate before the hand.
 struct HandGuardConfig {
   double max_torque_nm = 1.0;
-  double stale_s = 0.2;
+  double stale_s = 0.1;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -36,6 +36,7 @@ class GuardedHand final : public Hand {
   Result<> preshape(double spread_rad) override;
   Result<> close(double torque_nm) override;
   Result<> release() override;
+  [[nodiscard]] std::vector<std::string> realtime() const override;
   void stop() noexcept override;
 
  private:

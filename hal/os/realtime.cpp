@@ -3,6 +3,7 @@
 #include <alloca.h>
 #include <fmt/format.h>
 #include <malloc.h>
+#include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -36,6 +37,10 @@ bool kernel_is_realtime() {
 }
 
 }  // namespace
+
+void name_thread(const char* name) noexcept {
+  (void)::pthread_setname_np(::pthread_self(), name);
+}
 
 bool stay_on_cpu(int cpu) noexcept {
   if (cpu < 0 || cpu >= CPU_SETSIZE) return false;

@@ -30,6 +30,9 @@ struct RealtimeReport {
 /// fails; the report tells what is missing. Before the cycle: this allocates and touches files.
 [[nodiscard]] RealtimeReport ask_for_realtime(const RealtimeRequest& request);
 
+/// Gives the calling thread a name of at most 15 characters, for top, ps and debuggers.
+void name_thread(const char* name) noexcept;
+
 /// Keeps the calling thread on one CPU (from 0). False: there is no such CPU for this program.
 bool stay_on_cpu(int cpu) noexcept;
 

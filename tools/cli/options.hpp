@@ -71,6 +71,7 @@ struct RunOptions {
   std::string share;
   std::uint64_t seed = 1;
   bool dry_run = false;
+  bool recover = false;  ///< A stopped run is recovered at once; in simulation.
   std::optional<std::filesystem::path> report;
   std::optional<std::filesystem::path> png;     ///< Picture of the lift.
   std::optional<std::filesystem::path> record;  ///< The whole run (MCAP).

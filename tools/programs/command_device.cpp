@@ -3,9 +3,10 @@
 #include "tools/bring_up/cmd_hal.hpp"
 #include "tools/bring_up/cmd_hal_camera.hpp"
 #include "tools/calibrate/calibrate.hpp"
-#include "tools/programs/command_line.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"
+#include "tools/programs/command_line.hpp"
+#include "tools/recover/cmd_recover.hpp"
 
 namespace colift::tools {
 namespace {
@@ -167,6 +168,25 @@ void add_device_commands(CommandLine& line) {
   line.add_common(calibrate_command);
   line.when(calibrate_command, [&common, calibrate] { return cmd_calibrate(common, *calibrate); });
   line.configured(calibrate_command, {[&common] { return config_of(common, control::Command::Calibrate); }});
+
+  CLI::App& recover_command = line.command("recover");
+  const auto recover = std::make_shared<RecoverOptions>();
+  recover_command
+      .add_option("--robot", recover->robot,
+                  "Robot file: which devices are used (default: the simulated rig)")
+      ->type_name("FILE");
+  recover_command.add_option("--scenario", recover->scenario, "Scenario of a simulated or emulated rig")
+      ->type_name("FILE");
+  recover_command.add_flag("--yes", recover->yes, "Confirms every step; simulated and emulated rigs only");
+  line.add_common(recover_command);
+  line.when(recover_command, [&common, recover] { return cmd_recover(common, *recover); });
+  line.configured(recover_command, {[&common, recover] {
+                                      RunOptions as_run;
+                                      as_run.robot = recover->robot;
+                                      as_run.scenario = recover->scenario;
+                                      return config_of_run(common, as_run);
+                                    },
+                                    [recover] { return recover->robot; }});
 
   CLI::App& doctor_command = line.command("doctor");
   const auto doctor = std::make_shared<DoctorOptions>();

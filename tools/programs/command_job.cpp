@@ -1,8 +1,8 @@
 // Options of the job.
 
-#include "tools/programs/command_line.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"
+#include "tools/programs/command_line.hpp"
 
 namespace colift::tools {
 namespace {
@@ -19,6 +19,9 @@ void add_run(CLI::App& command, RunOptions& o) {
   command.add_option("--share", o.share, "Share of the load that the robot shall carry, between 0 and 1")
       ->type_name("S");
   command.add_flag("--dry-run", o.dry_run, "Perception, decision and plan only; nothing moves");
+  command.add_flag(
+      "--recover", o.recover,
+      "In simulation: a run that ends in \"stopped\" is recovered at once, every step confirmed");
   command.add_option("--report", o.report, "Writes one HTML page with pictures, curves and reasons")
       ->type_name("FILE.html");
   command.add_option("--png", o.png, "Writes a picture of the lift")->type_name("OUT.png");

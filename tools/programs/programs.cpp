@@ -28,6 +28,8 @@ constexpr CommandEntry kCommands[] = {
     {"hal", "colift-bring-up", "Bring-up of one device at a time"},
     {"calibrate", "colift-bring-up",
      "Camera-to-arm calibration: a blinking emitter on the palm, observed at many poses of the arm"},
+    {"recover", "colift-bring-up",
+     "After a stop: the state of arm, hand and load; in confirmed steps to lowered, released, home"},
     {"doctor", "colift-bring-up", "Checks this machine; each finding with the command that repairs it"},
     {"emulate", "colift-emulate", "Emulates a device at the far end of its wire"},
 };

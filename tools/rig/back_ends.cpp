@@ -163,6 +163,7 @@ hal::Result<Rig> open_rig(const RigRequest& request, const control::Config& conf
   }
   if (request.X_WC) rig.X_WC = *request.X_WC;
 
+  rig.simulated = !real_time || emulated || served_elsewhere;
   World world;
   if (!real_time || emulated) {
     auto made = make_world(*file, *read, *rig.model, request.seed);
@@ -192,7 +193,8 @@ hal::Result<Rig> open_rig(const RigRequest& request, const control::Config& conf
   rig.robot.arm = std::make_unique<hal::GuardedArm>(std::move(*arm), *rig.model, config.guard_arm);
   auto hand = open_hand(*file, world);
   if (!hand) return tl::unexpected(hand.error());
-  rig.robot.hand = std::make_unique<hal::GuardedHand>(std::move(*hand), config.guard_hand);
+  rig.robot.hand = std::make_unique<hal::GuardedHand>(std::move(*hand), config.guard_hand,
+                                                      real_time ? rig.robot.clock.get() : nullptr);
   open_camera(*file, *read, world, far_ends.get(), pose_known, config, rig);
   return rig;
 }

@@ -42,6 +42,7 @@ struct Rig {
   hal::JointVector home_rad = hal::JointVector::Zero();  ///< Where the arm stands at the start.
   control::Drive drive = control::Drive::InStep;         ///< Who runs the arm's cycle.
   std::string name;
+  bool simulated = true;  ///< Or emulated, here or in another program: no person is near it.
   std::optional<RigTruth> truth;
   std::function<void()> begin;        ///< Starts the scenario, when the devices are ready; may be empty.
   std::function<ArmLink()> arm_link;  ///< Empty where the arm has no wire.

@@ -6,8 +6,11 @@
 #include "hal/types/units.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"
-#include "tools/cli/session.hpp"
 #include "tools/cli/interrupt.hpp"
+#include "tools/cli/session.hpp"
+#include "tools/recover/cmd_recover.hpp"
+#include "tools/recover/operator.hpp"
+#include "tools/recover/recover_json.hpp"
 #include "tools/rig/back_ends.hpp"
 #include "tools/run/run_json.hpp"
 #include "tools/run/run_live.hpp"
@@ -97,6 +100,7 @@ int exit_code(const control::RunRecord& record, const RunOptions& options) {
 }  // namespace
 
 int cmd_run(const CommonOptions& common, const RunOptions& options) {
+  const InterruptGuard signals;
   const auto task = read_task(options.scenario);
   if (!task) return report_error("run", task.error());
   auto setup = load_setup(config_of_run(common, options));
@@ -106,6 +110,9 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
   if (setup->calibration) X_WC = setup->calibration->X_BC();
   auto rig = open_rig({options.robot, options.scenario, options.seed, X_WC}, setup->config);
   if (!rig) return report_error("run", rig.error());
+  if (options.recover && !rig->simulated)
+    return report_error("run", {hal::ErrorCode::BadInput, "--recover",
+                                "is for simulated and emulated rigs; here: colift recover, after the stop"});
 
   const RunSetting setting = setting_of(common, options, *task, *rig, *setup);
   const hal::SteadyClock wall;
@@ -132,7 +139,6 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
   const control::RigView view{*rig->model, setup->hand, setup->hand_tables, rig->X_WC};
   control::TaskRunner runner(rig->robot, view, setup->config, job, wall);
 
-  const InterruptGuard signals;
   std::optional<RunProgress> progress(std::in_place, stderr,
                                       progress_style(stderr, common.json, common.quiet), setting, wall);
   hal::Timestamp began = rig->robot.clock->now();
@@ -159,6 +165,7 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
   hooks.changed = [&](control::Task from, control::Task to) {
     if (rig->truth) truth_log.on_change(from, to, *rig->truth);
   };
+  if (InterruptGuard::asked()) return kInterrupted;  // before any device was started
   const auto record = runner.run(*recording ? (*recording)->hooks(hooks) : hooks);
   progress->end();
   progress.reset();
@@ -167,10 +174,19 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
     return kDeviceFailed;
   }
 
+  std::string recovery;
+  if (options.recover && !record->states.empty() && record->states.back().state == control::Task::Stopped)
+    recovery = recover_document(
+        recover_rig(*rig, *setup, options.seed, confirm_everything([] { return false; }, common.quiet)));
+
   std::optional<ArmLink> link;
   if (rig->arm_link) link = rig->arm_link();
-  const RunView run{*record, setting, rig->truth ? &truth_log.truth : nullptr,
-                    rig->truth ? &truth_log.scenes : nullptr, link ? &*link : nullptr};
+  const RunView run{*record,
+                    setting,
+                    rig->truth ? &truth_log.truth : nullptr,
+                    rig->truth ? &truth_log.scenes : nullptr,
+                    link ? &*link : nullptr,
+                    recovery};
   const std::string document = run_document(run);
   if (*recording)
     for (const std::string& line : (*recording)->finish(*record, document, common.quiet))

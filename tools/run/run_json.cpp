@@ -179,6 +179,7 @@ std::string run_document(const RunView& view) {
             {"timing", timing(record)}};
   if (view.truth) j["truth"] = truth(view);
   if (view.arm_link != nullptr) j["arm_link"] = arm_link(*view.arm_link);
+  if (!view.recovery.empty()) j["recovery"] = Json::parse(view.recovery);
   j["faults"] = faults(record);
   j["hand_keeps_grip"] = record.hand_keeps_grip;
   j["candidates"] = candidates(record);

@@ -56,6 +56,7 @@ struct RunView {
   const RunTruth* truth = nullptr;    ///< Null on a real rig.
   const RunScenes* scenes = nullptr;  ///< Null: drawn from what was seen.
   const ArmLink* arm_link = nullptr;  ///< Null where the arm has no wire.
+  std::string recovery = {};          ///< Document of the recovery after it; empty: there was none.
 };
 
 /// "lifted", "aborted", "refused".

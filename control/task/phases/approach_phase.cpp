@@ -1,17 +1,34 @@
 #include "control/task/phases/approach_phase.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
 
+#include "hal/types/units.hpp"
+
 namespace colift::control {
+namespace {
+
+// the hand's state shows a command some cycles later: before, it may look as if it had ended already
+constexpr double kCommandShows_s = 0.2;
+
+}  // namespace
 
 using perception::PartnerEvent;
 
 void ApproachPhase::begin() {
   ++c_.attempts.approaches;
   c_.arm.start_tare();
-  if (const auto opened = c_.robot.hand->preshape(0.0); !opened)
-    c_.note_device("hand", opened.error().text());
-  leg_ = c_.follow(c_.record.plan->transit) ? Leg::Transit : Leg::None;
+  refusal_.clear();
+  leg_ = Leg::None;
+  set_out_ = false;
+  if (const auto opened = c_.robot.hand->preshape(0.0); !opened) {
+    refusal_ = opened.error().text();
+    c_.note_device("hand", refusal_);
+    return;
+  }
+  set_out_ = c_.follow(c_.record.plan->transit);
+  if (set_out_) leg_ = Leg::Transit;
 }
 
 std::optional<TaskEvent> ApproachPhase::approach() {
@@ -22,6 +39,8 @@ std::optional<TaskEvent> ApproachPhase::approach() {
     return TaskEvent{moved ? Event::PartnerMoved : Event::PartnerLetGo, event->reason};
   }
   if (c_.arm.blocked()) return TaskEvent{Event::Blocked, c_.arm.why_blocked()};
+  if (const std::string closed = hand_stays_closed(); !closed.empty())
+    return TaskEvent{Event::HandUnfit, closed};
   if (leg_ == Leg::None) return TaskEvent{Event::Blocked, c_.attempts.failure};
   const double transit_s = plan.transit.duration_s(), straight_s = plan.approach.duration_s();
   const double total_s = transit_s + straight_s;
@@ -41,6 +60,22 @@ std::optional<TaskEvent> ApproachPhase::approach() {
     return std::nullopt;
   }
   return TaskEvent{Event::Arrived, ""};
+}
+
+std::string ApproachPhase::hand_stays_closed() const {
+  if (!refusal_.empty()) return "the hand refuses to open: " + refusal_;
+  const GripConfig& limits = c_.config.task.grip;
+  if (c_.in_state_s() < kCommandShows_s) return "";
+  const hal::HandState& hand = c_.readings.hand;
+  if (hand.moving)
+    return c_.in_state_s() < limits.hand_timeout_s
+               ? ""
+               : fmt::format("the hand is not open after {:.0f} s", limits.hand_timeout_s);
+  for (std::size_t f = 0; f < hand.finger_rad.size(); ++f)
+    if (hand.finger_rad[f] > limits.open_tolerance_rad && f != c_.readings.without_puck)
+      return fmt::format("the hand did not open: finger {} is at {:.0f} deg (limit {:.0f} deg)", f + 1,
+                         hal::rad_to_deg(hand.finger_rad[f]), hal::rad_to_deg(limits.open_tolerance_rad));
+  return "";
 }
 
 std::optional<TaskEvent> ApproachPhase::halt() const {

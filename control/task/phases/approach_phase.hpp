@@ -8,7 +8,7 @@
 namespace colift::control {
 
 /// Approach and Halt: to the pre-grasp, then straight to the grasp, hand open, while the partner is watched;
-/// at rest on the path while the camera is lost.
+/// at rest on the path while the camera is lost. With a hand that does not open nothing approaches.
 class ApproachPhase {
  public:
   enum class Leg { None, Transit, Straight };  ///< None: not under way, or the arm could not start.
@@ -26,12 +26,20 @@ class ApproachPhase {
   /// The approach is given up; whether it had come to the straight leg, near the object.
   [[nodiscard]] bool abandon();
 
+  /// Since begin(), the arm has moved towards the grasp.
+  [[nodiscard]] bool set_out() const { return set_out_; }
+
   [[nodiscard]] Leg leg() const { return leg_; }
 
  private:
+  /// Why the hand counts as one that does not open; empty: it is open, or still at it.
+  [[nodiscard]] std::string hand_stays_closed() const;
+
   TaskContext& c_;
   PartnerMonitor& partner_;
   Leg leg_ = Leg::None;
+  bool set_out_ = false;
+  std::string refusal_;  ///< Of the hand to open.
 };
 
 }  // namespace colift::control

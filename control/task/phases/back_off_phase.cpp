@@ -1,10 +1,11 @@
 #include "control/task/phases/back_off_phase.hpp"
 
 namespace colift::control {
-void BackOffPhase::begin(Event cause, bool near_object) {
+void BackOffPhase::begin(Event cause, bool near_object, bool set_out) {
   c_.arm.hold();
   cause_ = cause;
   near_object_ = near_object;
+  set_out_ = set_out;
   leg_ = Leg::Braking;
 }
 
@@ -22,6 +23,7 @@ std::optional<TaskEvent> BackOffPhase::back_off() {
   };
   if (leg_ == Leg::Braking) {
     if (!c_.arm.at_rest()) return std::nullopt;
+    if (!set_out_) return back("the arm had not moved");
     if (follows_partner && !near_object_) return back("at rest, clear of the object");
     c_.arm.back(c_.config.task.empty_hand.back_off_scale);
     leg_ = Leg::Backwards;

@@ -14,8 +14,9 @@ class BackOffPhase {
 
   BackOffPhase(TaskContext& context, PartnerMonitor& partner) : c_(context), partner_(partner) {}
 
-  /// `cause`: the event that made the grasp off; `near_object`: the arm was on the straight approach.
-  void begin(Event cause, bool near_object);
+  /// `cause`: the event that made the grasp off; `near_object`: the arm was on the straight approach;
+  /// `set_out`: it has moved at all.
+  void begin(Event cause, bool near_object, bool set_out = true);
   [[nodiscard]] std::optional<TaskEvent> back_off();
   /// The arm's cycle was cut off and began anew: continues along the path.
   void resume_after_restart();
@@ -27,7 +28,7 @@ class BackOffPhase {
   PartnerMonitor& partner_;
   Leg leg_ = Leg::Braking;
   Event cause_ = Event::PartnerMoved;
-  bool near_object_ = false;
+  bool near_object_ = false, set_out_ = true;
 };
 
 }  // namespace colift::control

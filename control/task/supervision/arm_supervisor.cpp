@@ -10,6 +10,7 @@ void ArmSupervisor::read(const std::string& slow_reason) {
   c_.now = c_.robot.clock->now();
   const ArmView& view = c_.arm.view();
   c_.readings.arm = view.state;
+  if (!thread_runs()) return;
   const bool answers = view.misses == 0;
   if (answers && !had_command_ && !view.state.may_command) return;
   if (!answers || !view.state.may_command || !view.running) return not_commanded();
@@ -30,6 +31,19 @@ void ArmSupervisor::read(const std::string& slow_reason) {
     const std::string why = slow_reason.empty() ? c_.robot.arm->health().last_error : slow_reason;
     c_.note_device("arm", slow_ ? "continues at reduced speed: " + why : "goes at its full speed again");
   }
+}
+
+bool ArmSupervisor::thread_runs() {
+  if (c_.options.drive != Drive::Thread) return true;
+  const ArmView& view = c_.arm.view();
+  const double silent_s = thread_.update(view.cycles + view.missed, c_.now);
+  if (silent_s <= c_.config.task.supervision.beat_timeout_s) return true;
+  if (!lost_) {
+    fault_ = fmt::format("the arm's thread did not run for {:.2f} s", silent_s);
+    c_.note_device("arm", fault_);
+  }
+  lost_ = true;
+  return false;
 }
 
 void ArmSupervisor::not_commanded() {

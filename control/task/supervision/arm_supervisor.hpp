@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "control/monitor/heartbeat.hpp"
 #include "control/task/task_context.hpp"
 
 namespace colift::control {
@@ -28,12 +29,15 @@ class ArmSupervisor {
 
  private:
   void not_commanded();
+  /// The arm's own thread runs; else it is reported as lost.
+  [[nodiscard]] bool thread_runs();
 
   TaskContext& c_;
   bool had_command_ = false, lost_ = false, restarted_ = false, slow_ = false;
   std::optional<hal::Timestamp> interrupted_since_;
   std::uint32_t starts_ = 0;  ///< Of the arm's cycle, as far as is known.
   std::string fault_;
+  BeatMonitor thread_;
 };
 
 }  // namespace colift::control

@@ -1,5 +1,6 @@
 #include "control/task/supervision/hand_supervisor.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 #include <utility>
@@ -20,7 +21,8 @@ std::optional<std::size_t> puck_named_in(const hal::Error& error) {
 void HandSupervisor::read() {
   if (auto state = c_.robot.hand->state()) {
     c_.readings.hand = *state;
-    answered_at_ = c_.now;
+    // as old as it was measured: a hand whose thread stands still repeats its last state
+    answered_at_ = state->measured_at.count() > 0 ? std::min(state->measured_at, c_.now) : c_.now;
     if (lost_) c_.note_device("hand", "answers again");
     lost_ = false;
     if (auto warning = c_.readings.hand.warning.str(); warning != warning_) {

@@ -4,6 +4,7 @@
 #include <thread>
 #include <utility>
 
+#include "hal/os/realtime.hpp"
 #include "hal/types/latest_value.hpp"
 #include "hal/types/short_text.hpp"
 
@@ -12,6 +13,7 @@ namespace {
 
 constexpr Duration kUntilTaken = std::chrono::milliseconds(50);  // an ordinary kernel under load wakes late
 constexpr Duration kUntilDone = std::chrono::milliseconds(200);  // deactivate() waits for the bus
+constexpr int kPriority = 70;  // below the arm's, which answers its controller
 constexpr Duration kLookAgain = std::chrono::microseconds(50);
 
 /// A Result that is copied without allocation.
@@ -40,7 +42,8 @@ struct HandThread::Impl {
   std::unique_ptr<Hand> inner;
   Duration period;
   LatestValue<Snapshot> newest;
-  std::atomic<bool> run{false};
+  std::atomic<bool> run{false}, begun{false};
+  std::vector<std::string> realtime;  // written before `begun`
   std::thread thread;
   // one letter at a time: the caller fills it in while Empty, the thread answers it while Taken
   std::atomic<Letter> letter{Letter::Empty};
@@ -90,6 +93,11 @@ struct HandThread::Impl {
   }
 
   void loop() {
+    name_thread("colift-hand");
+    realtime =
+        ask_for_realtime({.priority = kPriority, .lock_memory = false, .stack_bytes = 65536, .heap_bytes = 0})
+            .words;
+    begun.store(true, std::memory_order_release);
     while (run.load(std::memory_order_acquire)) {
       take_letter();
       look();
@@ -99,7 +107,9 @@ struct HandThread::Impl {
 
   void start() {
     run = true;
+    begun = false;
     thread = std::thread([this] { loop(); });
+    while (!begun.load(std::memory_order_acquire)) std::this_thread::sleep_for(kLookAgain);
   }
 
   void rest() {
@@ -190,6 +200,10 @@ Result<> HandThread::close(double torque_nm) {
 
 Result<> HandThread::release() {
   return impl_->hand_over("hand.release", Call::Release);
+}
+
+std::vector<std::string> HandThread::realtime() const {
+  return impl_->realtime;
 }
 
 void HandThread::stop() noexcept {

@@ -30,6 +30,8 @@ class HandThread final : public Hand {
   Result<> preshape(double spread_rad) override;
   Result<> close(double torque_nm) override;
   Result<> release() override;
+  /// After configure().
+  [[nodiscard]] std::vector<std::string> realtime() const override;
   void stop() noexcept override;
 
  private:

@@ -20,6 +20,7 @@ class OwnedBarrettHand final : public Hand {
   Result<> preshape(double spread_rad) override { return thread_.preshape(spread_rad); }
   Result<> close(double torque_nm) override { return thread_.close(torque_nm); }
   Result<> release() override { return thread_.release(); }
+  [[nodiscard]] std::vector<std::string> realtime() const override { return thread_.realtime(); }
   void stop() noexcept override { thread_.stop(); }
 
  private:

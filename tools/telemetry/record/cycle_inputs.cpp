@@ -17,6 +17,10 @@ constexpr int kLastHealth = static_cast<int>(hal::DeviceHealth::State::Failed);
 
 struct Saver {
   Json& j;
+  template <class T>
+  void added(const char* key, T& v) {
+    (*this)(key, v);
+  }
   void operator()(const char* key, double& v) { j[key] = number_json(v); }
   void operator()(const char* key, bool& v) { j[key] = v; }
   void operator()(const char* key, int& v) { j[key] = v; }
@@ -44,6 +48,11 @@ double number(const Json& j) {
 
 struct Loader {
   const Json& j;
+  /// Of a key that older recordings do not have.
+  template <class T>
+  void added(const char* key, T& v) {
+    if (j.contains(key)) (*this)(key, v);
+  }
   void operator()(const char* key, double& v) { v = number(j.at(key)); }
   void operator()(const char* key, bool& v) { v = j.at(key).get<bool>(); }
   void operator()(const char* key, int& v) { v = j.at(key).get<int>(); }
@@ -114,6 +123,9 @@ void visit(Visitor& v, control::ArmView& w) {
   v("way_refused", w.trajectory_refused);
   v("slow", w.slow);
   v("load_n", w.load_n);
+  v.added("stalled", w.stalled);
+  v.added("stalls", w.stalls);
+  v.added("stall_s", w.stall_s);
   v("height_m", w.height_m);
   v("lift_at_rest", w.lift_at_rest);
   v("end_of_reach", w.end_of_reach);

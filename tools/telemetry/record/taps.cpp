@@ -71,6 +71,7 @@ class TappedHand final : public hal::Hand {
   hal::Result<> preshape(double spread_rad) override { return noted(book_, hand_->preshape(spread_rad)); }
   hal::Result<> close(double torque_nm) override { return noted(book_, hand_->close(torque_nm)); }
   hal::Result<> release() override { return noted(book_, hand_->release()); }
+  [[nodiscard]] std::vector<std::string> realtime() const override { return hand_->realtime(); }
   void stop() noexcept override { hand_->stop(); }
 
  private:

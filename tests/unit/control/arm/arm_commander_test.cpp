@@ -2,9 +2,11 @@
 
 #include "control/arm/arm_commander.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <semaphore>
+#include <thread>
 #include <vector>
 
 #include "../allocations.hpp"
@@ -33,6 +35,17 @@ planner::Trajectory way() {
   there[0] += 0.4;
   there[3] -= 0.3;
   return planner::make_trajectory(std::vector{home(), there}, planner::MotionLimits{}, 0.0).value();
+}
+
+constexpr int kAtOnce = 25;  // cycles of 2 ms between two of the task: half of what it may be late
+
+/// How far q is from the nearest point of way() (rad).
+double off_way(const JointVector& q) {
+  const planner::Trajectory t = way();
+  double least = 1e9;
+  for (double s = 0.0; s <= t.duration_s(); s += 1e-3)
+    least = std::min(least, (t.sample(s).q_rad - q).norm());
+  return least;
 }
 
 /// An arm that follows at once and counts its cycles. With a gate it lets a cycle pass only when the test
@@ -94,9 +107,22 @@ struct Rig {
 
   /// Lets n cycles pass in the arm's thread and waits until the task knows of them.
   void pass(int n) {
-    const std::uint64_t until = loop.view().cycles + loop.view().missed + static_cast<std::uint64_t>(n);
+    for (std::uint64_t until = loop.view().cycles + loop.view().missed; n > 0; n -= kAtOnce) {
+      until += static_cast<std::uint64_t>(std::min(n, kAtOnce));
+      arm.let(std::min(n, kAtOnce));
+      while (loop.view().cycles + loop.view().missed < until) loop.begin_cycle();
+    }
+  }
+  /// Lets n cycles pass while the task's thread does nothing at all.
+  void let_alone(int n) {
+    const int until = arm.cycles + n;
     arm.let(n);
-    while (loop.view().cycles + loop.view().missed < until) loop.begin_cycle();
+    while (arm.cycles < until) std::this_thread::yield();
+  }
+  /// Reads the newest view, without any cycle of the arm after it.
+  void look() {
+    const std::uint32_t before = loop.view().stalls;
+    for (int i = 0; i < 500 && loop.view().stalls == before; ++i) loop.begin_cycle();
   }
 
   TaskConfig task;
@@ -175,6 +201,73 @@ TEST_CASE("A contact stops the way in the cycle in which it is felt, without the
   CHECK(rig.loop.at_rest());
   CHECK(rig.loop.progress() < 0.9);
   CHECK_THAT(rig.loop.why_blocked(), Catch::Contains("unexpected contact"));
+}
+
+TEST_CASE("An arm whose task stands still comes to rest on its path by itself, and stays") {
+  Rig rig(Drive::Thread);
+  rig.pass(10);
+  REQUIRE(rig.loop.follow(way()));
+  rig.pass(250);  // 0.5 s into the motion
+  REQUIRE_FALSE(rig.loop.at_rest());
+  const std::size_t moving = rig.arm.sent.size();
+  rig.let_alone(200);  // 0.4 s in which the task's thread does not run
+  rig.look();
+  CHECK(rig.loop.stalled());
+  CHECK(rig.loop.at_rest());
+  CHECK(rig.loop.progress() < 0.9);
+  CHECK(rig.loop.blocked());
+  CHECK_THAT(rig.loop.why_blocked(), Catch::Contains("did not run for"));
+  const auto& sent = rig.arm.sent;
+  // on as planned for 0.1 s, then at rest within another 0.2 s
+  CHECK((sent[moving + 48] - sent[moving + 47]).norm() > 0.0);
+  CHECK((sent[moving + 150] - sent[moving + 149]).norm() == 0.0);
+  for (std::size_t i = moving; i < sent.size(); ++i) CHECK(off_way(sent[i]) < 1e-3);
+
+  SECTION("a task that only runs again moves nothing") {
+    rig.pass(300);
+    CHECK(rig.loop.stalled());
+    CHECK(rig.loop.at_rest());
+    CHECK((sent.back() - sent[sent.size() - 290]).norm() == 0.0);
+  }
+  SECTION("one that asks anew goes on to the end") {
+    rig.pass(5);
+    rig.loop.resume();
+    for (int i = 0; i < 40 && !rig.loop.done(); ++i) rig.pass(50);
+    CHECK_FALSE(rig.loop.stalled());
+    CHECK(rig.loop.done());
+    CHECK((rig.loop.commanded() - way().goal()).norm() < 1e-9);
+    CHECK(rig.loop.view().stalls == 1);
+  }
+}
+
+TEST_CASE("A task may compute for long while the arm is at rest, and ask then") {
+  Rig rig(Drive::Thread);
+  rig.pass(10);
+  rig.let_alone(500);  // a second of planning
+  REQUIRE(rig.loop.follow(way()));
+  for (int i = 0; i < 40 && !rig.loop.done(); ++i) rig.pass(40);
+  CHECK(rig.loop.done());
+  CHECK(rig.loop.view().stalls == 0);
+}
+
+TEST_CASE("A lift stops for a late task, and goes on to its height when it is asked to") {
+  Rig rig(Drive::Thread);
+  rig.pass(10);
+  rig.loop.start_lift(LiftController::Role::Lead, 0.05, 2.0);
+  rig.pass(400);
+  rig.let_alone(300);
+  rig.look();
+  CHECK(rig.loop.stalled());
+  CHECK(rig.loop.at_rest());
+  const double stopped_m = rig.loop.view().height_m;
+  CHECK(stopped_m > 0.01);
+  CHECK(stopped_m < 0.04);
+  rig.pass(200);
+  CHECK(rig.loop.view().height_m == stopped_m);
+  rig.loop.resume_lift();
+  for (int i = 0; i < 40 && !rig.loop.lift_at_rest(); ++i) rig.pass(50);
+  CHECK(rig.loop.view().height_m == Approx(0.05).margin(1e-3));
+  CHECK_FALSE(rig.loop.stalled());
 }
 
 TEST_CASE("Misses are counted, and told with their reason") {

@@ -36,7 +36,7 @@ struct EmptyHand : PhaseRig {
   }
   [[nodiscard]] std::optional<TaskEvent> back_off_after(Event cause) {
     enter(Task::BackOff);
-    back_off.begin(cause, approach.abandon());
+    back_off.begin(cause, approach.abandon(), approach.set_out());
     return run([this] { return back_off.back_off(); });
   }
   [[nodiscard]] double off(const hal::JointVector& q) const {
@@ -71,11 +71,40 @@ TEST_CASE("an approach waits for a hand that still opens", "[phases]") {
   EmptyHand rig;
   rig.hand->now.moving = true;
   rig.begin_approach();
-  CHECK_FALSE(rig.run([&] { return rig.approach.approach(); }, 10.0));
+  CHECK_FALSE(rig.run([&] { return rig.approach.approach(); }, 7.0));
   CHECK(rig.approach.leg() == ApproachPhase::Leg::Transit);
-  const auto event = rig.run([&] { return rig.approach.approach(); }, 60.0);
+  const auto event = rig.run([&] { return rig.approach.approach(); }, 2.0);
   REQUIRE(event);
-  CHECK(event->event == Event::TimeOut);
+  CHECK(event->event == Event::HandUnfit);
+  CHECK_THAT(event->detail, Catch::Contains("not open after 8 s"));
+}
+
+TEST_CASE("a hand that refuses to open ends the approach before the arm moves", "[phases]") {
+  EmptyHand rig;
+  rig.hand->refusal = hal::Error{hal::ErrorCode::NotReady, "hand.preshape", "the hand holds something"};
+  rig.begin_approach();
+  const auto event = rig.run([&] { return rig.approach.approach(); }, 0.1);
+  REQUIRE(event);
+  CHECK(event->event == Event::HandUnfit);
+  CHECK_THAT(event->detail, Catch::Contains("the hand holds something"));
+  const auto back = rig.back_off_after(Event::HandUnfit);
+  REQUIRE(back);
+  CHECK(back->event == Event::BackHome);
+  CHECK(rig.off(home()) == 0.0);
+}
+
+TEST_CASE("a finger that stays closed ends the approach on its path, and the arm goes back", "[phases]") {
+  EmptyHand rig;
+  rig.hand->now.finger_rad[1] = 0.7;
+  rig.begin_approach();
+  const auto event = rig.run([&] { return rig.approach.approach(); }, 0.3);
+  REQUIRE(event);
+  CHECK(event->event == Event::HandUnfit);
+  CHECK_THAT(event->detail, Catch::Contains("finger 2 is at 40 deg"));
+  const auto back = rig.back_off_after(Event::HandUnfit);
+  REQUIRE(back);
+  CHECK(back->event == Event::BackHome);
+  CHECK(rig.off(home()) < 1e-6);
 }
 
 TEST_CASE("an approach whose path starts elsewhere is blocked and says where", "[phases]") {

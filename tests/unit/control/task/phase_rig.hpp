@@ -31,13 +31,17 @@ class ScriptedHand final : public hal::Hand {
     if (error) return tl::unexpected(*error);
     return now;
   }
-  [[nodiscard]] hal::Result<> preshape(double) override { return command("preshape"); }
+  [[nodiscard]] hal::Result<> preshape(double) override {
+    if (refusal) return tl::unexpected(*refusal);
+    return command("preshape");
+  }
   [[nodiscard]] hal::Result<> close(double) override { return command("close"); }
   [[nodiscard]] hal::Result<> release() override { return command("release"); }
   void stop() noexcept override {}
 
   hal::HandState now;
-  std::optional<hal::Error> error;
+  std::optional<hal::Error> error;    ///< Of state().
+  std::optional<hal::Error> refusal;  ///< Of preshape().
   std::vector<std::string> commands;
 
  private:

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "hal/config/range.hpp"
+
+namespace colift::control {
+
+/// `colift recover`: lowering, release and the motion home after a stop. SI units.
+struct RecoveryConfig {
+  double lower_speed_m_s = 0.02;
+  double max_lower_m = 0.6;
+  double supported_n = 3.0;
+  double supported_fraction = 0.1;
+  double settle_s = 0.4;
+  double clear_m = 0.12;
+  double speed_scale = 0.3;
+  double hold_to_run_s = 0.7;
+  double open_tolerance_rad = 0.1;
+  double step_timeout_s = 120.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("lower_speed_m_s", lower_speed_m_s, hal::Range{0.001, 0.1},
+      "Mean speed with which a held object is lowered (m/s).");
+    v("max_lower_m", max_lower_m, hal::Range{0.01, 1.5},
+      "The object is lowered by no more than this in search of the ground (m).");
+    v("supported_n", supported_n, hal::Range{0.1, 50},
+      "The object is supported when the load is below this (N) ...");
+    v("supported_fraction", supported_fraction, hal::Range{0, 0.9},
+      "... or below this fraction of the load before it was lowered.");
+    v("settle_s", settle_s, hal::Range{0.05, 10}, "For so long, before it is believed (s).");
+    v("clear_m", clear_m, hal::Range{0, 0.5},
+      "The open hand is drawn back straight by this before the motion home (m).");
+    v("speed_scale", speed_scale, hal::Range{0.01, 1}, "Speed scale of the motion home.");
+    v("hold_to_run_s", hold_to_run_s, hal::Range{0.1, 5},
+      "The arm stops when the key was not repeated for this time (s).");
+    v("open_tolerance_rad", open_tolerance_rad, hal::Range{0.01, 2},
+      "A finger below this angle is open (rad).");
+    v("step_timeout_s", step_timeout_s, hal::Range{1, 3600}, "Timeout of one step (s).");
+  }
+};
+
+}  // namespace colift::control

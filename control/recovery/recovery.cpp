@@ -1,0 +1,375 @@
+#include "control/recovery/recovery.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "hal/types/units.hpp"
+#include "planner/motion/collision/collision_scene.hpp"
+
+namespace colift::control {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr hal::Duration kAssessFor = 400ms;
+constexpr hal::Duration kAssessMax = 3s;  // of an arm whose controller does not talk yet
+constexpr hal::Duration kFramesMax = 3s;  // for the pictures of the scene
+constexpr double kCommandShows_s = 0.2;   // the hand's state shows a command some cycles later
+constexpr double kGateFraction = 0.9;     // of the last gate's velocity limit
+constexpr int kDrawBackPoints = 12;
+constexpr double kLargestStep_rad = 0.2;  // between two of them
+
+SetpointLimits setpoint_limits(const Config& config) {
+  SetpointLimits limits = config.setpoints;
+  limits.velocity_rad_s = kGateFraction * config.guard_arm.max_velocity_rad_s;
+  return limits;
+}
+
+}  // namespace
+
+Recovery::Recovery(hal::Robot& robot, const RigView& rig, const Config& config,
+                   const RecoveryOptions& options, const hal::Clock& stopwatch)
+    : robot_(robot),
+      rig_(rig),
+      config_(config),
+      options_(options),
+      stopwatch_(stopwatch),
+      geometry_(planner::arm_geometry(rig.model).value()),
+      arm_(*robot.arm, rig.model, geometry_, config.task, config.load, options.drive,
+           setpoint_limits(config)) {}
+
+RecoveryRecord Recovery::run(const RecoveryHooks& hooks) {
+  hooks_ = &hooks;
+  began_ = now_ = since_ = robot_.clock->now();
+  apply(assess_now());
+  while (!ended()) {
+    auto finding = begin();
+    while (!finding) finding = cycle();
+    apply(*finding);
+  }
+  if (arm_started_) arm_.finish();
+  record_.recovered = step_ == RecoveryStep::Done;
+  record_.arm_at_rest = arm_started_ ? arm_.view().at_rest
+                                     : record_.before.arm == Assessment::Arm::AtHome ||
+                                           record_.before.arm == Assessment::Arm::Away;
+  robot_.hand->stop();
+  robot_.camera->deactivate();
+  return std::move(record_);
+}
+
+Recovery::Finding Recovery::assess_now() {
+  std::vector<hal::ArmState> states;
+  if (auto open = robot_.arm->configure(); !open) {
+    record_.before.arm_words = "unknown: " + open.error().text();
+  } else {
+    const hal::Timestamp start = robot_.clock->now();
+    while (robot_.clock->now() - start < kAssessMax) {
+      if (hooks_->interrupted()) return {Event::Interrupted, ""};
+      const auto state = robot_.arm->wait_cycle();
+      if (!state && state.error().code != hal::ErrorCode::Timeout) break;
+      if (!state) continue;
+      states.push_back(*state);
+      if (states.back().measured_at - states.front().measured_at >= kAssessFor) break;
+    }
+  }
+  std::string hand_fault;
+  if (auto open = robot_.hand->configure(); !open)
+    hand_fault = open.error().text();
+  else if (auto active = robot_.hand->activate(); !active)
+    hand_fault = active.error().text();
+  else if (auto state = robot_.hand->state(); !state)
+    hand_fault = state.error().text();
+  else
+    hand_ = *state;
+  record_.before = assess(states, hand_, options_.home_rad, rig_.model, config_.recovery);
+  const Assessment& a = record_.before;
+  if (!hand_fault.empty()) record_.before.hand_words = "unknown: " + hand_fault;
+  now_ = hand_at_ = robot_.clock->now();
+  hooks_->say("arm:  " + a.arm_words);
+  hooks_->say("hand: " + a.hand_words);
+  hooks_->say("load: " + a.load_words);
+  if (a.arm == Assessment::Arm::Unknown) return {Event::DeviceLost, a.arm_words};
+  if (a.hand == Assessment::Hand::Unknown) return {Event::HandUnknown, hand_fault};
+  if (a.arm == Assessment::Arm::Moving) return {Event::TimeOut, "the arm " + a.arm_words};
+  if (a.may_hold()) return {Event::HandHolds, a.hand_words};
+  return {a.arm == Assessment::Arm::AtHome ? Event::AtHome : Event::HandOpen, ""};
+}
+
+void Recovery::apply(const Finding& finding) {
+  const auto rule = next(step_, finding.event);
+  if (!rule) return;
+  step_ = rule->to;
+  since_ = now_;
+  record_.reason = std::string(rule->reason);
+  if (!finding.detail.empty()) record_.reason += ": " + finding.detail;
+  record_.steps.push_back({now_ - began_, step_, record_.reason});
+  hooks_->say(fmt::format("{}: {}", word(step_), record_.reason));
+  record_.device_failed = finding.event == Event::DeviceLost || finding.event == Event::HandUnknown;
+  record_.interrupted = finding.event == Event::Interrupted;
+  if (ended() && arm_started_) arm_.hold();
+}
+
+std::string Recovery::announcement() const {
+  const RecoveryConfig& c = config_.recovery;
+  switch (step_) {
+    case RecoveryStep::Lower:
+      return fmt::format(
+          "lowers the hand straight down, with {:.0f} mm/s, until the load is borne, at most {:.0f} cm",
+          1e3 * c.lower_speed_m_s, 1e2 * c.max_lower_m);
+    case RecoveryStep::Release:
+      return "opens the hand";
+    case RecoveryStep::DrawBack:
+      return fmt::format("draws the open hand straight back by {:.0f} cm", 1e2 * c.clear_m);
+    case RecoveryStep::Home:
+      return planned_ ? "moves home, around what the camera observes"
+                      : "moves home in a straight line of the joints: NOT checked for collisions";
+    default:
+      return "";
+  }
+}
+
+std::optional<Recovery::Finding> Recovery::begin() {
+  if (step_ == RecoveryStep::Home)
+    if (auto failed = prepare_home()) return failed;
+  const Confirmation answer = hooks_->confirm(step_, announcement());
+  if (answer == Confirmation::No) return Finding{Event::Declined, ""};
+  if (!arm_started_) {
+    if (auto started = arm_.start(); !started) return Finding{Event::DeviceLost, started.error().text()};
+    arm_started_ = true;
+  }
+  if (answer == Confirmation::PersonHolds && step_ == RecoveryStep::Lower)
+    return Finding{Event::PersonHolds, ""};
+  auto finding = read_devices();  // a confirmation takes its time
+  since_ = unsupported_at_ = now_;
+  paused_ = false;
+  if (!finding) finding = begin_step();
+  arm_.end_cycle();
+  return finding;
+}
+
+std::optional<Recovery::Finding> Recovery::begin_step() {
+  const RecoveryConfig& c = config_.recovery;
+  const auto follow = [&](const planner::Trajectory& path) -> std::optional<Finding> {
+    if (auto started = arm_.follow(path); !started) return Finding{Event::Blocked, started.error().text()};
+    return std::nullopt;
+  };
+  switch (step_) {
+    case RecoveryStep::Lower:
+      load_before_n_ = arm_.view().load_n;
+      arm_.start_lift(LiftController::Role::Lead, -c.max_lower_m, c.max_lower_m / c.lower_speed_m_s);
+      return std::nullopt;
+    case RecoveryStep::Release:
+      arm_.hold();
+      arm_.unload();
+      if (auto opening = robot_.hand->release(); !opening)
+        return Finding{Event::DeviceLost, opening.error().text()};
+      return std::nullopt;
+    case RecoveryStep::DrawBack: {
+      const auto back = draw_back_path();
+      if (!back) return Finding{Event::Clear, "there is no room to draw it back"};
+      return follow(*back);
+    }
+    case RecoveryStep::Home:
+      return follow(home_);
+    default:
+      return std::nullopt;
+  }
+}
+
+std::optional<Recovery::Finding> Recovery::cycle() {
+  auto finding = read_devices();
+  if (!finding) finding = work();
+  arm_.end_cycle();
+  return finding;
+}
+
+std::optional<Recovery::Finding> Recovery::read_devices() {
+  const SupervisionConfig& limits = config_.task.supervision;
+  arm_.begin_cycle();
+  read_at_ = std::exchange(now_, robot_.clock->now());
+  if (hooks_->interrupted()) return Finding{Event::Interrupted, ""};
+  const ArmView& view = arm_.view();
+  if (view.link_lost || view.misses > limits.arm_max_misses)
+    return Finding{Event::DeviceLost, view.trouble.str()};
+  if (view.misses == 0 && (!view.state.may_command || !view.running)) {
+    if (!not_commanded_since_) not_commanded_since_ = now_;
+    if (hal::seconds(now_ - *not_commanded_since_) > config_.task.arm_timeout_s)
+      return Finding{Event::DeviceLost, "the arm's controller takes no commands"};
+  } else {
+    not_commanded_since_.reset();
+  }
+  if (options_.drive == Drive::Thread &&
+      arm_thread_.update(view.cycles + view.missed, now_) > limits.beat_timeout_s)
+    return Finding{Event::DeviceLost, "the arm's thread does not run"};
+  if (auto state = robot_.hand->state()) {
+    hand_ = *state;
+    hand_at_ = now_;
+  } else if (hal::seconds(now_ - hand_at_) > limits.hand_timeout_s && now_ - read_at_ < 100ms) {
+    return Finding{Event::DeviceLost, state.error().text()};
+  }
+  return std::nullopt;
+}
+
+std::optional<Recovery::Finding> Recovery::work() {
+  if (in_step_s() > config_.recovery.step_timeout_s) return Finding{Event::TimeOut, ""};
+  switch (step_) {
+    case RecoveryStep::Lower:
+      return lower();
+    case RecoveryStep::Release:
+      return release();
+    case RecoveryStep::DrawBack:
+      return move(Event::Clear);
+    case RecoveryStep::Home:
+      return move(Event::AtHome);
+    default:
+      return std::nullopt;
+  }
+}
+
+bool Recovery::pausing() {
+  const bool lowers = step_ == RecoveryStep::Lower;
+  const bool stalled = arm_.stalled();
+  if (!hooks_->may_move()) {
+    if (!std::exchange(paused_, true)) {
+      if (lowers)
+        arm_.stay();
+      else
+        arm_.hold();
+    }
+  } else if (stalled || paused_) {
+    paused_ = true;
+    if (!arm_.view().at_rest) return true;
+    paused_ = false;
+    const RecoveryConfig& c = config_.recovery;
+    if (!lowers) {
+      arm_.resume();
+    } else {
+      if (stalled) arm_.resume_lift();
+      arm_.raise_on(LiftController::Role::Lead, -c.max_lower_m,
+                    (c.max_lower_m + arm_.view().height_m) / c.lower_speed_m_s);
+    }
+  }
+  if (paused_) since_ += now_ - read_at_;
+  return paused_;
+}
+
+std::optional<Recovery::Finding> Recovery::lower() {
+  const RecoveryConfig& c = config_.recovery;
+  if (arm_.end_of_reach()) return Finding{Event::EndOfReach, ""};
+  if (pausing()) {
+    unsupported_at_ = now_;
+    return std::nullopt;
+  }
+  const ArmView& view = arm_.view();
+  // a small load may be the error of what is measured: then only the ground that pushes up is evidence
+  const double limit_n = load_before_n_ < 2.0 * c.supported_n
+                             ? -c.supported_n
+                             : std::max(c.supported_n, c.supported_fraction * load_before_n_);
+  if (view.load_n > limit_n) unsupported_at_ = now_;
+  if (hal::seconds(now_ - unsupported_at_) > c.settle_s) {
+    arm_.stay();
+    return Finding{Event::Supported,
+                   fmt::format("lowered by {:.0f} mm, the load fell from {:.0f} to {:.0f} N",
+                               -1e3 * view.height_m, load_before_n_, view.load_n)};
+  }
+  if (!arm_.lift_at_rest()) return std::nullopt;
+  return Finding{Event::NoGround, fmt::format("lowered by {:.0f} mm, the load is {:.0f} N",
+                                              -1e3 * view.height_m, view.load_n)};
+}
+
+std::optional<Recovery::Finding> Recovery::release() {
+  if (in_step_s() > config_.task.grip.hand_timeout_s) return Finding{Event::TimeOut, ""};
+  if (in_step_s() < kCommandShows_s || hand_->moving || hand_->held) return std::nullopt;
+  const auto& q = hand_->finger_rad;
+  if (*std::max_element(q.begin(), q.end()) > config_.recovery.open_tolerance_rad) return std::nullopt;
+  return Finding{Event::HandOpened, ""};
+}
+
+std::optional<Recovery::Finding> Recovery::move(Event arrived) {
+  if (pausing()) return std::nullopt;
+  if (arm_.blocked()) return Finding{Event::Blocked, arm_.why_blocked()};
+  if (!arm_.done() || !arm_.at_rest()) return std::nullopt;
+  return Finding{arrived, ""};
+}
+
+planner::MotionLimits Recovery::limits() const {
+  planner::MotionLimits limits;
+  limits.velocity_rad_s *= config_.recovery.speed_scale;
+  limits.velocity_rad_s =
+      limits.velocity_rad_s.cwiseMin(kGateFraction * config_.guard_arm.max_velocity_rad_s);
+  return limits;
+}
+
+hal::Result<planner::Trajectory> Recovery::draw_back_path() const {
+  std::vector<hal::JointVector> points{arm_.commanded()};
+  const hal::Vec3 back = -hal::hand_pose(rig_.model, points.front()).linear().col(2);
+  const hal::Pose X_WF = planner::flange_pose(geometry_, points.front());
+  for (int i = 1; i <= kDrawBackPoints; ++i) {
+    hal::Pose X = X_WF;
+    X.translation() += back * (config_.recovery.clear_m * i / kDrawBackPoints);
+    const auto q = planner::follow_ik(geometry_, X, points.back(),
+                                      hal::deg_to_rad(config_.task.limit_margin_deg), kLargestStep_rad);
+    if (!q) break;  // as far as the arm reaches
+    points.push_back(*q);
+  }
+  return planner::make_trajectory_along(points, limits());
+}
+
+std::optional<Recovery::Finding> Recovery::prepare_home() {
+  PerceptionSession session(options_.method, config_, rig_, stopwatch_);
+  const hal::JointVector start = arm_.commanded();
+  std::string why;
+  if (auto camera = robot_.camera->configure(); !camera)
+    why = camera.error().text();
+  else if (auto active = robot_.camera->activate(); !active)
+    why = active.error().text();
+  const hal::Timestamp until = now_ + kFramesMax;
+  const auto posture = [&] { return RobotPosture{arm_.view().state.q_rad, hal::posture_of(*hand_)}; };
+  while (why.empty() && session.reference_frames() < config_.task.reference_frames && now_ < until) {
+    auto lost = read_devices();
+    if (!lost)
+      if (auto frame = robot_.camera->next_frame(0ms)) session.add_reference(std::move(*frame), posture());
+    arm_.end_cycle();
+    if (lost) return lost;
+  }
+  planned_ = false;
+  if (why.empty()) {
+    if (auto seen = session.understand(posture()); !seen) {
+      why = seen.error().detail;
+    } else if (const auto& ground = session.analysis().scene.ground; !ground) {
+      why = session.analysis().reason;
+    } else {
+      planner::MotionPlanner planner(rig_.model, rig_.hand, config_.motion, options_.seed);
+      planner.set_scene(std::make_shared<planner::CollisionScene>(planner::make_collision_scene(
+                            session.map(), ground->plane, {}, config_.motion.scene)),
+                        session.map(), hal::Vec3::UnitZ());
+      if (auto found = planner.plan_to(start, options_.home_rad))
+        planned_ = set_home(*found);
+      else
+        why = found.error().detail;
+    }
+  }
+  if (planned_) return std::nullopt;
+  hooks_->say("no collision-free path home: " + why);
+  auto straight = planner::make_trajectory(std::vector{start, options_.home_rad}, limits(), 0.0);
+  if (!straight) return Finding{Event::Blocked, straight.error().text()};
+  home_ = std::move(*straight);
+  return std::nullopt;
+}
+
+// the planner's own speed is that of a job
+bool Recovery::set_home(const planner::Trajectory& planned) {
+  constexpr double kStep_s = 0.02;
+  std::vector<hal::JointVector> points;
+  const double s = planned.duration_s();
+  const int count = std::max(2, static_cast<int>(s / kStep_s));
+  for (int i = 0; i <= count; ++i) points.push_back(planned.sample(s * i / count).q_rad);
+  auto slow = planner::make_trajectory_along(points, limits(), s / config_.recovery.speed_scale);
+  if (slow) home_ = std::move(*slow);
+  return slow.has_value();
+}
+
+}  // namespace colift::control
