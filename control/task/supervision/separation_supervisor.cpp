@@ -176,8 +176,11 @@ void SeparationSupervisor::sort_points(const BodySighting& seen) {
     const perception::Body& body = seen.bodies[i];
     const perception::BodyTrack* track = i < seen.tracks.size() ? &seen.tracks[i] : nullptr;
     const bool partner = !partner_box.isEmpty() && body.box.exteriorDistance(partner_box) < kBeside_m;
-    const bool thing =
-        !partner && track && track->still_s >= config.still_s && body.box.max().z() < config.low_m;
+    // of what is cut off by the image's border nobody knows how high it is
+    const bool whole = body.pixels.u_begin > 0 && body.pixels.v_begin > 0 &&
+                       body.pixels.u_end < c_.readings.frame->intrinsics.width;
+    const bool low = whole && body.box.max().z() < config.low_m;
+    const bool thing = !partner && low && track && track->still_s >= config.still_s;
     hand_.clear();
     partner_.clear();
     others_.clear();
