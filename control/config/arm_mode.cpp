@@ -13,7 +13,7 @@ constexpr double kMinimumJerkPeak = 1.875;  // of its mean speed: 15/8, from the
 }  // namespace
 
 Config for_arm_mode(Config config) {
-  if (config.arm_mode != "t1") return config;
+  if (config.arm_mode != "t1" && config.monitor.on) return config;  // nobody looks out: T1's speed
   config.guard_arm = hal::in_t1(config.guard_arm);
   planner::PlannerConfig& motion = config.motion;
   motion.transit_speed_m_s = std::min(motion.transit_speed_m_s, hal::kT1Palm_m_s);

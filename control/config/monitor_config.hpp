@@ -21,12 +21,14 @@ struct MonitorConfig {
   double partner_hold_distance_m = 0.20;
   double partner_radius_m = 1.0;
   double forearm_m = 0.45;
-  double still_s = 3.0;
+  double thing_hold_distance_m = 0.10;
+  double still_s = 5.0;
   double low_m = 1.1;
   bool resume = true;
   double free_s = 2.0;
   double max_wait_s = 60.0;
   double obstacle_wait_s = 4.0;
+  double person_wait_s = 15.0;
   double hold_image_age_s = 0.30;
   int good_frames = 30;
 
@@ -48,15 +50,16 @@ struct MonitorConfig {
     v("hysteresis_m", hysteresis_m, hal::Range{0, 1}, "Farther than that by this is free again (m).");
     v("observed_m", observed_m, hal::Range{0.5, 10}, "Farther bodies do not change the arm's speed (m).");
     v("partner_speed_m_s", partner_speed_m_s, hal::Range{0, 5},
-      "Min speed that is assumed of the partner who holds the object, and of low things at rest; faster is "
-      "measured (m/s).");
+      "Min speed that is assumed of the partner who holds the object; faster is measured (m/s).");
     v("partner_hold_distance_m", partner_hold_distance_m, hal::Range{0, 5},
-      "hold_distance_m for the body of the partner who holds the object, and for low things at rest (m).");
+      "hold_distance_m for the body of the partner who holds the object (m).");
     v("partner_radius_m", partner_radius_m, hal::Range{0.2, 3},
       "Parts of the partner are at most this far from his grasp, on the floor plan (m).");
     v("forearm_m", forearm_m, hal::Range{0, 1},
       "His hand and forearm: this far from his grasp, on his side of it; limited by force, not by distance "
       "(m).");
+    v("thing_hold_distance_m", thing_hold_distance_m, hal::Range{0, 5},
+      "hold_distance_m for something low that has been at rest (m).");
     v("still_s", still_s, hal::Range{0.5, 60},
       "Something low is a thing when it has been at rest so long (s).");
     v("low_m", low_m, hal::Range{0, 3}, "Height below which something is low (m).");
@@ -65,7 +68,8 @@ struct MonitorConfig {
     v("max_wait_s", max_wait_s, hal::Range{1, 3600},
       "Max time of waiting at a stretch; after it the job ends (s).");
     v("obstacle_wait_s", obstacle_wait_s, hal::Range{0.5, 600},
-      "Time of waiting for something at rest in the path before another path is planned (s).");
+      "Time of waiting for a thing in the path before another path is planned (s).");
+    v("person_wait_s", person_wait_s, hal::Range{0.5, 600}, "The same for a person (s).");
     v("hold_image_age_s", hold_image_age_s, hal::Range{0.05, 10},
       "Mean age of the newest frame from which the arm stops (s).");
     v("good_frames", good_frames, hal::Range{1, 1000},

@@ -13,8 +13,9 @@ double SeparationMonitor::hold_distance_m(Nearby who) const {
     case Nearby::Person:
       return config_.hold_distance_m;
     case Nearby::Partner:
-    case Nearby::Thing:
       return config_.partner_hold_distance_m;
+    case Nearby::Thing:
+      return config_.thing_hold_distance_m;
     case Nearby::PartnerHand:
       break;
   }
@@ -24,6 +25,11 @@ double SeparationMonitor::hold_distance_m(Nearby who) const {
 double SeparationMonitor::limit_m_s(const Neighbour& n, double latency_s, double robot_kg) const {
   const double latency = std::max(latency_s, config_.latency_s);
   if (n.who == Nearby::Person) return allowed_speed(n.distance_m, config_.person_speed_m_s, latency, config_);
+  if (n.who == Nearby::Thing) {  // reaches for nothing, and has stayed where it is
+    MonitorConfig still = config_;
+    still.intrusion_m = 0.0;
+    return allowed_speed(n.distance_m, 0.0, latency, still);
+  }
   const double speed = std::clamp(n.speed_m_s, config_.partner_speed_m_s, config_.person_speed_m_s);
   const double kept = allowed_speed(n.distance_m, speed, latency, config_);
   if (n.who != Nearby::PartnerHand) return kept;

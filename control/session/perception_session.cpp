@@ -27,7 +27,13 @@ bool shows_anything(const hal::DepthFrame& frame) {
 
 struct PerceptionSession::Impl {
   Impl(Method m, const Config& c, const RigView& r, const hal::Clock& s)
-      : method(m), config(c), rig(r), stopwatch(s), map(c.map), tracker(c.tracker), body_tracker(c.body_tracks) {
+      : method(m),
+        config(c),
+        rig(r),
+        stopwatch(s),
+        map(c.map),
+        tracker(c.tracker),
+        body_tracker(c.body_tracks) {
     // a method that is not there is said by the first look
     if (auto made = make_pipeline(m)) pipeline = std::move(*made);
   }

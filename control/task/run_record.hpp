@@ -72,6 +72,19 @@ struct DeviceNote {
   std::string device, what;
 };
 
+/// What speed and separation monitoring did.
+struct MonitorRecord {
+  bool on = true;
+  int stops = 0;           ///< How often the arm stopped for somebody.
+  double waited_s = 0.0;   ///< For so long it stood.
+  double min_scale = 1.0;  ///< Of its speed.
+  std::optional<double>
+      min_distance_m;  ///< While it was to move, without the partner's hand; unset: nobody near.
+  int max_bodies = 0;  ///< At the same time.
+  int frames = 0;
+  double compute_ms = 0.0;  ///< Of all frames.
+};
+
 /// Everything that a run leaves behind for screen, JSON and report.
 struct RunRecord {
   enum class Result { Lifted, Aborted, Refused } outcome = Result::Refused;
@@ -86,6 +99,7 @@ struct RunRecord {
   std::vector<AskRecord> asked;
   std::optional<LiftSummary> lift;
   RunTiming timing;
+  MonitorRecord monitor;
   std::vector<DeviceNote> faults;
   std::vector<std::string> realtime;  ///< What the machine granted to the arm's thread, where it has one.
   bool device_failed = false;         ///< Arm or hand were lost.

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "control/arm/arm_commander.hpp"
 #include "control/session/perception_session.hpp"
@@ -81,6 +82,9 @@ struct TaskContext {
   Task state = Task::Observe;
   hal::Timestamp now{0}, began{0}, since{0};  ///< Of the robot's clock; `since`: in this state.
   double waited_s = 0.0;  ///< Of the time in this state; a slowed arm's counts in proportion.
+
+  /// Points of bodies beside the partner in the last frame (W): new paths keep away from them.
+  std::vector<Eigen::Vector3f> obstacles_W;
 
   DeviceReadings readings;
   Attempts attempts;

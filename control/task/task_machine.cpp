@@ -76,6 +76,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Approach, Arrived, Close, "hand at the grasp"},
     {Approach, PartnerMoved, BackOff, "the partner moved: the grasp no longer gives the requested share"},
     {Approach, PartnerLetGo, BackOff, "the partner let go before the hand arrived"},
+    {Approach, PathObstructed, BackOff, "the path stays obstructed: returns, then plans another"},
     {Approach, CameraLost, Halt, "camera lost: cannot check the path, stopped"},
     {Approach, Blocked, Stopped, kHit},
     {Approach, TimeOut, Stopped, "timeout: the arm did not arrive; holds"},
@@ -306,6 +307,8 @@ std::string_view word(Event event) {
       return "no way";
     case Arrived:
       return "arrived";
+    case PathObstructed:
+      return "path obstructed";
     case Blocked:
       return "blocked";
     case HandHeld:

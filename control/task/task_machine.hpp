@@ -45,7 +45,8 @@ enum class Event {
   PlanReady,
   NoPath,
   Arrived,
-  Blocked,  ///< Blocked: unexpected contact, or the arm does not follow.
+  PathObstructed,  ///< PathObstructed: somebody or something stays in the path; another one is to be planned.
+  Blocked,         ///< Blocked: unexpected contact, or the arm does not follow.
   HandHeld,
   HandEmpty,
   GripGood,

@@ -4,6 +4,11 @@
 #include <cmath>
 
 namespace colift::perception {
+namespace {
+
+constexpr double kMoves = 3.0;  // of the speed below which a body is at rest
+
+}  // namespace
 
 BodyTracker::BodyTracker(const BodyTrackConfig& config) : config_(config) {
   const auto most = static_cast<std::size_t>(config.max_tracks);
@@ -64,7 +69,12 @@ void BodyTracker::follow(BodyTrack& track, hal::Timestamp at, const Body& body) 
   // of the filtered value: the residual's, reduced as the filter reduces noise
   const double seen = residual * std::sqrt(part / (2.0 - std::min(part, 1.0)));
   track.sigma_m_s += part * (seen - track.sigma_m_s);
-  track.still_s = track.velocity_m_s.norm() < config_.still_m_s ? track.still_s + dt_s : 0.0;
+  // what passes before it shifts the centre of what is seen: that is no motion, unless it is fast
+  const double speed = track.velocity_m_s.norm();
+  if (speed < config_.still_m_s)
+    track.still_s += dt_s;
+  else if (speed > kMoves * config_.still_m_s)
+    track.still_s = 0.0;
 }
 
 }  // namespace colift::perception

@@ -125,6 +125,11 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
   };
   GripWatch grip;
   hooks.asked = [&](const hal::Vec3& place) { world->ask_partner(place); };
+  if (!scenario.people.empty())
+    hooks.cycle = [&](const control::ArmView&) {
+      for (const sim_hal::BodyContact& c : world->body_contacts())
+        lift.person_contacts += c.by == sim_hal::BodyContact::By::Robot ? 1 : 0;
+    };
   hooks.status = [&](const control::JobStatus& status) {
     const sim_hal::SimTruth truth = world->truth();
     grip.see(status.state, world->hand_state());

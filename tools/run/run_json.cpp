@@ -131,6 +131,18 @@ Json faults(const control::RunRecord& record) {
   return all;
 }
 
+Json monitor(const control::RunRecord& record) {
+  const control::MonitorRecord& m = record.monitor;
+  return {{"on", m.on},
+          {"stops", m.stops},
+          {"waited_s", number(m.waited_s)},
+          {"min_speed_scale", number(m.min_scale)},
+          {"min_distance_m", number(m.min_distance_m)},
+          {"max_bodies", m.max_bodies},
+          {"frames", m.frames},
+          {"compute_ms_mean", m.frames > 0 ? number(m.compute_ms / m.frames) : Json(nullptr)}};
+}
+
 // One array for each quantity, entries that belong together at the same place.
 Json curve(const control::RunRecord& record) {
   Json j = {{"t", Json::array()},      {"state", Json::array()},    {"palm_height_m", Json::array()},
@@ -180,6 +192,7 @@ std::string run_document(const RunView& view) {
   if (view.truth) j["truth"] = truth(view);
   if (view.arm_link != nullptr) j["arm_link"] = arm_link(*view.arm_link);
   if (!view.recovery.empty()) j["recovery"] = Json::parse(view.recovery);
+  j["monitor"] = monitor(record);
   j["faults"] = faults(record);
   j["hand_keeps_grip"] = record.hand_keeps_grip;
   j["candidates"] = candidates(record);

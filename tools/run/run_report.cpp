@@ -55,6 +55,11 @@ std::vector<std::string> summary(const RunView& view) {
   // a refusal's reason is said already
   if (r.decision && r.reason.find(r.decision->decision.reason) == std::string::npos)
     out.push_back(sentence(r.decision->decision.reason));
+  if (!r.monitor.on)
+    out.emplace_back("WARNING: speed and separation monitoring was OFF: nobody near the arm was noticed.");
+  else if (r.monitor.stops > 0)
+    out.push_back(fmt::format("The arm stopped {} times for somebody near it and waited {:.1f} s.",
+                              r.monitor.stops, r.monitor.waited_s));
   if (r.device_failed) out.emplace_back("A device was lost; its faults are listed below.");
   return out;
 }

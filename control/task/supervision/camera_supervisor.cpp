@@ -34,13 +34,21 @@ void CameraSupervisor::read() {
   const bool good = frame && right_size(*frame) && frame->exposed_at > r.frame_at && !frozen;
   if (good) {
     last_depth_m_ = frame->depth_m;
-    if (r.camera_lost) c_.note_device("camera", "is back");
-    r.camera_lost = false;
+    const double age_s = hal::seconds(c_.now - frame->exposed_at);
+    timely_ = age_s < c_.config.task.supervision.slow_image_age_s ? timely_ + 1 : 0;
+    // one that comes and goes is not back; before anything moves it may be
+    const bool steady =
+        timely_ >= c_.config.monitor.good_frames || !(is_moving(c_.state) || c_.state == Task::Halt);
+    if (r.camera_lost && steady) {
+      c_.note_device("camera", "is back");
+      r.camera_lost = false;
+    }
     r.frame_at = frame->exposed_at;
     r.frame_latency = std::clamp<hal::Duration>(c_.now - r.frame_at, hal::Duration(0), timeout);
     r.frame = std::move(*frame);
     return;
   }
+  if (frame || c_.now - r.frame_at > timeout) timely_ = 0;
   const bool unplugged = !frame && frame.error().code == hal::ErrorCode::LinkLost;
   if (!r.camera_lost && (unplugged || c_.now - r.frame_at > timeout)) {
     r.camera_lost = true;

@@ -18,6 +18,7 @@ class CameraSupervisor {
  private:
   TaskContext& c_;
   std::vector<float> last_depth_m_;
+  int timely_ = 0;  ///< Good frames in a row that came in time.
   hal::Timestamp reopen_at_{0};
 };
 

@@ -28,8 +28,10 @@ SeparationSupervisor::SeparationSupervisor(TaskContext& context)
 
 void SeparationSupervisor::start() {
   updated_at_ = c_.now;
+  c_.record.monitor.on = c_.config.monitor.on;
   if (!c_.config.monitor.on)
-    c_.note_device("monitor", "speed and separation monitoring is off: nobody near the arm is noticed");
+    c_.note_device("monitor",
+                   "speed and separation monitoring is off: nobody near the arm is noticed; T1 speed");
 }
 
 void SeparationSupervisor::remember_posture() {
@@ -63,6 +65,14 @@ void SeparationSupervisor::update(double image_age_s) {
   const bool moving = is_moving(c_.state);
   if (moving) c_.waited_s += (1.0 - scale_) * passed_s;
   waited_s_ = moving && holds() ? waited_s_ + passed_s : 0.0;
+  MonitorRecord& record = c_.record.monitor;
+  if (moving && holds()) record.waited_s += passed_s;
+  if (waited_s_ == 0.0) asked_aside_ = false;
+  if (waited_s_ > c_.config.monitor.obstacle_wait_s && !asked_aside_ && monitor_.state().limited &&
+      monitor_.state().nearest.who != Nearby::Thing) {
+    asked_aside_ = true;
+    c_.note_device("monitor", "asks to step aside: " + reason_);
+  }
   if (c_.readings.frame && c_.record.analysis && c_.record.analysis->scene.target) look(*c_.readings.frame);
 
   const SeparationState& state = monitor_.state();
@@ -91,7 +101,9 @@ void SeparationSupervisor::request(double scale, std::string why) {
   scale_ = scale;
   reason_ = std::move(why);
   c_.arm.set_scale(scale_);
+  if (is_moving(c_.state)) c_.record.monitor.min_scale = std::min(c_.record.monitor.min_scale, scale_);
   if (!is_moving(c_.state) || held == holds()) return;
+  if (holds()) ++c_.record.monitor.stops;
   c_.note_device("monitor", holds() ? "the arm waits: " + reason_ : "the arm continues");
 }
 
@@ -129,10 +141,19 @@ void SeparationSupervisor::look(const hal::DepthFrame& frame) {
   const BodySighting seen = c_.session.watch_bodies(frame, posture);
   near_.clear();
   bodies_.clear();
+  c_.obstacles_W.clear();
   sort_points(seen);
   const double latency_s = hal::seconds(c_.readings.frame_latency);
   monitor_.update(c_.now, near_, latency_s, 0.5 * kArmMass_kg + kCarried_kg);
+  MonitorRecord& record = c_.record.monitor;
+  ++record.frames;
+  record.max_bodies = std::max(record.max_bodies, static_cast<int>(bodies_.size()));
+  if (is_moving(c_.state))
+    for (const Neighbour& n : near_)
+      if (n.who != Nearby::PartnerHand && (!record.min_distance_m || n.distance_m < *record.min_distance_m))
+        record.min_distance_m = n.distance_m;
   compute_ms_ = 1e3 * hal::seconds(c_.stopwatch.now() - began);
+  record.compute_ms += compute_ms_;
 }
 
 void SeparationSupervisor::sort_points(const BodySighting& seen) {
@@ -155,8 +176,11 @@ void SeparationSupervisor::sort_points(const BodySighting& seen) {
     const perception::Body& body = seen.bodies[i];
     const perception::BodyTrack* track = i < seen.tracks.size() ? &seen.tracks[i] : nullptr;
     const bool partner = !partner_box.isEmpty() && body.box.exteriorDistance(partner_box) < kBeside_m;
-    const bool thing =
-        !partner && track && track->still_s >= config.still_s && body.box.max().z() < config.low_m;
+    // of what is cut off by the image's border nobody knows how high it is
+    const bool whole = body.pixels.u_begin > 0 && body.pixels.v_begin > 0 &&
+                       body.pixels.u_end < c_.readings.frame->intrinsics.width;
+    const bool low = whole && body.box.max().z() < config.low_m;
+    const bool thing = !partner && low && track && track->still_s >= config.still_s;
     hand_.clear();
     partner_.clear();
     others_.clear();
@@ -172,6 +196,7 @@ void SeparationSupervisor::sort_points(const BodySighting& seen) {
     const std::size_t before = near_.size();
     add_neighbour(Nearby::PartnerHand, hand_, track);
     add_neighbour(Nearby::Partner, partner_, track);
+    for (const auto& p : others_) c_.obstacles_W.push_back(p.p_W);
     add_neighbour(thing ? Nearby::Thing : Nearby::Person, others_, track);
     SeparationStatus::Body view;
     view.id = track ? track->id : 0;
@@ -208,10 +233,13 @@ bool SeparationSupervisor::waited_too_long() const {
   return waited_s_ > c_.config.monitor.max_wait_s;
 }
 
-bool SeparationSupervisor::path_obstructed() const {
+std::optional<TaskEvent> SeparationSupervisor::path_obstructed() const {
   const SeparationState& state = monitor_.state();
-  return holds() && waited_s_ > c_.config.monitor.obstacle_wait_s && state.limited &&
-         state.nearest.who == Nearby::Thing && state.nearest.to_path;
+  if (!holds() || !state.limited) return std::nullopt;
+  const MonitorConfig& config = c_.config.monitor;
+  const double wait_s = state.nearest.who == Nearby::Thing ? config.obstacle_wait_s : config.person_wait_s;
+  if (waited_s_ < wait_s) return std::nullopt;
+  return TaskEvent{Event::PathObstructed, fmt::format("{}, for {:.0f} s", reason_, waited_s_)};
 }
 
 void SeparationSupervisor::report(SeparationStatus& out) const {
@@ -219,6 +247,7 @@ void SeparationSupervisor::report(SeparationStatus& out) const {
   out.scale = scale_;
   out.waits = holds() && is_moving(c_.state);
   out.reason = reason_;
+  if (asked_aside_ && out.waits) out.reason += "; please step aside";
   out.bodies = bodies_;
   out.compute_ms = compute_ms_;
   out.distance_m.reset();

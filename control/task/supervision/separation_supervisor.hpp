@@ -29,8 +29,8 @@ class SeparationSupervisor {
   [[nodiscard]] const std::string& reason() const { return reason_; }
   /// It has stood for longer than MonitorConfig::max_wait_s at a stretch.
   [[nodiscard]] bool waited_too_long() const;
-  /// Somebody's things stand in the path and do not move: it is worth to look for another path.
-  [[nodiscard]] bool path_obstructed() const;
+  /// Set when somebody or something has been in the path for so long that another path is to be planned.
+  [[nodiscard]] std::optional<TaskEvent> path_obstructed() const;
   /// For page, record and report.
   void report(SeparationStatus& out) const;
 
@@ -61,6 +61,7 @@ class SeparationSupervisor {
   std::vector<SeparationStatus::Body> bodies_;
   hal::Timestamp updated_at_{0};
   double scale_ = 1.0, waited_s_ = 0.0, compute_ms_ = 0.0;
+  bool asked_aside_ = false;
   std::string reason_;
 };
 

@@ -117,6 +117,25 @@ Json maybe_point() {
   return {{"type", {"array", "null"}}, {"items", number("m, in world")}};
 }
 
+Json body() {
+  return object({{"id", integer()},
+                 {"partner", boolean()},
+                 {"center", maybe_point()},
+                 {"min", maybe_point()},
+                 {"max", maybe_point()},
+                 {"velocity", maybe_point()},
+                 {"distance_m", maybe("to the arm or the rest of its path")}});
+}
+
+Json separation() {
+  return object({{"on", boolean()},
+                 {"speed_scale", number("fraction of the planned speed")},
+                 {"waits", boolean()},
+                 {"because", text("why the arm is slowed or waits")},
+                 {"distance_m", maybe("of the nearest body")},
+                 {"bodies", list(body())}});
+}
+
 Json status() {
   return object({{"t", number("s since the start of the run")},
                  {"state", text()},
@@ -126,7 +145,8 @@ Json status() {
                  {"doing", text()},
                  {"done", maybe("progress of the state, 0 to 1")},
                  {"partner", maybe_point()},
-                 {"partner_note", text()}});
+                 {"partner_note", text()},
+                 {"separation", separation()}});
 }
 
 Json change() {

@@ -99,6 +99,24 @@ std::string log_message(hal::Timestamp at, Level level, const std::string& name,
                  {"line", 0}});
 }
 
+Json separation(const control::SeparationStatus& s) {
+  Json bodies = Json::array();
+  for (const auto& b : s.bodies)
+    bodies.push_back({{"id", b.id},
+                      {"partner", b.partner},
+                      {"center", point(b.center_W)},
+                      {"min", point(hal::Vec3(b.box.min()))},
+                      {"max", point(hal::Vec3(b.box.max()))},
+                      {"velocity", point(b.velocity_m_s)},
+                      {"distance_m", number_json(b.distance_m)}});
+  return {{"on", s.on},
+          {"speed_scale", s.scale},
+          {"waits", s.waits},
+          {"because", s.reason},
+          {"distance_m", number_json(s.distance_m)},
+          {"bodies", std::move(bodies)}};
+}
+
 std::string status_message(const control::JobStatus& s) {
   return dumped({{"t", hal::seconds(s.now)},
                  {"state", control::word(s.state)},
@@ -108,7 +126,8 @@ std::string status_message(const control::JobStatus& s) {
                  {"doing", s.doing},
                  {"done", number_json(s.done)},
                  {"partner", point(s.partner_W)},
-                 {"partner_note", s.partner_note}});
+                 {"partner_note", s.partner_note},
+                 {"separation", separation(s.separation)}});
 }
 
 std::string change_message(const control::StateChange& c) {

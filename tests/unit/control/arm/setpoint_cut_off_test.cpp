@@ -164,3 +164,39 @@ TEST_CASE("a way that begins under a warning is slow from its start", "[cycle]")
   CHECK(rig.run() > 0.8 / rig.task.slow_fraction * w->duration_s());
   CHECK(rig.last.q_rad == w->goal());
 }
+
+TEST_CASE("a speed scale of 0 stands still on the path, jerk within the limits, and any other continues",
+          "[cycle]") {
+  const auto w = way({home(), there(), beyond()});
+  Rig rig;
+  REQUIRE(rig.cycle.follow(w));
+  while (rig.cycle.progress() < 0.3) rig.step();
+  rig.cycle.set_scale(0.4);
+  rig.steps(600);
+  const double from = rig.cycle.progress();
+  rig.steps(1000);
+  CHECK((rig.cycle.progress() - from) * w->duration_s() == Approx(0.4).margin(0.01));
+  rig.cycle.set_scale(0.0);
+  rig.steps(800);
+  CHECK(rig.cycle.at_rest());
+  CHECK_FALSE(rig.cycle.done());  // it waits, it has not arrived
+  CHECK(off_path(*w, rig.last.q_rad) < 1e-6);
+  const JointVector stood = rig.last.q_rad;
+  rig.steps(3000);
+  CHECK(rig.last.q_rad == stood);
+  rig.cycle.set_scale(1.0);
+  (void)rig.run();
+  CHECK(rig.last.q_rad == w->goal());
+  CHECK(rig.hardest <= rig.limits.acceleration_rad_s2 + planner::MotionLimits{}.acceleration_rad_s2[0]);
+}
+
+TEST_CASE("a scale that is no number stands still", "[cycle]") {
+  Rig rig;
+  REQUIRE(rig.cycle.follow(way({home(), there()})));
+  rig.cycle.set_scale(std::numeric_limits<double>::quiet_NaN());
+  rig.steps(500);
+  CHECK(rig.cycle.progress() == 0.0);
+  rig.cycle.set_scale(7.0);
+  (void)rig.run();
+  CHECK(rig.last.q_rad == there());
+}

@@ -1,0 +1,121 @@
+// Whole lifts with people beside the partner: the arm slows, waits and continues, or ends with a reason.
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "control/config/arm_mode.hpp"
+#include "sim_hal/scenario/scenario.hpp"
+#include "tests/support/simulated_lift.hpp"
+
+namespace {
+
+using namespace colift;
+using control::Task;
+using Result = control::RunRecord::Result;
+
+sim_hal::Scenario table() {
+  auto scenario = sim_hal::load_scenario(std::string(COLIFT_SOURCE_DIR) + "/config/scenario/table.yaml");
+  REQUIRE(scenario);
+  return *scenario;
+}
+
+sim_hal::ScenarioPerson somebody(double enters_s, std::vector<Eigen::Vector2d> path,
+                                 const std::string& action, std::optional<double> leaves_s) {
+  sim_hal::ScenarioPerson p;
+  p.enters_s = enters_s;
+  p.path = std::move(path);
+  p.action = action;
+  p.leaves_s = leaves_s;
+  return p;
+}
+
+tests::SimulatedLift lift_with(const sim_hal::ScenarioPerson& person,
+                               control::Config config = control::run_defaults()) {
+  sim_hal::Scenario scenario = table();
+  scenario.people.push_back(person);
+  return tests::simulate(scenario, control::Method::Fast, 1, std::move(config));
+}
+
+double entered_s(const tests::SimulatedLift& lift, Task task) {
+  for (const control::StateChange& s : lift.record.states)
+    if (s.state == task) return hal::seconds(s.at);
+  return -1.0;
+}
+
+std::string told(const tests::SimulatedLift& lift) {
+  std::string out = lift.record.reason;
+  for (const control::DeviceNote& f : lift.record.faults)
+    out += "\n" + std::to_string(hal::seconds(f.at)) + " " + f.device + ": " + f.what;
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("who stands in the path stops the arm; when he has gone, the lift continues") {
+  const auto lift = lift_with(somebody(3.5, {{0.3, -2.4}, {0.3, -0.95}}, "stand", 9.0));
+  INFO(told(lift));
+  CHECK(lift.record.outcome == Result::Lifted);
+  CHECK(lift.record.monitor.stops >= 1);
+  CHECK(lift.record.monitor.waited_s > 3.0);
+  CHECK(entered_s(lift, Task::Close) > 10.0);
+  CHECK(lift.person_contacts == 0);
+}
+
+TEST_CASE("who stays in the path: the lift ends safely, with the reason, and nobody is touched") {
+  control::Config config = control::run_defaults();
+  config.task.attempts.max_approaches = 2;
+  const auto lift = lift_with(somebody(3.5, {{0.3, -2.4}, {0.3, -0.95}}, "stand", std::nullopt), config);
+  INFO(told(lift));
+  CHECK(lift.record.outcome == Result::Aborted);
+  CHECK(lift.record.reason.find("from the arm") != std::string::npos);
+  CHECK(lift.person_contacts == 0);
+  CHECK(entered_s(lift, Task::Close) < 0.0);
+}
+
+TEST_CASE("who runs in at 1.6 m/s meets an arm that is at rest") {
+  sim_hal::ScenarioPerson runner = somebody(4.0, {{1.2, -2.5}, {0.6, -0.8}}, "stand", 10.0);
+  runner.speed = 1.6;
+  const auto lift = lift_with(runner);
+  INFO(told(lift));
+  CHECK(lift.record.outcome == Result::Lifted);
+  CHECK(lift.record.monitor.stops >= 1);
+  CHECK(lift.person_contacts == 0);
+}
+
+TEST_CASE("who crouches at the grasp stops the arm before it is there") {
+  const auto lift = lift_with(somebody(3.6, {{0.2, -2.0}, {0.6, -0.75}}, "crouch", 11.0));
+  INFO(told(lift));
+  CHECK(lift.record.outcome == Result::Lifted);
+  CHECK(entered_s(lift, Task::Close) > 11.0);
+  CHECK(lift.person_contacts == 0);
+}
+
+TEST_CASE("who comes near the raised object is waited for, with the object held") {
+  const auto lift = lift_with(somebody(12.0, {{0.5, -2.4}, {0.5, -0.8}}, "stand", 19.0));
+  INFO(told(lift));
+  CHECK(lift.record.outcome == Result::Lifted);
+  CHECK(entered_s(lift, Task::Release) > 19.0);  // not lowered beside him
+  CHECK(lift.person_contacts == 0);
+}
+
+TEST_CASE("who passes far away changes nothing") {
+  const auto alone = tests::simulate(table(), control::Method::Fast, 1);
+  const auto lift = lift_with(somebody(3.5, {{-1.5, 2.6}, {1.5, 2.8}}, "walk", std::nullopt));
+  INFO(told(lift));
+  CHECK(lift.record.outcome == Result::Lifted);
+  CHECK(lift.record.monitor.stops == 0);
+  CHECK(entered_s(lift, Task::Close) == Approx(entered_s(alone, Task::Close)).margin(0.5));
+}
+
+TEST_CASE("without the monitor it is said, and the arm goes at the speed of T1") {
+  control::Config config = control::run_defaults();
+  config.monitor.on = false;
+  const auto lift = tests::simulate(table(), control::Method::Fast, 1, control::for_arm_mode(config));
+  CHECK(lift.record.outcome == Result::Lifted);
+  CHECK_FALSE(lift.record.monitor.on);
+  REQUIRE_FALSE(lift.record.faults.empty());
+  CHECK(lift.record.faults.front().device == "monitor");
+  const auto alone = tests::simulate(table(), control::Method::Fast, 1);
+  CHECK(entered_s(lift, Task::Close) > entered_s(alone, Task::Close) + 3.0);
+}

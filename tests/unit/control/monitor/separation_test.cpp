@@ -1,0 +1,139 @@
+#include "control/monitor/separation.hpp"
+
+#include <catch2/catch.hpp>
+#include <chrono>
+
+#include "control/monitor/separation_monitor.hpp"
+
+using namespace colift;
+using namespace colift::control;
+using namespace std::chrono_literals;
+
+namespace {
+
+Neighbour person(double distance_m) {
+  Neighbour n;
+  n.distance_m = distance_m;
+  return n;
+}
+
+/// A second of frames with the same neighbours; the state after it.
+SeparationState second(SeparationMonitor& monitor, hal::Timestamp& now, std::vector<Neighbour> near) {
+  for (int i = 0; i < 30; ++i) monitor.update(now += 33'333'333ns, near, 0.0, 14.0);
+  return monitor.state();
+}
+
+}  // namespace
+
+TEST_CASE("the separation distances are those of the reference table") {
+  const MonitorConfig config;
+  CHECK(separation_distance(0.25, 1.6, 0.15, config) == Approx(0.86).margin(0.005));
+  CHECK(separation_distance(0.15, 1.6, 0.15, config) == Approx(0.67).margin(0.005));
+}
+
+TEST_CASE("the allowed speed is the one whose separation distance is the measured one") {
+  const MonitorConfig config;
+  for (const double person : {0.0, 0.3, 1.6})
+    for (double d = 0.1; d < 2.0; d += 0.05) {
+      const double v = allowed_speed(d, person, 0.2, config);
+      CHECK(v >= 0.0);
+      if (v > 0.0) CHECK(separation_distance(v, person, 0.2, config) == Approx(d));
+      CHECK(allowed_speed(d + 0.05, person, 0.2, config) >= v);
+      CHECK(allowed_speed(d, person, 0.3, config) <= v);
+    }
+  CHECK(allowed_speed(-0.1, 1.6, 0.15, config) == 0.0);
+  CHECK(allowed_speed(NAN, 1.6, 0.15, config) == 0.0);
+}
+
+TEST_CASE("contact speeds are those at which the table's forces are reached") {
+  // at 0.25 m/s the table has 52 N for a hand and 66 N for a lower arm, of 140 and 160 N
+  CHECK(contact_speed(BodyRegion::Hand, 14.0) == Approx(0.25 * 140 / 52.0).epsilon(0.01));
+  CHECK(contact_speed(BodyRegion::LowerArm, 14.0) == Approx(0.25 * 160 / 66.0).epsilon(0.01));
+  CHECK(contact_speed(BodyRegion::Face, 14.0) == Approx(0.25 * 65 / 125.0).epsilon(0.01));
+}
+
+TEST_CASE("nobody: no limit; somebody far: none that counts; nearer: slower; too near: the arm stops") {
+  SeparationMonitor monitor{{}};
+  hal::Timestamp now{0};
+  CHECK_FALSE(second(monitor, now, {}).limited);
+  CHECK(second(monitor, now, {person(1.2)}).speed_m_s > 0.25);
+  const double slow = second(monitor, now, {person(0.75)}).speed_m_s;
+  CHECK(slow < 0.25);
+  CHECK(slow > 0.1);
+  CHECK_FALSE(monitor.state().hold);
+  const SeparationState held = second(monitor, now, {person(1.2), person(0.6)});
+  CHECK(held.hold);
+  CHECK(held.speed_m_s == 0.0);
+  CHECK(held.nearest.distance_m == 0.6);
+}
+
+TEST_CASE("after SLOW it resumes at once, after a stop when nobody has been near for two seconds") {
+  SeparationMonitor monitor{{}};
+  hal::Timestamp now{0};
+  CHECK(second(monitor, now, {person(0.75)}).limited);
+  monitor.update(now += 33ms, {}, 0.0, 14.0);
+  CHECK_FALSE(monitor.state().limited);
+
+  CHECK(second(monitor, now, {person(0.5)}).hold);
+  CHECK(second(monitor, now, {}).hold);
+  CHECK(second(monitor, now, {person(0.72)}).hold);  // within the hysteresis: the time begins anew
+  CHECK(second(monitor, now, {}).hold);
+  CHECK(second(monitor, now, {person(0.9)}).hold);
+  CHECK_FALSE(second(monitor, now, {}).hold);
+}
+
+TEST_CASE("a stop that is not to be left, or one with a contact, waits for a confirmation") {
+  hal::Timestamp now{0};
+  MonitorConfig config;
+  config.resume = false;
+  SeparationMonitor strict{config};
+  (void)second(strict, now, {person(0.5)});
+  for (int i = 0; i < 5; ++i) CHECK(second(strict, now, {}).hold);
+
+  SeparationMonitor monitor{{}};
+  (void)second(monitor, now, {person(0.1)});
+  monitor.note_contact();
+  for (int i = 0; i < 5; ++i) CHECK(second(monitor, now, {}).hold);
+  monitor.confirm();
+  CHECK_FALSE(second(monitor, now, {}).hold);
+}
+
+TEST_CASE("the partner at rest may be nearer than anybody else, and not when he moves fast") {
+  SeparationMonitor monitor{{}};
+  hal::Timestamp now{0};
+  Neighbour partner = person(0.45);
+  partner.who = Nearby::Partner;
+  partner.speed_m_s = 0.05;
+  CHECK(second(monitor, now, {partner}).speed_m_s > 0.25);
+  partner.speed_m_s = 1.6;
+  CHECK(second(monitor, now, {partner}).speed_m_s < 0.1);
+  partner.speed_m_s = 0.05;
+  partner.distance_m = 0.15;
+  CHECK(second(monitor, now, {partner}).hold);
+}
+
+TEST_CASE("the partner's hand at the object limits by force: never below the speed that does not hurt") {
+  SeparationMonitor monitor{{}};
+  hal::Timestamp now{0};
+  Neighbour hand = person(0.02);
+  hand.who = Nearby::PartnerHand;
+  const SeparationState state = second(monitor, now, {hand});
+  CHECK_FALSE(state.hold);
+  CHECK(state.speed_m_s > 0.25);
+}
+
+TEST_CASE("a slow camera chain counts: a longer latency is a lower speed") {
+  SeparationMonitor monitor{{}};
+  hal::Timestamp now{0};
+  const Neighbour near[] = {person(0.8)};
+  const double quick = monitor.update(now += 33ms, near, 0.02, 14.0).speed_m_s;
+  const double late = monitor.update(now += 33ms, near, 0.25, 14.0).speed_m_s;
+  CHECK(late < quick);
+}
+
+TEST_CASE("why the arm waits is said with the figure") {
+  Neighbour n = person(0.424);
+  CHECK(describe(n) == "a person is 0.42 m from the arm");
+  n.to_path = true;
+  CHECK(describe(n) == "a person is 0.42 m from the arm's path");
+}
