@@ -19,13 +19,22 @@ class SeededPlaneModel : public pcl::SampleConsensusModelPlane<pcl::PointXYZ> {
   }
 };
 
+/// What PCL would print (no sample found, no model found) is an ordinary answer here. Set once: it is one
+/// level for all threads.
+void silence_pcl() {
+  static const bool done = [] {
+    pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
+    return true;
+  }();
+  static_cast<void>(done);
+}
+
 }  // namespace
 
 std::optional<PlaneFit> largest_plane(const PclCloud& cloud, const std::vector<int>& indices,
                                       const PlaneSearch& search) {
   if (indices.size() < 4) return std::nullopt;
-  // what PCL would print (no sample found, no model found) is an ordinary answer here
-  pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
+  silence_pcl();
 
   const auto model = std::make_shared<SeededPlaneModel>(cloud.get(), indices, search.seed);
   pcl::RandomSampleConsensus<pcl::PointXYZ> ransac(model, search.distance_m);

@@ -27,11 +27,18 @@ struct Freed {
 };
 using Model = std::unique_ptr<mjModel, Freed>;
 
-// MuJoCo would write MUJOCO_LOG.TXT into the working directory
-void say_nothing(const char*) {}
+/// MuJoCo would write MUJOCO_LOG.TXT into the working directory. Set once: trials of an experiment make and
+/// step worlds in several threads, and all of them read it.
+void silence_mujoco() {
+  static const bool done = [] {
+    mju_user_warning = [](const char*) {};
+    return true;
+  }();
+  static_cast<void>(done);
+}
 
 hal::Result<Model> load(const std::string& xml) {
-  mju_user_warning = say_nothing;
+  silence_mujoco();
   const auto files = std::make_unique<mjVFS>();
   mj_defaultVFS(files.get());
   mj_makeEmptyFileVFS(files.get(), "colift.xml", static_cast<int>(xml.size()));

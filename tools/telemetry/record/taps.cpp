@@ -117,8 +117,8 @@ class TappedClock final : public hal::Clock {
         owner_(std::this_thread::get_id()) {}
   [[nodiscard]] hal::Timestamp now() const override {
     const hal::Timestamp now = clock_->now();
-    // others may ask the robot's clock too, from other threads
-    if (book_.listens && std::this_thread::get_id() == owner_) book_.now.clock_ns.push_back(now.count());
+    // others may ask the robot's clock too, from other threads: the book is not theirs, not even to look into
+    if (std::this_thread::get_id() == owner_ && book_.listens) book_.now.clock_ns.push_back(now.count());
     return now;
   }
 
