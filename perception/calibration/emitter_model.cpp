@@ -71,18 +71,6 @@ class Sum {
 
 }  // namespace
 
-Pose EmitterModel::X_BC() const {
-  Pose X = Pose::Identity();
-  X.linear() = R_CB.transpose();
-  X.translation() = -(R_CB.transpose() * t_CB);
-  return X;
-}
-
-void EmitterModel::set_X_BC(const Pose& X_BC) {
-  R_CB = X_BC.linear().transpose();
-  t_CB = -(R_CB * X_BC.translation());
-}
-
 double pixel_sigma(const EmitterSample& sample, const EmitterModel& model, double z_m,
                    const EmitterNoise& noise) {
   const double spot = std::max(0.5 * sample.covariance.trace(), noise.pixel_px * noise.pixel_px);

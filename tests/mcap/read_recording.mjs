@@ -54,6 +54,33 @@ function broken(value, schema, where) {
   }
 }
 
+/** sensor_msgs/msg/Image in CDR, little endian, as Foxglove's reader takes it: numbers at multiples of their size. */
+function image(bytes) {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  assert.equal(view.getUint32(0, false), 0x00010000, "little-endian CDR");
+  let at = 4;
+  const u32 = () => {
+    at += (4 - ((at - 4) % 4)) % 4;
+    at += 4;
+    return view.getUint32(at - 4, true);
+  };
+  const take = (length) => bytes.subarray(at, (at += length));
+  const text = () => {
+    const found = take(u32());
+    assert.equal(found.at(-1), 0);
+    return new TextDecoder().decode(found.subarray(0, -1));
+  };
+  const stamp = { sec: u32(), nanosec: u32() };
+  const frameId = text();
+  const [height, width] = [u32(), u32()];
+  const encoding = text();
+  const bigEndian = take(1)[0];
+  const step = u32();
+  const data = take(u32());
+  assert.equal(at, bytes.byteLength, "nothing is left");
+  return { stamp, frameId, height, width, encoding, bigEndian, step, data };
+}
+
 const file = await open(path, "r");
 const { size } = await file.stat();
 const readable = {
@@ -73,6 +100,10 @@ assert.equal(reader.statistics.channelMessageCounts.size, reader.channelsById.si
 assert.equal(reader.chunkIndexes.length, reader.statistics.chunkCount);
 
 for (const schema of reader.schemasById.values()) {
+  if (schema.name === "sensor_msgs/msg/Image") {
+    assert.equal(schema.encoding, "ros2msg");
+    continue;
+  }
   assert.equal(schema.encoding, "jsonschema");
   if (!schema.name.startsWith("foxglove.")) continue;
   const theirs = foxglove[schema.name.slice("foxglove.".length)];
@@ -87,13 +118,21 @@ for await (const message of reader.readMessages()) {
   counts.set(channel.topic, (counts.get(channel.topic) ?? 0) + 1);
   assert.ok(message.logTime >= lastTime, "indexed reading goes by time");
   lastTime = message.logTime;
+  if (channel.topic === "/camera/depth") {
+    const { frameId, width, height, encoding, bigEndian, step, data } = image(message.data);
+    assert.deepEqual({ frameId, width, height, encoding, bigEndian, step },
+      { frameId: "camera", width: 640, height: 480, encoding: "16UC1", bigEndian: 0, step: 1280 });
+    assert.equal(data.byteLength, step * height);
+    const measured = new Uint16Array(data.slice().buffer).filter((mm) => mm > 400 && mm < 10000).length;
+    assert.ok(measured > 0.5 * width * height, "half of the pixels have a depth in the Kinect's range");
+  }
   if (channel.messageEncoding !== "json") continue;
   const value = JSON.parse(new TextDecoder().decode(message.data));
   const schema = reader.schemasById.get(channel.schemaId);
   const theirs = foxglove[schema.name.replace("foxglove.", "")];
   if (schema.name.startsWith("foxglove.")) assert.deepEqual(broken(value, theirs, channel.topic), []);
 }
-for (const topic of ["/tf", "/joint_states", "/camera/depth", "/camera/calibration", "/cloud", "/scene", "/map", "/log",
+for (const topic of ["/tf", "/joint_states", "/camera/depth", "/camera/frame", "/camera/calibration", "/cloud", "/scene", "/map", "/log",
   "/task/status", "/task/change", "/decision", "/plan", "/devices", "/arm/timing", "/load", "/inputs"])
   assert.ok(counts.get(topic) > 0, `${topic} has messages`);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tools/cli/session.hpp"
+#include "tools/analyse/recorded_scene.hpp"
 
 namespace colift::tools {
 

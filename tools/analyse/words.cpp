@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/telemetry/channels/messages.hpp"
+#include "planner/verdict_word.hpp"
 
 namespace colift::tools {
 namespace {
@@ -19,7 +19,7 @@ std::string point(const hal::Vec3& p) {
 }  // namespace
 
 const char* word(planner::Verdict verdict) {
-  return telemetry::verdict_word(verdict);  // recordings and documents say the same
+  return planner::verdict_word(verdict);  // recordings and documents say the same
 }
 
 const char* word(perception::RejectedObject::Kind kind) {

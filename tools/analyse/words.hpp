@@ -4,7 +4,7 @@
 #include <string>
 
 #include "control/session/suggest.hpp"
-#include "tools/cli/session.hpp"
+#include "tools/analyse/recorded_scene.hpp"
 
 namespace colift::tools {
 

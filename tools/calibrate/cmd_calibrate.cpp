@@ -8,9 +8,10 @@
 #include "perception/calibration/calibration_file.hpp"
 #include "tools/calibrate/calibrate.hpp"
 #include "tools/cli/config_of.hpp"
+#include "tools/cli/interrupt.hpp"
 #include "tools/cli/numbers.hpp"
 #include "tools/cli/session.hpp"
-#include "tools/cli/interrupt.hpp"
+#include "tools/rig/wired_devices.hpp"
 #include "tools/visualization/file_output.hpp"
 
 namespace colift::tools {
@@ -61,7 +62,7 @@ hal::Result<Taken> take(const CommonOptions& common, const CalibrateOptions& o, 
   }
   // a cleared floor unless a scenario says otherwise
   const auto scenario = o.scenario ? o.scenario : std::optional<std::filesystem::path>(kClearedFloor);
-  auto rig = open_rig({o.robot, scenario, o.seed, std::nullopt, true}, setup.config);
+  auto rig = open_rig({o.robot, scenario, o.seed, std::nullopt, true}, setup.config, &wired_devices());
   if (!rig) return tl::unexpected(rig.error());
   hal::InfraredCamera* infrared = rig->infrared.get();
   if (infrared == nullptr) infrared = dynamic_cast<hal::InfraredCamera*>(rig->robot.camera.get());

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "control/task/task_machine.hpp"
-#include "hal/drivers/recorded/frame_file.hpp"
 #include "tools/check/check_calibration.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"
@@ -69,9 +68,9 @@ hal::Result<CameraFindings> look_at_camera(const Setup& setup, const CheckedCame
   if (out.calibration->reason)
     return hal::failure(hal::ErrorCode::BadConfig, out.file, *out.calibration->reason);
   if (!checked.frame) return out;
-  const auto frame = hal::read_frame(*checked.frame, checked.camera);
+  const auto frame = checked.read_frame();
   if (!frame) return tl::unexpected(frame.error());
-  out.ground = check_ground(frame->frame, calibration->X_BC(), setup.config);
+  out.ground = check_ground(*frame, calibration->X_BC(), setup.config);
   return out;
 }
 

@@ -4,9 +4,6 @@
 #include <optional>
 
 #include "control/config/resolve_config.hpp"
-#include "control/session/decide.hpp"
-#include "control/session/scene_analysis.hpp"
-#include "hal/drivers/recorded/frame_file.hpp"
 #include "hal/types/result.hpp"
 #include "perception/calibration/calibration_file.hpp"
 #include "planner/hand/hand_model.hpp"
@@ -22,16 +19,6 @@ struct Setup : control::ResolvedConfig {
 };
 /// Reads the files that a configuration names. Errors: BadConfig, with the place.
 [[nodiscard]] hal::Result<Setup> load_setup(const hal::Result<control::ResolvedConfig>& resolved);
-
-/// A frame that was looked at.
-struct Seen {
-  hal::RecordedFrame file;  ///< Its frame has moved into the look.
-  hal::Pose X_WF = hal::Pose::Identity();
-  control::SceneAnalysis analysis;
-};
-
-/// Reads and looks. Errors: BadInput and BadConfig.
-[[nodiscard]] hal::Result<Seen> look_at_file(const LookOptions& options, const Setup& setup);
 
 /// Prints an error to stderr and returns the exit code that belongs to it.
 int report_error(const char* command, const hal::Error& error);

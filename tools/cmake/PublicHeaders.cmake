@@ -147,7 +147,7 @@ set(COLIFT_PUBLIC_HEADERS
   sim_hal/synthetic/ray_parts.hpp
   sim_hal/synthetic/shapes.hpp
   # tools: recordings are read, pictures drawn
-  tools/telemetry/channels/depth_codes.hpp
+  tools/telemetry/channels/recorded_frame.hpp
   tools/telemetry/mcap/mcap_reader.hpp
   tools/visualization/scene/scene_picture.hpp
   # ... and what these include

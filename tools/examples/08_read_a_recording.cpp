@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/telemetry/channels/depth_codes.hpp"
+#include "tools/telemetry/channels/recorded_frame.hpp"
 #include "tools/telemetry/mcap/mcap_reader.hpp"
 
 int main(int argc, char** argv) {
@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
   }
   for (const std::string& damage : info.damage) fmt::print("damage: {}\n", damage);
 
-  // messages are JSON, but for the depth frames; a damaged file is read as far as it goes
+  // messages are JSON, but for the images; a damaged file is read as far as it goes
   int changes = 0;
   auto states = recording->messages({"/task/change"});
   while (const auto message = states.next()) {
@@ -42,15 +42,22 @@ int main(int argc, char** argv) {
     ++changes;
   }
 
-  auto frames = recording->messages({"/camera/depth"});
-  const auto first = frames.next();
-  if (!first) return fmt::print(stderr, "no depth frame in it\n"), 1;
-  const auto frame = telemetry::decode_depth(first->data);
+  // a frame is what describes it, and its images
+  auto parts = recording->messages({"/camera/frame", "/camera/color", "/camera/depth"});
+  telemetry::FrameJoiner joiner;
+  std::optional<telemetry::EncodedFrame> first;
+  while (!first) {
+    const auto part = parts.next();
+    if (!part) return fmt::print(stderr, "no depth frame in it\n"), 1;
+    first = joiner.add(info.channels.at(part->channel_id).topic, part->data);
+  }
+  const auto frame = telemetry::decode_frame(*first);
   if (!frame) return fmt::print(stderr, "{}\n", frame.error().text()), 1;
   const auto& depth_m = frame->frame.depth_m;
   const auto measured = std::count_if(depth_m.begin(), depth_m.end(), [](float d) { return !std::isnan(d); });
   fmt::print("frame {}: {} x {} pixels, {:.0f} % with depth, {} bytes\n", frame->number,
              frame->frame.intrinsics.width, frame->frame.intrinsics.height,
-             100.0 * static_cast<double>(measured) / static_cast<double>(depth_m.size()), first->data.size());
+             100.0 * static_cast<double>(measured) / static_cast<double>(depth_m.size()),
+             first->depth.size());
   return changes > 0 ? 0 : 1;
 }

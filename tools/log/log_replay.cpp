@@ -10,6 +10,7 @@
 #include "tools/cli/session.hpp"
 #include "tools/log/cmd_log.hpp"
 #include "tools/run/run_live.hpp"
+#include "tools/run/run_pace.hpp"
 #include "tools/telemetry/channels/built_in_texts.hpp"
 #include "tools/telemetry/replay/replay.hpp"
 

@@ -7,6 +7,7 @@
 #include "tools/cli/config_of.hpp"
 #include "tools/programs/command_line.hpp"
 #include "tools/recover/cmd_recover.hpp"
+#include "tools/rig/wired_devices.hpp"
 
 namespace colift::tools {
 namespace {
@@ -179,7 +180,7 @@ void add_device_commands(CommandLine& line) {
       ->type_name("FILE");
   recover_command.add_flag("--yes", recover->yes, "Confirms every step; simulated and emulated rigs only");
   line.add_common(recover_command);
-  line.when(recover_command, [&common, recover] { return cmd_recover(common, *recover); });
+  line.when(recover_command, [&common, recover] { return cmd_recover(common, *recover, &wired_devices()); });
   line.configured(recover_command, {[&common, recover] {
                                       RunOptions as_run;
                                       as_run.robot = recover->robot;

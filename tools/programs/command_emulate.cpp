@@ -1,10 +1,10 @@
 // Options of the emulated far ends.
 
-#include "tools/programs/command_line.hpp"
 #include "tools/emulate/emulate.hpp"
 #include "tools/emulate/emulate_camera.hpp"
 #include "tools/emulate/emulate_hand.hpp"
 #include "tools/emulate/emulate_rig.hpp"
+#include "tools/programs/command_line.hpp"
 
 namespace colift::tools {
 namespace {

@@ -1,7 +1,7 @@
 // Options of the experiments.
 
-#include "tools/programs/command_line.hpp"
 #include "tools/experiments/cmd_experiment.hpp"
+#include "tools/programs/command_line.hpp"
 
 namespace colift::tools {
 namespace {

@@ -3,6 +3,7 @@
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"
 #include "tools/programs/command_line.hpp"
+#include "tools/run/run_parts.hpp"
 
 namespace colift::tools {
 namespace {
@@ -36,16 +37,21 @@ void add_run(CLI::App& command, RunOptions& o) {
 
 }  // namespace
 
-void add_job_commands(CommandLine& line) {
+void add_job_commands(CommandLine& line, const RunParts& parts) {
   CommonOptions& common = line.common;
 
   CLI::App& run_command = line.command("run");
   const auto run = std::make_shared<RunOptions>();
   add_run(run_command, *run);
   line.add_common(run_command);
-  line.when(run_command, [&common, run] { return cmd_run(common, *run); });
+  line.when(run_command, [&common, run, parts] { return cmd_run(common, *run, parts); });
   line.configured(run_command,
                   {[&common, run] { return config_of_run(common, *run); }, [run] { return run->robot; }});
+}
+
+void add_simulated_job(CommandLine& line) {
+  add_job_commands(line, RunParts{});
+  line.add_others();
 }
 
 }  // namespace colift::tools

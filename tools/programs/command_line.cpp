@@ -12,8 +12,8 @@
 #include <string_view>
 
 #include "tools/cli/commands.hpp"
-#include "tools/programs/programs.hpp"
 #include "tools/live/live_server.hpp"
+#include "tools/programs/programs.hpp"
 
 namespace colift::tools {
 namespace {

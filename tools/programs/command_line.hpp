@@ -11,6 +11,7 @@
 
 #include "control/config/resolve_config.hpp"
 #include "tools/cli/options.hpp"
+#include "tools/programs/run_program.hpp"
 
 namespace colift::tools {
 
@@ -58,16 +59,6 @@ class CommandLine {
   std::vector<Run> runs_;
   std::vector<std::pair<CLI::App*, Configured>> configured_;
 };
-
-void add_job_commands(CommandLine& line);         ///< run
-void add_sight_commands(CommandLine& line);       ///< look, decide, rank, check
-void add_device_commands(CommandLine& line);      ///< hal, calibrate, doctor
-void add_emulate_commands(CommandLine& line);     ///< emulate
-void add_log_commands(CommandLine& line);         ///< log
-void add_experiment_commands(CommandLine& line);  ///< experiment
-
-/// A program with these commands. What its main() returns.
-[[nodiscard]] int run_program(int argc, char** argv, void (*add_commands)(CommandLine& line));
 
 /// --view and what belongs to it, for `run` and `log replay`.
 void add_view(CLI::App& parser, ViewOptions& options);

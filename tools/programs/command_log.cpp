@@ -1,7 +1,7 @@
 // Options of recordings.
 
-#include "tools/programs/command_line.hpp"
 #include "tools/log/cmd_log.hpp"
+#include "tools/programs/command_line.hpp"
 
 namespace colift::tools {
 namespace {

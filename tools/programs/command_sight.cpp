@@ -1,9 +1,10 @@
 // Options of what looks and decides, and touches no device.
 
 #include "tools/analyse/cmd_rank.hpp"
-#include "tools/programs/command_line.hpp"
+#include "tools/analyse/recorded_scene.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"
+#include "tools/programs/command_line.hpp"
 
 namespace colift::tools {
 namespace {
@@ -95,6 +96,7 @@ void add_sight_commands(CommandLine& line) {
   line.add_common(check_command);
   line.when(check_command, [&common, check, camera] {
     check->command = "run";
+    camera->read_frame = [camera] { return read_depth(*camera->frame, camera->camera); };
     return cmd_check(common, *check, *camera, [&common] { return config_of_run(common, {}); });
   });
 }

@@ -62,10 +62,22 @@ const CommandEntry* find_command(std::string_view name) {
   return found == std::end(kCommands) ? nullptr : found;
 }
 
-int become(const CommandEntry& command, char** argv) {
+const char* program_for(const CommandEntry& command, std::span<const std::string> words) {
+  // the beginnings of the options that `colift` leaves to the other program; one too many costs nothing, it
+  // has them all
+  constexpr std::string_view kOthers[] = {"--robot", "--record", "--flight", "--view", "--allow-"};
+  if (std::strcmp(command.name, "run") != 0 || words.empty() || words.front() != "run")
+    return command.program;
+  for (const std::string_view word : words)
+    for (const std::string_view option : kOthers)
+      if (word.starts_with(option)) return "colift-run";
+  return command.program;
+}
+
+int become(const CommandEntry& command, const char* program_name, char** argv) {
   std::error_code error;
   const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
-  const auto program = self.parent_path() / command.program;
+  const auto program = self.parent_path() / program_name;
   ::execv(program.c_str(), argv);
   const int why = errno;
   if (why == ENOENT)

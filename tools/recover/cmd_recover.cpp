@@ -27,7 +27,7 @@ control::RecoveryRecord recover_rig(Rig& rig, const Setup& setup, std::uint64_t 
   return recovery.run(hooks);
 }
 
-int cmd_recover(const CommonOptions& common, const RecoverOptions& options) {
+int cmd_recover(const CommonOptions& common, const RecoverOptions& options, const WiredDevices* wired) {
   RunOptions run;
   run.robot = options.robot;
   run.scenario = options.scenario;
@@ -36,7 +36,7 @@ int cmd_recover(const CommonOptions& common, const RecoverOptions& options) {
   show_warnings("recover", common, *setup);
   std::optional<hal::Pose> X_WC;
   if (setup->calibration) X_WC = setup->calibration->X_BC();
-  auto rig = open_rig({options.robot, options.scenario, run.seed, X_WC}, setup->config);
+  auto rig = open_rig({options.robot, options.scenario, run.seed, X_WC}, setup->config, wired);
   if (!rig) return report_error("recover", rig.error());
   if (options.yes && !rig->simulated)
     return report_error("recover", {hal::ErrorCode::BadInput, "--yes",

@@ -69,8 +69,11 @@ struct RigRequest {
   bool calibrates = false;        ///< The robot's calibration is to be made: it is not read.
 };
 
-/// Opens the devices; the only place that knows back ends by name. Errors: BadConfig with the place; what the
-/// devices say.
-[[nodiscard]] hal::Result<Rig> open_rig(const RigRequest& request, const control::Config& config);
+class WiredDevices;
+
+/// Opens the devices; with wired_devices.cpp the only place that knows back ends by name. `wired`: those at
+/// the end of a wire; nullptr: simulated ones alone. Errors: BadConfig with the place; what the devices say.
+[[nodiscard]] hal::Result<Rig> open_rig(const RigRequest& request, const control::Config& config,
+                                        const WiredDevices* wired);
 
 }  // namespace colift::tools

@@ -13,9 +13,9 @@
 #include "tools/recover/recover_json.hpp"
 #include "tools/rig/back_ends.hpp"
 #include "tools/run/run_json.hpp"
-#include "tools/run/run_live.hpp"
+#include "tools/run/run_pace.hpp"
+#include "tools/run/run_parts.hpp"
 #include "tools/run/run_progress.hpp"
-#include "tools/run/run_recording.hpp"
 #include "tools/run/run_report.hpp"
 
 namespace colift::tools {
@@ -99,7 +99,7 @@ int exit_code(const control::RunRecord& record, const RunOptions& options) {
 
 }  // namespace
 
-int cmd_run(const CommonOptions& common, const RunOptions& options) {
+int cmd_run(const CommonOptions& common, const RunOptions& options, const RunParts& parts) {
   const InterruptGuard signals;
   const auto task = read_task(options.scenario);
   if (!task) return report_error("run", task.error());
@@ -108,7 +108,7 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
   show_warnings("run", common, *setup);
   std::optional<hal::Pose> X_WC;
   if (setup->calibration) X_WC = setup->calibration->X_BC();
-  auto rig = open_rig({options.robot, options.scenario, options.seed, X_WC}, setup->config);
+  auto rig = open_rig({options.robot, options.scenario, options.seed, X_WC}, setup->config, parts.wired);
   if (!rig) return report_error("run", rig.error());
   if (options.recover && !rig->simulated)
     return report_error("run", {hal::ErrorCode::BadInput, "--recover",
@@ -123,18 +123,19 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
   }
   control::JobOptions job{setup->method, options.seed, options.dry_run,
                           rig->truth ? rig->truth->mass_kg : 0.0, rig->drive};
-  const auto urdf = robot_urdf(options.robot);
-  if (!urdf) return report_error("run", urdf.error());
   const auto speed = speed_of(options.live, rig->drive);
   if (!speed) return report_error("run", speed.error());
-  const auto live = RunLive::open(options.live, fmt::format("CoLift, {}", rig->name), *urdf);
+  hal::Result<std::unique_ptr<LiveView>> live = nullptr;
+  if (parts.open_view) live = parts.open_view(options, fmt::format("CoLift, {}", rig->name));
   if (!live) return report_error("run", live.error());
-  RunRecording::Request request;
+  std::vector<telemetry::TelemetrySink*> watchers;
   if (*live) {
-    request.watchers.push_back(&(*live)->sink());
+    watchers.push_back(&(*live)->sink());
     std::fprintf(stderr, "live view: %s\n", (*live)->url().c_str());
   }
-  auto recording = RunRecording::open(common, options, job, *rig, *setup, wall, request);
+  hal::Result<std::unique_ptr<RunRecording>> recording = nullptr;
+  if (parts.open_recording)
+    recording = parts.open_recording(common, options, job, *rig, *setup, wall, watchers);
   if (!recording) return report_error("run", recording.error());
   const control::RigView view{*rig->model, setup->hand, setup->hand_tables, rig->X_WC};
   control::TaskRunner runner(rig->robot, view, setup->config, job, wall);

@@ -4,7 +4,6 @@
 
 #include <charconv>
 #include <chrono>
-#include <cmath>
 #include <random>
 #include <thread>
 
@@ -34,6 +33,16 @@ std::string new_token() {
   std::string token;
   for (int i = 0; i < 4; ++i) token += fmt::format("{:08x}", source());
   return token;
+}
+
+/// The description of the robot that a robot file names; the built-in one where it names none.
+hal::Result<std::string> robot_urdf(const std::optional<std::filesystem::path>& robot_file) {
+  const auto robot = read_robot_file(robot_file);
+  if (!robot) return tl::unexpected(robot.error());
+  if (robot->model.empty()) return telemetry::built_in_robot_urdf();
+  const auto bytes = hal::load_file(robot->model);
+  if (!bytes) return tl::unexpected(bytes.error());
+  return std::string(hal::as_text(*bytes));
 }
 
 }  // namespace
@@ -70,37 +79,10 @@ void RunLive::stay(const std::function<bool()>& enough) const {
   while (!enough()) std::this_thread::sleep_for(kLook);
 }
 
-hal::Result<std::string> robot_urdf(const std::optional<std::filesystem::path>& robot_file) {
-  const auto robot = read_robot_file(robot_file);
-  if (!robot) return tl::unexpected(robot.error());
-  if (robot->model.empty()) return telemetry::built_in_robot_urdf();
-  const auto bytes = hal::load_file(robot->model);
-  if (!bytes) return tl::unexpected(bytes.error());
-  return std::string(hal::as_text(*bytes));
-}
-
-void Pace::wait_for(hal::Timestamp simulated) {
-  if (speed_ <= 0.0) return;
-  const hal::SteadyClock wall;
-  if (!simulated_start_) {
-    simulated_start_ = simulated;
-    wall_start_ = wall.now();
-    return;
-  }
-  const auto due =
-      *wall_start_ + std::chrono::duration_cast<hal::Duration>((simulated - *simulated_start_) / speed_);
-  if (due > wall.now()) std::this_thread::sleep_for(due - wall.now());
-}
-
-hal::Result<double> speed_of(const ViewOptions& options, control::Drive drive) {
-  if (!options.speed) return options.view && drive == control::Drive::InStep ? 1.0 : 0.0;
-  if (!std::isfinite(*options.speed) || *options.speed < 0.0)
-    return hal::failure(hal::ErrorCode::BadInput, "--speed",
-                        "expected 0 (as fast as it goes) or a positive number");
-  if (drive != control::Drive::InStep && *options.speed != 1.0)
-    return hal::failure(hal::ErrorCode::BadInput, "--speed",
-                        "these devices run in real time; only 1 is possible");
-  return drive == control::Drive::InStep ? *options.speed : 0.0;
+hal::Result<std::unique_ptr<LiveView>> open_view(const RunOptions& options, const std::string& title) {
+  auto urdf = robot_urdf(options.robot);
+  if (!urdf) return tl::unexpected(urdf.error());
+  return RunLive::open(options.live, title, std::move(*urdf));
 }
 
 }  // namespace colift::tools

@@ -8,6 +8,8 @@
 
 #include "hal/drivers/recorded/file_bytes.hpp"
 #include "tools/rig/robot_file.hpp"
+#include "tools/rig/wired_devices.hpp"
+#include "tools/run/run_view.hpp"
 #include "tools/telemetry/channels/built_in_texts.hpp"
 #include "tools/telemetry/record/flight_request.hpp"
 #include "tools/telemetry/record/recorder.hpp"
@@ -57,30 +59,61 @@ hal::Result<telemetry::RunDescription> describe(const CommonOptions& common, con
   return run;
 }
 
-}  // namespace
-
-struct RunRecording::Impl {
+class Recording final : public RunRecording {
+ public:
   std::optional<std::filesystem::path> file;
   std::optional<telemetry::FlightPost> post;
   std::unique_ptr<telemetry::Recorder> recorder;
   std::unique_ptr<telemetry::RunTelemetry> telemetry;
+
+  [[nodiscard]] control::JobHooks hooks(control::JobHooks yours) override {
+    return telemetry->hooks(std::move(yours));
+  }
+  void truth(hal::Timestamp at, const TruthSample& s) override {
+    telemetry::TruthNow now{s.t_s, s.robot_force_z_n, s.partner_force_z_n, s.floor_force_z_n,
+                            {},    s.tilt_rad,        s.height_m,          s.slip_m};
+    now.share = true_share(s);
+    telemetry->truth(at, now);
+  }
+  std::vector<std::string> finish(const control::RunRecord& record, const std::string& document,
+                                  bool quiet) override {
+    std::vector<std::string> lines;
+    if (!recorder) return lines;
+    telemetry::RunDocuments end;
+    end.attachments.push_back({0, 0, "run.json", "application/json", document});
+    end.metadata.push_back(
+        {"colift.result", {{"outcome", word(record.outcome)}, {"because", record.reason}}});
+    const telemetry::RecorderReport report = recorder->finish(end);
+    post.reset();  // nobody answers any more
+    if (file && !quiet)
+      lines.push_back(fmt::format("recording: {}, {} messages, {:.1f} MB", file->string(), report.written,
+                                  1e-6 * static_cast<double>(report.file_bytes)));
+    if (report.lost_queue > 0)
+      lines.push_back(fmt::format("recording: {} messages were lost, the disk or the processor was too slow",
+                                  report.lost_queue));
+    if (report.lost_disk > 0)
+      lines.push_back(fmt::format("recording: {} messages were lost", report.lost_disk));
+    if (!report.trouble.empty()) lines.push_back("recording: " + report.trouble);
+    if (file && !report.complete)
+      lines.push_back("recording: it has no end; colift log recover makes a whole file of it");
+    for (const auto& flight : report.flights)
+      lines.push_back(fmt::format("recording: the last seconds are in {}", flight.string()));
+    return lines;
+  }
 };
 
-RunRecording::RunRecording(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-RunRecording::~RunRecording() = default;
+}  // namespace
 
-hal::Result<std::unique_ptr<RunRecording>> RunRecording::open(const CommonOptions& common,
-                                                              const RunOptions& options,
-                                                              const control::JobOptions& job, Rig& rig,
-                                                              Setup& setup, const hal::Clock& wall,
-                                                              const Request& request) {
+hal::Result<std::unique_ptr<RunRecording>> open_recording(
+    const CommonOptions& common, const RunOptions& options, const control::JobOptions& job, Rig& rig,
+    Setup& setup, const hal::Clock& wall, const std::vector<telemetry::TelemetrySink*>& watchers) {
   // a simulated run can be run once more; what happened on real wires cannot
   const bool flies = options.flight || job.drive == control::Drive::Thread;
-  if (!options.record && !flies && request.watchers.empty()) return nullptr;
+  if (!options.record && !flies && watchers.empty()) return std::unique_ptr<RunRecording>();
   const auto run = describe(common, options, job, rig, setup);
   if (!run) return tl::unexpected(run.error());
-  auto impl = std::make_unique<Impl>();
-  std::vector<telemetry::TelemetrySink*> sinks = request.watchers;
+  auto impl = std::make_unique<Recording>();
+  std::vector<telemetry::TelemetrySink*> sinks = watchers;
 
   if (options.record || flies) {
     telemetry::RecorderConfig config;
@@ -111,43 +144,11 @@ hal::Result<std::unique_ptr<RunRecording>> RunRecording::open(const CommonOption
   impl->telemetry->tap(rig.robot);
   if (impl->recorder)
     impl->telemetry->on_fault([r = impl->recorder.get()](const std::string&) { r->fault(); });
-  return std::unique_ptr<RunRecording>(new RunRecording(std::move(impl)));
+  return impl;
 }
 
-control::JobHooks RunRecording::hooks(control::JobHooks yours) {
-  return impl_->telemetry->hooks(std::move(yours));
-}
-
-void RunRecording::truth(hal::Timestamp at, const TruthSample& s) {
-  telemetry::TruthNow now{s.t_s, s.robot_force_z_n, s.partner_force_z_n, s.floor_force_z_n,
-                          {},    s.tilt_rad,        s.height_m,          s.slip_m};
-  now.share = true_share(s);
-  impl_->telemetry->truth(at, now);
-}
-
-std::vector<std::string> RunRecording::finish(const control::RunRecord& record, const std::string& document,
-                                              bool quiet) {
-  std::vector<std::string> lines;
-  if (!impl_->recorder) return lines;
-  telemetry::RunDocuments end;
-  end.attachments.push_back({0, 0, "run.json", "application/json", document});
-  end.metadata.push_back({"colift.result", {{"outcome", word(record.outcome)}, {"because", record.reason}}});
-  const telemetry::RecorderReport report = impl_->recorder->finish(end);
-  impl_->post.reset();  // nobody answers any more
-  if (impl_->file && !quiet)
-    lines.push_back(fmt::format("recording: {}, {} messages, {:.1f} MB", impl_->file->string(),
-                                report.written, 1e-6 * static_cast<double>(report.file_bytes)));
-  if (report.lost_queue > 0)
-    lines.push_back(fmt::format("recording: {} messages were lost, the disk or the processor was too slow",
-                                report.lost_queue));
-  if (report.lost_disk > 0)
-    lines.push_back(fmt::format("recording: {} messages were lost", report.lost_disk));
-  if (!report.trouble.empty()) lines.push_back("recording: " + report.trouble);
-  if (impl_->file && !report.complete)
-    lines.push_back("recording: it has no end; colift log recover makes a whole file of it");
-  for (const auto& flight : report.flights)
-    lines.push_back(fmt::format("recording: the last seconds are in {}", flight.string()));
-  return lines;
+RunParts all_run_parts() {
+  return {&wired_devices(), open_view, open_recording};
 }
 
 }  // namespace colift::tools

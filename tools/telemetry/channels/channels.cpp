@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "tools/telemetry/channels/image_message.hpp"
 #include "tools/telemetry/channels/schema_parts.hpp"
 
 namespace colift::telemetry {
@@ -242,6 +243,18 @@ Json truth() {
                  {"slip_m", number()}});
 }
 
+Json frame() {
+  return object({{"number", integer("counts the frames of the run from 0")},
+                 {"exposed_at", integer("ns; the stamp of its images")},
+                 {"width", integer()},
+                 {"height", integer()},
+                 {"fx", maybe()},
+                 {"fy", maybe()},
+                 {"cx", maybe()},
+                 {"cy", maybe()},
+                 {"up", {{"type", {"array", "null"}}, {"items", number("against gravity, in camera")}}}});
+}
+
 Json inputs() {
   const Json error = object({{"code", integer()}, {"where", text()}, {"detail", text()}});
   const Json joint_list = list(number());
@@ -265,7 +278,7 @@ Json inputs() {
                             {"hot", boolean()},
                             {"warning", text()},
                             {"error", error}});
-  const Json camera = object({{"frame", integer("number of a frame on /camera/depth")}, {"error", error}});
+  const Json camera = object({{"frame", integer("number of a frame on /camera/frame")}, {"error", error}});
   return object({{"cycle", integer("counts up from 0; a gap is a loss")},
                  {"clock", list(integer("ns, each time that was read"))},
                  {"arm", list(arm)},
@@ -299,7 +312,12 @@ std::vector<ChannelInfo> all() {
   add(Topic::Stages, "/stages", "colift.StageTiming", stages());
   add(Topic::Load, "/load", "colift.Load", load());
   add(Topic::Truth, "/truth", "colift.Truth", truth());
-  list.push_back({Topic::Depth, "/camera/depth", "x-colift-depth", "", "", ""});
+  const auto add_image = [&](Topic id, const char* topic) {
+    list.push_back({id, topic, "cdr", kImageType, "ros2msg", image_definition()});
+  };
+  add_image(Topic::Depth, "/camera/depth");
+  add_image(Topic::Colour, "/camera/color");
+  add(Topic::Frame, "/camera/frame", "colift.CameraFrame", frame());
   add(Topic::Inputs, "/inputs", "colift.CycleInputs", inputs());
   return list;
 }

@@ -29,7 +29,9 @@ enum class Topic : std::uint8_t {
   Stages,       ///< colift.StageTiming: computing times, for each decision.
   Load,         ///< colift.Load: force and torque at the palm, share, height, tilt, slip.
   Truth,        ///< colift.Truth: what only a simulation knows.
-  Depth,        ///< x-colift-depth: every depth frame, lossless (depth_codes.hpp).
+  Depth,        ///< sensor_msgs/msg/Image: the depth of every frame, lossless (image_message.hpp).
+  Colour,       ///< sensor_msgs/msg/Image: its colour, where the camera has any.
+  Frame,        ///< colift.CameraFrame: number, camera model and gravity of every frame (recorded_frame.hpp).
   Inputs,       ///< colift.CycleInputs: everything that the task was handed in one of its cycles, for replay.
 };
 inline constexpr int kTopics = static_cast<int>(Topic::Inputs) + 1;
@@ -38,9 +40,9 @@ inline constexpr int kTopics = static_cast<int>(Topic::Inputs) + 1;
 struct ChannelInfo {
   Topic id = Topic::Log;
   std::string topic;            ///< "/task/status"
-  std::string encoding;         ///< Of messages: "json" or "x-colift-depth".
+  std::string encoding;         ///< Of messages: "json", or "cdr" for images.
   std::string schema_name;      ///< "foxglove.Log"
-  std::string schema_encoding;  ///< "jsonschema"; empty: no schema.
+  std::string schema_encoding;  ///< "jsonschema" or "ros2msg".
   std::string schema;
 };
 

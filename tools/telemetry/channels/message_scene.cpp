@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "planner/verdict_word.hpp"
 #include "tools/telemetry/channels/scene_parts.hpp"
 
 namespace colift::telemetry {
@@ -64,8 +65,8 @@ void add_candidate(Entities& out, const planner::GraspCandidate& c) {
   const bool chosen = c.verdict == planner::Verdict::Chosen;
   Json& entity =
       out.add(fmt::format("candidate {}", c.id),
-              Json::array({pair_json("verdict", verdict_word(c.verdict)), pair_json("because", c.reason),
-                           pair_json("kind", planner::name_of(c.kind)),
+              Json::array({pair_json("verdict", planner::verdict_word(c.verdict)),
+                           pair_json("because", c.reason), pair_json("kind", planner::name_of(c.kind)),
                            pair_json("width_m", fmt::format("{:.4f}", c.width))}));
   const double length = chosen ? 2.0 * kLength : kLength;
   entity["arrows"].push_back(arrow_json(pose_of(c.position - length * c.approach, with_x(c.approach)), length,

@@ -2,6 +2,7 @@
 
 #include "hal/health_text.hpp"
 #include "hal/types/units.hpp"
+#include "planner/verdict_word.hpp"
 #include "tools/telemetry/channels/json_parts.hpp"
 
 namespace colift::telemetry {
@@ -14,29 +15,6 @@ Json point(const std::optional<hal::Vec3>& p) {
 }
 
 }  // namespace
-
-const char* verdict_word(planner::Verdict verdict) {
-  using planner::Verdict;
-  switch (verdict) {
-    case Verdict::Ok:
-      return "ok";
-    case Verdict::Chosen:
-      return "chosen";
-    case Verdict::Collision:
-      return "collision";
-    case Verdict::Unreachable:
-      return "unreachable";
-    case Verdict::TooWide:
-      return "too-wide";
-    case Verdict::Unstable:
-      return "unstable";
-    case Verdict::OverLimit:
-      return "over-limit";
-    case Verdict::NearPartner:
-      return "near-partner";
-  }
-  return "?";
-}
 
 std::string base64(std::string_view bytes) {
   static constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -193,7 +171,7 @@ std::string decision_message(const DecisionView& view) {
               {"approach", list_of(c.approach)},
               {"closing", list_of(c.closing)},
               {"width", number_json(c.width)},
-              {"verdict", verdict_word(c.verdict)},
+              {"verdict", planner::verdict_word(c.verdict)},
               {"because", c.reason},
               {"stability", number_json(c.stability)},
               {"share", nullptr},

@@ -125,7 +125,4 @@ struct MapView {
 /// near the robot first; what was left out stands in the metadata.
 [[nodiscard]] std::string map_message(hal::Timestamp at, const MapView& map);
 
-/// "chosen", "near-partner", ...: the words of all of CoLift's documents.
-[[nodiscard]] const char* verdict_word(planner::Verdict verdict);
-
 }  // namespace colift::telemetry

@@ -12,7 +12,7 @@
 
 namespace colift::telemetry {
 
-/// What the camera gave when it was asked: a frame, by its number on /camera/depth, or why not.
+/// What the camera gave when it was asked: a frame, by its number on /camera/frame, or why not.
 struct CameraReading {
   std::optional<std::uint64_t> frame;
   hal::Error error{hal::ErrorCode::Timeout, "", ""};

@@ -6,9 +6,10 @@
 #include <utility>
 
 #include "hal/types/units.hpp"
-#include "tools/telemetry/channels/depth_codes.hpp"
+#include "tools/telemetry/channels/image_message.hpp"
 #include "tools/telemetry/channels/json_parts.hpp"
 #include "tools/telemetry/channels/messages.hpp"
+#include "tools/telemetry/channels/recorded_frame.hpp"
 #include "tools/telemetry/record/taps.hpp"
 
 namespace colift::telemetry {
@@ -87,8 +88,13 @@ struct RunTelemetry::Impl {
     const hal::Timestamp at = time();
     const auto kept = std::make_shared<const NumberedFrame>(NumberedFrame{number, frame});
     const std::size_t bytes = frame.depth_m.size() * sizeof(float) + frame.rgb.size();
+    // what describes the frame comes before its images (FrameJoiner)
+    publish(Topic::Frame, at, [kept] { return frame_message(kept->number, kept->frame); });
+    if (!frame.rgb.empty())
+      publish(
+          Topic::Colour, at, [kept] { return colour_image(kept->frame); }, frame.rgb.size());
     publish(
-        Topic::Depth, at, [kept] { return encode_depth(*kept); }, bytes);
+        Topic::Depth, at, [kept] { return depth_image(kept->frame); }, bytes);
     if (preview.due(at)) {
       const hal::CameraIntrinsics camera = frame.intrinsics;
       publish(Topic::Calibration, at, [at, camera] { return calibration_message(at, camera); });

@@ -104,9 +104,18 @@ hal::Result<> write_whole(const std::filesystem::path& file, std::string_view by
 hal::Result<> for_each_frame(const McapReader& file, Exported& out,
                              const std::function<hal::Result<>(const NumberedFrame&)>& take) {
   std::uint64_t good = 0, bad = 0;
-  auto cursor = file.messages({channel_of(Topic::Depth).topic});
+  const std::string depth = channel_of(Topic::Depth).topic;
+  auto cursor = file.messages({channel_of(Topic::Frame).topic, channel_of(Topic::Colour).topic, depth});
+  FrameJoiner joiner;
   while (const auto message = cursor.next()) {
-    const auto frame = decode_depth(message->data);
+    const auto channel = file.info().channels.find(message->channel_id);
+    if (channel == file.info().channels.end()) continue;
+    const auto encoded = joiner.add(channel->second.topic, message->data);
+    if (!encoded) {
+      if (channel->second.topic == depth) ++bad;
+      continue;
+    }
+    const auto frame = decode_frame(*encoded);
     const auto& c = frame ? frame->frame.intrinsics : hal::CameraIntrinsics{};
     if (!frame || frame->frame.depth_m.size() !=
                       static_cast<std::size_t>(c.width) * static_cast<std::size_t>(c.height)) {

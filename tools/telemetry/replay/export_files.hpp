@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "hal/types/result.hpp"
-#include "tools/telemetry/channels/depth_codes.hpp"
+#include "tools/telemetry/channels/recorded_frame.hpp"
 #include "tools/telemetry/mcap/mcap_reader.hpp"
 #include "tools/telemetry/replay/export.hpp"
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "tools/telemetry/channels/channels.hpp"
-#include "tools/telemetry/channels/depth_codes.hpp"
 
 namespace colift::telemetry {
 namespace {
@@ -75,9 +74,9 @@ class ReplayedClock final : public hal::Clock {
 }  // namespace
 
 Tape::Tape(const McapReader& file)
-    : cursor_(file.messages({channel_of(Topic::Inputs).topic, channel_of(Topic::Depth).topic})),
-      inputs_(file.info().channel(channel_of(Topic::Inputs).topic)),
-      depth_(file.info().channel(channel_of(Topic::Depth).topic)) {}
+    : channels_(file.info().channels),
+      cursor_(file.messages({channel_of(Topic::Inputs).topic, channel_of(Topic::Frame).topic,
+                             channel_of(Topic::Colour).topic, channel_of(Topic::Depth).topic})) {}
 
 void Tape::note(std::string text) {
   if (notes_.size() < 20) notes_.push_back(std::move(text));
@@ -86,11 +85,13 @@ void Tape::note(std::string text) {
 bool Tape::advance() {
   if (ended_) return false;
   while (const auto message = cursor_.next()) {
-    if (depth_ && message->channel_id == depth_->id) {
-      if (const auto number = depth_number(message->data)) frames_[*number] = std::string(message->data);
+    const auto channel = channels_.find(message->channel_id);
+    if (channel == channels_.end()) continue;
+    if (channel->second.topic != channel_of(Topic::Inputs).topic) {
+      if (auto frame = joiner_.add(channel->second.topic, message->data))
+        frames_[frame->number] = std::move(*frame);
       continue;
     }
-    if (!inputs_ || message->channel_id != inputs_->id) continue;
     auto next = parse_inputs(message->data);
     if (!next) {
       note(next.error().text());
@@ -131,7 +132,7 @@ hal::Result<hal::DepthFrame> Tape::next_camera() {
     note(fmt::format("frame {} is missing in the recording", *reading.frame));
     return hal::failure(hal::ErrorCode::Timeout, "camera", "the frame is missing in the recording");
   }
-  auto frame = decode_depth(found->second);
+  auto frame = decode_frame(found->second);
   frames_.erase(frames_.begin(), std::next(found));
   if (!frame) {
     note(fmt::format("frame {}: {}", *reading.frame, frame.error().text()));

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "hal/robot.hpp"
+#include "tools/telemetry/channels/recorded_frame.hpp"
 #include "tools/telemetry/mcap/mcap_reader.hpp"
 #include "tools/telemetry/record/cycle_inputs.hpp"
 
@@ -39,10 +40,11 @@ class Tape {
  private:
   void note(std::string text);
 
+  const std::map<std::uint16_t, Channel>& channels_;
   McapReader::Cursor cursor_;
-  const Channel *inputs_, *depth_;
+  FrameJoiner joiner_;
   CycleInputs now_;
-  std::map<std::uint64_t, std::string> frames_;  ///< By number; those of this cycle and not yet asked for.
+  std::map<std::uint64_t, EncodedFrame> frames_;  ///< By number; those of this cycle and not yet asked for.
   std::size_t clock_ = 0, arm_ = 0, hand_ = 0, camera_ = 0, answer_ = 0, health_ = 0;
   hal::Timestamp last_clock_{0};
   hal::DeviceHealth last_health_;

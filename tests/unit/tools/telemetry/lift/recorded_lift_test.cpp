@@ -20,7 +20,7 @@
 #include "sim_hal/scenario/scenario.hpp"
 #include "tools/live/live_server.hpp"
 #include "tools/telemetry/channels/built_in_texts.hpp"
-#include "tools/telemetry/channels/depth_codes.hpp"
+#include "tools/telemetry/channels/recorded_frame.hpp"
 #include "tools/telemetry/record/recorder.hpp"
 #include "tools/telemetry/record/run_telemetry.hpp"
 #include "tools/telemetry/replay/replay.hpp"

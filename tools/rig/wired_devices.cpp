@@ -1,0 +1,97 @@
+#include "tools/rig/wired_devices.hpp"
+
+#include "hal/drivers/barrett_can/make_barrett_hand.hpp"
+#include "hal/drivers/barrett_can/pucks/puck_codec.hpp"
+#include "hal/drivers/kinect/guarded_kinect.hpp"
+#include "hal/drivers/kuka_fri/fri_arm.hpp"
+#include "hal/os/make_can_bus.hpp"
+#include "hal/os/udp_link.hpp"
+#include "tools/rig/emulated_rig.hpp"
+
+namespace colift::tools {
+namespace {
+
+ArmLink link_of(const hal::FriArm& arm, EmulatedRig* emulated) {
+  ArmLink link;
+  const hal::FriStatus status = arm.status();
+  const hal::AnswerTimes& times = arm.answer_times();
+  link.cycles = status.received;
+  link.answered = status.answered;
+  link.lost = status.lost;
+  link.answer_us = {times.percentile_us(0.5), times.percentile_us(0.99), times.percentile_us(0.999),
+                    times.worst_us()};
+  for (std::size_t i = 0; i < times.slow(); ++i)
+    link.slow.push_back({hal::seconds(times.slow(i).arrived), hal::seconds(times.slow(i).answered)});
+  if (emulated == nullptr) return link;
+  const sim_hal::KrcReport report = emulated->krc().report();
+  const sim_hal::KrcServerTiming timing = emulated->krc().timing();
+  link.controller = ArmLink::Controller{
+      report.sent, report.answered,      report.missed,           report.most_missed_in_a_row,
+      timing.late, timing.worst_late_ms, report.missed_in_command};
+  for (const auto& missed : timing.missed)
+    link.controller->missed_at.push_back({missed.sent_s, missed.until_s});
+  for (const auto& broken : report.broken_rules) link.controller->broken_rules.push_back(broken.reason);
+  for (const auto& change : report.mode_changes)
+    if (change.from == sim_hal::FriState::Command) link.controller->left_command.push_back(change.reason);
+  return link;
+}
+
+class Wired final : public WiredDevices {
+ public:
+  [[nodiscard]] bool served_elsewhere(const RobotFile& file) const override {
+    return ServedRigSign::is_up(static_cast<std::uint16_t>(file.fri.port));
+  }
+
+  [[nodiscard]] hal::Result<std::shared_ptr<EmulatedRig>> start_far_ends(
+      const RobotFile& file, std::uint64_t seed, const sim_hal::Scenario& scenario,
+      std::shared_ptr<sim_hal::SimWorld> world, Rig& rig) const override {
+    auto far_ends = EmulatedRig::start(emulated_rig_of(file, seed), scenario, *rig.model, std::move(world));
+    if (far_ends) rig.begin = [rig_ends = *far_ends] { rig_ends->begin(); };
+    return far_ends;
+  }
+
+  [[nodiscard]] hal::Result<std::unique_ptr<hal::Arm>> arm(const RobotFile& file,
+                                                           const std::shared_ptr<EmulatedRig>& far_ends,
+                                                           Rig& rig) const override {
+    const auto address = hal::parse_endpoint(file.fri.address + ":" + std::to_string(file.fri.port));
+    if (!address) return tl::unexpected(address.error());
+    auto fri = std::make_unique<hal::FriArm>(file.fri, hal::make_udp_link(*address), *rig.robot.clock);
+    rig.arm_link = [driver = fri.get(), far_ends] { return link_of(*driver, far_ends.get()); };
+    return fri;
+  }
+
+  [[nodiscard]] hal::Result<std::unique_ptr<hal::Hand>> hand(const RobotFile& file) const override {
+    const auto filters = hal::barrett::hand_filters();
+    auto bus = hal::make_can_bus(file.barrett.can, {filters.begin(), filters.end()});
+    if (!bus) return tl::unexpected(bus.error());
+    // a bus that is not there is said before the arm is asked for anything
+    if (auto opened = (*bus)->open(); !opened) return tl::unexpected(opened.error());
+    return hal::make_barrett_hand(std::move(*bus), file.barrett);
+  }
+
+  void camera(const RobotFile& file, const sim_hal::Scenario& scenario, EmulatedRig* far_ends,
+              bool pose_known, const control::Config& config, Rig& rig) const override {
+    hal::KinectConfig kinect = file.kinect;
+    if (far_ends != nullptr) {
+      kinect.source = "emulated:" + far_ends->camera()->address();
+      kinect.motor = true;
+    }
+    hal::CameraGuardConfig guard = config.guard_camera;
+    // an ideal camera shows a scene at rest alike
+    if (file.emulator != "never" && scenario.camera.noise == "none") guard.frozen_s = 0.0;
+    std::optional<hal::Vec3> up_C;
+    if (pose_known) up_C = rig.X_WC.linear().transpose() * hal::Vec3::UnitZ();
+    hal::GuardedKinect made = hal::make_guarded_kinect(kinect, guard, *rig.robot.clock, up_C);
+    rig.robot.camera = std::move(made.camera);
+    rig.infrared = std::move(made.infrared);
+  }
+};
+
+}  // namespace
+
+const WiredDevices& wired_devices() {
+  static const Wired devices;
+  return devices;
+}
+
+}  // namespace colift::tools

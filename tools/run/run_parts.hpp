@@ -1,0 +1,62 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "control/task/task_runner.hpp"
+#include "tools/cli/options.hpp"
+#include "tools/cli/session.hpp"
+#include "tools/rig/back_ends.hpp"
+#include "tools/telemetry/channels/channels.hpp"
+
+namespace colift::tools {
+
+class WiredDevices;
+
+// What a run can have beyond the simulated rig. `colift` itself is built without it, so that a first lift is
+// compiled in minutes; `colift-run` has all of it and is started where one of its options is given.
+
+/// The live view of one run, or of a recording that is played.
+class LiveView {
+ public:
+  virtual ~LiveView() = default;
+  [[nodiscard]] virtual telemetry::TelemetrySink& sink() = 0;
+  [[nodiscard]] virtual std::string url() const = 0;
+  /// An operator pressed stop.
+  [[nodiscard]] virtual bool stopped() const = 0;
+  /// Serves the last state until `enough` says so (it is asked ten times a second).
+  virtual void stay(const std::function<bool()>& enough) const = 0;
+};
+
+/// The recording of one run: file, flight recorder, and whoever else watches. Changes nothing about the run.
+class RunRecording {
+ public:
+  virtual ~RunRecording() = default;
+  /// The last call before the job runs.
+  [[nodiscard]] virtual control::JobHooks hooks(control::JobHooks yours) = 0;
+  virtual void truth(hal::Timestamp at, const TruthSample& sample) = 0;
+  /// Closes the files. What was written and what was lost, in lines for a person; `quiet` leaves only what
+  /// went wrong. `document` is the run's JSON.
+  [[nodiscard]] virtual std::vector<std::string> finish(const control::RunRecord& record,
+                                                        const std::string& document, bool quiet) = 0;
+};
+
+struct RunParts {
+  const WiredDevices* wired = nullptr;  ///< nullptr: no --robot with devices on wires.
+  /// Null where no view was asked for. Errors: BadInput for a wrong port or address; NotReady where the port
+  /// is taken.
+  hal::Result<std::unique_ptr<LiveView>> (*open_view)(const RunOptions& options,
+                                                      const std::string& title) = nullptr;
+  /// Null where nothing is recorded and nobody watches; the run is left alone then. Errors: files that cannot
+  /// be read or made. `watchers`: borrowed.
+  hal::Result<std::unique_ptr<RunRecording>> (*open_recording)(
+      const CommonOptions& common, const RunOptions& options, const control::JobOptions& job, Rig& rig,
+      Setup& setup, const hal::Clock& wall, const std::vector<telemetry::TelemetrySink*>& watchers) = nullptr;
+};
+
+/// Everything (library colift_whole_run).
+[[nodiscard]] RunParts all_run_parts();
+
+}  // namespace colift::tools
