@@ -1,5 +1,6 @@
 #pragma once
 
+#include "control/session/decide.hpp"
 #include "tools/analyse/recorded_scene.hpp"
 
 namespace colift::tools {
