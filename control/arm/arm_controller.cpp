@@ -119,7 +119,7 @@ void ArmController::heed_task(std::uint64_t beats) {
   ++view_.stalls;
   view_.stall_s = silent_s;
   lift_cut_off_ = std::exchange(lifting_, false);
-  setpoints_.hold();
+  setpoints_.hold_urgently();
 }
 
 void ArmController::serve_lift() {

@@ -47,6 +47,11 @@ SetpointGenerator::SetpointGenerator(const hal::RobotModel& model, const TaskCon
       stiffness_(task.stiffness_nm_rad),
       stiffness_goal_(task.stiffness_nm_rad) {}
 
+void SetpointGenerator::hold_urgently() {
+  hold();
+  urgency_ = limits_.urgent_factor;
+}
+
 void SetpointGenerator::hold() {
   along_ = false;
   if (mode_ == Mode::Trajectory)
@@ -84,6 +89,7 @@ hal::Result<> SetpointGenerator::follow(std::shared_ptr<const planner::Trajector
   mode_ = Mode::Trajectory;
   on_trajectory_ = along_ = true;
   cut_off_ = false;
+  urgency_ = 1.0;
   tare_ = rest_tau_;
   lag_at_start_ = rest_lag_;
   contact_ = hal::Wrench{};
@@ -102,6 +108,7 @@ bool SetpointGenerator::back(double speed) {
 
 bool SetpointGenerator::run_along(double rate) {
   if (!on_trajectory_ && !rejoin()) return false;
+  urgency_ = 1.0;
   mode_ = Mode::Trajectory;
   along_ = rate != 0.0;
   rate_goal_ = rate;
@@ -210,8 +217,8 @@ void SetpointGenerator::step_trajectory(double dt_s) {
   const double goal = rate_goal_ * speed_goal();
   // stops are short, starts are gentle
   const bool faster = std::abs(goal) > std::abs(rate_) && goal * rate_ >= 0.0;
-  const double acceleration = faster ? limits_.resume_rad_s2 : limits_.acceleration_rad_s2;
-  const double joint_jerk = faster ? limits_.resume_rad_s3 : limits_.jerk_rad_s3;
+  const double acceleration = faster ? limits_.resume_rad_s2 : urgency_ * limits_.acceleration_rad_s2;
+  const double joint_jerk = faster ? limits_.resume_rad_s3 : urgency_ * limits_.jerk_rad_s3;
   double least = -kRateSlope_s, most = kRateSlope_s, jerk = kRateJerk_s2;
   for (int i = 0; i < hal::kArmJoints; ++i) {
     const double v = std::abs(at.dq_rad_s[i]);

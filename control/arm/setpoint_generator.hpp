@@ -41,6 +41,8 @@ class SetpointGenerator {
   /// Comes to rest (a trajectory: on the path) and stays there. A halted trajectory can be resumed or run
   /// back.
   void hold();
+  /// The same, with SetpointLimits::urgent_factor of deceleration and jerk.
+  void hold_urgently();
   /// Starts a trajectory at its first cycle. Errors: NotReady (not at rest), BadInput (no trajectory, or it
   /// starts elsewhere than the arm is commanded to: by how much, in which joint). Plan from commanded(), not
   /// from the measured pose: the arm's springs are loaded.
@@ -135,6 +137,7 @@ class SetpointGenerator {
   double trajectory_s_ = 0.0, rate_ = 0.0, rate_slope_ = 0.0, rate_goal_ = 0.0;
   bool asked_slow_ = false;
   double asked_scale_ = 1.0;
+  double urgency_ = 1.0;  ///< Multiple of deceleration and jerk, until the next motion.
   double pace_ = 1.0, slow_left_s_ = 0.0;
 
   bool armed_ = true;

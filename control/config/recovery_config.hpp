@@ -10,6 +10,8 @@ struct RecoveryConfig {
   double max_lower_m = 0.6;
   double supported_n = 3.0;
   double supported_fraction = 0.1;
+  double supported_sideways_n = 8.0;
+  double press_n = 15.0;
   double settle_s = 0.4;
   double clear_m = 0.12;
   double speed_scale = 0.3;
@@ -27,6 +29,9 @@ struct RecoveryConfig {
       "The object is supported when the load is below this (N) ...");
     v("supported_fraction", supported_fraction, hal::Range{0, 0.9},
       "... or below this fraction of the load before it was lowered.");
+    v("supported_sideways_n", supported_sideways_n, hal::Range{0.5, 100},
+      "... and the object leans on the hand sideways with no more than this (N);");
+    v("press_n", press_n, hal::Range{1, 60}, "or it is pressed on the ground with this (N).");
     v("settle_s", settle_s, hal::Range{0.05, 10}, "For so long, before it is believed (s).");
     v("clear_m", clear_m, hal::Range{0, 0.5},
       "The open hand is drawn back straight by this before the motion home (m).");

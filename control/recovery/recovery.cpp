@@ -144,7 +144,7 @@ std::optional<Recovery::Finding> Recovery::begin() {
     return Finding{Event::PersonHolds, ""};
   auto finding = read_devices();  // a confirmation takes its time
   since_ = unsupported_at_ = now_;
-  paused_ = false;
+  paused_ = presses_ = false;
   if (!finding) finding = begin_step();
   arm_.end_cycle();
   return finding;
@@ -229,6 +229,12 @@ std::optional<Recovery::Finding> Recovery::work() {
   }
 }
 
+void Recovery::lower_on() {
+  const RecoveryConfig& c = config_.recovery;
+  arm_.raise_on(LiftController::Role::Lead, -c.max_lower_m,
+                (c.max_lower_m + arm_.view().height_m) / c.lower_speed_m_s);
+}
+
 bool Recovery::pausing() {
   const bool lowers = step_ == RecoveryStep::Lower;
   const bool stalled = arm_.stalled();
@@ -243,13 +249,11 @@ bool Recovery::pausing() {
     paused_ = true;
     if (!arm_.view().at_rest) return true;
     paused_ = false;
-    const RecoveryConfig& c = config_.recovery;
     if (!lowers) {
       arm_.resume();
     } else {
       if (stalled) arm_.resume_lift();
-      arm_.raise_on(LiftController::Role::Lead, -c.max_lower_m,
-                    (c.max_lower_m + arm_.view().height_m) / c.lower_speed_m_s);
+      if (!presses_) lower_on();
     }
   }
   if (paused_) since_ += now_ - read_at_;
@@ -268,14 +272,25 @@ std::optional<Recovery::Finding> Recovery::lower() {
   const double limit_n = load_before_n_ < 2.0 * c.supported_n
                              ? -c.supported_n
                              : std::max(c.supported_n, c.supported_fraction * load_before_n_);
-  if (view.load_n > limit_n) unsupported_at_ = now_;
+  // an object that stands on some of its feet only may lean on the hand sideways, and weigh nothing there
+  const double sideways_n = view.wrench_W ? view.wrench_W->force.head<2>().norm() : 0.0;
+  const bool borne = view.load_n <= limit_n && sideways_n <= c.supported_sideways_n;
+  // pressed on the ground it goes no further; what yields is not the ground
+  if (!presses_ && view.load_n <= -c.press_n) {
+    presses_ = true;
+    arm_.stay();
+  } else if (presses_ && view.load_n > -0.5 * c.press_n) {
+    presses_ = false;
+    lower_on();
+  }
+  if (!borne && !presses_) unsupported_at_ = now_;
   if (hal::seconds(now_ - unsupported_at_) > c.settle_s) {
     arm_.stay();
     return Finding{Event::Supported,
-                   fmt::format("lowered by {:.0f} mm, the load fell from {:.0f} to {:.0f} N",
-                               -1e3 * view.height_m, load_before_n_, view.load_n)};
+                   fmt::format("lowered by {:.0f} mm, load from {:.0f} to {:.0f} N, {:.0f} N sideways",
+                               -1e3 * view.height_m, load_before_n_, view.load_n, sideways_n)};
   }
-  if (!arm_.lift_at_rest()) return std::nullopt;
+  if (presses_ || !arm_.lift_at_rest()) return std::nullopt;
   return Finding{Event::NoGround, fmt::format("lowered by {:.0f} mm, the load is {:.0f} N",
                                               -1e3 * view.height_m, view.load_n)};
 }

@@ -85,6 +85,7 @@ class Recovery {
   [[nodiscard]] std::optional<Finding> lower();
   [[nodiscard]] std::optional<Finding> release();
   [[nodiscard]] std::optional<Finding> move(Event arrived);
+  void lower_on();
   /// The arm stops while it may not move, and continues where it stopped.
   [[nodiscard]] bool pausing();
   [[nodiscard]] hal::Result<planner::Trajectory> draw_back_path() const;
@@ -111,6 +112,7 @@ class Recovery {
   std::optional<hal::HandState> hand_;
   double load_before_n_ = 0.0;
   bool arm_started_ = false, paused_ = false;
+  bool presses_ = false;  ///< Lowered as far as it may press; waits whether that stays.
   planner::Trajectory home_;
   bool planned_ = false;  ///< home_ is collision-free, as far as the camera observes.
   BeatMonitor arm_thread_;

@@ -140,3 +140,22 @@ TEST_CASE("under nohup a hang-up is nothing", "[interrupted]") {
   run.send(SIGHUP);
   CHECK(run.end() == 0);
 }
+
+TEST_CASE("a run that was stopped while the object hung in the air is recovered: set down, released, home",
+          "[interrupted][recover]") {
+  const std::string state = GENERATE("approach", "lift", "hold");
+  CAPTURE(state);
+  Started run({"run", "--json", "--seed", "1", "--speed", "2", "--recover"});
+  REQUIRE(run.wait_for(state));
+  run.send(SIGINT);
+  CHECK(run.end() == 130);
+  const auto result = nlohmann::json::parse(slurp(scratch() / "out"), nullptr, false);
+  REQUIRE_FALSE(result.is_discarded());
+  const auto& recovery = result["recovery"];
+  CAPTURE(recovery.dump());
+  CHECK(recovery["outcome"] == "recovered");
+  CHECK(recovery["before"]["hand"] == (state == "approach" ? "open" : "holds"));
+  constexpr double kWeight_n = 4.0 * 9.81;
+  for (const auto& truth : recovery["truth"])
+    if (truth["before"] == "release") CHECK(truth["floor_force_z_n"].get<double>() > 0.9 * kWeight_n);
+}

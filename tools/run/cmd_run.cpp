@@ -8,14 +8,12 @@
 #include "tools/cli/config_of.hpp"
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/session.hpp"
-#include "tools/recover/cmd_recover.hpp"
-#include "tools/recover/operator.hpp"
-#include "tools/recover/recover_json.hpp"
 #include "tools/rig/back_ends.hpp"
 #include "tools/run/run_json.hpp"
 #include "tools/run/run_pace.hpp"
 #include "tools/run/run_parts.hpp"
 #include "tools/run/run_progress.hpp"
+#include "tools/run/run_recovery.hpp"
 #include "tools/run/run_report.hpp"
 
 namespace colift::tools {
@@ -177,8 +175,7 @@ int cmd_run(const CommonOptions& common, const RunOptions& options, const RunPar
 
   std::string recovery;
   if (options.recover && !record->states.empty() && record->states.back().state == control::Task::Stopped)
-    recovery = recover_document(
-        recover_rig(*rig, *setup, options.seed, confirm_everything([] { return false; }, common.quiet)));
+    recovery = recover_stopped_run(*rig, *setup, options.seed, began, common.quiet);
 
   std::optional<ArmLink> link;
   if (rig->arm_link) link = rig->arm_link();

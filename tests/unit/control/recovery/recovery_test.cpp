@@ -1,0 +1,200 @@
+// The recovery with a mock arm, a hand and an operator that do what the test says.
+#include "control/recovery/recovery.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "../task/phase_rig.hpp"
+
+using namespace colift;
+using namespace colift::control;
+using namespace colift::control::test;
+
+namespace {
+
+struct RecoveryRig {
+  explicit RecoveryRig(const JointVector& start_rad = away()) {
+    sim_hal::ArmScript script;
+    script.start_rad = start_rad;
+    script.external_nm = [this](hal::Timestamp, const JointVector& q) {
+      Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
+      wrench[2] = -load_n(palm_m(q));
+      return JointVector(hal::jacobian(hal::built_in_robot(), q, hal::Vec3::Zero()).transpose() * wrench);
+    };
+    auto made_arm = std::make_unique<sim_hal::MockArm>(script, clock);
+    arm = made_arm.get();
+    robot.arm = std::move(made_arm);
+    auto made_hand = std::make_unique<ScriptedHand>();
+    hand = made_hand.get();
+    robot.hand = std::move(made_hand);
+    robot.camera = std::make_unique<ScriptedCamera>();
+    robot.clock = std::make_unique<SharedClock>(clock);
+    hooks.confirm = [this](RecoveryStep step, const std::string&) {
+      asked.push_back(step);
+      opened_before = opened_before || (step == RecoveryStep::Release && !hand->commands.empty());
+      height_asked_m = palm_m(arm->q_rad());
+      return answer(step);
+    };
+    hooks.may_move = [this] { return key_held(); };
+    hooks.interrupted = [this] { return interrupted; };
+    hooks.say = [this](const std::string& line) { said += line + "\n"; };
+    answer = [this](RecoveryStep step) {
+      if (step == RecoveryStep::Release) hand->now = {};  // obeys at once
+      return Confirmation::Yes;
+    };
+  }
+  static JointVector away() {
+    JointVector q = home();
+    q[0] += 0.4;
+    return q;
+  }
+  static double palm_m(const JointVector& q) {
+    return hal::hand_pose(hal::built_in_robot(), q).translation().z();
+  }
+  void hold_something() {
+    hand->now.held = true;
+    hand->now.finger_rad.fill(1.3);
+  }
+  RecoveryRecord run() {
+    Recovery recovery(robot, {hal::built_in_robot(), hand_model, nullptr, hal::Pose::Identity()}, Config{},
+                      {Method::Fast, 1, Drive::InStep, home()}, stopwatch);
+    return recovery.run(hooks);
+  }
+
+  hal::ManualClock clock, stopwatch;
+  planner::HandModel hand_model;
+  hal::Robot robot;
+  sim_hal::MockArm* arm = nullptr;
+  ScriptedHand* hand = nullptr;
+  std::function<double(double palm_m)> load_n = [](double) { return 0.0; };
+  std::function<Confirmation(RecoveryStep)> answer;
+  std::function<bool()> key_held = [] { return true; };
+  RecoveryHooks hooks;
+  std::vector<RecoveryStep> asked;
+  bool interrupted = false, opened_before = false;
+  double height_asked_m = 0.0;
+  std::string said;
+};
+
+}  // namespace
+
+TEST_CASE("an open hand at home needs nothing, and nothing is asked", "[recovery]") {
+  RecoveryRig rig(home());
+  const RecoveryRecord record = rig.run();
+  CHECK(record.recovered);
+  CHECK(rig.asked.empty());
+  CHECK_FALSE(rig.arm->last_command());
+}
+
+TEST_CASE("a hand that does not answer may hold something: nothing moves", "[recovery]") {
+  RecoveryRig rig;
+  rig.hand->error = hal::Error{hal::ErrorCode::LinkLost, "hand.state", "silent"};
+  const RecoveryRecord record = rig.run();
+  CHECK_FALSE(record.recovered);
+  CHECK(record.device_failed);
+  CHECK_FALSE(rig.arm->last_command());
+  CHECK(rig.hand->commands.empty());
+  CHECK_THAT(rig.said, Catch::Contains("hand: unknown"));
+}
+
+TEST_CASE("what is not confirmed is not done", "[recovery]") {
+  RecoveryRig rig;
+  rig.hold_something();
+  rig.answer = [](RecoveryStep) { return Confirmation::No; };
+  const RecoveryRecord record = rig.run();
+  CHECK_FALSE(record.recovered);
+  CHECK(rig.asked == std::vector{RecoveryStep::Lower});
+  CHECK_FALSE(rig.arm->last_command());
+  CHECK(rig.hand->commands.empty());
+}
+
+TEST_CASE("a held object is lowered until it is borne, then the hand opens and the arm goes home",
+          "[recovery]") {
+  RecoveryRig rig;
+  rig.hold_something();
+  const double start_m = RecoveryRig::palm_m(RecoveryRig::away());
+  rig.load_n = [&](double palm_m) { return palm_m > start_m - 0.03 && rig.hand->now.held ? 20.0 : 0.0; };
+  double released_at_m = 0.0;
+  rig.answer = [&](RecoveryStep step) {
+    if (step == RecoveryStep::Release) {
+      released_at_m = rig.height_asked_m;
+      rig.hand->now = {};
+    }
+    return Confirmation::Yes;
+  };
+  const RecoveryRecord record = rig.run();
+  INFO(rig.said);
+  CHECK(record.recovered);
+  CHECK(rig.asked ==
+        std::vector{RecoveryStep::Lower, RecoveryStep::Release, RecoveryStep::DrawBack, RecoveryStep::Home});
+  CHECK(start_m - released_at_m > 0.029);
+  CHECK(start_m - released_at_m < 0.06);
+  CHECK_FALSE(rig.opened_before);
+  CHECK(rig.hand->commands == std::vector<std::string>{"release"});
+  CHECK((rig.arm->q_rad() - home()).cwiseAbs().maxCoeff() < 1e-3);
+}
+
+TEST_CASE("an object without ground under it stays in the hand", "[recovery]") {
+  RecoveryRig rig;
+  rig.hold_something();
+  rig.load_n = [](double) { return 20.0; };
+  const RecoveryRecord record = rig.run();
+  INFO(rig.said);
+  CHECK_FALSE(record.recovered);
+  CHECK(record.steps.back().step == RecoveryStep::Held);
+  CHECK(rig.hand->commands.empty());
+}
+
+TEST_CASE("a load that may be an error of measurement is no evidence of support", "[recovery]") {
+  RecoveryRig rig;
+  rig.hold_something();
+  rig.load_n = [](double) { return 1.0; };
+  CHECK_FALSE(rig.run().recovered);
+  CHECK(rig.hand->commands.empty());
+}
+
+TEST_CASE("who confirms that a person holds the object has the hand opened there", "[recovery]") {
+  RecoveryRig rig;
+  rig.hold_something();
+  rig.load_n = [&](double) { return rig.hand->now.held ? 20.0 : 0.0; };
+  rig.answer = [&](RecoveryStep step) {
+    if (step == RecoveryStep::Release) rig.hand->now = {};
+    return step == RecoveryStep::Lower ? Confirmation::PersonHolds : Confirmation::Yes;
+  };
+  const RecoveryRecord record = rig.run();
+  INFO(rig.said);
+  CHECK(record.recovered);
+  CHECK_THAT(rig.said, Catch::Contains("a person holds the object"));
+}
+
+TEST_CASE("the arm moves while the key is held, and stops when it is released", "[recovery]") {
+  RecoveryRig rig;
+  int cycle = 0;
+  double fastest_released = 0.0;
+  JointVector before = RecoveryRig::away();
+  rig.key_held = [&] {
+    ++cycle;
+    // released for a second after each half second; after 0.4 s of it everything is at rest
+    const bool held = cycle % 300 < 100;
+    if (cycle % 300 > 180)
+      fastest_released = std::max(fastest_released, (rig.arm->q_rad() - before).cwiseAbs().maxCoeff());
+    before = rig.arm->q_rad();
+    return held;
+  };
+  const RecoveryRecord record = rig.run();
+  INFO(rig.said);
+  CHECK(record.recovered);
+  CHECK(cycle > 600);
+  CHECK(fastest_released < 1e-9);
+}
+
+TEST_CASE("an interruption holds the arm wherever it is", "[recovery]") {
+  RecoveryRig rig;
+  rig.key_held = [&] {
+    rig.interrupted = true;
+    return true;
+  };
+  const RecoveryRecord record = rig.run();
+  CHECK(record.interrupted);
+  CHECK(record.steps.back().step == RecoveryStep::Held);
+  CHECK(record.arm_at_rest);
+}
