@@ -68,6 +68,11 @@ struct Physics::Impl {
   int object_body = -1, palm_body = -1, support_body = -1, object_qpos = 0, object_dof = 0;
   ContactReading contacts;
   hal::JointVector external_nm = hal::JointVector::Zero();
+  struct Push {
+    int body = 0;
+    Vec3 force_W = Vec3::Zero();
+  };
+  std::vector<Push> pushes;
 
   void index(const hal::RobotModel& robot);
   [[nodiscard]] int joint(int link) const {
@@ -83,6 +88,7 @@ struct Physics::Impl {
   void add_finger_contact(const BodyRole& role, const BodyRole& other, const Vec3& p, const Vec3& force,
                           const Vec3& torque_W, double normal_n);
   [[nodiscard]] hal::JointVector external() const;
+  [[nodiscard]] hal::JointVector torque_of(const Push& push) const;
 };
 
 void Physics::Impl::index(const hal::RobotModel& robot) {
@@ -196,6 +202,20 @@ hal::JointVector Physics::Impl::external() const {
       tau[a] -= sign * data->efc_force[row];
     }
   }
+  for (const Push& push : pushes) tau += torque_of(push);
+  return tau;
+}
+
+// of the joints between the base and the body
+hal::JointVector Physics::Impl::torque_of(const Push& push) const {
+  hal::JointVector tau = hal::JointVector::Zero();
+  const Vec3 p = vec(data->xpos + 3 * push.body);
+  for (int a = 0; a < hal::kArmJoints; ++a) {
+    const int j = arm_joint[static_cast<std::size_t>(a)];
+    int body = push.body;
+    while (body > 0 && body != model->jnt_bodyid[j]) body = model->body_parentid[body];
+    if (body > 0) tau[a] = vec(data->xaxis + 3 * j).dot((p - vec(data->xanchor + 3 * j)).cross(push.force_W));
+  }
   return tau;
 }
 
@@ -256,6 +276,17 @@ void Physics::set_object_load(const Vec3& at_W, const Vec3& force_W, const Vec3&
   const Vec3 lever = at_W - vec(impl_->data->xipos + 3 * impl_->object_body);
   Eigen::Map<Eigen::Matrix<double, 6, 1>> load(impl_->data->xfrc_applied + 6 * impl_->object_body);
   load << force_W, torque_W + lever.cross(force_W);
+}
+
+void Physics::set_link_force(int link, const Vec3& force_W) {
+  const int body = impl_->link_body[static_cast<std::size_t>(link)];
+  auto push = std::ranges::find(impl_->pushes, body, &Impl::Push::body);
+  if (push == impl_->pushes.end()) push = impl_->pushes.insert(push, {body, force_W});
+  push->force_W = force_W;
+  // applied at the centre of mass, so the lever to the origin is a torque
+  const Vec3 lever = vec(impl_->data->xpos + 3 * body) - vec(impl_->data->xipos + 3 * body);
+  Eigen::Map<Eigen::Matrix<double, 6, 1>> load(impl_->data->xfrc_applied + 6 * body);
+  load << force_W, lever.cross(force_W);
 }
 
 void Physics::step() {

@@ -53,6 +53,9 @@ class Physics {
   void set_torque(const hal::JointVector& arm_nm, const HandTorque& hand);
   /// Force at a point and torque on the object; replaces the one before.
   void set_object_load(const Vec3& at_W, const Vec3& force_W, const Vec3& torque_W);
+  /// Force of somebody on a link of the arm or on the palm, at its origin; replaces the one before on that
+  /// link. The arm's sensors feel it.
+  void set_link_force(int link, const Vec3& force_W);
   /// 1 ms: contact forces and acceleration under these loads, the new state, and all that follows from it.
   void step();
   /// Contacts of the step that has just ended.

@@ -81,6 +81,7 @@ struct SimWorld::Impl {
   Pose X_HT_locked = Pose::Identity();
 
   void tick();
+  void push();
   void note_grasp();
   [[nodiscard]] Pose palm() const { return physics->link_pose(model.palm); }
   [[nodiscard]] double now_s() const { return hal::seconds(clock.now() - hal::Timestamp(start.load())); }
@@ -102,6 +103,7 @@ void SimWorld::Impl::tick() {
     physics->place_support(support->center_W);
     support_stands = true;
   }
+  push();
   physics->set_torque(
       arm.tick(arm_reading.q_rad, arm_reading.dq_rad_s, arm_reading.bias_nm, arm_reading.inertia),
       hand.tick(hand_reading));
@@ -109,6 +111,19 @@ void SimWorld::Impl::tick() {
   physics->read(arm_reading, hand_reading);
   clock.advance(kTick);
   note_grasp();
+}
+
+// somebody pushes arm or hand, as the scenario says
+void SimWorld::Impl::push() {
+  for (const bool begins : {false, true})  // what ends first: another one may go on at that link
+    for (const DeviceFaultEvent& event : scenario.faults) {
+      if (event.action != "push") continue;
+      const bool now = now_s() >= event.at_s && now_s() < event.at_s + event.for_s;
+      if (now != begins) continue;
+      const int link = event.link == 0 ? model.palm : model.arm[static_cast<std::size_t>(event.link - 1)];
+      const Vec3 force_W = event.value.value_or(0.0) * event.direction.normalized();
+      physics->set_link_force(link, now ? force_W : Vec3(Vec3::Zero()));
+    }
 }
 
 void SimWorld::Impl::note_grasp() {
