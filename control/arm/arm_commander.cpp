@@ -22,7 +22,8 @@ constexpr auto kTaskPeriod = 4ms;   // of a task that does not run the arm's cyc
 bool moves(ArmRequest::Kind kind) {
   using Kind = ArmRequest::Kind;
   return kind == Kind::Hold || kind == Kind::Follow || kind == Kind::Resume || kind == Kind::Back ||
-         kind == Kind::StartLift || kind == Kind::RaiseOn || kind == Kind::Stay || kind == Kind::Lower;
+         kind == Kind::StartLift || kind == Kind::RaiseOn || kind == Kind::Stay || kind == Kind::Lower ||
+         kind == Kind::Pause || kind == Kind::Yield;
 }
 
 /// Activation and the first good cycle, in the thread that makes all the others.
@@ -73,9 +74,9 @@ void ArmCommander::Threaded::run(hal::Arm& arm, ArmController& controller) {
 
 ArmCommander::ArmCommander(hal::Arm& arm, const hal::RobotModel& model, const planner::ArmGeometry& geometry,
                            const TaskConfig& task, const LoadConfig& load, Drive drive,
-                           const SetpointLimits& limits)
+                           const SetpointLimits& limits, const ForceMonitorConfig& force)
     : arm_(arm),
-      controller_(model, geometry, task, load, limits),
+      controller_(model, geometry, task, load, limits, force),
       limits_(limits),
       thread_(drive == Drive::Thread ? std::make_unique<Threaded>() : nullptr) {}
 
@@ -210,12 +211,26 @@ void ArmCommander::see_partner(double rise_m) {
   ask({ArmRequest::Kind::SeePartner, 0, nullptr, rise_m, {}});
 }
 
+void ArmCommander::pause() {
+  ask({.kind = ArmRequest::Kind::Pause});
+}
+
+void ArmCommander::yield() {
+  ask({.kind = ArmRequest::Kind::Yield});
+}
+
+void ArmCommander::expect(HandLoad load) {
+  ask({.kind = ArmRequest::Kind::Expect, .load = load});
+}
+
 bool ArmCommander::blocked() const {
-  return current() && (view_.blocked.why != SetpointGenerator::Contact::None || view_.trajectory_refused);
+  return current() &&
+         (view_.blocked.why != SetpointGenerator::Contact::None || view_.trajectory_refused || view_.force);
 }
 
 std::string ArmCommander::why_blocked() const {
   if (view_.trajectory_refused) return "the arm is not on its path: it was moved meanwhile";
+  if (view_.force) return describe(view_.force);
   return describe(view_.blocked);
 }
 

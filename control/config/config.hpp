@@ -5,6 +5,7 @@
 #include "control/config/check_config.hpp"
 #include "control/config/load_config.hpp"
 #include "control/config/method.hpp"
+#include "control/config/monitor_config.hpp"
 #include "control/config/setpoint_limits.hpp"
 #include "control/config/task_config.hpp"
 #include "control/config/test_lift_config.hpp"
@@ -21,6 +22,7 @@
 #include "perception/map/world_map.hpp"
 #include "perception/motion/object_motion.hpp"
 #include "perception/noise_model.hpp"
+#include "perception/partner/grasp_presence.hpp"
 #include "perception/partner/partner_grasp.hpp"
 #include "perception/partner/partner_tracker.hpp"
 #include "perception/self_filter.hpp"
@@ -48,6 +50,7 @@ struct Config {
   planner::CandidateConfig candidates;
   perception::PartnerConfig partner;
   perception::TrackerConfig tracker{.dwell_s = 0.1};
+  perception::PresenceConfig presence;
   planner::DecisionConfig decision;
   perception::ThesisConfig thesis;
   perception::WorldMapConfig map;
@@ -57,6 +60,7 @@ struct Config {
   TaskConfig task;
   TestLiftConfig test_lift;
   LoadConfig load;
+  MonitorConfig monitor;
   SetpointLimits setpoints;
   MapCheckConfig map_check;
   ImageCheckConfig image_check;
@@ -85,6 +89,7 @@ struct Config {
     v("candidates", candidates, "Where the hand may grasp.");
     v("partner", partner, "Detection of the partner's grasp.");
     v("tracker", tracker, "When a touch is a grasp.");
+    v("presence", presence, "Whether the partner's hand is still at its grasp while the object moves.");
     v("decision", decision, "Load sharing.");
     v("thesis", thesis, "Parameters of the thesis's method.");
     v("map", map, "The collision world.");
@@ -94,6 +99,7 @@ struct Config {
     v("task", task, "The job: timeouts, lift, limits that end it.");
     v("test_lift", test_lift, "Test lifts before the lift.");
     v("load", load, "Estimation of the external wrench.");
+    v("monitor", monitor, "What stops the arm beside the plan: unexpected force.");
     v("setpoints", setpoints, "Limits of the arm's set points: stops, corrections, ramps, contact.");
     v("map_check", map_check, "When a collision map is refused.");
     v("image_check", image_check, "When a depth image has too many holes.");

@@ -68,6 +68,7 @@ set(COLIFT_PUBLIC_HEADERS
   perception/motion/object_motion_samples.hpp
   perception/noise_model.hpp
   perception/partner/change_image.hpp
+  perception/partner/grasp_presence.hpp
   perception/partner/local_shape.hpp
   perception/partner/object_grid.hpp
   perception/partner/partner_contact.hpp
@@ -122,6 +123,7 @@ set(COLIFT_PUBLIC_HEADERS
   control/arm/drive.hpp
   control/config/check_config.hpp
   control/config/method.hpp
+  control/config/monitor_config.hpp
   control/config/setpoint_limits.hpp
   control/config/task_config.hpp
   control/lift/load_estimator.hpp
