@@ -17,6 +17,7 @@ struct Loaded : PhaseRig {
   explicit Loaded(const Config& config = {}) : PhaseRig(config) {
     make_decision();
     hand->now.held = true;
+    c->arm.expect(HandLoad::Carried);
   }
 
   std::optional<TaskEvent> lift_up() {
@@ -141,7 +142,15 @@ TEST_CASE("a lift ends with the grip, a slipping or hot hand, and too much load"
     rig.hand->now.hot = true;
     wanted = Event::HandUnfit;
   }
-  SECTION("load") {
+  SECTION("load that grows at once") {
+    rig.load(70.0);
+    wanted = Event::PartnerLetGo;
+  }
+  SECTION("load that grows slowly") {
+    for (double load_n = 5.0; load_n < 60.0; load_n += 5.0) {
+      rig.load(load_n);
+      REQUIRE_FALSE(rig.run([&] { return rig.lift.lift(); }, 0.15));
+    }
     rig.load(70.0);
     wanted = Event::LimitReached;
   }
