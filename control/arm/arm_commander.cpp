@@ -70,9 +70,9 @@ void ArmCommander::Threaded::run(hal::Arm& arm, ArmController& controller) {
 
 ArmCommander::ArmCommander(hal::Arm& arm, const hal::RobotModel& model, const planner::ArmGeometry& geometry,
                            const TaskConfig& task, const LoadConfig& load, Drive drive,
-                           const SetpointLimits& limits)
+                           const SetpointLimits& limits, const ForceMonitorConfig& force)
     : arm_(arm),
-      controller_(model, geometry, task, load, limits),
+      controller_(model, geometry, task, load, limits, force),
       limits_(limits),
       thread_(drive == Drive::Thread ? std::make_unique<Threaded>() : nullptr) {}
 
@@ -220,14 +220,27 @@ void ArmCommander::see_partner(double rise_m) {
   ask({ArmRequest::Kind::SeePartner, 0, nullptr, rise_m, {}});
 }
 
+void ArmCommander::pause() {
+  ask({.kind = ArmRequest::Kind::Pause});
+}
+
+void ArmCommander::yield() {
+  ask({.kind = ArmRequest::Kind::Yield});
+}
+
+void ArmCommander::expect(HandLoad load) {
+  ask({.kind = ArmRequest::Kind::Expect, .load = load});
+}
+
 bool ArmCommander::blocked() const {
-  return current() &&
-         (view_.blocked.why != SetpointGenerator::Contact::None || view_.trajectory_refused || view_.stalled);
+  return current() && (view_.blocked.why != SetpointGenerator::Contact::None || view_.trajectory_refused ||
+                       view_.stalled || view_.force);
 }
 
 std::string ArmCommander::why_blocked() const {
   if (view_.trajectory_refused) return "the arm is not on its path: it was moved meanwhile";
   if (view_.stalled) return describe_stall(view_);
+  if (view_.force) return describe(view_.force);
   return describe(view_.blocked);
 }
 

@@ -17,8 +17,8 @@ namespace colift::control {
 class ArmCommander {
  public:
   ArmCommander(hal::Arm& arm, const hal::RobotModel& model, const planner::ArmGeometry& geometry,
-               const TaskConfig& task, const LoadConfig& load, Drive drive,
-               const SetpointLimits& limits = {});
+               const TaskConfig& task, const LoadConfig& load, Drive drive, const SetpointLimits& limits = {},
+               const ForceMonitorConfig& force = {.on = false});
   ~ArmCommander();
   ArmCommander(const ArmCommander&) = delete;
   ArmCommander& operator=(const ArmCommander&) = delete;
@@ -65,6 +65,12 @@ class ArmCommander {
   void stay();
   void lower();
   void see_partner(double rise_m);
+  /// Stops a lift where it is; raise_on() or lower() continue it.
+  void pause();
+  /// Comes to rest and gives way to whoever pushes; the load stays compensated.
+  void yield();
+  /// Which forces are expected from now on.
+  void expect(HandLoad load);
 
   // The last cycle.
   [[nodiscard]] const ArmView& view() const { return view_; }

@@ -11,7 +11,7 @@ bool moves(ArmRequest::Kind kind) {
   using Kind = ArmRequest::Kind;
   return kind == Kind::Hold || kind == Kind::Follow || kind == Kind::Resume || kind == Kind::Back ||
          kind == Kind::StartLift || kind == Kind::RaiseOn || kind == Kind::Stay || kind == Kind::Lower ||
-         kind == Kind::ResumeLift;
+         kind == Kind::ResumeLift || kind == Kind::Pause || kind == Kind::Yield;
 }
 
 std::string describe_stall(const ArmView& view) {
@@ -19,10 +19,15 @@ std::string describe_stall(const ArmView& view) {
 }
 
 ArmController::ArmController(const hal::RobotModel& model, const planner::ArmGeometry& arm,
-                             const TaskConfig& task, const LoadConfig& load, const SetpointLimits& limits)
+                             const TaskConfig& task, const LoadConfig& load, const SetpointLimits& limits,
+                             const ForceMonitorConfig& force)
     : setpoints_(model, task, limits),
       load_(model, load),
       lift_(model, arm, task),
+      force_(model, force),
+      stiffness_nm_rad_(task.stiffness_nm_rad),
+      yield_stiffness_nm_rad_(std::min(force.yield_stiffness_nm_rad, task.stiffness_nm_rad)),
+      yield_band_rad_(force.yield_band_rad),
       beat_timeout_s_(task.supervision.beat_timeout_s) {}
 
 void ArmController::measured(const hal::Result<hal::ArmState>& state) {
@@ -51,14 +56,17 @@ void ArmController::take(const ArmRequest& request) {
       break;
     case Kind::Follow:
       lifting_ = false;
+      end_yield();
       view_.trajectory_refused = !setpoints_.follow(request.trajectory);
       break;
     case Kind::Resume:
       lifting_ = false;
+      end_yield();
       view_.trajectory_refused = !setpoints_.resume(request.number);
       break;
     case Kind::Back:
       lifting_ = false;
+      end_yield();
       view_.trajectory_refused = !setpoints_.back(request.number);
       break;
     case Kind::Slow:
@@ -77,18 +85,21 @@ void ArmController::take(const ArmRequest& request) {
       load_.end_tare();
       break;
     case Kind::StartLift:
+      end_yield();
       start_lift_time();
       view_.end_of_reach = false;
       lift_.start(setpoints_.commanded());
       lift_.lift(request.role, request.number, request.time_s);
       break;
     case Kind::RaiseOn:
+      continue_lift();
       lift_.lift(request.role, request.number, request.time_s);
       break;
     case Kind::Stay:
       lift_.stay();
       break;
     case Kind::Lower:
+      continue_lift();
       lift_.lower();
       break;
     case Kind::SeePartner:
@@ -98,6 +109,17 @@ void ArmController::take(const ArmRequest& request) {
       if (!lift_cut_off_ || !setpoints_.at_rest()) break;
       start_lift_time();
       lift_.restart(setpoints_.commanded());
+      break;
+    case Kind::Pause:
+      lifting_ = false;
+      force_.clear();
+      setpoints_.hold();
+      break;
+    case Kind::Yield:
+      start_yield();
+      break;
+    case Kind::Expect:
+      force_.expect(request.load);
       break;
   }
 }
@@ -122,6 +144,46 @@ void ArmController::heed_task(std::uint64_t beats) {
   setpoints_.hold_urgently();
 }
 
+void ArmController::continue_lift() {
+  end_yield();
+  if (lifting_) return;
+  start_lift_time();
+  lift_.restart(setpoints_.commanded());
+}
+
+void ArmController::monitor_force() {
+  (void)monitor_time_.advance(view_.state.measured_at);
+  const bool in_contact = yielding_ || setpoints_.blocked();
+  force_.update(view_.state, monitor_time_.step_s(), setpoints_.follows_trajectory(), in_contact);
+  // in the cycle in which it is felt; what follows from it, the task decides
+  if (force_.finding() && !yielding_) start_yield();
+}
+
+void ArmController::start_yield() {
+  if (yielding_) return;
+  yielding_ = true;
+  lifting_ = false;
+  setpoints_.hold();
+  setpoints_.set_stiffness(yield_stiffness_nm_rad_);
+}
+
+void ArmController::end_yield() {
+  if (!yielding_) return;
+  yielding_ = false;
+  force_.clear();
+  setpoints_.set_stiffness(stiffness_nm_rad_);
+}
+
+void ArmController::serve_yield() {
+  if (!yielding_ || !setpoints_.running() || !view_.state.q_rad.allFinite()) return;
+  const hal::JointVector& q = view_.state.q_rad;
+  const hal::JointVector goal = setpoints_.commanded()
+                                    .cwiseMax(q - hal::JointVector::Constant(yield_band_rad_))
+                                    .cwiseMin(q + hal::JointVector::Constant(yield_band_rad_));
+  if ((goal - setpoints_.commanded()).isZero()) return;
+  setpoints_.servo(goal, setpoints_.superposed());
+}
+
 void ArmController::serve_lift() {
   (void)lift_time_.advance(view_.state.measured_at);
   const double dt_s = lift_time_.step_s();
@@ -137,7 +199,9 @@ void ArmController::serve_lift() {
 
 std::optional<hal::ImpedanceCommand> ArmController::command() {
   if (view_.misses > 0) return std::nullopt;
+  monitor_force();
   serve_lift();
+  serve_yield();
   const hal::ImpedanceCommand command = setpoints_.step(view_.state);
   // a contact stops the trajectory in the cycle in which it is felt; what follows from it, the task decides
   if (setpoints_.blocked() && !stopped_by_contact_) setpoints_.hold();
@@ -162,6 +226,8 @@ const ArmView& ArmController::view() {
   view_.blocked = setpoints_.blockage();
   view_.wrench_W = load_.wrench_W();
   view_.load_n = load_.load_n();
+  view_.force = force_.finding();
+  view_.force_quiet = force_.quiet();
   view_.height_m = lift_.height_m();
   view_.lift_at_rest = lift_.at_rest();
   view_.role = lift_.role();

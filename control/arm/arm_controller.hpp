@@ -7,6 +7,7 @@
 #include "control/arm/setpoint_generator.hpp"
 #include "control/lift/lift_controller.hpp"
 #include "control/lift/load_estimator.hpp"
+#include "control/monitor/force_monitor.hpp"
 #include "control/monitor/heartbeat.hpp"
 #include "hal/types/short_text.hpp"
 
@@ -30,13 +31,17 @@ struct ArmRequest {
     Lower,       ///< Bring it down again.
     SeePartner,  ///< His end of the object has risen by `number` (m).
     ResumeLift,  ///< Goes on with the lift that was stopped because the task was late.
+    Pause,       ///< Stop a lift where it is, load compensated; RaiseOn or Lower continue it.
+    Yield,       ///< Come to rest, then give way to whoever pushes.
+    Expect,      ///< From now on the hand's load is `load`.
   };
   Kind kind = Kind::Hold;
   std::uint32_t id = 0;  ///< Counts up; ArmView::answered tells which ones were taken.
-  std::shared_ptr<const planner::Trajectory> trajectory;
+  std::shared_ptr<const planner::Trajectory> trajectory{};
   double number = 0.0;
   LiftController::Role role = LiftController::Role::Lead;
   double time_s = 0.0;
+  HandLoad load = HandLoad::Empty;
 };
 
 /// Whether a request changes what the arm is doing, so that answers about the motion before are void.
@@ -65,6 +70,8 @@ struct ArmView {
   // of what is felt
   std::optional<hal::Wrench> wrench_W;
   double load_n = 0.0;
+  ForceFinding force;       ///< That the arm has stopped for, and yields to.
+  bool force_quiet = true;  ///< Nothing above a limit is felt now.
 
   // of the lift
   double height_m = 0.0;
@@ -87,7 +94,8 @@ struct ArmView {
 class ArmController {
  public:
   ArmController(const hal::RobotModel& model, const planner::ArmGeometry& arm, const TaskConfig& task,
-                const LoadConfig& load, const SetpointLimits& limits = {});
+                const LoadConfig& load, const SetpointLimits& limits = {},
+                const ForceMonitorConfig& force = {.on = false});
 
   /// What the controller measured, or why it did not.
   void measured(const hal::Result<hal::ArmState>& state);
@@ -109,10 +117,21 @@ class ArmController {
   /// is.
   void serve_lift();
   void start_lift_time();
+  /// Continues a lift that was paused, from where the arm stands.
+  void continue_lift();
+  void monitor_force();
+  void start_yield();
+  void end_yield();
+  /// An arm that is pushed farther than the band follows: it does not spring back.
+  void serve_yield();
 
   SetpointGenerator setpoints_;
   LoadEstimator load_;
   LiftController lift_;
+  ForceMonitor force_;
+  double stiffness_nm_rad_, yield_stiffness_nm_rad_, yield_band_rad_;
+  bool yielding_ = false;
+  hal::CycleTime monitor_time_;
   bool lifting_ = false, stopped_by_contact_ = false;
   bool lift_cut_off_ = false;  ///< By a task that was late.
   double beat_timeout_s_;

@@ -63,6 +63,8 @@ class SetpointGenerator {
   void superpose(const hal::JointVector& tau_nm);
   /// Stiffness from now on, ramped; TaskConfig's at first.
   void set_stiffness(double nm_rad);
+  [[nodiscard]] const hal::JointVector& superposed() const { return tau_goal_; }
+  [[nodiscard]] bool follows_trajectory() const { return mode_ == Mode::Trajectory; }
   /// Slower until further notice, whatever the controller says.
   void go_slow(bool on) { asked_slow_ = on; }
   /// At most this fraction of the speed from now on, 0 to 1; NaN counts as 0. At 0 it comes to rest on the

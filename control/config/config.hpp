@@ -25,6 +25,7 @@
 #include "perception/map/world_map.hpp"
 #include "perception/motion/object_motion.hpp"
 #include "perception/noise_model.hpp"
+#include "perception/partner/grasp_presence.hpp"
 #include "perception/partner/partner_grasp.hpp"
 #include "perception/partner/partner_tracker.hpp"
 #include "perception/self_filter.hpp"
@@ -52,6 +53,7 @@ struct Config {
   planner::CandidateConfig candidates;
   perception::PartnerConfig partner;
   perception::TrackerConfig tracker{.dwell_s = 0.1};
+  perception::PresenceConfig presence;
   planner::DecisionConfig decision;
   perception::ThesisConfig thesis;
   perception::WorldMapConfig map;
@@ -93,6 +95,7 @@ struct Config {
     v("candidates", candidates, "Where the hand may grasp.");
     v("partner", partner, "Detection of the partner's grasp.");
     v("tracker", tracker, "When a touch is a grasp.");
+    v("presence", presence, "Whether the partner's hand is still at its grasp while the object moves.");
     v("decision", decision, "Load sharing.");
     v("thesis", thesis, "Parameters of the thesis's method.");
     v("map", map, "The collision world.");
@@ -102,7 +105,8 @@ struct Config {
     v("body_tracks", body_tracks, "How such bodies are followed over frames.");
     v("motion", motion, "Motion planning of the arm.");
     v("task", task, "The job: timeouts, lift, limits that end it.");
-    v("monitor", monitor, "How fast the arm may be with people around.");
+    v("monitor", monitor,
+      "What slows and stops the arm beside the plan: people around it, unexpected force.");
     v("test_lift", test_lift, "Test lifts before the lift.");
     v("recovery", recovery, "Lowering, release and the motion home after a stop (colift recover).");
     v("load", load, "Estimation of the external wrench.");

@@ -98,6 +98,7 @@ struct EmptyHandConfig {
 struct GripConfig {
   double hand_timeout_s = 8.0;
   double finger_tolerance_rad = 0.45;
+  double max_excess_width_m = 0.012;
   double ready_timeout_s = 20.0;
   double open_tolerance_rad = 0.1;
 
@@ -107,6 +108,9 @@ struct GripConfig {
       "Timeout of closing and of opening: initialisation and full strokes take under 4 s (s).");
     v("finger_tolerance_rad", finger_tolerance_rad, hal::Range{0.01, 3},
       "Max difference of a finger from the angle that the observed width predicts (rad).");
+    v("max_excess_width_m", max_excess_width_m, hal::Range{0.001, 0.2},
+      "Something is between fingers and object when they stop this much wider apart than it was seen to be "
+      "(m).");
     v("ready_timeout_s", ready_timeout_s, hal::Range{0.1, 3600},
       "Timeout for the partner to hold still once the hand is closed (s).");
     v("open_tolerance_rad", open_tolerance_rad, hal::Range{0.01, 2},
@@ -150,6 +154,19 @@ struct CarryConfig {
   double load_jump_n = 6.0;
   double ground_tolerance_m = 0.002;
   double ground_load_n = 0.5;
+  double standing_tolerance_m = 0.01;
+  double standing_load_n = 3.0;
+  double standing_load_fraction = 0.1;
+  double seek_m = 0.02;
+  double seek_speed_m_s = 0.005;
+  double max_release_force_n = 60.0;
+  double partner_lag_m = 0.035;
+  double load_gain_n = 25.0;
+  double load_loss_fraction = 0.3;
+  double load_loss_s = 0.15;
+  double regrasp_s = 0.5;
+  double regrasp_timeout_s = 20.0;
+  double regrasp_load_factor = 0.3;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -164,6 +181,31 @@ struct CarryConfig {
     v("ground_tolerance_m", ground_tolerance_m, hal::Range{0, 0.05},
       "The object is on the ground when its grip is this near to where it was (m) ...");
     v("ground_load_n", ground_load_n, hal::Range{0, 50}, "... and the robot's load is not above this (N).");
+    v("standing_tolerance_m", standing_tolerance_m, hal::Range{0, 0.05},
+      "The object stands when both of its ends are seen this near to where they stood (m) ...");
+    v("standing_load_n", standing_load_n, hal::Range{0, 50},
+      "... and the hand carries less than this (N) ...");
+    v("standing_load_fraction", standing_load_fraction, hal::kFraction,
+      "... or less than this fraction of its load in the air.");
+    v("seek_m", seek_m, hal::Range{0, 0.1},
+      "A palm that still carries is lowered by this at most, below where it grasped (m) ...");
+    v("seek_speed_m_s", seek_speed_m_s, hal::Range{0.0005, 0.05}, "... with this mean speed (m/s).");
+    v("max_release_force_n", max_release_force_n, hal::Range{1, 200},
+      "The hand opens below this horizontal force only (N).");
+    v("partner_lag_m", partner_lag_m, hal::Range{0.005, 0.2},
+      "The partner does not lift, or has let go, when his end is lower than the palm by this and more than "
+      "it was (m).");
+    v("load_gain_n", load_gain_n, hal::Range{1, 200},
+      "He has let go, too, when the load grows by this within a quarter of a second (N).");
+    v("load_loss_fraction", load_loss_fraction, hal::kFraction,
+      "The object is lost when the load in the air falls below this fraction of its mean ...");
+    v("load_loss_s", load_loss_s, hal::Range{0, 5}, "... for this time (s).");
+    v("regrasp_s", regrasp_s, hal::Range{0, 10},
+      "How long a partner who let go has to hold again before the arm continues (s).");
+    v("regrasp_timeout_s", regrasp_timeout_s, hal::Range{0.1, 3600},
+      "Timeout for him to grasp again; then the arm holds, and a person decides (s).");
+    v("regrasp_load_factor", regrasp_load_factor, hal::kFraction,
+      "Max deviation of the load from what it was, as a fraction, at which he is taken to carry again.");
   }
 };
 

@@ -39,6 +39,7 @@ struct LiftSummary {
   double share_predicted = 0.0;
   double slip_m = 0.0;
   double mass_kg = 0.0;
+  double load_n = 0.0;  ///< That the robot carried (N).
 };
 
 /// How long parts of a run took (s, ms).

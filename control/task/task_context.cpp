@@ -23,7 +23,7 @@ TaskContext::TaskContext(hal::Robot& robot_, const RigView& rig_, const Config& 
       options(options_),
       stopwatch(stopwatch_),
       arm(*robot.arm, rig.model, planner::arm_geometry(rig.model).value(), config.task, config.load,
-          options.drive, setpoint_limits(config)),
+          options.drive, setpoint_limits(config), config.monitor.force),
       session(options.method, config, rig, stopwatch),
       motion_planner(rig.model, rig.hand, config.motion, options.seed),
       test_lifts(config.test_lift) {

@@ -19,14 +19,14 @@ constexpr std::string_view kHandGone = "the hand does not answer; its fingers st
 constexpr std::string_view kAsked = "interrupted before the arm moved";
 constexpr std::string_view kAskedInTransit = "interrupted; the arm comes to rest and holds";
 constexpr std::string_view kAskedLoaded = "interrupted; the arm holds and the grip stays closed";
-constexpr std::string_view kPulled =
-    "the object is pulled with more force than allowed; holds and keeps the grip";
-constexpr std::string_view kHit = "unexpected contact; holds, returns only on request";
+constexpr std::string_view kPushed = "unexpected force; stops and yields, the grip stays closed";
+constexpr std::string_view kHit = "unexpected contact; stops and yields, returns only on request";
+constexpr std::string_view kPushedAtRest = "unexpected force on the arm at rest; yields";
 constexpr std::string_view kFell = "load lost from the hand; holds";
 constexpr std::string_view kReachEnds =
     "joint near its limit: holds, the grip stays closed; lower the object on request";
 constexpr std::string_view kAlone =
-    "the partner let go while the object was carried; holds, the grip stays closed";
+    "the partner let go while the object was carried; holds, the grip stays closed, asks him to grasp again";
 
 constexpr std::string_view kStalled =
     "the job's thread stood still while the arm moved; holds, the grip stays as it is";
@@ -37,6 +37,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Observe, NothingToCarry, Refused, "no object to carry was found"},
     {Observe, CameraOff, Refused, "the camera image does not match the robot model: check the calibration"},
     {Observe, TimeOut, Refused, "timeout: no usable camera image"},
+    {Observe, Blocked, Yield, kPushedAtRest},
     {Observe, ArmLost, Stopped, kArmGone},
     {Observe, HandLost, Stopped, kHandGone},
     {Observe, Interrupted, Refused, kAsked},
@@ -44,6 +45,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {AwaitPartner, PartnerGrasped, Decide, "the partner grasps the object"},
     {AwaitPartner, NobodyCame, Refused, "no partner grasped the object"},
     {AwaitPartner, TimeOut, Refused, "timeout: no partner"},
+    {AwaitPartner, Blocked, Yield, kPushedAtRest},
     {AwaitPartner, ArmLost, Stopped, kArmGone},
     {AwaitPartner, HandLost, Stopped, kHandGone},
     {AwaitPartner, HandUnfit, Refused, kUnfit},
@@ -56,6 +58,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Decide, PartnerLetGo, AwaitPartner, "the partner let go before it was decided"},
     {Decide, CameraLost, AwaitPartner, "camera lost: waits for it"},
     {Decide, TimeOut, Refused, "timeout: decision"},
+    {Decide, Blocked, Yield, kPushedAtRest},
     {Decide, ArmLost, Stopped, kArmGone},
     {Decide, HandLost, Stopped, kHandGone},
     {Decide, HandUnfit, Refused, kUnfit},
@@ -67,6 +70,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Plan, PartnerLetGo, AwaitPartner, "the partner let go during planning"},
     {Plan, CameraLost, AwaitPartner, "camera lost: waits for it, then plans again"},
     {Plan, TimeOut, Refused, "timeout: planning"},
+    {Plan, Blocked, Yield, kPushedAtRest},
     {Plan, ArmLost, Stopped, kArmGone},
     {Plan, HandLost, Stopped, kHandGone},
     {Plan, HandUnfit, Refused, kUnfit},
@@ -78,7 +82,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Approach, PartnerLetGo, BackOff, "the partner let go before the hand arrived"},
     {Approach, PathObstructed, BackOff, "the path stays obstructed: returns, then plans another"},
     {Approach, CameraLost, Halt, "camera lost: cannot check the path, stopped"},
-    {Approach, Blocked, Stopped, kHit},
+    {Approach, Blocked, Yield, kHit},
     {Approach, TimeOut, Stopped, "timeout: the arm did not arrive; holds"},
     {Approach, Stalled, Stopped, kStalled},
     {Approach, ArmLost, Stopped, kArmGone},
@@ -87,7 +91,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Approach, Interrupted, Stopped, kAskedInTransit},
 
     {Halt, CameraBack, BackOff, "camera back: returns, then observes and plans again"},
-    {Halt, Blocked, Stopped, kHit},
+    {Halt, Blocked, Yield, kHit},
     {Halt, TimeOut, Stopped, "timeout: the camera did not come back; holds"},
     {Halt, ArmLost, Stopped, kArmGone},
     {Halt, HandLost, Stopped, kHandGone},
@@ -96,7 +100,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {BackOff, BackHome, AwaitPartner, "at home: waits for the partner's grasp again"},
     {BackOff, BackInVain, Aborted, "at home without the goal: no attempts left"},
     {BackOff, CameraLost, Halt, "camera lost: cannot check the path, stopped"},
-    {BackOff, Blocked, Stopped, kHit},
+    {BackOff, Blocked, Yield, kHit},
     {BackOff, TimeOut, Stopped, "timeout: did not reach home; holds"},
     {BackOff, Stalled, Stopped, kStalled},
     {BackOff, ArmLost, Stopped, kArmGone},
@@ -107,7 +111,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Close, HandHeld, Verify, "every finger is in contact"},
     {Close, HandEmpty, Release, "the hand closed on nothing: opens it again"},
     {Close, PartnerLetGo, Release, "the partner let go before the lift: opens, the object is on the ground"},
-    {Close, Blocked, Stopped, kPulled},
+    {Close, Blocked, Yield, kPushed},
     {Close, TimeOut, Release, "the hand did not finish closing: opens it again"},
     {Close, ArmLost, Stopped, kArmGone},
     {Close, HandLost, Stopped, kHandGone},
@@ -118,7 +122,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Verify, GripBad, Release, "the grip is not good enough to lift: opens, the object is on the ground"},
     {Verify, HandEmpty, Release, "the grip is lost: opens, the object is on the ground"},
     {Verify, PartnerLetGo, Release, "the partner let go before the lift: opens, the object is on the ground"},
-    {Verify, Blocked, Stopped, kPulled},
+    {Verify, Blocked, Yield, kPushed},
     {Verify, TimeOut, Release, "the grip could not be checked in time: opens, the object is on the ground"},
     {Verify, ArmLost, Stopped, kArmGone},
     {Verify, HandLost, Stopped, kHandGone},
@@ -130,7 +134,7 @@ constexpr auto kRules = std::to_array<Rule>({
      "the partner let go before the lift: opens, the object is on the ground"},
     {AwaitReady, HandEmpty, Release, "the grip is lost: opens, the object is on the ground"},
     {AwaitReady, GripBad, Release, "the grip is not good enough to lift: opens, the object is on the ground"},
-    {AwaitReady, Blocked, Stopped, kPulled},
+    {AwaitReady, Blocked, Yield, kPushed},
     {AwaitReady, TimeOut, Release, "the partner was never ready: opens, the object is on the ground"},
     {AwaitReady, ArmLost, Stopped, kArmGone},
     {AwaitReady, HandLost, Stopped, kHandGone},
@@ -144,9 +148,9 @@ constexpr auto kRules = std::to_array<Rule>({
     {TestLift, LimitReached, Lower, "a limit of tilt, slip or load was reached: sets the object down"},
     {TestLift, EndOfReach, Stopped, kReachEnds},
     {TestLift, TimeOut, Lower, "the test lift took too long: sets the object down"},
-    {TestLift, PartnerLetGo, Stopped, kAlone},
+    {TestLift, PartnerLetGo, Pause, kAlone},
     {TestLift, HandEmpty, Stopped, kFell},
-    {TestLift, Blocked, Stopped, kPulled},
+    {TestLift, Blocked, Yield, kPushed},
     {TestLift, Stalled, Stopped, kStalled},
     {TestLift, ArmLost, Stopped, kArmGone},
     {TestLift, HandLost, Stopped, kHandGone},
@@ -158,9 +162,9 @@ constexpr auto kRules = std::to_array<Rule>({
     {Lift, LimitReached, Lower, "a limit of tilt, slip or load was reached: sets the object down"},
     {Lift, EndOfReach, Stopped, kReachEnds},
     {Lift, TimeOut, Lower, "the height was not reached in time: sets the object down"},
-    {Lift, PartnerLetGo, Stopped, kAlone},
+    {Lift, PartnerLetGo, Pause, kAlone},
     {Lift, HandEmpty, Stopped, kFell},
-    {Lift, Blocked, Stopped, kPulled},
+    {Lift, Blocked, Yield, kPushed},
     {Lift, Stalled, Stopped, kStalled},
     {Lift, ArmLost, Stopped, kArmGone},
     {Lift, HandLost, Stopped, kHandGone},
@@ -171,27 +175,48 @@ constexpr auto kRules = std::to_array<Rule>({
     {Hold, LimitReached, Lower, "a limit of tilt, slip or load was reached: sets the object down"},
     {Hold, EndOfReach, Stopped, kReachEnds},
     {Hold, TimeOut, Lower, "held long enough: sets the object down"},
-    {Hold, PartnerLetGo, Stopped, kAlone},
+    {Hold, PartnerLetGo, Pause, kAlone},
     {Hold, HandEmpty, Stopped, kFell},
-    {Hold, Blocked, Stopped, kPulled},
+    {Hold, Blocked, Yield, kPushed},
     {Hold, ArmLost, Stopped, kArmGone},
     {Hold, HandLost, Stopped, kHandGone},
     {Hold, HandUnfit, Stopped, kHoldsBadly},
     {Hold, Interrupted, Stopped, kAskedLoaded},
 
     {Lower, OnGround, Release, "the object is on the ground"},
+    {Lower, Obstructed, Pause,
+     "the object meets something before the ground; holds, the grip stays closed, asks to clear it"},
     {Lower, EndOfReach, Stopped, kReachEnds},
     {Lower, TimeOut, Stopped, "found no ground under the object; holds, the grip stays closed"},
-    {Lower, PartnerLetGo, Stopped, kAlone},
+    {Lower, PartnerLetGo, Pause, kAlone},
     {Lower, HandEmpty, Stopped, kFell},
-    {Lower, Blocked, Stopped, kPulled},
+    {Lower, Blocked, Yield, kPushed},
     {Lower, Stalled, Stopped, kStalled},
     {Lower, ArmLost, Stopped, kArmGone},
     {Lower, HandLost, Stopped, kHandGone},
     {Lower, Interrupted, Stopped, kAskedLoaded},
 
+    // in the air on the spot: nothing lowers it by itself, a person may be under it
+    {Pause, PartnerBack, Lift, "the partner holds again: the lift continues"},
+    {Pause, HoldOver, Lower, "the partner holds again: lowering continues"},
+    {Pause, TimeOut, Stopped, "timeout: nobody took the object up again; holds, the grip stays closed"},
+    {Pause, HandEmpty, Stopped, kFell},
+    {Pause, Blocked, Yield, kPushed},
+    {Pause, ArmLost, Stopped, kArmGone},
+    {Pause, HandLost, Stopped, kHandGone},
+    {Pause, HandUnfit, Stopped, kHoldsBadly},
+    {Pause, Interrupted, Stopped, kAskedLoaded},
+
+    // soft, until the force is gone
+    {Yield, TimeOut, Stopped, "yielded to unexpected force; holds, a closed grip stays closed"},
+    {Yield, ArmLost, Stopped, kArmGone},
+    {Yield, HandLost, Stopped, kHandGone},
+    {Yield, Interrupted, Stopped, kAskedLoaded},
+
     // away from it
     {Release, HandOpen, Retreat, "the hand is open"},
+    {Release, StillLoaded, Stopped, "no evidence that the object is supported: the hand stays closed"},
+    {Release, Blocked, Yield, kPushed},
     {Release, TimeOut, Stopped, "the hand did not open; holds"},
     {Release, ArmLost, Stopped, kArmGone},
     {Release, HandLost, Stopped, kHandGone},
@@ -200,7 +225,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Retreat, BackHome, Done, "lifted, set down, released, and back home"},
     {Retreat, TryAgain, AwaitPartner, "back home after a grip that failed: tries again"},
     {Retreat, BackInVain, Aborted, "at home without the goal"},
-    {Retreat, Blocked, Stopped, kHit},
+    {Retreat, Blocked, Yield, kHit},
     {Retreat, TimeOut, Stopped, "timeout: did not reach home; holds"},
     {Retreat, Stalled, Stopped, kStalled},
     {Retreat, ArmLost, Stopped, kArmGone},
@@ -238,6 +263,10 @@ constexpr TaskWords words(Task task) {
       return {"hold", "the end of the holding time"};
     case Lower:
       return {"lower", "the object to reach the ground"};
+    case Pause:
+      return {"pause", "the partner to grasp again"};
+    case Yield:
+      return {"yield", "the force on the arm to end"};
     case Release:
       return {"release", "the hand to open"};
     case Retreat:
@@ -321,6 +350,8 @@ std::string_view word(Event event) {
       return "grip bad";
     case PartnerReady:
       return "partner ready";
+    case PartnerBack:
+      return "partner back";
     case TestDue:
       return "test due";
     case HangsLevel:
@@ -337,6 +368,10 @@ std::string_view word(Event event) {
       return "hold over";
     case OnGround:
       return "on ground";
+    case Obstructed:
+      return "obstructed";
+    case StillLoaded:
+      return "still loaded";
     case HandOpen:
       return "hand open";
     case BackHome:
@@ -373,7 +408,7 @@ bool is_end(Task task) {
 
 bool is_loaded(Task task) {
   return task == Close || task == Verify || task == AwaitReady || task == TestLift || task == Lift ||
-         task == Hold || task == Lower || task == Release;
+         task == Hold || task == Lower || task == Pause || task == Yield || task == Release;
 }
 
 bool is_moving(Task task) {

@@ -21,6 +21,8 @@ enum class Task {
   Lift,
   Hold,
   Lower,
+  Pause,  ///< Holds a raised object on the spot: the partner let go, or something is in its way; he is asked.
+  Yield,  ///< Stopped by unexpected force, soft: whoever pushes can push free. With or without an object.
   Release,  ///< Opens the hand: the only state that does so while it is loaded.
   Retreat,  ///< Away from the object and home, after release.
   BackOff,  ///< Stops and goes back the way it came, hand empty, because the grasp is off.
@@ -52,7 +54,8 @@ enum class Event {
   GripGood,
   GripBad,
   PartnerReady,
-  TestDue,  ///< TestDue: he is ready, and what the object weighs where is not known yet.
+  PartnerBack,  ///< PartnerBack: he let go of a raised object and holds it again.
+  TestDue,      ///< TestDue: he is ready, and what the object weighs where is not known yet.
   HangsLevel,
   HangsAskew,
   AtHeight,
@@ -60,6 +63,8 @@ enum class Event {
   EndOfReach,    ///< EndOfReach: a joint would come too near to its limit; the arm has slowed to rest.
   HoldOver,
   OnGround,
+  Obstructed,   ///< Obstructed: the object met something before the ground.
+  StillLoaded,  ///< StillLoaded: no evidence that the object is supported, so the hand stays closed.
   HandOpen,
   BackHome,
   TryAgain,    ///< TryAgain: back home after a grip that failed, and there is patience left.

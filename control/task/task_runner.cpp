@@ -12,6 +12,26 @@ using namespace std::chrono_literals;
 
 constexpr hal::Duration kReportEvery = 33ms;  // the camera's frame period: nothing new is seen sooner
 
+/// Which forces the arm has to expect in a state.
+HandLoad expected_load(Task task) {
+  switch (task) {
+    case Task::Close:
+    case Task::Verify:
+    case Task::AwaitReady:
+      return HandLoad::Closing;
+    case Task::TestLift:
+    case Task::Lift:
+    case Task::Hold:
+    case Task::Pause:
+      return HandLoad::Carried;
+    case Task::Lower:
+    case Task::Release:
+      return HandLoad::Lowering;
+    default:
+      return HandLoad::Empty;
+  }
+}
+
 /// Whether the job goes home without its goal from here on.
 bool is_failure(Task from, Event event, Task to) {
   return event == Event::LimitReached || event == Event::HangsAskew ||
@@ -110,6 +130,10 @@ std::optional<TaskEvent> TaskRunner::emergency(const JobHooks& hooks) const {
   if (hand_.lost() && hand_.silent_puck() && next(c_.state, Event::FingerLost))
     return TaskEvent{Event::FingerLost, hand_.fault()};
   if (hand_.lost()) return TaskEvent{Event::HandLost, hand_.fault()};
+  if (const ForceFinding& force = c_.arm.view().force; force && c_.arm.blocked()) {
+    const bool from_below = c_.state == Task::Lower && force.kind == ForceFinding::Kind::Up;
+    return TaskEvent{from_below ? Event::Obstructed : Event::Blocked, describe(force)};
+  }
   if (c_.readings.camera_lost) return TaskEvent{Event::CameraLost, "the camera gives no picture"};
   if (auto obstructed = separation_.path_obstructed(); obstructed && next(c_.state, obstructed->event))
     return obstructed;
@@ -162,6 +186,10 @@ std::optional<TaskEvent> TaskRunner::work() {
       return lift_phase_.hold();
     case Task::Lower:
       return lift_phase_.lower();
+    case Task::Pause:
+      return pause_phase_.pause();
+    case Task::Yield:
+      return yield_phase_.yield();
     case Task::Release:
       return retreat_phase_.release();
     case Task::Retreat:
@@ -199,6 +227,10 @@ void TaskRunner::begin_state(Task from, Event event) {
       return lift_phase_.begin_hold();
     case Task::Lower:
       return lift_phase_.begin_lower();
+    case Task::Pause:
+      return pause_phase_.begin(from, event);
+    case Task::Yield:
+      return yield_phase_.begin(detail_);
     case Task::Release:
       return retreat_phase_.begin_release();
     case Task::Retreat:
@@ -225,6 +257,7 @@ void TaskRunner::apply(const TaskEvent& event, const JobHooks& hooks) {
   c_.done.reset();
   reason_ = rule->reason;
   if (!event.detail.empty()) reason_ += ": " + event.detail;
+  detail_ = event.detail;
   c_.record.states.push_back({c_.now - c_.began, c_.state, reason_});
   if (is_failure(from, event.event, c_.state)) {
     c_.attempts.failed = true;
@@ -236,8 +269,11 @@ void TaskRunner::apply(const TaskEvent& event, const JobHooks& hooks) {
   if ((event.event == Event::GripBad || event.event == Event::HandEmpty) &&
       (from == Task::Close || from == Task::Verify))
     grasps_.refuse_grip("a grip here failed: " + event.detail);
+  if (c_.state != Task::Yield && c_.state != Task::Stopped) c_.arm.expect(expected_load(c_.state));
   begin_state(from, event.event);
   if (event.event == Event::PartnerAsked && hooks.asked) hooks.asked(requests_.place());
+  if (const auto place = pause_phase_.asked_place(); c_.state == Task::Pause && place && hooks.asked)
+    hooks.asked(*place);
   if (hooks.changed) hooks.changed(from, c_.state);
   report(hooks);
 }

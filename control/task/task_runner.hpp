@@ -10,10 +10,12 @@
 #include "control/task/phases/grip_phase.hpp"
 #include "control/task/phases/lift_phase.hpp"
 #include "control/task/phases/partner_phase.hpp"
+#include "control/task/phases/pause_phase.hpp"
 #include "control/task/phases/plan_phase.hpp"
 #include "control/task/phases/retreat_phase.hpp"
 #include "control/task/phases/scene_phase.hpp"
 #include "control/task/phases/test_lift_phase.hpp"
+#include "control/task/phases/yield_phase.hpp"
 #include "control/task/supervision/arm_supervisor.hpp"
 #include "control/task/supervision/camera_supervisor.hpp"
 #include "control/task/supervision/hand_supervisor.hpp"
@@ -70,6 +72,8 @@ class TaskRunner {
 
   PartnerMonitor partner_{c_};
   ObjectMonitor object_{c_};
+  LetGoMonitor let_go_{c_, object_};
+  LiftEvidence evidence_{c_, object_, let_go_};
   GraspSelector grasps_{c_};
   PartnerRequests requests_{c_};
 
@@ -78,13 +82,15 @@ class TaskRunner {
   PlanPhase plan_phase_{c_, partner_, requests_, grasps_};
   ApproachPhase approach_phase_{c_, partner_};
   BackOffPhase back_off_phase_{c_, partner_};
-  GripPhase grip_phase_{c_, partner_, object_};
-  TestLiftPhase test_lift_phase_{c_, object_, grasps_};
-  LiftPhase lift_phase_{c_, object_};
-  RetreatPhase retreat_phase_{c_, object_, grasps_, scene_phase_};
+  GripPhase grip_phase_{c_, partner_, object_, let_go_};
+  TestLiftPhase test_lift_phase_{c_, object_, let_go_, grasps_};
+  LiftPhase lift_phase_{c_, object_, let_go_, evidence_};
+  PausePhase pause_phase_{c_, object_, let_go_};
+  YieldPhase yield_phase_{c_};
+  RetreatPhase retreat_phase_{c_, object_, grasps_, scene_phase_, evidence_};
 
   hal::Timestamp reported_at_{0}, wall_start_{0};
-  std::string reason_;  ///< Why the job is in its state.
+  std::string reason_, detail_;  ///< Why the job is in its state; the event's own words.
   bool refusal_noted_ = false;
 };
 

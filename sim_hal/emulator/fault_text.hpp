@@ -117,7 +117,7 @@ template <class OfEvent, class OfText>
       done = tl::unexpected(fault.error());
   };
   for (const DeviceFaultEvent& event : events)
-    if (event.device == device) add(of_event(event));
+    if (event.device == device && event.action != "push") add(of_event(event));  // the world pushes
   for (const std::string& text : texts) add(of_text(text));
   if (!done) return hal::Result<std::vector<Fault>>(tl::unexpected(done.error()));
   return hal::Result<std::vector<Fault>>(std::move(faults));

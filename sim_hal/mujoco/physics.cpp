@@ -304,6 +304,11 @@ void Physics::push_object(const Vec3& at_W, const Vec3& force_W) {
   impl_->push(impl_->object_body, at_W, force_W);
 }
 
+void Physics::pull_link(int link, const Vec3& force_W) {
+  const int body = impl_->link_body[static_cast<std::size_t>(link)];
+  impl_->push(body, vec(impl_->data->xpos + 3 * body), force_W);
+}
+
 void Physics::step() {
   // a run in which nobody is pushed has not a rounding more than one without people
   const bool pushed = impl_->pushed_nm.size() > 0;

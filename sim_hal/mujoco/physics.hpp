@@ -57,6 +57,9 @@ class Physics {
   /// a finger's pads measure of it (N, positive).
   void push_link(int link, const Vec3& at_W, const Vec3& force_W, double normal_n);
   void push_object(const Vec3& at_W, const Vec3& force_W);
+  /// Somebody's force on a link of the arm or on the palm, at its origin, in the coming step alone, without a
+  /// body that touches.
+  void pull_link(int link, const Vec3& force_W);
   /// 1 ms: contact forces and acceleration under these loads, the new state, and all that follows from it.
   void step();
   /// Contacts of the step that has just ended.

@@ -57,8 +57,10 @@ bool SimPartner::ask(const Vec3& grasp_T, double t_s) {
   if (!partner_.obliging || partner_.kind == "none" || partner_.kind == "support") return false;
   while (holds_.size() > 1 && holds_.back().from_s > t_s) holds_.pop_back();
   PartnerHold& now = holds_.back();
-  now.until_s = std::max(t_s + kHears_s, now.from_s);
-  holds_.push_back({grasp_T, *now.until_s + kRegrasp_s, std::nullopt});
+  // who has let go already hears it all the same
+  const double free_s = std::max(t_s + kHears_s, now.from_s);
+  if (!now.until_s || *now.until_s > t_s) now.until_s = free_s;
+  holds_.push_back({grasp_T, free_s + kRegrasp_s, std::nullopt});
   return true;
 }
 

@@ -96,6 +96,7 @@ struct SimWorld::Impl {
   Pose X_HT_locked = Pose::Identity();
 
   void tick();
+  void push();
   void note_grasp();
   [[nodiscard]] Pose palm() const { return physics->link_pose(model.palm); }
   [[nodiscard]] double now_s() const { return hal::seconds(clock.now() - hal::Timestamp(start.load())); }
@@ -121,6 +122,7 @@ void SimWorld::Impl::tick() {
   }
   move_clutter();
   if (!people.empty()) people.tick(now_s(), *physics, object_shapes(), clutter);
+  push();
   physics->set_torque(
       arm.tick(arm_reading.q_rad, arm_reading.dq_rad_s, arm_reading.bias_nm, arm_reading.inertia),
       hand.tick(hand_reading));
@@ -128,6 +130,15 @@ void SimWorld::Impl::tick() {
   physics->read(arm_reading, hand_reading);
   clock.advance(kTick);
   note_grasp();
+}
+
+// somebody pushes arm or hand, as the scenario says
+void SimWorld::Impl::push() {
+  for (const DeviceFaultEvent& event : scenario.faults) {
+    if (event.action != "push" || now_s() < event.at_s || now_s() >= event.at_s + event.for_s) continue;
+    const int link = event.link == 0 ? model.palm : model.arm[static_cast<std::size_t>(event.link - 1)];
+    physics->pull_link(link, event.value.value_or(0.0) * event.direction.normalized());
+  }
 }
 
 void SimWorld::Impl::note_grasp() {

@@ -89,6 +89,7 @@ class Checker {
                         : of_hand         ? "a hand"
                                           : "a camera",
                         f.device));
+      if (auto done = check_push(f, i); !done) return done;
       if (!f.puck.empty() && f.device != "hand")
         return refuse(fmt::format("faults[{}].puck", i),
                       fmt::format("faults[{}].puck is {}, but only a hand has pucks", i, f.puck));
@@ -156,6 +157,19 @@ class Checker {
     if (with_mass > 0 && object.mass && std::abs(*object.mass - together) > 0.01 * together)
       return refuse("object.mass", fmt::format("object.mass is {}, but the parts weigh {:.6g} together",
                                                *object.mass, together));
+    return {};
+  }
+
+  /// An outside force: on the arm, and of some size and direction.
+  Result<> check_push(const FaultBlock& f, std::size_t i) const {
+    if (f.action != "push") return {};
+    const auto wrong = [&](const char* key, const char* expected) {
+      return refuse(fmt::format("faults[{}].{}", i, key),
+                    fmt::format("faults[{}] is a push, expected {}", i, expected));
+    };
+    if (f.device != "arm") return wrong("device", "device: arm (link: 0 is the hand)");
+    if (!f.value || *f.value <= 0.0) return wrong("value", "a value above 0: its force (N)");
+    if (f.direction.norm() < 1e-6) return wrong("direction", "a direction that is not zero");
     return {};
   }
 
@@ -300,6 +314,8 @@ Scenario scenario_of(const ScenarioBlock& file) {
     DeviceFaultEvent event{f.at_s, f.device, f.action, f.for_s};
     event.value = f.value;
     event.puck = f.puck;
+    event.direction = f.direction;
+    event.link = f.link;
     s.faults.push_back(std::move(event));
   }
   return s;

@@ -104,8 +104,10 @@ struct DeviceFaultEvent {
   std::string device;  ///< camera | arm | hand
   std::string action;  ///< freeze | drop | unplug | corrupt | blind | late | silent, as the device can
   double for_s = 0.5;
-  std::optional<double> value{};  ///< How much, where the action has a meaning for it.
-  std::string puck{};             ///< F1 | F2 | F3 | spread of an emulated hand; empty: all.
+  std::optional<double> value{};   ///< How much, where the action has a meaning for it.
+  std::string puck{};              ///< F1 | F2 | F3 | spread of an emulated hand; empty: all.
+  Vec3 direction{0.0, 0.0, -1.0};  ///< Of a push, in W.
+  int link = 0;                    ///< What is pushed: 1 to 7 the link behind that joint, 0 the hand.
 };
 
 /// A whole scenario file.

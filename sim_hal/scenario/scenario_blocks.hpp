@@ -187,6 +187,8 @@ struct FaultBlock {
   double at_s = 0.0;
   std::string device, action, puck;
   std::optional<double> value;
+  Vec3 direction = DeviceFaultEvent{}.direction;
+  int link = 0;
   double for_s = DeviceFaultEvent{}.for_s;
 
   /// What only the arm's controller and its wire can do, and only an emulated one does.
@@ -211,7 +213,7 @@ struct FaultBlock {
     return all;
   }
   static hal::Choices choices() {
-    hal::Choices all{"freeze", "drop", "unplug", "corrupt", "blind", "late", "silent"};
+    hal::Choices all{"freeze", "drop", "unplug", "corrupt", "blind", "late", "silent", "push"};
     for (const hal::Choices& more : {of_controller(), of_pucks(), of_kinect()})
       for (const std::string& name : more.names)
         if (std::find(all.names.begin(), all.names.end(), name) == all.names.end()) all.names.push_back(name);
@@ -225,8 +227,10 @@ struct FaultBlock {
     v("device", device, hal::Choices{"camera", "arm", "hand"}, "Which device fails.", kRequired);
     v("do", action, choices(), "How it fails.", kRequired);
     v("value", value, hal::Range{-1e6, 1e6},
-      "How much, where that has a meaning (hot: deg C, late: ms, loss: %).");
+      "How much, where that has a meaning (hot: deg C, late: ms, loss: %, push: N).");
     v("puck", puck, hal::Choices{"", "F1", "F2", "F3", "spread"}, "Which puck of the hand; none: all.");
+    v("direction", direction, hal::Range{-1e3, 1e3}, "Of a push, in the robot base frame; any length.");
+    v("link", link, hal::Range{0, 7}, "What is pushed: 1 to 7 the link behind that joint; 0: the hand.");
     v("for_s", for_s, kTime_s, "How long (s).");
   }
 };

@@ -69,6 +69,7 @@ set(COLIFT_PUBLIC_HEADERS
   perception/noise_model.hpp
   perception/change_limit.hpp
   perception/partner/change_image.hpp
+  perception/partner/grasp_presence.hpp
   perception/partner/local_shape.hpp
   perception/object_grid.hpp
   perception/partner/partner_contact.hpp
@@ -123,6 +124,7 @@ set(COLIFT_PUBLIC_HEADERS
   control/arm/drive.hpp
   control/config/check_config.hpp
   control/config/method.hpp
+  control/config/monitor_config.hpp
   control/config/setpoint_limits.hpp
   control/config/task_config.hpp
   control/lift/load_estimator.hpp

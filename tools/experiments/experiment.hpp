@@ -87,5 +87,6 @@ struct Experiment {
 [[nodiscard]] Experiment slip_experiment();
 [[nodiscard]] Experiment tasks_experiment();
 [[nodiscard]] Experiment agents_experiment();
+[[nodiscard]] Experiment let_go_experiment();
 
 }  // namespace colift::experiments

@@ -138,6 +138,8 @@ Ink ink_of(Task state) {
       return Ink::Bad;
     case Task::BackOff:
     case Task::Halt:
+    case Task::Pause:
+    case Task::Yield:
       return Ink::Odd;
     default:
       return Ink::Bold;

@@ -32,6 +32,8 @@ ReportTone tone_of(Task state) {
       return ReportTone::Bad;
     case Task::BackOff:
     case Task::Halt:
+    case Task::Pause:
+    case Task::Yield:
       return ReportTone::Odd;
     default:
       return ReportTone::Plain;

@@ -13,18 +13,31 @@ namespace {
 // the hand's state shows a command some cycles later: before, it may look as if it had ended already
 constexpr double kCommandShows_s = 0.1;
 
+/// Width between the third finger and the one of the others that is farther from it (m).
+double felt_width(const planner::HandModel& hand, const hal::HandState& state) {
+  const auto& q = state.finger_rad;
+  return planner::half_gap_at(hand, std::min(q[0], q[1])) + planner::half_gap_at(hand, q[2]);
+}
+
 }  // namespace
 
 void GripPhase::begin_close() {
   object_.set_grip();
+  let_go_.start();
   if (const auto closing = c_.robot.hand->close(c_.config.task.close_torque_nm); !closing)
     c_.note_device("hand", closing.error().text());
+}
+
+std::optional<TaskEvent> GripPhase::let_go() {
+  let_go_.update();
+  if (auto seen = let_go_.let_go()) return seen;
+  return partner_.let_go();
 }
 
 std::optional<TaskEvent> GripPhase::close() {
   const hal::HandState& hand = c_.readings.hand;
   c_.doing = "the fingers close";
-  if (auto let_go = partner_.let_go()) return let_go;
+  if (auto gone = let_go()) return gone;
   if (c_.in_state_s() > c_.config.task.grip.hand_timeout_s)
     return TaskEvent{Event::HandEmpty, "the hand does not come to rest"};
   if (hand.moving || c_.in_state_s() < kCommandShows_s) return std::nullopt;
@@ -34,7 +47,7 @@ std::optional<TaskEvent> GripPhase::close() {
 
 std::optional<TaskEvent> GripPhase::verify() {
   const hal::HandState& hand = c_.readings.hand;
-  if (auto let_go = partner_.let_go()) return let_go;
+  if (auto gone = let_go()) return gone;
   // still for a moment, and as wide as the object was seen to be
   if (c_.in_state_s() < c_.config.task.carry.settle_s) return std::nullopt;
   const double expected = planner::stopped_angle(c_.rig.hand, c_.chosen());
@@ -45,6 +58,15 @@ std::optional<TaskEvent> GripPhase::verify() {
   const std::string facts = fmt::format("fingers within {:.0f} deg of the observed width, pad force {:.0f} N",
                                         hal::rad_to_deg(widest), force);
   if (!hand.held) return TaskEvent{Event::GripBad, "the grip was lost: " + facts};
+  // a finger of somebody, a cable: thicker than what was seen. Fingers that wrap a bar do not show its width
+  const GripConfig& grip = c_.config.task.grip;
+  const double excess_m = felt_width(c_.rig.hand, hand) - c_.chosen().width;
+  if (c_.chosen().kind != planner::GraspKind::Wrap && excess_m > grip.max_excess_width_m)
+    return TaskEvent{
+        Event::GripBad,
+        fmt::format("something is between the fingers and the object: {:.0f} mm wider than it was "
+                    "seen (limit {:.0f} mm)",
+                    1e3 * excess_m, 1e3 * grip.max_excess_width_m)};
   if (widest > c_.config.task.grip.finger_tolerance_rad)
     return TaskEvent{Event::GripBad, "that does not match the observed object: " + facts};
   return TaskEvent{Event::GripGood, facts};
@@ -64,7 +86,7 @@ std::optional<TaskEvent> GripPhase::await_ready() {
                      fmt::format("the partner lifts already, by {:.0f} mm: the robot follows", 1e3 * rise_m)};
   }
   if (c_.readings.frame && (!object_.motion() || std::abs(rise_m) < leader_rise_m))
-    if (auto let_go = partner_.let_go()) return let_go;
+    if (auto gone = let_go()) return gone;
   if (c_.in_state_s() > c_.config.task.grip.ready_timeout_s)
     return TaskEvent{Event::TimeOut, "the partner does not come to rest"};
   if (c_.in_state_s() < c_.config.task.ready_s ||

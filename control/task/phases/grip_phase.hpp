@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "control/task/let_go_monitor.hpp"
 #include "control/task/object_monitor.hpp"
 #include "control/task/partner_monitor.hpp"
 #include "control/task/task_context.hpp"
@@ -12,8 +13,8 @@ namespace colift::control {
 /// stands on the ground all the time.
 class GripPhase {
  public:
-  GripPhase(TaskContext& context, PartnerMonitor& partner, ObjectMonitor& object)
-      : c_(context), partner_(partner), object_(object) {}
+  GripPhase(TaskContext& context, PartnerMonitor& partner, ObjectMonitor& object, LetGoMonitor& let_go)
+      : c_(context), partner_(partner), object_(object), let_go_(let_go) {}
 
   void begin_close();
   [[nodiscard]] std::optional<TaskEvent> close();
@@ -23,9 +24,13 @@ class GripPhase {
   [[nodiscard]] std::optional<TaskEvent> await_ready();
 
  private:
+  /// By tracker or by what is seen at his contact, whichever is first.
+  [[nodiscard]] std::optional<TaskEvent> let_go();
+
   TaskContext& c_;
   PartnerMonitor& partner_;
   ObjectMonitor& object_;
+  LetGoMonitor& let_go_;
 };
 
 }  // namespace colift::control

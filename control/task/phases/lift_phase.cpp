@@ -18,7 +18,8 @@ void LiftPhase::begin_lift(Task from) {
   const TaskConfig& task = c_.config.task;
   c_.attempts.lifted = true;
   moved_at_ = c_.now;
-  if (from == Task::TestLift) {
+  evidence_.start_lift();
+  if (from == Task::TestLift || from == Task::Pause) {
     // what hung still when it was raised slowly is raised slowly
     const double left_m = task.lift_height_m - c_.arm.view().height_m;
     lift_s_ = std::max(task.lift_s, left_m / task.lift.tested_speed_m_s);
@@ -31,6 +32,9 @@ void LiftPhase::begin_lift(Task from) {
 
 std::optional<TaskEvent> LiftPhase::lift() {
   object_.update();
+  partner_.update();
+  evidence_.update();
+  if (auto gone = partner_.let_go()) return gone;
   if (auto end = object_.end_of_reach()) return end;
   const ArmView& arm = c_.arm.view();
   c_.done = arm.height_m / c_.config.task.lift_height_m;
@@ -56,6 +60,7 @@ bool LiftPhase::settled() {
 
 void LiftPhase::begin_hold() {
   mean_load_n_ = NAN;
+  carried_at_ = c_.now;
   c_.record.frame_lifted.reset();
 }
 
@@ -64,11 +69,15 @@ std::optional<TaskEvent> LiftPhase::hold() {
   if (c_.readings.frame && !c_.record.frame_lifted && c_.in_state_s() > 0.5 * hold_s)
     c_.record.frame_lifted = *c_.readings.frame;
   object_.update();
+  partner_.update();
+  evidence_.update();
+  if (auto gone = partner_.let_go()) return gone;
   if (auto end = object_.end_of_reach()) return end;
   c_.done = c_.in_state_s() / std::max(hold_s, 1e-3);
   c_.doing = "holds the object up";
   if (auto limit = object_.beyond_limits()) return limit;
   if (auto partner = partner_gone_or_lowers()) return partner;
+  if (auto lost = load_lost()) return lost;
   if (c_.in_state_s() < hold_s) return std::nullopt;
   return TaskEvent{Event::HoldOver, fmt::format("held for {:.1f} s", c_.in_state_s())};
 }
@@ -92,34 +101,75 @@ std::optional<TaskEvent> LiftPhase::partner_gone_or_lowers() {
   return std::nullopt;
 }
 
+std::optional<TaskEvent> LiftPhase::load_lost() {
+  const CarryConfig& carry = c_.config.task.carry;
+  const double load_n = c_.arm.view().load_n;
+  if (mean_load_n_ < carry.standing_load_n || load_n > carry.load_loss_fraction * mean_load_n_)
+    carried_at_ = c_.now;
+  if (hal::seconds(c_.now - carried_at_) < carry.load_loss_s) return std::nullopt;
+  return TaskEvent{Event::HandEmpty,
+                   fmt::format("{:.0f} N hang in the hand, {:.0f} N before", load_n, mean_load_n_)};
+}
+
 void LiftPhase::begin_lower() {
   summarise_hold();
   moved_at_ = unsupported_at_ = c_.now;
+  seeks_ = false;
   c_.arm.lower();
 }
 
 std::optional<TaskEvent> LiftPhase::lower() {
   object_.update();
+  partner_.update();
+  evidence_.update();
+  if (auto gone = partner_.let_go()) return gone;
   if (auto end = object_.end_of_reach()) return end;
+  c_.done = 1.0 - c_.arm.view().height_m / std::max(c_.config.task.lift_height_m, 1e-3);
+  c_.doing = seeks_ ? "sets the object down" : "lowers together with the partner";
+  return judge_lowering();
+}
+
+std::optional<TaskEvent> LiftPhase::judge_lowering() {
   const ArmView& arm = c_.arm.view();
-  c_.done = 1.0 - arm.height_m / std::max(c_.config.task.lift_height_m, 1e-3);
-  c_.doing = "lowers together with the partner";
   const CarryConfig& carry = c_.config.task.carry;
+  const double carried_n = std::isnan(mean_load_n_) ? 0.0 : mean_load_n_;
+  const double limit_n = std::max(carry.standing_load_n, carry.standing_load_fraction * carried_n);
   // an object that slid in the hand is down before the palm is: pressed on, it would slide away. Without load
   // alone it may still hang between the partner and a foot
   const auto& motion = object_.motion();
-  const hal::Vec3 grip = object_.X_WH_grip().translation();
-  const bool down = motion && std::abs(motion->rise(grip, hal::Vec3::UnitZ())) < carry.ground_tolerance_m;
-  if (!down || arm.load_n > carry.ground_load_n) unsupported_at_ = c_.now;
-  if (hal::seconds(c_.now - unsupported_at_) > carry.settle_s) {
+  const double rise_m = motion ? motion->rise(object_.X_WH_grip().translation(), hal::Vec3::UnitZ()) : NAN;
+  // without a picture the palm's own height has to do
+  const bool seen_down = motion ? std::abs(rise_m) < carry.standing_tolerance_m &&
+                                      object_.partner_rise_m() < carry.standing_tolerance_m
+                                : arm.height_m < carry.standing_tolerance_m;
+  if (arm.load_n > limit_n) unsupported_at_ = c_.now;
+  const double supported_s = hal::seconds(c_.now - unsupported_at_);
+  const bool early =
+      motion && std::abs(rise_m) < carry.ground_tolerance_m && arm.load_n < carry.ground_load_n;
+  if (supported_s > carry.settle_s && seen_down && (early || seeks_ || c_.arm.lift_at_rest())) {
     c_.arm.stay();
+    evidence_.standing();
     return TaskEvent{
         Event::OnGround,
-        fmt::format("the object is supported, {:.0f} mm above the height at which it was grasped",
-                    1e3 * c_.arm.view().height_m)};
+        fmt::format("the hand carries {:.1f} N (limit {:.1f}), {:.0f} mm {} the height at which it "
+                    "grasped",
+                    std::max(0.0, arm.load_n), limit_n, 1e3 * std::abs(arm.height_m),
+                    arm.height_m < 0.0 ? "below" : "above")};
   }
-  if (!settled()) return std::nullopt;
-  return TaskEvent{Event::OnGround, fmt::format("the load is {:.0f} N", arm.load_n)};
+  if (supported_s > carry.settle_s && !seen_down && c_.arm.lift_at_rest())
+    return TaskEvent{Event::Obstructed,
+                     fmt::format("the hand carries {:.1f} N, and the object is seen {:.0f} mm up", arm.load_n,
+                                 1e3 * (motion ? std::max(rise_m, object_.partner_rise_m()) : arm.height_m))};
+  if (!seeks_ && c_.arm.lift_at_rest()) {
+    seeks_ = true;
+    c_.arm.raise_on(LiftController::Role::Lead, -carry.seek_m, carry.seek_m / carry.seek_speed_m_s);
+    moved_at_ = c_.now;
+    return std::nullopt;
+  }
+  if (!seeks_ || !settled()) return std::nullopt;
+  return TaskEvent{Event::TimeOut,
+                   fmt::format("the hand still carries {:.0f} N, {:.0f} mm below where it grasped",
+                               arm.load_n, 1e3 * carry.seek_m)};
 }
 
 // means over the time at the top
@@ -139,6 +189,7 @@ void LiftPhase::summarise_hold() {
   }
   if (n == 0) return;
   load /= n;
+  s.load_n = load;
   s.height_m /= n;
   s.tilt_rad = seen ? s.tilt_rad / seen : NAN;
   s.slip_m = seen ? s.slip_m / seen : NAN;

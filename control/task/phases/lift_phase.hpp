@@ -3,6 +3,8 @@
 #include <cmath>
 #include <optional>
 
+#include "control/task/let_go_monitor.hpp"
+#include "control/task/lift_evidence.hpp"
 #include "control/task/object_monitor.hpp"
 #include "control/task/task_context.hpp"
 
@@ -11,7 +13,8 @@ namespace colift::control {
 /// Lift, Hold and Lower: the object is in the air.
 class LiftPhase {
  public:
-  LiftPhase(TaskContext& context, ObjectMonitor& object) : c_(context), object_(object) {}
+  LiftPhase(TaskContext& context, ObjectMonitor& object, LetGoMonitor& partner, LiftEvidence& evidence)
+      : c_(context), object_(object), partner_(partner), evidence_(evidence) {}
 
   void begin_lift(Task from);
   [[nodiscard]] std::optional<TaskEvent> lift();
@@ -25,13 +28,21 @@ class LiftPhase {
   /// The commanded height has been reached for a moment.
   [[nodiscard]] bool settled();
   [[nodiscard]] std::optional<TaskEvent> partner_gone_or_lowers();
+  /// The hand is closed, and nothing hangs in it any more.
+  [[nodiscard]] std::optional<TaskEvent> load_lost();
+  /// What lowering has come to: the object stands, met something, or still hangs at the end of the search.
+  [[nodiscard]] std::optional<TaskEvent> judge_lowering();
   void summarise_hold();
 
   TaskContext& c_;
   ObjectMonitor& object_;
+  LetGoMonitor& partner_;
+  LiftEvidence& evidence_;
   double lift_s_ = 0.0;                             ///< That this lift takes.
   hal::Timestamp moved_at_{0}, unsupported_at_{0};  ///< The palm; the object without the ground: last time.
   double mean_load_n_ = NAN;                        ///< Slow mean while held.
+  hal::Timestamp carried_at_{0};                    ///< When the hand last carried something.
+  bool seeks_ = false;                              ///< Goes below where it grasped, to set down what hangs.
 };
 
 }  // namespace colift::control

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace colift::control {
@@ -14,6 +15,45 @@ constexpr double kGateFraction = 0.9;  // of the last gate's velocity limit, so 
 }  // namespace
 
 void RetreatPhase::begin_release() {
+  unsupported_at_ = c_.now;
+  if (is_supported()) return open();
+  // what a closing hand has lifted by millimetres is set down again before it opens
+  opening_ = Opening::Unloading;
+  const CarryConfig& carry = c_.config.task.carry;
+  c_.arm.start_lift(LiftController::Role::Lead, -carry.seek_m, carry.seek_m / carry.seek_speed_m_s);
+}
+
+bool RetreatPhase::is_supported() const {
+  const ArmView& arm = c_.arm.view();
+  if (!c_.readings.hand.held) return true;  // nothing is in it
+  const CarryConfig& carry = c_.config.task.carry;
+  const double carried_n = c_.record.lift ? c_.record.lift->load_n : 0.0;
+  const double limit_n = std::max(carry.standing_load_n, carry.standing_load_fraction * carried_n);
+  const double sideways_n = arm.wrench_W ? arm.wrench_W->force.head<2>().norm() : 0.0;
+  return arm.load_n <= limit_n && sideways_n <= carry.max_release_force_n;
+}
+
+std::optional<TaskEvent> RetreatPhase::unload() {
+  const CarryConfig& carry = c_.config.task.carry;
+  c_.doing = "sets the object down before the hand opens";
+  if (!is_supported()) unsupported_at_ = c_.now;
+  if (hal::seconds(c_.now - unsupported_at_) >= carry.settle_s) {
+    open();
+    c_.since = c_.now;
+    return std::nullopt;
+  }
+  if (!c_.arm.lift_at_rest() && !c_.arm.end_of_reach()) return std::nullopt;
+  if (hal::seconds(c_.now - c_.since) < carry.seek_m / carry.seek_speed_m_s + 2.0 * carry.settle_s)
+    return std::nullopt;
+  const ArmView& arm = c_.arm.view();
+  const double sideways_n = arm.wrench_W ? arm.wrench_W->force.head<2>().norm() : 0.0;
+  return TaskEvent{Event::StillLoaded,
+                   fmt::format("it carries {:.0f} N (limit {:.0f}), {:.0f} N pull sideways (limit {:.0f})",
+                               arm.load_n, carry.standing_load_n, sideways_n, carry.max_release_force_n)};
+}
+
+void RetreatPhase::open() {
+  opening_ = Opening::Opening;
   c_.arm.hold();
   c_.arm.unload();
   if (const auto opening = c_.robot.hand->release(); !opening) c_.note_device("hand", opening.error().text());
@@ -22,6 +62,7 @@ void RetreatPhase::begin_release() {
 std::optional<TaskEvent> RetreatPhase::release() {
   const hal::HandState& hand = c_.readings.hand;
   const auto& without_puck = c_.readings.without_puck;
+  if (opening_ == Opening::Unloading) return unload();
   c_.doing = "the fingers open";
   if (c_.in_state_s() > c_.config.task.grip.hand_timeout_s)
     return TaskEvent{Event::TimeOut, "the hand does not open"};
@@ -76,7 +117,11 @@ bool RetreatPhase::start_home() {
 
 TaskEvent RetreatPhase::judge_at_home() {
   const Attempts& attempts = c_.attempts;
-  if (!attempts.failed) return {Event::BackHome, ""};
+  if (!attempts.failed) {
+    if (const std::string against = evidence_.against(); !against.empty())
+      return {Event::BackInVain, against};
+    return {Event::BackHome, ""};
+  }
   const double moved_m = object_.displacement_m();
   const int max_grips = c_.config.task.attempts.max_grips + static_cast<int>(c_.record.test_lifts.size());
   if (!attempts.regrasp && (attempts.approaches >= max_grips || attempts.lifted || c_.readings.without_puck))

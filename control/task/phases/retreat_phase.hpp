@@ -4,6 +4,7 @@
 #include <string>
 
 #include "control/task/grasp_selector.hpp"
+#include "control/task/lift_evidence.hpp"
 #include "control/task/object_monitor.hpp"
 #include "control/task/phases/scene_phase.hpp"
 #include "control/task/task_context.hpp"
@@ -15,9 +16,11 @@ namespace colift::control {
 class RetreatPhase {
  public:
   enum class Leg { FromObject, Home };
+  enum class Opening { Unloading, Opening };
 
-  RetreatPhase(TaskContext& context, ObjectMonitor& object, GraspSelector& grasps, ScenePhase& scene)
-      : c_(context), object_(object), grasps_(grasps), scene_(scene) {}
+  RetreatPhase(TaskContext& context, ObjectMonitor& object, GraspSelector& grasps, ScenePhase& scene,
+               const LiftEvidence& evidence)
+      : c_(context), object_(object), grasps_(grasps), scene_(scene), evidence_(evidence) {}
 
   /// The arm is at home now, at the start of the job.
   void set_home(const hal::JointVector& q_rad) { home_rad_ = q_rad; }
@@ -32,6 +35,10 @@ class RetreatPhase {
   [[nodiscard]] Leg leg() const { return leg_; }
 
  private:
+  /// The object bears itself: nothing hangs in the hand, and nothing pulls at it.
+  [[nodiscard]] bool is_supported() const;
+  [[nodiscard]] std::optional<TaskEvent> unload();
+  void open();
   [[nodiscard]] bool start_home();
   [[nodiscard]] TaskEvent judge_at_home();
   /// The object was put down elsewhere: scene, candidates and test lifts become those of where it stands now.
@@ -42,6 +49,9 @@ class RetreatPhase {
   ObjectMonitor& object_;
   GraspSelector& grasps_;
   ScenePhase& scene_;
+  const LiftEvidence& evidence_;
+  Opening opening_ = Opening::Unloading;
+  hal::Timestamp unsupported_at_{0};
   hal::JointVector home_rad_ = hal::JointVector::Zero();
   Leg leg_ = Leg::FromObject;
 };

@@ -21,6 +21,8 @@ void TestLiftPhase::begin() {
 
 std::optional<TaskEvent> TestLiftPhase::test_lift() {
   object_.update();
+  partner_.update();
+  if (auto gone = partner_.let_go()) return gone;
   if (auto end = object_.end_of_reach()) return end;
   if (auto limit = object_.beyond_limits()) return limit;
   const double now_m = c_.arm.view().height_m;

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "control/task/grasp_selector.hpp"
+#include "control/task/let_go_monitor.hpp"
 #include "control/task/object_monitor.hpp"
 #include "control/task/task_context.hpp"
 
@@ -14,8 +15,8 @@ class TestLiftPhase {
  public:
   enum class Leg { Raising, Measuring };
 
-  TestLiftPhase(TaskContext& context, ObjectMonitor& object, GraspSelector& grasps)
-      : c_(context), object_(object), grasps_(grasps) {}
+  TestLiftPhase(TaskContext& context, ObjectMonitor& object, LetGoMonitor& partner, GraspSelector& grasps)
+      : c_(context), object_(object), partner_(partner), grasps_(grasps) {}
 
   void begin();
   [[nodiscard]] std::optional<TaskEvent> test_lift();
@@ -30,6 +31,7 @@ class TestLiftPhase {
 
   TaskContext& c_;
   ObjectMonitor& object_;
+  LetGoMonitor& partner_;
   GraspSelector& grasps_;
   Leg leg_ = Leg::Raising;
   hal::Timestamp at_top_since_{0};

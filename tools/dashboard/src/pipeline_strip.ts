@@ -4,7 +4,7 @@ import type { TaskChange, TaskStatus } from "./messages";
 
 const WAY = ["observe", "await-partner", "decide", "plan", "approach", "close", "verify", "await-ready", "lift", "hold",
   "lower", "release", "retreat", "done"];
-const BAD_END = ["refused", "aborted", "stopped", "halt", "back-off"];
+const BAD_END = ["refused", "aborted", "stopped", "halt", "pause", "yield", "back-off"];
 
 export class PipelineStrip {
   private changes: TaskChange[] = [];

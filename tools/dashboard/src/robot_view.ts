@@ -6,7 +6,8 @@ import type { JointStates, Plan } from "./messages";
 
 const ARM = ["arm_1", "arm_2", "arm_3", "arm_4", "arm_5", "arm_6", "arm_7"];
 const GHOST_SECONDS = 4;
-const AFTER = ["close", "verify", "await-ready", "lift", "hold", "lower", "release", "retreat", "done", "stopped"];
+const AFTER = ["close", "verify", "await-ready", "lift", "hold", "lower", "pause", "yield", "release", "retreat",
+  "done", "stopped"];
 
 export class RobotView {
   readonly group = new THREE.Group();

@@ -120,6 +120,11 @@ void visit(Visitor& v, control::ArmView& w) {
   v("blocked_joint", w.blocked.joint);
   v("blocked_rad", w.blocked.lag_rad);
   v("blocked_limit_rad", w.blocked.lag_limit_rad);
+  v.choice("force", w.force.kind, static_cast<int>(control::ForceFinding::Kind::Joint));
+  v("force_measured", w.force.measured);
+  v("force_limit", w.force.limit);
+  v("force_joint", w.force.joint);
+  v("force_quiet", w.force_quiet);
   v("way_refused", w.trajectory_refused);
   v("slow", w.slow);
   v("load_n", w.load_n);

@@ -49,7 +49,9 @@ struct EmptyHand : PhaseRig {
   ScenePhase scene{*c, grasps};
   ApproachPhase approach{*c, partner};
   BackOffPhase back_off{*c, partner};
-  RetreatPhase retreat{*c, object, grasps, scene};
+  LetGoMonitor let_go{*c, object};
+  LiftEvidence evidence{*c, object, let_go};
+  RetreatPhase retreat{*c, object, grasps, scene, evidence};
 };
 
 }  // namespace
@@ -217,6 +219,36 @@ TEST_CASE("a hand is open when every finger that answers is", "[phases]") {
   }
 }
 
+TEST_CASE("a hand that still carries something stays closed", "[phases]") {
+  EmptyHand rig;
+  rig.hand->now.held = true;
+  const auto load = [&](double force_n) {
+    Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
+    wrench[2] = -force_n;
+    rig.external_nm =
+        hal::jacobian(hal::built_in_robot(), rig.c->arm.commanded(), hal::Vec3::Zero()).transpose() * wrench;
+  };
+  load(20.0);
+  rig.idle(0.5);
+  rig.enter(Task::Release);
+  const double before_m = rig.c->palm().translation().z();
+  rig.retreat.begin_release();
+  SECTION("whatever the time: it is set down by 20 mm at most, then a person decides") {
+    const auto event = rig.run([&] { return rig.retreat.release(); }, 60.0);
+    REQUIRE(event);
+    CHECK(event->event == Event::StillLoaded);
+    CHECK(rig.hand->commands.empty());
+    CHECK(before_m - rig.c->palm().translation().z() == Approx(0.02).margin(0.002));
+  }
+  SECTION("once it stands, the hand opens") {
+    CHECK_FALSE(rig.run([&] { return rig.retreat.release(); }, 1.0));
+    load(1.0);
+    rig.hand->now.finger_rad.fill(1.2);
+    CHECK_FALSE(rig.run([&] { return rig.retreat.release(); }, 1.0));
+    CHECK(rig.hand->commands == std::vector<std::string>{"release"});
+  }
+}
+
 TEST_CASE("a retreat goes from the object, then home, and says how the job stands", "[phases]") {
   EmptyHand rig;
   rig.begin_approach();
@@ -225,8 +257,14 @@ TEST_CASE("a retreat goes from the object, then home, and says how the job stand
   rig.retreat.begin_retreat();
   CHECK(rig.retreat.leg() == RetreatPhase::Leg::FromObject);
   Attempts& attempts = rig.c->attempts;
-  Event wanted = Event::BackHome;
-  SECTION("everything went as wished") {}
+  Event wanted = Event::BackInVain;
+  SECTION("nothing failed, but nobody saw the object in the air") {
+    const auto event = rig.run([&] { return rig.retreat.retreat(); });
+    REQUIRE(event);
+    CHECK(event->event == Event::BackInVain);
+    CHECK(event->detail == "not lifted: it was never held at its height");
+    return;
+  }
   SECTION("the first grip failed: tries again") {
     attempts.failed = true;
     wanted = Event::TryAgain;

@@ -3,6 +3,7 @@
 
 #include "control/task/phases/grip_phase.hpp"
 #include "control/task/phases/lift_phase.hpp"
+#include "control/task/phases/pause_phase.hpp"
 #include "control/task/phases/test_lift_phase.hpp"
 #include "phase_rig.hpp"
 
@@ -16,6 +17,7 @@ struct Loaded : PhaseRig {
   explicit Loaded(const Config& config = {}) : PhaseRig(config) {
     make_decision();
     hand->now.held = true;
+    c->arm.expect(HandLoad::Carried);
   }
 
   std::optional<TaskEvent> lift_up() {
@@ -34,9 +36,12 @@ struct Loaded : PhaseRig {
   PartnerMonitor partner{*c};
   ObjectMonitor object{*c};
   GraspSelector grasps{*c};
-  GripPhase grip{*c, partner, object};
-  LiftPhase lift{*c, object};
-  TestLiftPhase test_lift{*c, object, grasps};
+  LetGoMonitor let_go{*c, object};
+  LiftEvidence evidence{*c, object, let_go};
+  GripPhase grip{*c, partner, object, let_go};
+  LiftPhase lift{*c, object, let_go, evidence};
+  PausePhase pause{*c, object, let_go};
+  TestLiftPhase test_lift{*c, object, let_go, grasps};
 };
 
 }  // namespace
@@ -137,7 +142,15 @@ TEST_CASE("a lift ends with the grip, a slipping or hot hand, and too much load"
     rig.hand->now.hot = true;
     wanted = Event::HandUnfit;
   }
-  SECTION("load") {
+  SECTION("load that grows at once") {
+    rig.load(70.0);
+    wanted = Event::PartnerLetGo;
+  }
+  SECTION("load that grows slowly") {
+    for (double load_n = 5.0; load_n < 60.0; load_n += 5.0) {
+      rig.load(load_n);
+      REQUIRE_FALSE(rig.run([&] { return rig.lift.lift(); }, 0.15));
+    }
     rig.load(70.0);
     wanted = Event::LimitReached;
   }
@@ -196,4 +209,51 @@ TEST_CASE("a test lift that saw nothing is put down, and its grasp is left out",
   REQUIRE(rig.c->record.test_lifts.size() == 1);
   CHECK(rig.c->record.test_lifts[0].height_m == Approx(0.03).margin(1e-3));
   CHECK_FALSE(rig.c->record.test_lifts[0].known);
+}
+
+TEST_CASE("a load that grows at once during the lift means that the partner let go", "[phases]") {
+  Loaded rig;
+  rig.enter(Task::Lift);
+  rig.lift.begin_lift(Task::AwaitReady);
+  rig.load(20.0);
+  (void)rig.run([&] { return rig.lift.lift(); }, 0.5);
+  rig.let_go.ask_again();
+  CHECK_FALSE(rig.run([&] { return rig.lift.lift(); }, 0.2));
+  rig.load(55.0);
+  const double before_s = rig.c->in_state_s();
+  const auto event = rig.run([&] { return rig.lift.lift(); }, 0.5);
+  REQUIRE(event);
+  CHECK(event->event == Event::PartnerLetGo);
+  CHECK(rig.c->in_state_s() - before_s < 0.15);
+}
+
+TEST_CASE("a pause holds the arm where it is, and ends in time without the partner", "[phases]") {
+  Loaded rig;
+  rig.enter(Task::Lift);
+  rig.lift.begin_lift(Task::AwaitReady);
+  (void)rig.run([&] { return rig.lift.lift(); }, 1.0);
+  rig.enter(Task::Pause);
+  rig.pause.begin(Task::Lift, Event::PartnerLetGo);
+  rig.idle(0.3);
+  const double height_m = rig.c->palm().translation().z();
+  const auto event = rig.run([&] { return rig.pause.pause(); });
+  REQUIRE(event);
+  CHECK(event->event == Event::TimeOut);
+  CHECK(rig.c->in_state_s() == Approx(20.0).margin(0.1));
+  CHECK(rig.c->palm().translation().z() == Approx(height_m).margin(1e-4));
+  REQUIRE(rig.c->record.asked.size() == 1);
+}
+
+TEST_CASE("a load that vanishes in the air is an object that was lost", "[phases]") {
+  Loaded rig;
+  REQUIRE(rig.lift_up());
+  rig.load(20.0);
+  rig.idle(0.5);
+  rig.enter(Task::Hold);
+  rig.lift.begin_hold();
+  CHECK_FALSE(rig.run([&] { return rig.lift.hold(); }, 0.5));
+  rig.load(2.0);
+  const auto event = rig.run([&] { return rig.lift.hold(); }, 0.8);
+  REQUIRE(event);
+  CHECK(event->event == Event::HandEmpty);
 }

@@ -286,6 +286,21 @@ TEST_CASE("the masses of bodies come from the parts, or are shared out by volume
   CHECK_THAT(refusal(head + "  size: [1, 1, 1]\n" + parts("", "")), Contains("no meaning for kind bodies"));
 }
 
+TEST_CASE("a push has a force and a direction, and is on the arm", "[scenario]") {
+  const std::string camera = "{at_s: 4.0, device: camera, do: freeze, for_s: 0.25}";
+  const auto s = parse_scenario(
+      with(camera, "{at_s: 9, device: arm, do: push, value: 150, direction: [0, 2, 0], link: 4, for_s: 1}"),
+      "s");
+  REQUIRE(s);
+  CHECK(s->faults[0].value == 150.0);
+  CHECK(s->faults[0].direction.y() == 2.0);
+  CHECK(s->faults[0].link == 4);
+  CHECK_THAT(refusal(with(camera, "{at_s: 9, device: hand, do: push, value: 150}")), Contains("device: arm"));
+  CHECK_THAT(refusal(with(camera, "{at_s: 9, device: arm, do: push}")), Contains("a value above 0"));
+  CHECK_THAT(refusal(with(camera, "{at_s: 9, device: arm, do: push, value: 9, direction: [0, 0, 0]}")),
+             Contains("direction that is not zero"));
+}
+
 TEST_CASE("the built-in scenario is the shipped table", "[scenario]") {
   const Scenario built_in = built_in_scenario();
   const auto shipped = load_scenario(COLIFT_SOURCE_DIR "/config/scenario/table.yaml");

@@ -1,0 +1,111 @@
+#include "control/task/let_go_monitor.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace colift::control {
+namespace {
+
+constexpr double kMeanLoad_s = 0.25;  // a person's jerk is quicker, a lift slower
+constexpr double kUsual = 0.1;        // of a frame in the mean of what is seen of his hand
+constexpr int kFramesToKnow = 3;      // before it counts as known how much of his hand is seen
+constexpr int kFramesLow = 2;         // in a row with his end too low
+constexpr double kMinLoad_n = 5.0;    // below it a load says nothing of who carries
+
+}  // namespace
+
+void LetGoMonitor::start() {
+  contact_W_ = c_.record.decision->partner->position;
+  X_ = hal::Pose::Identity();
+  usual_m2_ = 0.0;
+  area_m2_ = NAN;
+  frames_ = frames_gone_ = frames_low_ = 0;
+  mean_load_n_ = load_before_n_ = c_.arm.view().load_n;
+  gain_n_ = 0.0;
+  updated_at_ = c_.now;
+}
+
+bool LetGoMonitor::in_the_air() const {
+  return c_.state == Task::TestLift || c_.state == Task::Lift || c_.state == Task::Hold ||
+         c_.state == Task::Lower || c_.state == Task::Pause;
+}
+
+double LetGoMonitor::lag_m() const {
+  if (!object_.motion()) return NAN;
+  return c_.palm().translation().z() - object_.X_WH_grip().translation().z() - object_.partner_rise_m();
+}
+
+void LetGoMonitor::update() {
+  update_load();
+  if (!c_.readings.frame) return;
+  if (in_the_air() && object_.motion()) X_ = object_.motion()->X_WTnow_WTref;
+  update_hand();
+  const bool low = in_the_air() && lag_m() > c_.config.task.carry.partner_lag_m;
+  frames_low_ = low ? frames_low_ + 1 : 0;
+}
+
+void LetGoMonitor::update_hand() {
+  const auto area = c_.session.hand_at_grasp(*c_.readings.frame, c_.posture(), X_, contact_W_);
+  if (!area) return;
+  const perception::PresenceConfig& presence = c_.config.presence;
+  area_m2_ = *area;
+  const bool gone = frames_ >= kFramesToKnow && area_m2_ < presence.gone_fraction * usual_m2_;
+  frames_gone_ = gone ? frames_gone_ + 1 : 0;
+  if (gone || c_.state == Task::Pause) return;
+  // slowly after whatever the motion hides or shows of it
+  usual_m2_ += std::max(kUsual, 1.0 / (frames_ + 1)) * (area_m2_ - usual_m2_);
+  ++frames_;
+}
+
+void LetGoMonitor::update_load() {
+  const double load_n = c_.arm.view().load_n;
+  gain_n_ = load_n - mean_load_n_;
+  const double dt_s = hal::seconds(c_.now - updated_at_);
+  updated_at_ = c_.now;
+  mean_load_n_ += dt_s / (kMeanLoad_s + dt_s) * (load_n - mean_load_n_);
+  if (c_.state != Task::Pause && in_the_air()) load_before_n_ = mean_load_n_;
+}
+
+std::optional<bool> LetGoMonitor::hand_seen() const {
+  if (frames_ < kFramesToKnow || usual_m2_ < c_.config.presence.min_area_m2 || std::isnan(area_m2_))
+    return std::nullopt;
+  return area_m2_ > c_.config.presence.back_fraction * usual_m2_;
+}
+
+hal::Vec3 LetGoMonitor::place() const {
+  return X_ * contact_W_;
+}
+
+std::optional<TaskEvent> LetGoMonitor::let_go() const {
+  const CarryConfig& carry = c_.config.task.carry;
+  if (frames_gone_ >= c_.config.presence.frames && usual_m2_ >= c_.config.presence.min_area_m2)
+    return TaskEvent{Event::PartnerLetGo,
+                     fmt::format("his hand left the grasp: {:.0f} cm^2 of it are seen there, {:.0f} before",
+                                 1e4 * area_m2_, 1e4 * usual_m2_)};
+  if (frames_low_ >= kFramesLow)
+    return TaskEvent{Event::PartnerLetGo,
+                     fmt::format("his end is {:.0f} mm lower than the hand (limit {:.0f})", 1e3 * lag_m(),
+                                 1e3 * carry.partner_lag_m)};
+  if (in_the_air() && gain_n_ > carry.load_gain_n)
+    return TaskEvent{Event::PartnerLetGo, fmt::format("the load grew by {:.0f} N at once (limit {:.0f} N)",
+                                                      gain_n_, carry.load_gain_n)};
+  return std::nullopt;
+}
+
+bool LetGoMonitor::holds_again() const {
+  const CarryConfig& carry = c_.config.task.carry;
+  if (!(lag_m() < carry.partner_lag_m)) return false;
+  if (const auto seen = hand_seen()) return *seen;
+  const double load_n = c_.arm.view().load_n;
+  return load_before_n_ > kMinLoad_n &&
+         std::abs(load_n - load_before_n_) < carry.regrasp_load_factor * load_before_n_;
+}
+
+void LetGoMonitor::ask_again() {
+  frames_gone_ = frames_low_ = 0;
+  mean_load_n_ = c_.arm.view().load_n;
+  gain_n_ = 0.0;
+}
+
+}  // namespace colift::control

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "control/task/object_monitor.hpp"
+#include "control/task/task_context.hpp"
+
+namespace colift::control {
+
+/// Whether the partner still holds the object, from first finger contact to the end of lowering: his hand in
+/// the picture at his contact, which moves with the object; his end, which has to stay with the palm; the
+/// load, which grows when he lets go. Any one of them says so. Early in a lift the load alone does not: an
+/// object whose far end is on the floor weighs no more than one that is carried.
+class LetGoMonitor {
+ public:
+  LetGoMonitor(TaskContext& context, const ObjectMonitor& object) : c_(context), object_(object) {}
+
+  /// The hand begins to close: learns how much of his hand is seen at his contact.
+  void start();
+  /// Once per cycle, after ObjectMonitor::update().
+  void update();
+  /// The event when he has let go.
+  [[nodiscard]] std::optional<TaskEvent> let_go() const;
+  /// He holds a raised object again: his hand is seen and his end is up; where his hand cannot be seen, his
+  /// end is up and the load is what it was.
+  [[nodiscard]] bool holds_again() const;
+  /// He was asked to hold again: what was found before does not count.
+  void ask_again();
+
+  /// His hand is seen at his contact; unset where it cannot be seen.
+  [[nodiscard]] std::optional<bool> hand_seen() const;
+  /// Where he held, as the object lies now (W).
+  [[nodiscard]] hal::Vec3 place() const;
+
+ private:
+  void update_hand();
+  void update_load();
+  [[nodiscard]] bool in_the_air() const;
+  /// Of his end below the palm (m), since the hand closed; NaN while not seen.
+  [[nodiscard]] double lag_m() const;
+
+  TaskContext& c_;
+  const ObjectMonitor& object_;
+  hal::Vec3 contact_W_ = hal::Vec3::Zero();
+  hal::Pose X_ = hal::Pose::Identity();  ///< Last known motion of the object.
+  double usual_m2_ = 0.0, area_m2_ = NAN;
+  int frames_ = 0, frames_gone_ = 0, frames_low_ = 0;
+  double mean_load_n_ = 0.0, load_before_n_ = 0.0;
+  double gain_n_ = 0.0;
+  hal::Timestamp updated_at_{0};
+};
+
+}  // namespace colift::control

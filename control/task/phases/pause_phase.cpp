@@ -1,0 +1,59 @@
+#include "control/task/phases/pause_phase.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace colift::control {
+
+void PausePhase::begin(Task from, Event event) {
+  from_ = from;
+  obstructed_ = event == Event::Obstructed;
+  not_since_ = c_.now;
+  load_at_start_n_ = c_.arm.view().load_n;
+  c_.arm.pause();
+  partner_.ask_again();
+  if (from == Task::TestLift) {
+    // what was measured until now says nothing: it is set down, and measured anew
+    c_.attempts.failed = c_.attempts.regrasp = true;
+    c_.attempts.failure = "the partner let go during the test lift";
+  }
+  const std::string request = obstructed_
+                                  ? "asks to lift the object off what is under it, and to clear that away"
+                                  : "asks the partner to grasp again where he held, and to lift his end";
+  c_.record.asked.push_back({c_.now - c_.began, partner_.place(), request});
+}
+
+std::optional<hal::Vec3> PausePhase::asked_place() const {
+  if (obstructed_) return std::nullopt;
+  return partner_.place();
+}
+
+bool PausePhase::goes_on() const {
+  if (!obstructed_) return partner_.holds_again();
+  // what stood on something hangs in the hand again
+  const CarryConfig& carry = c_.config.task.carry;
+  const double load_n = c_.arm.view().load_n;
+  return load_n > carry.standing_load_n && load_n > load_at_start_n_ + carry.standing_load_n;
+}
+
+std::optional<TaskEvent> PausePhase::pause() {
+  object_.update();
+  partner_.update();
+  const CarryConfig& carry = c_.config.task.carry;
+  c_.doing = obstructed_ ? "something is under the object: lift it off and clear it away"
+                         : "holds: please grasp the object again where you held it, and lift your end";
+  c_.done = c_.in_state_s() / carry.regrasp_timeout_s;
+  const hal::HandState& hand = c_.readings.hand;
+  if (!hand.held) return TaskEvent{Event::HandEmpty, "the hand has lost the object"};
+  if (hand.slips) return TaskEvent{Event::HandUnfit, "slip detected by the fingers"};
+  if (!goes_on()) not_since_ = c_.now;
+  if (hal::seconds(c_.now - not_since_) >= carry.regrasp_s)
+    return TaskEvent{from_ == Task::Lift || from_ == Task::Hold ? Event::PartnerBack : Event::HoldOver,
+                     fmt::format("for {:.1f} s", carry.regrasp_s)};
+  if (c_.in_state_s() > carry.regrasp_timeout_s)
+    return TaskEvent{Event::TimeOut, fmt::format("asked for {:.0f} s", c_.in_state_s())};
+  return std::nullopt;
+}
+
+}  // namespace colift::control

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "control/task/let_go_monitor.hpp"
+#include "control/task/object_monitor.hpp"
+#include "control/task/task_context.hpp"
+
+namespace colift::control {
+
+/// Pause: a raised object is held on the spot, because the partner let go or it met something on its way
+/// down. He is asked to take it up again; nothing lowers it by itself, a person may be under it.
+class PausePhase {
+ public:
+  PausePhase(TaskContext& context, ObjectMonitor& object, LetGoMonitor& partner)
+      : c_(context), object_(object), partner_(partner) {}
+
+  void begin(Task from, Event event);
+  [[nodiscard]] std::optional<TaskEvent> pause();
+  /// Where he is asked to grasp (W); unset when something else is asked of him.
+  [[nodiscard]] std::optional<hal::Vec3> asked_place() const;
+
+ private:
+  [[nodiscard]] bool goes_on() const;
+
+  TaskContext& c_;
+  ObjectMonitor& object_;
+  LetGoMonitor& partner_;
+  Task from_ = Task::Lift;
+  bool obstructed_ = false;
+  double load_at_start_n_ = 0.0;
+  hal::Timestamp not_since_{0};  ///< When it was last not to go on.
+};
+
+}  // namespace colift::control

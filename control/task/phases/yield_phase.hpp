@@ -1,0 +1,25 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "control/task/task_context.hpp"
+
+namespace colift::control {
+
+/// Yield: the arm was stopped by force that nobody expected. It stays soft, its load compensated, until the
+/// force has been gone for a while; what comes then, a person decides.
+class YieldPhase {
+ public:
+  explicit YieldPhase(TaskContext& context) : c_(context) {}
+
+  void begin(const std::string& why);
+  [[nodiscard]] std::optional<TaskEvent> yield();
+
+ private:
+  TaskContext& c_;
+  std::string why_;
+  hal::Timestamp pushed_at_{0};
+};
+
+}  // namespace colift::control

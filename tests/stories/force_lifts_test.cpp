@@ -1,0 +1,110 @@
+// Whole lifts in which somebody pushes the arm, or the partner lets go: what is noticed, when, and what the
+// job says of itself.
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <string>
+#include <vector>
+
+#include "sim_hal/scenario/scenario.hpp"
+#include "tests/support/lift_figures.hpp"
+
+namespace {
+
+using namespace colift;
+using control::Task;
+using Result = control::RunRecord::Result;
+
+sim_hal::Scenario scenario(const std::string& name) {
+  auto loaded = sim_hal::load_scenario(std::string(COLIFT_SOURCE_DIR) + "/config/scenario/" + name + ".yaml");
+  REQUIRE(loaded);
+  return *loaded;
+}
+
+tests::SimulatedLift run(const sim_hal::Scenario& s) {
+  return tests::simulate(s, control::Method::Fast, 1);
+}
+
+/// When a state was entered (s); of the last time that it was.
+double entered(const tests::SimulatedLift& lift, Task task) {
+  double at_s = -1.0;
+  for (const control::StateChange& s : lift.record.states)
+    if (s.state == task) at_s = hal::seconds(s.at);
+  return at_s;
+}
+
+/// The first state after a time, and when it came.
+const control::StateChange* next_state(const tests::SimulatedLift& lift, double after_s) {
+  for (const control::StateChange& s : lift.record.states)
+    if (hal::seconds(s.at) >= after_s) return &s;
+  return nullptr;
+}
+
+sim_hal::DeviceFaultEvent push(double at_s, double force_n, const hal::Vec3& direction, double for_s = 1.0) {
+  sim_hal::DeviceFaultEvent event{at_s, "arm", "push", for_s};
+  event.value = force_n;
+  event.direction = direction;
+  return event;
+}
+
+}  // namespace
+
+TEST_CASE("a push of 150 N on the hand stops the arm in every state, and nothing is called lifted",
+          "[force]") {
+  const sim_hal::Scenario table = scenario("table");
+  const tests::SimulatedLift nominal = run(table);
+  REQUIRE(nominal.record.outcome == Result::Lifted);
+  struct Case {
+    Task in;
+    double force_n;
+  };
+  for (const Case& c : {Case{Task::AwaitPartner, 150.0}, Case{Task::Approach, 150.0},
+                        Case{Task::Close, 150.0}, Case{Task::AwaitReady, 150.0}, Case{Task::Lift, 150.0},
+                        Case{Task::Hold, 150.0}, Case{Task::Lower, 200.0}, Case{Task::Retreat, 150.0}})
+    for (const hal::Vec3& direction : {hal::Vec3(0, 1, 0), hal::Vec3(0, 0, 1), hal::Vec3(-1, 0, 0)}) {
+      const double at_s = entered(nominal, c.in) + 0.4;
+      sim_hal::Scenario s = table;
+      s.faults.push_back(push(at_s, c.force_n, direction));
+      const tests::SimulatedLift lift = run(s);
+      INFO(word(c.in) << " " << direction.transpose() << ": " << lift.record.reason);
+      CHECK(lift.record.outcome == Result::Aborted);
+      const control::StateChange* next = next_state(lift, at_s);
+      REQUIRE(next);
+      CHECK((next->state == Task::Yield || next->state == Task::Pause));
+      CHECK(hal::seconds(next->at) - at_s <= 0.02);
+      CHECK(lift.record.states.back().state == Task::Stopped);
+    }
+}
+
+TEST_CASE("a partner who lets go is noticed, and his lift is never called lifted", "[force]") {
+  for (const char* name : {"table", "box", "chair"}) {
+    const sim_hal::Scenario nominal = scenario(name);
+    const double lift_s = entered(run(nominal), Task::Lift);
+    for (const double into_s : {0.1, 0.7, 1.5, 3.0, 4.8}) {
+      sim_hal::Scenario s = nominal;
+      s.partner.events.push_back({lift_s + into_s, "let-go", {}});
+      const tests::SimulatedLift lift = run(s);
+      INFO(name << ", " << into_s << " s into the lift: " << lift.record.reason);
+      CHECK(lift.record.outcome == Result::Aborted);
+      CHECK(lift.record.states.back().state == Task::Stopped);
+      CHECK(lift.record.hand_keeps_grip);
+      const control::StateChange* next = next_state(lift, lift_s + into_s);
+      REQUIRE(next);
+      CHECK(next->state == Task::Pause);
+      CHECK(hal::seconds(next->at) - lift_s - into_s <= 0.2);
+    }
+  }
+}
+
+TEST_CASE("a partner who holds again lets the lift continue", "[force]") {
+  sim_hal::Scenario s = scenario("table");
+  s.partner.obliging = true;
+  const double lift_s = entered(run(s), Task::Lift);
+  s.partner.events.push_back({lift_s + 1.5, "let-go", {}});
+  const tests::SimulatedLift lift = run(s);
+  INFO(lift.record.reason);
+  CHECK(entered(lift, Task::Pause) > lift_s);
+  CHECK(entered(lift, Task::Lift) > entered(lift, Task::Pause));
+  CHECK(lift.record.outcome == Result::Lifted);
+  CHECK(lift.tilt_deg < 1.5);
+}

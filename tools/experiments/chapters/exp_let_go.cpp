@@ -1,0 +1,161 @@
+// Beyond the thesis: is a partner who lets go noticed, whenever he does?
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim_hal/synthetic/hash_random.hpp"
+#include "tools/experiments/bar_plot.hpp"
+#include "tools/experiments/experiment.hpp"
+#include "tools/experiments/trials/layouts.hpp"
+#include "tools/experiments/trials/whole_lift.hpp"
+
+namespace colift::experiments {
+namespace {
+
+using control::Task;
+
+constexpr double kHeight_m = 0.05, kHold_s = 1.0;
+constexpr double kSoon_ms = 150.0;
+constexpr Task kLoaded[] = {Task::Close, Task::Verify, Task::AwaitReady, Task::Lift, Task::Hold, Task::Lower};
+
+control::TaskSaid task() {
+  return {"experiment let-go", kHeight_m, kHold_s};
+}
+
+sim_hal::Scenario layout(const Trial& trial) {
+  const int i = trial.index / 4;
+  switch (trial.index % 4) {
+    case 0:
+      return table_layout(i, trial.seed);
+    case 1:
+      return box_layout(i, trial.seed);
+    case 2:
+      return pipe_layout(i, trial.seed);
+    default:
+      return chair_layout(i, trial.seed);
+  }
+}
+
+/// What the job did first after a time, and how long after it (ms); NaN: nothing to the end.
+struct Reaction {
+  double after_ms = NAN;
+  std::string state, why;
+};
+
+// a state that the lift without the event would have entered anyway is none
+bool is_reaction(const control::StateChange& s) {
+  return s.state == Task::Pause || s.state == Task::Stopped || s.state == Task::Yield ||
+         s.reason.find("let go") != std::string::npos;
+}
+
+Reaction reaction(const control::RunRecord& record, double at_s) {
+  for (const control::StateChange& s : record.states) {
+    const double t = hal::seconds(s.at);
+    if (t >= at_s && is_reaction(s)) return {1e3 * (t - at_s), std::string(word(s.state)), s.reason};
+  }
+  return {};
+}
+
+TrialRows run(const Trial& trial) {
+  const std::uint64_t seed = trial.own_seed(11);
+  sim_hal::Draws draws(seed, 8100);
+  sim_hal::Scenario scenario = layout(trial);
+  scenario.task.height = kHeight_m;
+  scenario.task.hold_s = kHold_s;
+  const auto refused = [&](const std::string& why) {
+    return TrialRows{{scenario.name, "", "", "", "", "", why}, {}, scenario.name + ": " + why};
+  };
+  const auto nominal = run_whole_lift(scenario, trial.method, seed);
+  if (!nominal) return refused(nominal.error().text());
+  using Result = control::RunRecord::Result;
+  if (nominal->record.outcome != Result::Lifted)
+    return refused("not lifted without it: " + nominal->record.reason);
+  double from_s = NAN, to_s = NAN;
+  for (const control::StateChange& s : nominal->record.states) {
+    if (s.state == Task::Close) from_s = hal::seconds(s.at);
+    if (s.state == Task::Release) to_s = hal::seconds(s.at);
+  }
+  const double at_s = draws.between(from_s, to_s);
+  std::string in;
+  for (const control::StateChange& s : nominal->record.states)
+    if (hal::seconds(s.at) <= at_s) in = word(s.state);
+  scenario.partner.events.push_back({at_s, "let-go", {}});
+  const auto lift = run_whole_lift(scenario, trial.method, seed);
+  if (!lift) return refused(lift.error().text());
+  const Reaction r = reaction(lift->record, at_s);
+  const bool lifted = lift->record.outcome == Result::Lifted;
+  TrialRows rows;
+  rows.row = {scenario.name, in, cell(at_s), cell(r.after_ms), r.state, cell(lifted), lift->record.reason};
+  rows.words = fmt::format(
+      "{}, {} at {:.2f} s: {}{}", scenario.name, in, at_s,
+      std::isnan(r.after_ms) ? "not noticed" : fmt::format("{} after {:.0f} ms", r.state, r.after_ms),
+      lifted ? ", REPORTED LIFTED" : "");
+  return rows;
+}
+
+std::vector<double> times(const Results& r, const std::string& state) {
+  std::vector<double> out;
+  for (const Row& row : r.trials.rows()) {
+    if (r.trials.text(row, "state").empty()) continue;
+    if (!state.empty() && r.trials.text(row, "state") != state) continue;
+    const double ms = r.trials.number(row, "noticed_ms");
+    out.push_back(std::isnan(ms) ? 1e6 : ms);
+  }
+  return out;
+}
+
+std::vector<Figure> figures(const Results& r) {
+  int lifted = 0, n = 0;
+  for (const Row& row : r.trials.rows()) {
+    if (r.trials.text(row, "state").empty()) continue;
+    ++n;
+    lifted += r.trials.number(row, "lifted") > 0.5;
+  }
+  const std::vector<double> all = times(r, "");
+  const auto soon =
+      static_cast<int>(std::count_if(all.begin(), all.end(), [](double t) { return t <= kSoon_ms; }));
+  std::vector<Figure> out{
+      {"lifted", "reported as lifted", rate(lifted, n), "%", 0.0, false},
+      {"soon", "noticed within 150 ms", rate(soon, n), "%", 0.99, true},
+      {"p50", "time to notice, median", quantile_estimate(all, 0.5), "ms"},
+      {"p99", "time to notice, 99 % below", quantile_estimate(all, 0.99), "ms", kSoon_ms, false}};
+  for (const Task t : kLoaded) {
+    const std::string name(word(t));
+    out.push_back({"p50_" + name, "in " + name + ", median", quantile_estimate(times(r, name), 0.5), "ms"});
+  }
+  return out;
+}
+
+picture::Canvas plot(const Results& r) {
+  BarPanel panel{"Time to notice, median (ms)", {}, {}, {}};
+  for (const Figure& f : figures(r))
+    if (f.key.rfind("p50_", 0) == 0 && f.estimate.n > 0)
+      panel.bars.push_back({f.key.substr(4), f.estimate.value, false, f.estimate.low, f.estimate.high});
+  return draw_bar_plot({panel});
+}
+
+}  // namespace
+
+Experiment let_go_experiment() {
+  Experiment e;
+  e.name = "let-go";
+  e.title = "A partner who lets go at a random instant";
+  e.thesis = "beyond it";
+  e.question =
+      "Tables, boxes, pipes and chairs are lifted; the same lift is repeated with a partner who lets go at "
+      "an "
+      "instant drawn between the hand's first closing and the end of lowering. When is it noticed, and is "
+      "the "
+      "lift called lifted?";
+  e.default_trials = 100;
+  e.columns = {"layout", "state", "at_s", "noticed_ms", "reaction", "lifted", "because"};
+  e.run = run;
+  e.task = task();
+  e.figures = figures;
+  e.plot = plot;
+  return e;
+}
+
+}  // namespace colift::experiments
