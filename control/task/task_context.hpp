@@ -83,7 +83,7 @@ struct TaskContext {
   hal::Timestamp now{0}, began{0}, since{0};  ///< Of the robot's clock; `since`: in this state.
   double waited_s = 0.0;  ///< Of the time in this state; a slowed arm's counts in proportion.
 
-  /// Points of bodies beside the partner in the last frame (W): new paths keep away from them.
+  /// Points of what obstructed the last path, without the partner (W): new paths keep away from them.
   std::vector<Eigen::Vector3f> obstacles_W;
 
   DeviceReadings readings;

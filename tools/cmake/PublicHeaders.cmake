@@ -39,6 +39,8 @@ set(COLIFT_PUBLIC_HEADERS
   # perception: from a frame to a scene, a partner, a motion
   perception/calibration/calibration_file.hpp
   perception/map/world_map.hpp
+  perception/bodies/body_finder.hpp
+  perception/bodies/body_tracker.hpp
   perception/motion/object_motion.hpp
   perception/organised_cloud.hpp
   perception/partner/partner_grasp.hpp

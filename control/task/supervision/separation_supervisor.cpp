@@ -88,6 +88,7 @@ void SeparationSupervisor::update(double image_age_s) {
     if (scale < 1.0) why = describe(state.nearest);
   }
   request(scale, std::move(why));
+  if (path_obstructed()) c_.obstacles_W = seen_W_;
 }
 
 void SeparationSupervisor::request(double scale, std::string why) {
@@ -141,8 +142,9 @@ void SeparationSupervisor::look(const hal::DepthFrame& frame) {
   const BodySighting seen = c_.session.watch_bodies(frame, posture);
   near_.clear();
   bodies_.clear();
-  c_.obstacles_W.clear();
+  seen_W_.clear();
   sort_points(seen);
+  if (seen_W_.empty()) c_.obstacles_W.clear();  // carried off
   const double latency_s = hal::seconds(c_.readings.frame_latency);
   monitor_.update(c_.now, near_, latency_s, 0.5 * kArmMass_kg + kCarried_kg);
   MonitorRecord& record = c_.record.monitor;
@@ -196,7 +198,7 @@ void SeparationSupervisor::sort_points(const BodySighting& seen) {
     const std::size_t before = near_.size();
     add_neighbour(Nearby::PartnerHand, hand_, track);
     add_neighbour(Nearby::Partner, partner_, track);
-    for (const auto& p : others_) c_.obstacles_W.push_back(p.p_W);
+    for (const auto& p : others_) seen_W_.push_back(p.p_W);
     add_neighbour(thing ? Nearby::Thing : Nearby::Person, others_, track);
     SeparationStatus::Body view;
     view.id = track ? track->id : 0;

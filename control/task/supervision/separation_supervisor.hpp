@@ -59,6 +59,7 @@ class SeparationSupervisor {
   std::vector<Neighbour> near_;
   std::vector<perception::BodyPoint> hand_, partner_, others_;
   std::vector<SeparationStatus::Body> bodies_;
+  std::vector<Eigen::Vector3f> seen_W_;  ///< Of the last frame, without the partner.
   hal::Timestamp updated_at_{0};
   double scale_ = 1.0, waited_s_ = 0.0, compute_ms_ = 0.0;
   bool asked_aside_ = false;
