@@ -44,7 +44,10 @@ struct LiveServer::Impl {
     acceptor.bind(endpoint, error);
     if (auto r = check("bind"); !r) return r;
     acceptor.listen(asio::socket_base::max_listen_connections, error);
-    return check("listen");
+    if (auto r = check("listen"); !r) return r;
+    // from here on the acceptor belongs to the server's thread
+    port = acceptor.local_endpoint(error).port();
+    return check("read the port");
   }
 
   void accept() {
@@ -71,6 +74,7 @@ struct LiveServer::Impl {
   std::shared_ptr<Hub> hub;
   asio::io_context context{1};
   tcp::acceptor acceptor;
+  std::uint16_t port = 0;  ///< What was asked for, or the free one that was given.
   asio::steady_timer pause;
   std::thread thread;
 };
@@ -98,8 +102,7 @@ LiveServer::~LiveServer() {
 }
 
 std::uint16_t LiveServer::port() const {
-  boost::system::error_code error;
-  return impl_->acceptor.local_endpoint(error).port();
+  return impl_->port;
 }
 
 std::string LiveServer::url() const {
