@@ -5,7 +5,7 @@
 namespace colift::control {
 
 /// Speed and separation monitoring: how fast the arm may be with people around. SI units. The distance to be
-/// kept is ISO/TS 15066 5.5.4's; figures and their sources: docs/safety.md.
+/// kept is ISO/TS 15066 5.5.4's (control/monitor/separation.hpp), a person's speed ISO 13855's.
 struct MonitorConfig {
   bool on = true;
   double person_speed_m_s = 1.6;
