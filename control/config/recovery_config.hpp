@@ -30,8 +30,9 @@ struct RecoveryConfig {
     v("supported_fraction", supported_fraction, hal::Range{0, 0.9},
       "... or below this fraction of the load before it was lowered.");
     v("supported_sideways_n", supported_sideways_n, hal::Range{0.5, 100},
-      "... and the object leans on the hand sideways with no more than this (N);");
-    v("press_n", press_n, hal::Range{1, 60}, "or it is pressed on the ground with this (N).");
+      "... and it leans on the hand sideways with no more than this (N).");
+    v("press_n", press_n, hal::Range{1, 60},
+      "It is supported, too, when it is pressed on the ground with this force; lowering ends there (N).");
     v("settle_s", settle_s, hal::Range{0.05, 10}, "For so long, before it is believed (s).");
     v("clear_m", clear_m, hal::Range{0, 0.5},
       "The open hand is drawn back straight by this before the motion home (m).");

@@ -129,6 +129,7 @@ set(COLIFT_PUBLIC_HEADERS
   control/config/monitor_config.hpp
   control/config/setpoint_limits.hpp
   control/config/task_config.hpp
+  control/config/recovery_config.hpp
   control/lift/load_estimator.hpp
   control/task/job_status.hpp
   control/test_lift/cog_belief.hpp

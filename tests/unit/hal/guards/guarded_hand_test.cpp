@@ -148,7 +148,7 @@ TEST_CASE("a state that cannot be is no state", "[guard][hand]") {
 
 TEST_CASE("a state of long ago is no state", "[guard][hand]") {
   Rig rig;
-  rig.clock.advance(std::chrono::milliseconds(150));
+  rig.clock.advance(std::chrono::milliseconds(90));
   CHECK(rig.hand->state());
   rig.clock.advance(std::chrono::milliseconds(100));
   CHECK(code(rig.hand->state()) == ErrorCode::Timeout);
