@@ -132,6 +132,8 @@ std::optional<TaskEvent> TaskRunner::emergency(const JobHooks& hooks) const {
 std::optional<TaskEvent> TaskRunner::pushed_event() const {
   const ForceFinding& force = c_.arm.view().force;
   if (!force || !c_.arm.blocked()) return std::nullopt;
+  // a standing object under a hand that was lowered too far: opening ends that, and the arm is soft already
+  if (c_.state == Task::Release && force.kind == ForceFinding::Kind::Up) return std::nullopt;
   const bool from_below = c_.state == Task::Lower && force.kind == ForceFinding::Kind::Up;
   if (!from_below) return TaskEvent{Event::Blocked, describe(force)};
   // where it was grasped, what pushes up is the ground: lowering judges that itself
