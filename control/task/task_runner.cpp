@@ -130,10 +130,7 @@ std::optional<TaskEvent> TaskRunner::emergency(const JobHooks& hooks) const {
   if (hand_.lost() && hand_.silent_puck() && next(c_.state, Event::FingerLost))
     return TaskEvent{Event::FingerLost, hand_.fault()};
   if (hand_.lost()) return TaskEvent{Event::HandLost, hand_.fault()};
-  if (const ForceFinding& force = c_.arm.view().force; force && c_.arm.blocked()) {
-    const bool from_below = c_.state == Task::Lower && force.kind == ForceFinding::Kind::Up;
-    return TaskEvent{from_below ? Event::Obstructed : Event::Blocked, describe(force)};
-  }
+  if (auto pushed = pushed_event()) return pushed;
   if (c_.readings.camera_lost) return TaskEvent{Event::CameraLost, "the camera gives no picture"};
   if (auto obstructed = separation_.path_obstructed(); obstructed && next(c_.state, obstructed->event))
     return obstructed;
@@ -141,6 +138,18 @@ std::optional<TaskEvent> TaskRunner::emergency(const JobHooks& hooks) const {
   const hal::HandState& hand = c_.readings.hand;
   if (hand.hot && !is_loaded(c_.state)) return TaskEvent{Event::HandUnfit, hand.warning.str()};
   return std::nullopt;
+}
+
+std::optional<TaskEvent> TaskRunner::pushed_event() const {
+  const ForceFinding& force = c_.arm.view().force;
+  if (!force || !c_.arm.blocked()) return std::nullopt;
+  // a standing object under a hand that was lowered too far: opening ends that, and the arm is soft already
+  if (c_.state == Task::Release && force.kind == ForceFinding::Kind::Up) return std::nullopt;
+  const bool from_below = c_.state == Task::Lower && force.kind == ForceFinding::Kind::Up;
+  if (!from_below) return TaskEvent{Event::Blocked, describe(force)};
+  // where it was grasped, what pushes up is the ground: lowering judges that itself
+  if (c_.arm.view().height_m < c_.config.task.carry.standing_tolerance_m) return std::nullopt;
+  return TaskEvent{Event::Obstructed, describe(force)};
 }
 
 bool TaskRunner::waits_for_arm() const {

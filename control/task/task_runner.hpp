@@ -49,6 +49,8 @@ class TaskRunner {
   void read_devices();
   /// What devices or the operator report; it comes before the phase's own work.
   [[nodiscard]] std::optional<TaskEvent> emergency(const JobHooks& hooks) const;
+  /// Unexpected force that has stopped the arm: somebody pushes, or something is under the object.
+  [[nodiscard]] std::optional<TaskEvent> pushed_event() const;
   [[nodiscard]] bool waits_for_arm() const;
   /// The arm's cycle began anew, or stopped for a late task: what was under way is taken up again.
   void resume_after_restart();

@@ -114,7 +114,7 @@ std::optional<TaskEvent> LiftPhase::load_lost() {
 void LiftPhase::begin_lower() {
   summarise_hold();
   moved_at_ = unsupported_at_ = c_.now;
-  seeks_ = false;
+  seeks_ = found_ = false;
   c_.arm.lower();
 }
 
@@ -147,7 +147,7 @@ std::optional<TaskEvent> LiftPhase::judge_lowering() {
   const bool early =
       motion && std::abs(rise_m) < carry.ground_tolerance_m && arm.load_n < carry.ground_load_n;
   if (supported_s > carry.settle_s && seen_down && (early || seeks_ || c_.arm.lift_at_rest())) {
-    c_.arm.stay();
+    c_.arm.pause();
     evidence_.standing();
     return TaskEvent{
         Event::OnGround,
@@ -160,13 +160,20 @@ std::optional<TaskEvent> LiftPhase::judge_lowering() {
     return TaskEvent{Event::Obstructed,
                      fmt::format("the hand carries {:.1f} N, and the object is seen {:.0f} mm up", arm.load_n,
                                  1e3 * (motion ? std::max(rise_m, object_.partner_rise_m()) : arm.height_m))};
-  if (!seeks_ && c_.arm.lift_at_rest()) {
+  // at once when it stands: pressed on, a stiff object would push the hand up
+  if (seeks_ && !found_ && arm.load_n <= limit_n) {
+    found_ = true;
+    c_.arm.stay();
+  }
+  const bool hangs_again = found_ && arm.load_n > limit_n && settled();
+  if ((!seeks_ && c_.arm.lift_at_rest()) || hangs_again) {
     seeks_ = true;
+    found_ = false;
     c_.arm.raise_on(LiftController::Role::Lead, -carry.seek_m, carry.seek_m / carry.seek_speed_m_s);
     moved_at_ = c_.now;
     return std::nullopt;
   }
-  if (!seeks_ || !settled()) return std::nullopt;
+  if (!seeks_ || found_ || !settled()) return std::nullopt;
   return TaskEvent{Event::TimeOut,
                    fmt::format("the hand still carries {:.0f} N, {:.0f} mm below where it grasped",
                                arm.load_n, 1e3 * carry.seek_m)};

@@ -42,6 +42,7 @@ class LiftPhase {
   hal::Timestamp moved_at_{0}, unsupported_at_{0};  ///< The palm; the object without the ground: last time.
   double mean_load_n_ = NAN;                        ///< Slow mean while held.
   hal::Timestamp carried_at_{0};                    ///< When the hand last carried something.
+  bool found_ = false;                              ///< ... and has found what bears it.
   bool seeks_ = false;                              ///< Goes below where it grasped, to set down what hangs.
 };
 
