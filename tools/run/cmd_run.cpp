@@ -6,8 +6,8 @@
 #include "hal/types/units.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"
-#include "tools/cli/session.hpp"
 #include "tools/cli/interrupt.hpp"
+#include "tools/cli/session.hpp"
 #include "tools/rig/back_ends.hpp"
 #include "tools/run/run_json.hpp"
 #include "tools/run/run_live.hpp"
@@ -140,6 +140,7 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
   hooks.started = [&] {
     began = rig->robot.clock->now();  // some devices take seconds to start
     if (rig->begin) rig->begin();
+    if (rig->truth) rig->truth->task_state(std::string(control::word(control::Task::Observe)));
   };
   hooks.interrupted = [&] { return InterruptGuard::asked() || (*live && (*live)->stopped()); };
   Pace pace(*speed);
@@ -157,7 +158,9 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
     if (rig->truth) rig->truth->ask_partner(place);
   };
   hooks.changed = [&](control::Task from, control::Task to) {
-    if (rig->truth) truth_log.on_change(from, to, *rig->truth);
+    if (!rig->truth) return;
+    truth_log.on_change(from, to, *rig->truth);
+    rig->truth->task_state(std::string(control::word(to)));
   };
   const auto record = runner.run(*recording ? (*recording)->hooks(hooks) : hooks);
   progress->end();
@@ -166,6 +169,9 @@ int cmd_run(const CommonOptions& common, const RunOptions& options) {
     report_error("run", record.error());
     return kDeviceFailed;
   }
+
+  if (rig->truth)
+    truth_log.truth.verdict = rig->truth->judge(record->outcome == control::RunRecord::Result::Lifted);
 
   std::optional<ArmLink> link;
   if (rig->arm_link) link = rig->arm_link();
