@@ -27,6 +27,10 @@ double min_jerk(double x) {
   return t * t * t * (10.0 + t * (-15.0 + 6.0 * t));
 }
 
+bool earlier(const PartnerScriptEvent& a, const PartnerScriptEvent& b) {
+  return a.at_s < b.at_s;
+}
+
 Vec3 at_most(const Vec3& v, double length) {
   const double n = v.norm();
   return n > length ? Vec3(v * (length / n)) : v;
@@ -43,18 +47,78 @@ SimPartner::SimPartner(const ScenarioPartner& partner, const ScenarioTask& task,
   }
   if (partner.kind == "none") return;
   holds_.push_back({partner.grasp, partner.arrives_s, std::nullopt});
-  std::vector<PartnerScriptEvent> events = partner.events;
-  std::stable_sort(events.begin(), events.end(),
-                   [](const auto& a, const auto& b) { return a.at_s < b.at_s; });
-  for (const PartnerScriptEvent& event : events) {
-    if (!holds_.back().until_s) holds_.back().until_s = std::max(event.at_s, holds_.back().from_s);
+  for (const PartnerScriptEvent& event : partner.events)
+    (event.in_state.empty() ? coming_ : waiting_).push_back(event);
+  std::stable_sort(coming_.begin(), coming_.end(), earlier);
+}
+
+void SimPartner::task_state(const std::string& name, double t_s) {
+  for (auto event = waiting_.begin(); event != waiting_.end();) {
+    if (event->in_state != name) {
+      ++event;
+      continue;
+    }
+    event->at_s += t_s;
+    coming_.push_back(std::move(*event));
+    event = waiting_.erase(event);
+  }
+  std::stable_sort(coming_.begin(), coming_.end(), earlier);
+}
+
+void SimPartner::do_events(double t_s) {
+  if (holds_.empty()) return;
+  std::size_t done = 0;
+  for (; done < coming_.size() && coming_[done].at_s <= t_s; ++done) {
+    const PartnerScriptEvent& event = coming_[done];
+    if (event.action == "stumble") {
+      stumbles_ = event;
+      continue;
+    }
+    if (event.action == "second-hand") {
+      second_ = event;
+      second_start_W_.reset();
+      continue;
+    }
+    second_.reset();
+    PartnerHold& now = holds_.back();
+    if (!now.until_s) now.until_s = std::max(event.at_s, now.from_s);
+    if (event.action == "steps-aside") now.leaves = true;
     if (event.action == "move" && event.to)
       holds_.push_back({*event.to, event.at_s + kRegrasp_s, std::nullopt});
   }
+  coming_.erase(coming_.begin(), coming_.begin() + static_cast<std::ptrdiff_t>(done));
+}
+
+std::optional<Vec3> SimPartner::second_hand(double t_s) const {
+  if (!second_ || !holding(t_s)) return std::nullopt;
+  return second_->to;
+}
+
+// a pull at the hand that holds, beyond what he means to do
+Vec3 SimPartner::stumble_n(const PartnerView& view, const Vec3& at_W) const {
+  if (!stumbles_ || view.t_s >= stumbles_->at_s + stumbles_->for_s) return Vec3::Zero();
+  Vec3 direction = stumbles_->direction.value_or(at_W - view.X_WT.translation());
+  if (!stumbles_->direction) direction.z() = 0.0;
+  return direction.norm() > 0.0 ? Vec3(stumbles_->force_n * direction.normalized()) : Vec3(Vec3::Zero());
+}
+
+// as stiff as the first one, and with it
+void SimPartner::add_second_hand(const PartnerView& view, Action& action) {
+  if (!second_ || !second_->to) return;
+  const Vec3 at_W = view.X_WT * *second_->to;
+  if (!second_start_W_) second_start_W_ = at_W - Vec3(0.0, 0.0, grip_.request_m);
+  const Vec3 request_W = *second_start_W_ + Vec3(0.0, 0.0, grip_.request_m);
+  const Vec3 v_W = view.v_W + view.w_W.cross(at_W - view.X_WT.translation());
+  const Vec3 stiffness(kSide_n_m, kSide_n_m, kUp_n_m);
+  const Vec3 force_W = at_most(stiffness.cwiseProduct(request_W - at_W) - kDamping_ns_m * v_W, kStrength_n);
+  action.torque_W += (at_W - action.at_W).cross(force_W);
+  action.force_W += force_W;
 }
 
 bool SimPartner::ask(const Vec3& grasp_T, double t_s) {
   if (!partner_.obliging || partner_.kind == "none" || partner_.kind == "support") return false;
+  coming_.clear();
+  waiting_.clear();
   while (holds_.size() > 1 && holds_.back().from_s > t_s) holds_.pop_back();
   PartnerHold& now = holds_.back();
   // who has let go already hears it all the same
@@ -128,6 +192,7 @@ std::optional<SimPartner::Action> SimPartner::tick(const PartnerView& view) {
     robot_z_m_ = (view.X_WT * *robot_T_).z();
     locked_at_s_ = view.t_s;
   }
+  do_events(view.t_s);
   const auto holds = holding(view.t_s);
   if (!holds || partner_.kind == "support") {
     grip_.hold.reset();
@@ -164,6 +229,8 @@ std::optional<SimPartner::Action> SimPartner::tick(const PartnerView& view) {
   const Eigen::AngleAxisd turned(view.X_WT.linear() * grip_.R_WT.transpose());
   action.torque_W =
       at_most(-kTurn_nm_rad * turned.angle() * turned.axis() - kTurnDamping * view.w_W, kTurnStrength_nm);
+  if (stumbles_) action.force_W += stumble_n(view, at_W);
+  add_second_hand(view, action);
   return action;
 }
 

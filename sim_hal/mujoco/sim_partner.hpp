@@ -25,6 +25,7 @@ struct PartnerHold {
   Vec3 grasp_T = Vec3::Zero();
   double from_s = 0.0;
   std::optional<double> until_s;  ///< Unset: to the end.
+  bool leaves = false;            ///< He goes away after it.
 };
 
 /// A person's hand on the object, as a spring with damping between the grasp point and where he wants it:
@@ -45,6 +46,12 @@ class SimPartner {
     Vec3 at_W, force_W, torque_W;
   };
   [[nodiscard]] std::optional<Action> tick(const PartnerView& view);
+
+  /// The task has entered a state: events that count from its first entry are due then.
+  void task_state(const std::string& name, double t_s);
+
+  /// Where his second hand is (in T); unset while he holds with one.
+  [[nodiscard]] std::optional<Vec3> second_hand(double t_s) const;
 
   /// He is asked to take hold there (in T): lets go a moment later, and holds there soon after. What his
   /// script has for later he forgets. Only where ScenarioPartner::obliging; whether he goes.
@@ -69,6 +76,9 @@ class SimPartner {
     double unseen_m = 0.0;              ///< ... and the difference that he does not see.
   };
 
+  void do_events(double t_s);
+  [[nodiscard]] Vec3 stumble_n(const PartnerView& view, const Vec3& at_W) const;
+  void add_second_hand(const PartnerView& view, Action& action);
   [[nodiscard]] std::optional<std::size_t> holding(double t_s) const;
   void take_hold(std::size_t hold, const PartnerView& view);
   void follow(const Seen& seen);
@@ -78,6 +88,10 @@ class SimPartner {
   ScenarioPartner partner_;
   ScenarioTask task_;
   std::vector<PartnerHold> holds_;
+  std::vector<PartnerScriptEvent> coming_;  ///< In the order of time; those of states not yet entered aside.
+  std::vector<PartnerScriptEvent> waiting_;
+  std::optional<PartnerScriptEvent> stumbles_, second_;
+  std::optional<Vec3> second_start_W_;
   std::array<double, 3> tremor_hz_{}, tremor_rad_{};
   Grip grip_;
   std::array<Seen, kDelay_ms> past_{};

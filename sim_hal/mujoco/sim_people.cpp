@@ -17,6 +17,9 @@ constexpr double kDisplaced_m = 0.001;               // of a group that meets th
 constexpr double kWalkBlocked_m = 0.05, kReachBlocked_m = 0.03;
 constexpr double kBetweenFingers_m = 0.07;  // out of the palm
 
+constexpr double kNear_m = 0.10, kFastest_m_s = 4.0;  // nearer than that everybody is looked at in every tick
+constexpr int kMaxRest_ms = 10;
+
 Vec3 velocity_at(const Shape& now, const Shape& before, double along) {
   const auto at = [&](const Shape& s) {
     return Vec3(s.X_WS.translation() + (along - 0.5) * s.size[1] * s.X_WS.linear().col(2));
@@ -35,8 +38,7 @@ struct SimPeople::Touch {
 };
 
 SimPeople::SimPeople(const Scenario& scenario, const hal::RobotModel& model) : model_(model) {
-  for (const ScenarioPerson& script : scenario.people)
-    people_.push_back({ScriptedPerson(script), SoftBody(), {}, {}});
+  for (const ScenarioPerson& script : scenario.people) people_.push_back({ScriptedPerson(script)});
 }
 
 void SimPeople::read_solids(const Physics& physics, const std::vector<Shape>& object,
@@ -55,10 +57,11 @@ void SimPeople::read_solids(const Physics& physics, const std::vector<Shape>& ob
 
 hal::Result<> SimPeople::check_start(const Physics& physics, const std::vector<Shape>& object) const {
   for (std::size_t i = 0; i < people_.size(); ++i) {
-    ScriptedPerson first = people_[i].script;
+    ScriptedPerson first = *people_[i].script;
+    first.enter_now();
     PersonView view;
     view.object = &object;
-    first.tick(std::numeric_limits<double>::max(), view, true, true);
+    first.tick(0.0, view, true, true);
     World body;
     first.add_to(body);
     for (int link = 0; link < static_cast<int>(model_.links.size()); ++link) {
@@ -76,7 +79,7 @@ hal::Result<> SimPeople::check_start(const Physics& physics, const std::vector<S
   return {};
 }
 
-void SimPeople::place(Person& person, double t_s, const PersonView& view) {
+void SimPeople::move(Person& person, double t_s, const PersonView& view) const {
   const SoftBody& body = person.body;
   const auto off = [&](BodyPart part, bool left) {
     Shape s;
@@ -87,14 +90,20 @@ void SimPeople::place(Person& person, double t_s, const PersonView& view) {
   bool walk_blocked = off(BodyPart::Trunk, false) > kWalkBlocked_m;
   for (const BodyPart part : {BodyPart::Thigh, BodyPart::LowerLeg, BodyPart::Foot})
     for (const bool left : {false, true}) walk_blocked |= off(part, left) > kWalkBlocked_m;
-  person.script.tick(t_s, view, walk_blocked, off(person.script.reaching_part(), false) > kReachBlocked_m);
+  person.script->tick(t_s, view, walk_blocked, off(person.script->reaching_part(), false) > kReachBlocked_m);
+}
+
+void SimPeople::look(Person& person, Figure figure, int index, Physics& physics) {
   std::swap(person.before, person.shapes);
-  World world;
-  world.shapes = std::move(person.shapes);
-  world.shapes.clear();
-  person.script.add_to(world);
-  person.shapes = std::move(world.shapes);
-  for (Shape& part : person.shapes) part.X_WS.translation() += body.offset(group_of(part));
+  person.shapes = std::move(figure.parts);
+  person.facing_W = figure.facing_W;
+  for (Shape& part : person.shapes) part.X_WS.translation() += person.body.offset(group_of(part));
+  touch(index, person, physics);
+  const double free_m = person.nearest_m - kNear_m;
+  person.next_look = 0;
+  if (free_m > 0.0 && person.body.at_rest())
+    person.next_look = static_cast<int>(std::min(free_m / (kFastest_m_s * kTick_s), double{kMaxRest_ms}));
+  person.rested = person.next_look;
 }
 
 // contacts of one group that lie side by side are one: a hand is not stiffer for its fingers
@@ -109,6 +118,7 @@ void SimPeople::add_touch(std::vector<Touch>& touches, Touch touch) const {
 }
 
 void SimPeople::touch(int index, Person& person, Physics& physics) {
+  person.robot_m = person.nearest_m = std::numeric_limits<double>::infinity();
   std::array<std::vector<Touch>, kBodyGroups> touches;
   for (std::size_t i = 0; i < person.shapes.size(); ++i) {
     const Shape part = as_capsule(person.shapes[i]);
@@ -117,12 +127,15 @@ void SimPeople::touch(int index, Person& person, Physics& physics) {
     const bool displaced = person.body.offset(group).norm() > kDisplaced_m;
     for (const Solid& solid : solids_) {
       const bool robot = solid.by == BodyContact::By::Robot;
-      if (solid.by == BodyContact::By::Static && !displaced) continue;
+      const bool still = solid.by == BodyContact::By::Static;
+      if (still && !displaced) continue;
+      if (solid.by == BodyContact::By::Object && index == kPartner) continue;
       const double apart =
           (part.X_WS.translation() - solid.shape.X_WS.translation()).norm() - radius - solid.radius_m;
-      if (apart > (robot ? std::max(distance_m_, 0.0) : 0.0)) continue;
+      if (apart > std::max(robot ? person.robot_m : still ? 0.0 : person.nearest_m, 0.0)) continue;
       Touch t{nearest(part, solid.shape), i, &solid};
-      if (robot) distance_m_ = std::min(distance_m_, t.nearest.distance_m);
+      if (robot) person.robot_m = std::min(person.robot_m, t.nearest.distance_m);
+      if (!still) person.nearest_m = std::min(person.nearest_m, t.nearest.distance_m);
       if (t.nearest.distance_m >= 0.0) continue;
       t.out_W = outward(solid.shape, t.nearest.on_axis_W);
       add_touch(touches[group], t);
@@ -130,14 +143,14 @@ void SimPeople::touch(int index, Person& person, Physics& physics) {
   }
   std::array<Vec3, kBodyGroups> force_W;
   force_W.fill(Vec3::Zero());
-  const bool moved_on = person.before.size() == person.shapes.size();
+  const bool moved_on = person.rested == 0 && person.before.size() == person.shapes.size();
   for (std::size_t group = 0; group < kBodyGroups; ++group)
     for (const Touch& t : touches[group]) {
       const Shape& part = person.shapes[t.part];
       BodyContact c;
       c.by = t.solid->by;
       c.person = index;
-      c.region = region_of(part.part, t.nearest.along, t.out_W, person.script.facing());
+      c.region = region_of(part.part, t.nearest.along, t.out_W, person.facing_W);
       c.at_W = t.nearest.on_axis_W - (t.nearest.distance_m + part.size[0]) * t.out_W;
       Vec3 v_W = Vec3::Zero(), other_W = Vec3::Zero();
       if (moved_on) v_W = velocity_at(as_capsule(part), as_capsule(person.before[t.part]), t.nearest.along);
@@ -159,26 +172,58 @@ void SimPeople::touch(int index, Person& person, Physics& physics) {
   person.body.step(force_W);
 }
 
-void SimPeople::tick(double t_s, Physics& physics, const std::vector<Shape>& object,
-                     const std::vector<Shape>& clutter) {
-  if (people_.empty()) return;
+void SimPeople::tick(double t_s, Physics& physics, const std::function<std::vector<Shape>()>& object,
+                     const std::vector<Shape>& clutter, const Partner& partner) {
   contacts_.clear();
-  distance_m_ = std::numeric_limits<double>::infinity();
-  PersonView view;
-  const Pose X_WH = physics.link_pose(model_.palm);
-  view.palm_W = X_WH.translation();
-  view.between_fingers_W = X_WH * Vec3(0, 0, kBetweenFingers_m);
-  view.object = &object;
-  read_solids(physics, object, clutter);
-  for (std::size_t i = 0; i < people_.size(); ++i) {
-    place(people_[i], t_s, view);
-    touch(static_cast<int>(i), people_[i], physics);
+  std::vector<Shape> parts;
+  bool known = false;
+  const auto read_world = [&] {
+    if (std::exchange(known, true)) return;
+    parts = object();
+    read_solids(physics, parts, clutter);
+  };
+  if (!people_.empty()) {
+    read_world();
+    PersonView view;
+    const Pose X_WH = physics.link_pose(model_.palm);
+    view.palm_W = X_WH.translation();
+    view.between_fingers_W = X_WH * Vec3(0, 0, kBetweenFingers_m);
+    view.object = &parts;
+    for (std::size_t i = 0; i < people_.size(); ++i) {
+      Person& person = people_[i];
+      move(person, t_s, view);
+      if (--person.next_look >= 0) continue;
+      World world;
+      person.script->add_to(world);
+      look(person, {std::move(world.shapes), person.script->facing()}, static_cast<int>(i), physics);
+    }
   }
+  if (--partner_.next_look >= 0) return;
+  read_world();
+  look(partner_, partner(), kPartner, physics);
+}
+
+void SimPeople::task_state(const std::string& name, double t_s) {
+  for (Person& person : people_) person.script->task_state(name, t_s);
 }
 
 void SimPeople::add_to(World& world) const {
-  for (const Person& person : people_)
-    world.shapes.insert(world.shapes.end(), person.shapes.begin(), person.shapes.end());
+  for (const Person& person : people_) {
+    const std::size_t first = world.shapes.size();
+    person.script->add_to(world);
+    for (std::size_t i = first; i < world.shapes.size(); ++i)
+      world.shapes[i].X_WS.translation() += person.body.offset(group_of(world.shapes[i]));
+  }
+}
+
+const Vec3& SimPeople::partner_offset(const Shape& part) const {
+  return partner_.body.offset(group_of(part));
+}
+
+double SimPeople::distance_m() const {
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const Person& person : people_) nearest_m = std::min(nearest_m, person.robot_m);
+  return nearest_m;
 }
 
 }  // namespace colift::sim_hal

@@ -99,14 +99,22 @@ void add_partner(World& world, const PartnerFigure& figure) {
   grip.at = ramp * reached + (1.0 - ramp) * carried;
   posture.right_wrist = grip.wrist();
   add_hand(world, grip);
+  if (figure.second_W) {
+    const std::size_t first = world.shapes.size();
+    const Grip second = find_grip(world, *figure.second_W, posture.left_shoulder);
+    posture.left_wrist = second.wrist();
+    add_hand(world, second);
+    for (std::size_t i = first; i < world.shapes.size(); ++i) world.shapes[i].left = true;
+  }
   add_person(world, posture);
 }
 
-double presence_at(double since_arrival_s, std::optional<double> since_let_go_s) {
+double presence_at(double since_arrival_s, std::optional<double> since_let_go_s, bool leaves) {
   const double arrived = std::clamp(1.0 + since_arrival_s / kWalkUp_s, 0.0, 1.0);
   if (!since_let_go_s || *since_let_go_s < 0.0) return arrived;
   const double drawn_back = 1.0 - (1.0 - kStoodBack) * std::min(*since_let_go_s / kLetGo_s, 1.0);
-  return std::min(arrived, drawn_back);
+  const double gone = leaves ? kStoodBack * std::max(*since_let_go_s - kLetGo_s, 0.0) / kWalkUp_s : 0.0;
+  return std::min(arrived, drawn_back) - gone;
 }
 
 }  // namespace colift::sim_hal

@@ -18,6 +18,7 @@ struct PartnerFigure {
   /// 1: the hand is on the contact. Down to 0.5: the hand draws back by 25 cm and he steps back. Down to 0:
   /// he walks away; at 0 and below nothing of him is seen.
   double presence = 1.0;
+  std::optional<Vec3> second_W;  ///< Where his left hand holds too.
   /// Shoulder of the hand that holds, from the contact, in W. Unset: place_partner() is asked every time.
   std::optional<Vec3> shoulder_W;
 };
@@ -33,6 +34,8 @@ void add_partner(World& world, const PartnerFigure& figure);
 /// Presence over time. He comes into view one second before the hand is on the contact, and draws back
 /// within 0.4 s after letting go. Seconds since the hand was on the contact (negative before), and since he
 /// let go (negative or unset: he has not).
-[[nodiscard]] double presence_at(double since_arrival_s, std::optional<double> since_let_go_s = {});
+/// `leaves`: after that he walks away within a second.
+[[nodiscard]] double presence_at(double since_arrival_s, std::optional<double> since_let_go_s = {},
+                                 bool leaves = false);
 
 }  // namespace colift::sim_hal

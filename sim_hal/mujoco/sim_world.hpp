@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "hal/arm.hpp"
@@ -48,6 +50,18 @@ struct SimTruth {
       0;  ///< Times that the physics diverged or had no room for contacts; anything but 0 is a bug.
 };
 
+/// One millisecond of the world, for who judges it. Valid during the call.
+struct TickReport {
+  double t_s = 0.0;  ///< Of the scenario.
+  const SimTruth& truth;
+  const std::vector<BodyContact>& contacts;
+  double people_distance_m, partner_distance_m;      ///< To the robot; infinite when nobody is there.
+  const hal::JointVector& command_rad;               ///< The client's last one ...
+  bool commanded = false;                            ///< ... which came since the last report.
+  const hal::JointVector &set_point_rad, &dq_rad_s;  ///< Inside the controller; measured.
+  const hal::HandState& hand;
+};
+
 /// One scenario under physics: floor, clutter, object, LWR 4+, BarrettHand and partner. MuJoCo 2.2 at 1 ms,
 /// implicit in advance(). Deterministic: same scenario, model, seed and calls, same bits. Any thread:
 /// emulated devices share a world in real time; a call waits at most for one millisecond's step of the
@@ -73,8 +87,11 @@ class SimWorld {
   [[nodiscard]] SimTruth truth() const;
   /// Who is touched in the last millisecond, by what and how hard.
   [[nodiscard]] std::vector<BodyContact> body_contacts() const;
-  /// Between the robot and anybody of Scenario::people (m); infinite when nobody is there.
+  /// Between the robot and anybody of Scenario::people, and the partner (m); infinite when nobody is there.
   [[nodiscard]] double people_distance_m() const;
+  [[nodiscard]] double partner_distance_m() const;
+  /// Called after every millisecond, in whoever's thread moves the world. Before the first advance().
+  void observe(std::function<void(const TickReport&)> observer);
 
   // What the devices stand on. The controller inside the KRC runs at 1 ms between two commands of the client.
   [[nodiscard]] hal::ArmState arm_state() const;
@@ -91,6 +108,10 @@ class SimWorld {
   /// The partner is asked to take hold of the object there (W). Whether he goes: not where there is nothing
   /// to hold, and only if he is obliging (ScenarioPartner).
   bool ask_partner(const Vec3& place_W);
+
+  /// The client's task has entered a state: events of the scenario may count from its first entry
+  /// (relative_time()). The only thing that the world is told of its client.
+  void task_state(const std::string& name);
 
   /// Everything that a camera can see, where it is now: object, floor, clutter, robot, partner.
   [[nodiscard]] World shapes() const;

@@ -6,11 +6,13 @@
 
 namespace colift::sim_hal {
 
+inline constexpr int kPartner = -1;
+
 /// Somebody is touched at this moment.
 struct BodyContact {
   enum class By : std::uint8_t { Robot, Object, Static };
   By by = By::Robot;
-  int person = 0;  ///< Place in the scenario's people.
+  int person = 0;  ///< Place in the scenario's people; kPartner: who carries the other side.
   BodyRegion region = BodyRegion::Hand;
   Vec3 at_W = Vec3::Zero();
   Vec3 force_W = Vec3::Zero();  ///< On the person (N).

@@ -96,6 +96,12 @@ Vec3 ScriptedPerson::on_path(double walked_m, Vec3* direction) const {
   return {at.x(), at.y(), 0.0};
 }
 
+void ScriptedPerson::task_state(const std::string& name, double t_s) {
+  if (script_.in_state.empty() || script_.in_state != name) return;
+  script_.in_state.clear();
+  script_.enters_s += t_s;
+}
+
 void ScriptedPerson::turn_to(const Vec3& direction) {
   if (direction.norm() < 1e-6) return;
   const double now = std::atan2(facing_.y(), facing_.x());
@@ -168,7 +174,7 @@ void ScriptedPerson::reach(const PersonView& view, bool blocked) {
 }
 
 void ScriptedPerson::tick(double t_s, const PersonView& view, bool walk_blocked, bool reach_blocked) {
-  if (gone_ || t_s < script_.enters_s) return;
+  if (gone_ || !script_.in_state.empty() || t_s < script_.enters_s) return;
   present_ = true;
   const bool leaves = script_.leaves_s && t_s >= *script_.leaves_s;
   const bool at_end = walked_m_ >= length_m_;

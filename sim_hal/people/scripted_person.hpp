@@ -27,9 +27,13 @@ class ScriptedPerson {
   /// reaches is. He then stays where he is.
   void tick(double t_s, const PersonView& view, bool walk_blocked, bool reach_blocked);
 
+  /// The task has entered a state for the first time: his time may count from it.
+  void task_state(const std::string& name, double t_s);
+
+  /// Whatever his time is.
+  void enter_now() { script_.in_state.clear(), script_.enters_s = 0.0, script_.leaves_s.reset(); }
+
   [[nodiscard]] bool present() const { return present_; }
-  /// He is not let in at this moment: the place is taken.
-  void keep_out() { present_ = false; }
   [[nodiscard]] const Vec3& facing() const { return facing_; }
   /// Adds his parts, Label::Partner, in the same order at any time.
   void add_to(World& world) const;

@@ -74,6 +74,12 @@ void SoftBody::step(const std::array<Vec3, kBodyGroups>& force_W) {
   }
 }
 
+bool SoftBody::at_rest() const {
+  for (std::size_t g = 0; g < kBodyGroups; ++g)
+    if (!offset_[g].isZero(0.0) || !velocity_[g].isZero(0.0)) return false;
+  return true;
+}
+
 double contact_force_n(const RegionProperties& region, double depth_m, double closing_m_s) {
   if (depth_m <= 0.0) return 0.0;
   const double loss = std::clamp(kLoss_s_m * closing_m_s, -kMaxLoss, kMaxLoss);

@@ -21,6 +21,8 @@ class SoftBody {
   /// 1 ms: forces of all contacts on each group (N, W).
   void step(const std::array<Vec3, kBodyGroups>& force_W);
 
+  /// Whether every group is where the script has it.
+  [[nodiscard]] bool at_rest() const;
   /// How far a group is from where the script has it, and how fast it moves beside it.
   [[nodiscard]] const Vec3& offset(std::size_t group) const { return offset_[group]; }
   [[nodiscard]] const Vec3& velocity(std::size_t group) const { return velocity_[group]; }

@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
+#include <string_view>
+#include <system_error>
+#include <tuple>
 #include <utility>
 
 #include "hal/config/config_file.hpp"
@@ -52,6 +56,20 @@ YamlPlace place_of(const YamlTree& tree, std::string_view path) {
     if (path.starts_with('.')) path.remove_prefix(1);
   }
   return place;
+}
+
+/// "lift+0.7" as state and seconds; nothing when it is no such text.
+std::optional<std::pair<std::string, double>> parse_relative(std::string_view text) {
+  const std::size_t plus = text.find('+');
+  const std::string state(text.substr(0, plus));
+  if (std::ranges::find(task_state_names(), state) == task_state_names().end()) return std::nullopt;
+  if (plus == std::string_view::npos) return std::pair{state, 0.0};
+  double seconds = 0.0;
+  const std::string_view digits = text.substr(plus + 1);
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), seconds);
+  const bool whole = error == std::errc() && end == digits.data() + digits.size() && !digits.empty();
+  if (!whole || !(seconds >= kTime_s.low && seconds <= kTime_s.high)) return std::nullopt;
+  return std::pair{state, seconds};
 }
 
 /// What the blocks have to be together.
@@ -214,11 +232,23 @@ class Checker {
         return refuse(path, fmt::format("{0}.reach_to: point and {0}.point belong together, but only one of "
                                         "them is given",
                                         path));
-      if (each.leaves_s && *each.leaves_s < each.enters_s)
+      if (each.enters_s && !each.enters.empty())
+        return refuse(path + ".enters", path + " has enters_s and enters, expected one of them");
+      if (auto done = check_relative(path + ".enters", each.enters); !done) return done;
+      const double enters_s = each.enters_s.value_or(0.0);
+      if (each.leaves_s && each.enters.empty() && *each.leaves_s < enters_s)
         return refuse(path + ".leaves_s", fmt::format("{}.leaves_s is {}, expected at least enters_s, {}",
-                                                      path, *each.leaves_s, each.enters_s));
+                                                      path, *each.leaves_s, enters_s));
     }
     return {};
+  }
+
+  /// A time since a state of the task.
+  Result<> check_relative(const std::string& path, const std::string& text) const {
+    if (text.empty() || parse_relative(text)) return {};
+    return refuse(path, fmt::format("{} is \"{}\", expected a state of the task and seconds, as in lift+0.7; "
+                                    "states are {}",
+                                    path, hal::quotable(text, 40), fmt::join(task_state_names(), ", ")));
   }
 
   Result<> check_partner() const {
@@ -226,10 +256,23 @@ class Checker {
     if (events.size() > kMaxEvents) return too_many("partner.events", events.size(), kMaxEvents);
     for (std::size_t i = 0; i < events.size(); ++i) {
       const std::string path = fmt::format("partner.events[{}]", i);
-      if (events[i].action == "move" && !events[i].to)
-        return refuse(path, path + ".to is missing, expected a list of 3 numbers: where he moves");
-      if (events[i].action != "move" && events[i].to)
-        return refuse(path + ".to", path + ".to belongs to do: move, but found do: " + events[i].action);
+      const EventBlock& e = events[i];
+      if (!e.at_s && e.at.empty())
+        return refuse(path, path + ".at_s is missing, expected a number from 0 to 36000, or at: lift+0.7");
+      if (e.at_s && !e.at.empty())
+        return refuse(path + ".at", path + " has at_s and at, expected one of them");
+      if (auto done = check_relative(path + ".at", e.at); !done) return done;
+      const bool places = e.action == "move" || e.action == "second-hand";
+      if (places && !e.to)
+        return refuse(path, path + ".to is missing, expected a list of 3 numbers: where he grasps");
+      if (!places && e.to)
+        return refuse(path + ".to", path + ".to belongs to do: move, but found do: " + e.action);
+      for (const auto& [given, key] :
+           {std::pair{e.force.has_value(), ".force"}, std::pair{e.for_s.has_value(), ".for_s"},
+            std::pair{e.direction.has_value(), ".direction"}})
+        if (given && e.action != "stumble")
+          return refuse(path + key,
+                        fmt::format("{}{} belongs to do: stumble, but found do: {}", path, key, e.action));
       if (file_.partner.kind == "none")
         return refuse(path, path + " is given, but partner.kind is none: nobody is there to do it");
     }
@@ -281,7 +324,8 @@ ScenarioObject object_of(const ObjectBlock& block) {
 
 ScenarioPerson person_of(const PersonBlock& block) {
   ScenarioPerson p;
-  p.enters_s = block.enters_s;
+  p.enters_s = block.enters_s.value_or(p.enters_s);
+  if (const auto relative = parse_relative(block.enters)) std::tie(p.in_state, p.enters_s) = *relative;
   for (std::size_t k = 0; k + 1 < block.path.size(); k += 2)
     p.path.emplace_back(block.path[k], block.path[k + 1]);
   p.speed = block.speed;
@@ -307,7 +351,14 @@ Scenario scenario_of(const ScenarioBlock& file) {
   s.partner.grasp = file.partner.grasp;
   s.partner.arrives_s = file.partner.arrives_s;
   s.partner.obliging = file.partner.obliging;
-  for (const EventBlock& e : file.partner.events) s.partner.events.push_back({e.at_s, e.action, e.to});
+  for (const EventBlock& e : file.partner.events) {
+    PartnerScriptEvent event{e.at_s.value_or(0.0), e.action, e.to};
+    if (const auto relative = parse_relative(e.at)) std::tie(event.in_state, event.at_s) = *relative;
+    event.force_n = e.force.value_or(event.force_n);
+    event.for_s = e.for_s.value_or(event.for_s);
+    event.direction = e.direction;
+    s.partner.events.push_back(std::move(event));
+  }
   s.task = {file.task.kind, file.task.height, file.task.hold_s};
   for (const PersonBlock& p : file.people) s.people.push_back(person_of(p));
   for (const FaultBlock& f : file.faults) {
@@ -354,6 +405,22 @@ Scenario built_in_scenario() {
 #include "built_in_scenario.inc"
       ;
   return parse_scenario(yaml, "table.yaml").value();
+}
+
+const std::vector<std::string>& task_state_names() {
+  static const std::vector<std::string> names{
+      "observe",   "await-partner", "decide", "plan",    "approach", "close",  "verify",  "await-ready",
+      "test-lift", "lift",          "hold",   "pause",   "yield",    "lower",  "release", "retreat",
+      "back-off",  "halt",          "done",   "refused", "aborted",  "stopped"};
+  return names;
+}
+
+std::string relative_time(const Scenario& scenario) {
+  for (std::size_t i = 0; i < scenario.partner.events.size(); ++i)
+    if (!scenario.partner.events[i].in_state.empty()) return fmt::format("partner.events[{}].at", i);
+  for (std::size_t i = 0; i < scenario.people.size(); ++i)
+    if (!scenario.people[i].in_state.empty()) return fmt::format("people[{}].enters", i);
+  return {};
 }
 
 Pose object_pose(const ScenarioObject& object) {

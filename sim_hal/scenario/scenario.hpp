@@ -62,11 +62,18 @@ struct ScenarioCamera {
   std::string noise = "kinect";  ///< kinect | none
 };
 
-/// What the partner does at a time (s since the start of the scenario).
+/// The states of the task that a time of a scenario may count from.
+[[nodiscard]] const std::vector<std::string>& task_state_names();
+
+/// What the partner does at a time (s since the start of the scenario, or since a state was first entered).
 struct PartnerScriptEvent {
   double at_s = 0.0;
-  std::string action;      ///< let-go | move
-  std::optional<Vec3> to;  ///< New grasp in T, for move.
+  std::string action;               ///< let-go | move | stumble | steps-aside | second-hand
+  std::optional<Vec3> to;           ///< New grasp in T, for move; place of the second hand.
+  std::string in_state{};           ///< Of the task; empty: since the start.
+  double force_n = 80.0;            ///< Of a stumble ...
+  double for_s = 0.4;               ///< ... for so long ...
+  std::optional<Vec3> direction{};  ///< ... this way in W; unset: away from the object's middle.
 };
 
 /// Who carries the other side, where and from when (T, m, s).
@@ -80,7 +87,8 @@ struct ScenarioPartner {
 
 /// A person beside the partner: comes along a path on the floor and does something at its end (W, m, m/s).
 struct ScenarioPerson {
-  double enters_s = 0.0;  ///< He appears at the start of the path.
+  double enters_s = 0.0;   ///< He appears at the start of the path ...
+  std::string in_state{};  ///< ... so long after this state of the task was first entered; empty: the start.
   std::vector<Eigen::Vector2d> path;
   double speed = 1.2;
   std::string action = "stand";      ///< walk | stand | crouch | reach | sit, at the end of the path.
@@ -129,6 +137,10 @@ struct Scenario {
 
 /// config/scenario/table.yaml, compiled in.
 [[nodiscard]] Scenario built_in_scenario();
+
+/// Entry whose time counts from a state of the task, "partner.events[0].at"; empty: there is none. Such a
+/// scenario needs a world that is told the task's state.
+[[nodiscard]] std::string relative_time(const Scenario& scenario);
 
 /// Pose of the object frame T in W as the scenario starts.
 [[nodiscard]] Pose object_pose(const ScenarioObject& object);

@@ -21,6 +21,7 @@ inline constexpr hal::Range kMass_kg{0.001, 100.0};
 inline constexpr hal::Range kFriction{std::numeric_limits<double>::min(), 3.0};
 inline constexpr hal::Range kHeight_m{std::numeric_limits<double>::min(), 0.5};
 inline constexpr hal::Range kTime_s{0.0, 36000.0};
+inline constexpr hal::Range kForce_n{1.0, 500.0};
 inline constexpr hal::Range kSpeed_m_s{0.01, 3.0};
 
 struct PoseBlock {
@@ -116,16 +117,21 @@ struct CameraBlock {
 };
 
 struct EventBlock {
-  double at_s = 0.0;
-  std::string action;
-  std::optional<Vec3> to;
+  std::optional<double> at_s;
+  std::string at, action;
+  std::optional<Vec3> to, direction;
+  std::optional<double> force, for_s;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    constexpr auto kRequired = hal::Presence::Required;
-    v("at_s", at_s, kTime_s, "When (s).", kRequired);
-    v("do", action, hal::Choices{"let-go", "move"}, "What the partner does.", kRequired);
-    v("to", to, kPlace_m, "Where he grasps again, in the object frame (m).");
+    v("at_s", at_s, kTime_s, "When (s).");
+    v("at", at, "When: state of the task and seconds since it was first entered, lift+0.7.");
+    v("do", action, hal::Choices{"let-go", "move", "stumble", "steps-aside", "second-hand"},
+      "What the partner does.", hal::Presence::Required);
+    v("to", to, kPlace_m, "Where he grasps, in the object frame (m).");
+    v("force", force, kForce_n, "Pull of a stumble (N).");
+    v("for_s", for_s, kTime_s, "How long it lasts (s).");
+    v("direction", direction, kPlace_m, "Where it pulls, in the robot base frame.");
   }
 };
 
@@ -148,16 +154,17 @@ struct PartnerBlock {
 
 /// The path is a list of [x, y], and reach_to may be a point: scenario_lists.hpp.
 struct PersonBlock {
-  double enters_s = ScenarioPerson{}.enters_s;
+  std::optional<double> enters_s;
   std::vector<double> path;
   double speed = ScenarioPerson{}.speed, hand_speed = ScenarioPerson{}.hand_speed;
-  std::string action = ScenarioPerson{}.action, reach_to, with;
+  std::string action = ScenarioPerson{}.action, reach_to, with, enters;
   std::optional<Vec3> point;
   std::optional<double> leaves_s;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v("enters_s", enters_s, kTime_s, "When he appears at the start of his path (s).");
+    v("enters", enters, "The same since a state of the task was first entered, approach+0.5.");
     v("path", path, kPlace_m, "Points on the floor, [x, y] each (m).", hal::Presence::Required);
     v("speed", speed, kSpeed_m_s, "How fast he walks (m/s).");
     v("do", action, hal::Choices{"walk", "stand", "crouch", "reach", "sit"}, "What he does at its end.");

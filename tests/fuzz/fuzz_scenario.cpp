@@ -34,8 +34,9 @@ void demand_sound(const sim_hal::Scenario& s) {
   demand(sim_hal::object_pose(s.object).matrix().allFinite(), "no pose", s.name);
   demand(s.task.height > 0.0 && s.task.height <= 0.5 && s.task.hold_s >= 0.0, "a task out of range", s.name);
   for (const auto& event : s.partner.events)
-    demand(event.at_s >= 0.0 && event.to.has_value() == (event.action == "move"), "an event that is none",
-           s.name);
+    demand(event.at_s >= 0.0 &&
+               event.to.has_value() == (event.action == "move" || event.action == "second-hand"),
+           "an event that is none", s.name);
   for (const auto& person : s.people) {
     demand(!person.path.empty() && person.speed > 0.0 && person.hand_speed > 0.0, "a person who is none",
            s.name);

@@ -152,7 +152,7 @@ hal::Result<int> serve(const CommonOptions& common, const EmulateCameraOptions& 
 
 hal::Result<int> run(const CommonOptions& common, const EmulateCameraOptions& o) {
   if (auto done = check_options(o); !done) return tl::unexpected(done.error());
-  const auto scenario = read_scenario(o.common.scenario);
+  const auto scenario = read_absolute_scenario(o.common.scenario);
   if (!scenario) return tl::unexpected(scenario.error());
   auto world = sim_hal::SimWorld::make(*scenario, hal::built_in_robot(), o.common.seed, {});
   if (!world) return tl::unexpected(world.error());

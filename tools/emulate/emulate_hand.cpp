@@ -59,7 +59,7 @@ std::uint64_t rules_broken(const HandEmulatorReport& r) {
 
 hal::Result<int> run(const CommonOptions& common, const EmulateHandOptions& o) {
   if (auto done = check_options(o); !done) return tl::unexpected(done.error());
-  const auto scenario = read_scenario(o.common.scenario);
+  const auto scenario = read_absolute_scenario(o.common.scenario);
   if (!scenario) return tl::unexpected(scenario.error());
   auto config = emulator_config(o, *scenario);
   if (!config) return tl::unexpected(config.error());

@@ -79,7 +79,7 @@ std::string summary(const KrcReport& r, const KrcServerTiming& timing, const std
 
 hal::Result<int> run(const CommonOptions& common, const EmulateKrcOptions& o) {
   if (auto done = check_options(o); !done) return tl::unexpected(done.error());
-  const auto scenario = read_scenario(o.common.scenario);
+  const auto scenario = read_absolute_scenario(o.common.scenario);
   if (!scenario) return tl::unexpected(scenario.error());
   auto config = server_config(o, *scenario);
   if (!config) return tl::unexpected(config.error());

@@ -104,7 +104,7 @@ hal::Result<int> run(const CommonOptions& common, const EmulateRigOptions& o) {
   if (!file) return tl::unexpected(file.error());
   auto sign = ServedRigSign::put_up(static_cast<std::uint16_t>(file->fri.port));
   if (!sign) return tl::unexpected(sign.error());
-  const auto scenario = read_scenario(o.common.scenario);
+  const auto scenario = read_absolute_scenario(o.common.scenario);
   if (!scenario) return tl::unexpected(scenario.error());
   const auto model = read_model(file->model);
   if (!model) return tl::unexpected(model.error());

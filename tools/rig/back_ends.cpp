@@ -100,7 +100,7 @@ hal::Result<Rig> open_rig(const RigRequest& request, const control::Config& conf
     if (!made) return tl::unexpected(made.error());
     world = std::move(*made);
     rig.world = world;
-    rig.truth = truth_of(world, rig.model);
+    rig.truth = truth_of(world, rig.model, !real_time);
   }
   rig.home_rad = world ? world->arm_state().q_rad : sim_hal::SimConfig::home_rad();
   std::shared_ptr<EmulatedRig> far_ends;

@@ -14,6 +14,7 @@
 #include "hal/robot.hpp"
 #include "hal/robot_model/robot_model.hpp"
 #include "hal/types/result.hpp"
+#include "sim_hal/judge/verdict.hpp"
 #include "tools/rig/arm_link.hpp"
 #include "tools/rig/truth_sample.hpp"
 #include "tools/visualization/scene/solid_scene.hpp"
@@ -23,9 +24,11 @@ namespace colift::tools {
 /// What a simulated rig knows beyond its devices. Empty on a real one.
 struct RigTruth {
   std::function<TruthSample(hal::Timestamp began)> sample;
-  std::function<picture::SolidScene()> scene;         ///< Everything, where it is now.
-  std::function<std::optional<hal::Vec3>()> partner;  ///< Where he holds the object.
-  std::function<void(const hal::Vec3&)> ask_partner;  ///< To take hold there (W).
+  std::function<picture::SolidScene()> scene;          ///< Everything, where it is now.
+  std::function<std::optional<hal::Vec3>()> partner;   ///< Where he holds the object.
+  std::function<void(const hal::Vec3&)> ask_partner;   ///< To take hold there (W).
+  std::function<void(const std::string&)> task_state;  ///< The job has entered a state.
+  std::function<sim_hal::Verdict(bool lifted)> judge;  ///< At the end of the job, which says so or not.
   double mass_kg = 0.0;
   hal::Vec3 cog = hal::Vec3::Zero();  ///< In W, at the start.
 };

@@ -1,10 +1,19 @@
 #include "tools/rig/rig_truth.hpp"
 
+#include "sim_hal/judge/judge.hpp"
+
 namespace colift::tools {
 
 RigTruth truth_of(const std::shared_ptr<sim_hal::SimWorld>& world,
-                  const std::shared_ptr<const hal::RobotModel>& model) {
+                  const std::shared_ptr<const hal::RobotModel>& model, bool in_step) {
   RigTruth truth;
+  const auto judge = std::make_shared<sim_hal::Judge>(*model, in_step);
+  world->observe([judge](const sim_hal::TickReport& report) { judge->tick(report); });
+  truth.task_state = [world, judge](const std::string& name) {
+    world->task_state(name);
+    judge->task_state(name);
+  };
+  truth.judge = [judge](bool lifted) { return judge->verdict(lifted); };
   const sim_hal::SimTruth at_start = world->truth();
   truth.mass_kg = at_start.mass_kg;
   truth.cog = at_start.cog_W;

@@ -7,8 +7,9 @@
 
 namespace colift::tools {
 
-/// What a simulated world knows beyond its devices. Keeps the world.
+/// What a simulated world knows beyond its devices, and its judge. Keeps the world. `in_step`: whoever waits
+/// for a device moves the world; else it lives in real time. Before the world moves.
 [[nodiscard]] RigTruth truth_of(const std::shared_ptr<sim_hal::SimWorld>& world,
-                                const std::shared_ptr<const hal::RobotModel>& model);
+                                const std::shared_ptr<const hal::RobotModel>& model, bool in_step);
 
 }  // namespace colift::tools

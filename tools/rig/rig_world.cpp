@@ -19,6 +19,17 @@ hal::Result<sim_hal::Scenario> read_scenario(const std::optional<std::filesystem
   return sim_hal::built_in_scenario();
 }
 
+hal::Result<sim_hal::Scenario> read_absolute_scenario(const std::optional<std::filesystem::path>& file) {
+  auto scenario = read_scenario(file);
+  if (!scenario) return scenario;
+  const std::string entry = sim_hal::relative_time(*scenario);
+  if (entry.empty()) return scenario;
+  return hal::failure(hal::ErrorCode::BadConfig, file ? file->string() : "scenario",
+                      entry +
+                          " counts from a state of the task, which an emulated device does not know; "
+                          "expected a time since the start (at_s, enters_s)");
+}
+
 hal::Result<std::shared_ptr<const hal::RobotModel>> read_model(const std::string& file) {
   if (file.empty()) return std::make_shared<hal::RobotModel>(hal::built_in_robot());
   auto model = hal::load_robot(file);

@@ -17,6 +17,11 @@ namespace colift::tools {
 /// Unset: the built-in table; kClearedFloor: nothing near the arm. Errors: BadConfig with file:line:column.
 [[nodiscard]] hal::Result<sim_hal::Scenario> read_scenario(const std::optional<std::filesystem::path>& file);
 
+/// A scenario for a far end that no task tells its state: one with times relative to it is refused. Errors:
+/// BadConfig with the entry.
+[[nodiscard]] hal::Result<sim_hal::Scenario> read_absolute_scenario(
+    const std::optional<std::filesystem::path>& file);
+
 /// Empty: the built-in LWR 4+ with BarrettHand. Errors: BadConfig with the place.
 [[nodiscard]] hal::Result<std::shared_ptr<const hal::RobotModel>> read_model(const std::string& file);
 

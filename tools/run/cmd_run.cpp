@@ -145,6 +145,7 @@ int cmd_run(const CommonOptions& common, const RunOptions& options, const RunPar
   hooks.started = [&] {
     began = rig->robot.clock->now();  // some devices take seconds to start
     if (rig->begin) rig->begin();
+    if (rig->truth) rig->truth->task_state(std::string(control::word(control::Task::Observe)));
   };
   hooks.interrupted = [&] { return InterruptGuard::asked() || (*live && (*live)->stopped()); };
   Pace pace(*speed);
@@ -162,7 +163,9 @@ int cmd_run(const CommonOptions& common, const RunOptions& options, const RunPar
     if (rig->truth) rig->truth->ask_partner(place);
   };
   hooks.changed = [&](control::Task from, control::Task to) {
-    if (rig->truth) truth_log.on_change(from, to, *rig->truth);
+    if (!rig->truth) return;
+    truth_log.on_change(from, to, *rig->truth);
+    rig->truth->task_state(std::string(control::word(to)));
   };
   if (InterruptGuard::asked()) return kInterrupted;  // before any device was started
   const auto record = runner.run(*recording ? (*recording)->hooks(hooks) : hooks);
@@ -172,6 +175,9 @@ int cmd_run(const CommonOptions& common, const RunOptions& options, const RunPar
     report_error("run", record.error());
     return kDeviceFailed;
   }
+
+  if (rig->truth)
+    truth_log.truth.verdict = rig->truth->judge(record->outcome == control::RunRecord::Result::Lifted);
 
   std::string recovery;
   if (options.recover && !record->states.empty() && record->states.back().state == control::Task::Stopped)

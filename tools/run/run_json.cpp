@@ -5,6 +5,7 @@
 
 #include "hal/types/units.hpp"
 #include "tools/analyse/grasp_json.hpp"
+#include "tools/run/judge_json.hpp"
 
 namespace colift::tools {
 namespace {
@@ -190,6 +191,7 @@ std::string run_document(const RunView& view) {
             {"lift", lift(record)},
             {"timing", timing(record)}};
   if (view.truth) j["truth"] = truth(view);
+  j["judge"] = view.truth ? judge_json(view.truth->verdict) : Json(nullptr);
   if (view.arm_link != nullptr) j["arm_link"] = arm_link(*view.arm_link);
   if (!view.recovery.empty()) j["recovery"] = Json::parse(view.recovery);
   j["monitor"] = monitor(record);

@@ -110,6 +110,32 @@ std::vector<picture::ReportStep> time_line(const control::RunRecord& record) {
   return steps;
 }
 
+picture::ReportTable judge_table(const RunView& view) {
+  picture::ReportTable table{"Judge of the simulation", {"question", "verdict"}, {}};
+  if (!view.truth || !view.truth->verdict) return table;
+  const sim_hal::Verdict& v = *view.truth->verdict;
+  const auto distance = [](const std::optional<double>& m) { return m ? metres_text(*m) : "nobody"; };
+  table.rows.push_back({"nearest to the robot", distance(v.min_distance_m)});
+  table.rows.push_back({"partner's nearest to the robot", distance(v.partner_distance_m)});
+  for (const std::string& breach : v.breaches) table.rows.push_back({"breach", breach});
+  if (v.breaches.empty())
+    table.rows.push_back({"breaches", fmt::format("none; judged: {}", fmt::join(v.judged, ", "))});
+  for (const auto& [name, why] : v.not_judged) table.rows.push_back({name + " not judged", why});
+  return table;
+}
+
+picture::ReportTable contact_table(const RunView& view) {
+  picture::ReportTable table{
+      "Contacts with people", {"time", "who", "region", "by", "force", "limit", "clamped"}, {}};
+  if (!view.truth || !view.truth->verdict) return table;
+  for (const sim_hal::JudgedContact& c : view.truth->verdict->contacts)
+    table.rows.push_back({fmt::format("{:.3f} s", c.t_s),
+                          c.person < 0 ? "partner" : fmt::format("person {}", c.person), c.region,
+                          c.his_own ? c.by + " at rest" : c.by, fmt::format("{:.0f} N", c.force_n),
+                          fmt::format("{:.0f} N", c.limit_n), fmt::format("{:.2f} s", c.clamped_s)});
+  return table;
+}
+
 picture::ReportTable truth_table(const RunView& view) {
   picture::ReportTable table{"Truth against estimate", {"quantity", "estimate", "truth", "difference"}, {}};
   if (!view.truth) return table;
@@ -285,6 +311,8 @@ std::string run_report_html(const RunView& view) {
             picture::report_figure({picture::draw_line_plot(*plot).png(),
                                     "Solid: measured by the robot. Dashed: truth, where it is known."});
   body += picture::report_table(truth_table(view));
+  body += picture::report_table(judge_table(view));
+  body += picture::report_table(contact_table(view));
   const auto faults = fault_lines(r);
   body += picture::report_list("Faults", faults.empty() ? std::vector<std::string>{"None."} : faults);
   body += picture::report_times(times(r));

@@ -118,6 +118,8 @@ std::string run_summary(const RunView& view, int columns) {
     out += line(first ? "faults" : "", fmt::format("{:.2f} s {}: {}", hal::seconds(f.at), f.device, f.what));
     first = false;
   }
+  if (view.truth && view.truth->verdict)
+    for (const std::string& breach : view.truth->verdict->breaches) out += line("judge", breach);
   if (record.hand_keeps_grip)
     out += line("attention", "the hand still holds the object: take its weight before the hand is opened");
   return out;

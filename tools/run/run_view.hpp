@@ -9,6 +9,7 @@
 #include "control/task/run_record.hpp"
 #include "hal/robot_model/robot_model.hpp"
 #include "hal/types/geometry.hpp"
+#include "sim_hal/judge/verdict.hpp"
 #include "tools/rig/arm_link.hpp"
 #include "tools/rig/truth_sample.hpp"
 #include "tools/visualization/scene/solid_scene.hpp"
@@ -21,6 +22,7 @@ struct RunTruth {
   hal::Vec3 cog = hal::Vec3::Zero();  ///< In W, before the lift.
   std::optional<hal::Vec3> partner;   ///< Where he held the object when it was decided (W).
   std::vector<TruthSample> curve;
+  std::optional<sim_hal::Verdict> verdict;  ///< Of the world's own judge, when the job is over.
 };
 
 /// Where everything stood, for pictures. In simulation the world's shapes; without them the report draws

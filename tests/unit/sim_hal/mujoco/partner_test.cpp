@@ -45,6 +45,42 @@ TEST_CASE("a partner who moves holds the new place one second later") {
   CHECK(partner.hold_to_show(2.6)->grasp_T.y() == 0.2);
 }
 
+TEST_CASE("an event that counts from a state waits for it") {
+  ScenarioPartner script = at_origin("compliant");
+  script.events = {{0.5, "let-go", std::nullopt, "lift"}};
+  SimPartner partner(script, {}, 1);
+  CHECK(partner.tick(view_at(5.0)));
+  partner.task_state("close", 5.0);
+  partner.task_state("lift", 6.0);
+  CHECK(partner.tick(view_at(6.49)));
+  CHECK_FALSE(partner.tick(view_at(6.5)));
+}
+
+TEST_CASE("who stumbles pulls at the object for a moment") {
+  ScenarioPartner script = at_origin("compliant");
+  PartnerScriptEvent stumble{2.0, "stumble", std::nullopt};
+  stumble.force_n = 90.0;
+  stumble.for_s = 0.3;
+  script.events = {stumble};
+  SimPartner partner(script, {}, 1);
+  CHECK(partner.tick(view_at(1.9))->force_W.norm() < 15.0);
+  CHECK(partner.tick(view_at(2.1))->force_W.x() == Approx(90.0).margin(15.0));
+  CHECK(partner.tick(view_at(2.31))->force_W.norm() < 15.0);
+}
+
+TEST_CASE("a second hand holds too, until he lets go, and who steps aside goes") {
+  ScenarioPartner script = at_origin("compliant");
+  script.events = {{2.0, "second-hand", Vec3(0.4, 0.2, 0.4)}, {3.0, "steps-aside", std::nullopt}};
+  SimPartner partner(script, {}, 1);
+  const double one_n = partner.tick(view_at(1.5, -0.002))->force_W.z();
+  REQUIRE(partner.tick(view_at(2.1)));
+  CHECK(partner.second_hand(2.1));
+  CHECK(partner.tick(view_at(2.2, -0.002))->force_W.z() > one_n + 5.0);
+  CHECK_FALSE(partner.tick(view_at(3.0)));
+  CHECK_FALSE(partner.second_hand(3.1));
+  CHECK(partner.hold_to_show(4.0)->leaves);
+}
+
 TEST_CASE("an obliging partner goes where he is asked to, another one stays") {
   const bool obliging = GENERATE(true, false);
   ScenarioPartner script = at_origin("compliant");

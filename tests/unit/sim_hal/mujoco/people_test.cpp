@@ -113,6 +113,46 @@ TEST_CASE("a person who walks against a table pushes it") {
   CHECK(rig.world().truth().troubles == 0);
 }
 
+TEST_CASE("the partner who carries is solid to the arm, and nothing to the object in his hand") {
+  // he comes to where his arm has to go through the robot's hand
+  Scenario s = table_scenario();
+  s.object.size = {0.3, 0.3, 0.45};
+  s.object.xyz = {0.60, 0.48, 0.0};
+  s.partner.grasp = {0.0, -0.15, 0.4375};
+  s.partner.arrives_s = 2.0;
+  LiftRig rig(s, hand_at({0.60, 0.0, 0.60}, Vec3::UnitX(), Vec3::UnitZ()));
+  rig.wait(0.9);
+  CHECK(rig.world().body_contacts().empty());
+  double peak = 0.0;
+  for (int i = 0; i < 2500; ++i) {
+    rig.world().advance(std::chrono::milliseconds(1));
+    for (const BodyContact& c : rig.world().body_contacts()) {
+      CHECK(c.person == kPartner);
+      CHECK(c.by == BodyContact::By::Robot);
+      peak = std::max(peak, c.force_n);
+    }
+  }
+  CHECK(peak > 5.0);
+  CHECK(rig.world().partner_distance_m() < 0.05);
+}
+
+TEST_CASE("somebody enters so long after a state of the task") {
+  Scenario s = empty_room();
+  ScenarioPerson p;
+  p.in_state = "approach";
+  p.enters_s = 0.3;
+  p.path = {{2.0, 1.0}};
+  s.people = {p};
+  LiftRig rig(s, hand_at({0.60, 0.0, 0.60}, Vec3::UnitX(), Vec3::UnitZ()));
+  rig.wait(1.0);
+  CHECK(std::isinf(rig.world().people_distance_m()));
+  rig.world().task_state("approach");
+  rig.wait(0.25);
+  CHECK(std::isinf(rig.world().people_distance_m()));
+  rig.wait(0.1);
+  CHECK(std::isfinite(rig.world().people_distance_m()));
+}
+
 TEST_CASE("clutter that is moved is seen and felt where it is") {
   Scenario s = empty_room();
   ScenarioClutter c;

@@ -98,3 +98,36 @@ TEST_CASE("aliases in a path cost no memory", "[scenario]") {
   const std::string text = refusal("[[1, 2]]", path + "]");
   CHECK_THAT(text, StartsWith("s.yaml:6:"));
 }
+
+TEST_CASE("events and people may count from a state of the task", "[scenario]") {
+  const std::string head = "schema: colift.scenario/1\nobject: {kind: box, size: [0.5, 0.3, 0.3]}\n";
+  const std::string partner = "partner: {grasp: [0.25, 0, 0.3], events: [";
+  const auto s =
+      parse_scenario(head + partner +
+                         "{at: lift+0.7, do: stumble, force: 60, for_s: 0.3, direction: [0, 1, 0]}, "
+                         "{at: hold, do: steps-aside}, {at_s: 3, do: second-hand, to: [0.25, 0.1, 0.3]}]}\n"
+                         "people: [{enters: approach+0.5, path: [[2, 2]]}]\n",
+                     "s.yaml");
+  INFO((s ? "" : s.error().text()));
+  REQUIRE(s);
+  REQUIRE(s->partner.events.size() == 3);
+  CHECK(s->partner.events[0].in_state == "lift");
+  CHECK(s->partner.events[0].at_s == 0.7);
+  CHECK(s->partner.events[0].force_n == 60.0);
+  CHECK(s->partner.events[1].in_state == "hold");
+  CHECK(s->partner.events[1].at_s == 0.0);
+  CHECK(s->partner.events[2].in_state.empty());
+  CHECK(s->people[0].in_state == "approach");
+  CHECK(relative_time(*s) == "partner.events[0].at");
+  const auto refused = [&](const std::string& event) {
+    const auto bad = parse_scenario(head + partner + event + "]}\n", "s.yaml");
+    return bad ? "accepted" : bad.error().text();
+  };
+  CHECK_THAT(refused("{at: lift-0.7, do: let-go}"), StartsWith("s.yaml:3:48") && Contains("lift+0.7"));
+  CHECK_THAT(refused("{at: lifting+1, do: let-go}"), Contains("await-partner"));
+  CHECK_THAT(refused("{at: lift+, do: let-go}"), Contains("a state of the task and seconds"));
+  CHECK_THAT(refused("{at: lift+1e9, do: let-go}"), Contains("a state of the task and seconds"));
+  CHECK_THAT(refused("{at: lift+1, at_s: 2, do: let-go}"), Contains("expected one of them"));
+  CHECK_THAT(refused("{at_s: 1, do: let-go, force: 3}"), Contains("belongs to do: stumble"));
+  CHECK_THAT(refused("{at_s: 1, do: second-hand}"), Contains(".to is missing"));
+}

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "run_example.hpp"
+#include "sim_hal/scenario/scenario.hpp"
 #include "tools/run/run_json.hpp"
 
 using namespace colift;
@@ -102,6 +103,32 @@ TEST_CASE("a real rig's document holds no truth", "[run]") {
   const Json j = Json::parse(tools::run_document({e.record, e.setting, nullptr, nullptr}));
   CHECK_FALSE(j.contains("truth"));
   CHECK(j["partner"]["error_m"].is_null());
+}
+
+TEST_CASE("the judge's verdict stands in the document, and none is null", "[run]") {
+  RunExample e = tests::lifted_run();
+  CHECK(document(e)["judge"].is_null());
+  sim_hal::Verdict v;
+  v.breaches = {"hand: 150 N clamped"};
+  v.contacts.push_back({5.7, "hand", "robot", 0, 150.0, 140.0, 0.6, 0.2, 0.2, false});
+  v.min_distance_m = -0.001;
+  e.truth.verdict = v;
+  const Json j = document(e)["judge"];
+  CHECK(j["breaches"][0] == "hand: 150 N clamped");
+  CHECK(j["contacts"][0]["body"] == "hand");
+  CHECK(j["contacts"][0]["limit_n"] == 140.0);
+  CHECK(j["contacts"][0]["clamped_s"] == 0.6);
+  CHECK(j["min_distance_m"] == -0.001);
+  CHECK(j["partner_distance_m"].is_null());
+}
+
+TEST_CASE("a scenario's times may count from every state that the task has", "[run]") {
+  const auto& names = sim_hal::task_state_names();
+  for (int state = 0; state <= static_cast<int>(control::Task::Stopped); ++state) {
+    const std::string name(control::word(static_cast<control::Task>(state)));
+    INFO(name);
+    CHECK(std::find(names.begin(), names.end(), name) != names.end());
+  }
 }
 
 TEST_CASE("no number of a run's document is NaN or infinite", "[run]") {

@@ -1,0 +1,83 @@
+#include "sim_hal/judge/contact_log.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "sim_hal/judge/force_limits.hpp"
+
+namespace colift::sim_hal {
+namespace {
+
+constexpr double kTick_s = 0.001;
+constexpr double kPause_s = 0.05;     // without contact for so long: another touch
+constexpr double kTransient_s = 0.5;  // ISO/TS 15066: what lasts longer is quasi-static
+constexpr double kPressed_n = 5.0;    // from that on two sides clamp
+constexpr double kOpposed = -0.5;     // cosine between the pushes of two sides
+constexpr double kAtRest_m_s = 0.02;  // a surface that comes no faster came not
+
+bool opposes(const BodyContact& a, const BodyContact& b) {
+  return a.person == b.person && a.region == b.region && b.force_n > kPressed_n && a.force_n > kPressed_n &&
+         a.force_W.normalized().dot(b.force_W.normalized()) < kOpposed;
+}
+
+}  // namespace
+
+void ContactLog::tick(double t_s, const std::vector<BodyContact>& contacts) {
+  for (const BodyContact& c : contacts) {
+    if (c.by == BodyContact::By::Static) continue;
+    const bool opposed =
+        std::any_of(contacts.begin(), contacts.end(), [&](const BodyContact& o) { return opposes(c, o); });
+    add(t_s, c, opposed);
+  }
+}
+
+void ContactLog::add(double t_s, const BodyContact& c, bool opposed) {
+  const auto same = std::find_if(touches_.rbegin(), touches_.rend(), [&](const Touch& t) {
+    return t.judged.person == c.person && t.region == c.region && t.by == c.by && t_s - t.last_s < kPause_s;
+  });
+  const bool is_new = same == touches_.rend();
+  if (is_new) {
+    Touch touch;
+    touch.judged.t_s = touch.first_s = touch.last_s = t_s;
+    touch.judged.region = to_string(c.region);
+    touch.judged.by = c.by == BodyContact::By::Robot ? "robot" : "object";
+    touch.judged.person = c.person;
+    touch.judged.closing_m_s = c.closing_m_s;
+    touch.by = c.by;
+    touch.region = c.region;
+    touches_.push_back(touch);
+  }
+  Touch& touch = is_new ? touches_.back() : *same;
+  const bool new_tick = t_s > touch.last_s || touch.first_s == t_s;
+  touch.last_s = t_s;
+  touch.opposed |= opposed;
+  const bool lasts = t_s - touch.first_s > kTransient_s && c.force_n > kPressed_n;
+  if ((opposed || lasts) && new_tick) touch.judged.clamped_s += kTick_s;
+  double& peak = opposed || lasts ? touch.clamped_n : touch.transient_n;
+  peak = std::max(peak, c.force_n);
+  if (c.by == BodyContact::By::Robot) robot_peak_n_ = std::max(robot_peak_n_, c.force_n);
+  // until the peak: what springs back afterwards came not towards him
+  if (c.force_n >= touch.judged.force_n)
+    touch.judged.robot_m_s = std::max(touch.judged.robot_m_s, c.other_m_s);
+  touch.judged.force_n = std::max(touch.judged.force_n, c.force_n);
+}
+
+void ContactLog::add_to(Verdict& verdict) const {
+  for (const Touch& touch : touches_) {
+    const ForceLimit limit = force_limit(touch.region);
+    JudgedContact judged = touch.judged;
+    judged.his_own = judged.robot_m_s < kAtRest_m_s && !touch.opposed;
+    const bool clamped_is_worse =
+        touch.clamped_n / limit.quasi_static_n >= touch.transient_n / limit.transient_n;
+    judged.limit_n = clamped_is_worse ? limit.quasi_static_n : limit.transient_n;
+    const double counts_n = clamped_is_worse ? touch.clamped_n : touch.transient_n;
+    if (counts_n > judged.limit_n && !judged.his_own)
+      verdict.breaches.push_back(fmt::format("{}: {:.0f} N {} by the {} at {:.3f} s (limit {:.0f} N)",
+                                             judged.region, counts_n, clamped_is_worse ? "clamped" : "hit",
+                                             judged.by, judged.t_s, judged.limit_n));
+    verdict.contacts.push_back(std::move(judged));
+  }
+}
+
+}  // namespace colift::sim_hal

@@ -1,0 +1,86 @@
+#include "sim_hal/judge/judge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+
+#include "sim_hal/judge/contact_log.hpp"
+#include "sim_hal/judge/load_rules.hpp"
+#include "sim_hal/judge/motion_rules.hpp"
+
+namespace colift::sim_hal {
+namespace {
+
+constexpr double kNoticed_n = 45.0;  // a touch that nobody can overlook
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+std::optional<double> seen(double distance_m) {
+  return std::isfinite(distance_m) ? std::optional(distance_m) : std::nullopt;
+}
+
+}  // namespace
+
+struct Judge::Impl {
+  Impl(const hal::RobotModel& model, bool exact) : exact_time(exact), motion(model, exact) {}
+
+  mutable std::mutex mutex;
+  bool exact_time;
+  ContactLog contacts;
+  MotionRules motion;
+  LoadRules load;
+  bool stopped = false;
+  std::vector<std::string> breaches;
+  double people_m = kNever, partner_m = kNever;
+};
+
+Judge::Judge(const hal::RobotModel& model, bool exact_time)
+    : impl_(std::make_unique<Impl>(model, exact_time)) {}
+Judge::~Judge() = default;
+
+void Judge::tick(const TickReport& report) {
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->contacts.tick(report.t_s, report.contacts);
+  impl_->motion.tick(report, impl_->stopped, impl_->breaches);
+  impl_->load.tick(report, impl_->breaches);
+  impl_->people_m = std::min(impl_->people_m, report.people_distance_m);
+  impl_->partner_m = std::min(impl_->partner_m, report.partner_distance_m);
+}
+
+void Judge::task_state(std::string_view name) {
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->stopped = name == "stopped";
+}
+
+Verdict Judge::verdict(bool lifted) const {
+  const std::scoped_lock lock(impl_->mutex);
+  Verdict v;
+  v.breaches = impl_->breaches;
+  impl_->contacts.add_to(v);
+  if (lifted) {
+    impl_->load.lifted(v.breaches);
+    if (impl_->contacts.robot_peak_n() > kNoticed_n)
+      v.breaches.push_back(fmt::format("I8: reported lifted, but somebody was touched with {:.0f} N",
+                                       impl_->contacts.robot_peak_n()));
+  }
+  v.min_distance_m = seen(impl_->people_m);
+  v.partner_distance_m = seen(impl_->partner_m);
+  v.stop_latency_s = impl_->motion.stop_latency_s();
+  v.judged = {"forces by body region", "I1", "I4", "I5", "I8 of the outcome"};
+  v.not_judged = {{"I3", "the simulated arm has no command mode; an emulated controller judges it"},
+                  {"I6", "a run shows no wait that has no end"},
+                  {"I7", "the words to the operator are not the world's"},
+                  {"I9", "the tests count allocations, locks and system calls"}};
+  if (impl_->exact_time) {
+    v.judged.insert(v.judged.begin() + 2, "I2");
+    v.judged.emplace_back("I10");
+  } else {
+    v.not_judged.emplace_back("I2", "in real time commands come when the wire brings them");
+    v.not_judged.emplace_back("I10", "in real time commands come when the wire brings them");
+  }
+  return v;
+}
+
+}  // namespace colift::sim_hal

@@ -1,0 +1,123 @@
+#include "sim_hal/judge/motion_rules.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace colift::sim_hal {
+namespace {
+
+constexpr double kAcceleration_rad_s2 = 15.0;  // of commands: what the arm's guard lets pass at most
+constexpr double kTolerance = 1.02, kFirstStep_rad = 0.01;
+constexpr double kBraking_s = 0.5, kMoved_rad = 0.02;  // after a stop
+// 30 N is where a contact has to be noticed; half as much again for what an estimate of it may lack
+constexpr double kPush_n = 45.0, kMoves_rad_s = 0.05, kNotice_s = 0.010, kStop_s = 0.5, kSlower = 0.01;
+
+bool touched(const TickReport& report) {
+  return std::any_of(report.contacts.begin(), report.contacts.end(),
+                     [](const BodyContact& c) { return c.by == BodyContact::By::Robot; });
+}
+
+}  // namespace
+
+MotionRules::MotionRules(const hal::RobotModel& model, bool exact_time)
+    : lower_(model.lower_rad()),
+      upper_(model.upper_rad()),
+      velocity_(model.velocity_rad_s()),
+      exact_time_(exact_time) {}
+
+void MotionRules::breach(const char* rule, std::string what, std::vector<std::string>& breaches) {
+  if (std::find(broken_.begin(), broken_.end(), rule) != broken_.end()) return;
+  broken_.emplace_back(rule);
+  breaches.push_back(fmt::format("{}: {}", rule, what));
+}
+
+void MotionRules::command(const TickReport& r, std::vector<std::string>& breaches) {
+  for (int a = 0; a < hal::kArmJoints; ++a) {
+    if (!std::isfinite(r.command_rad[a]) || r.command_rad[a] < lower_[a] || r.command_rad[a] > upper_[a])
+      breach("I1",
+             fmt::format("A{} commanded to {:.4f} rad at {:.3f} s, limits {:.4f} to {:.4f}", a + 1,
+                         r.command_rad[a], r.t_s, lower_[a], upper_[a]),
+             breaches);
+  }
+  const hal::JointVector before = commanded_s_ ? command_rad_ : r.truth.q_rad;
+  const double dt = commanded_s_ ? r.t_s - *commanded_s_ : 0.0;
+  const hal::JointVector step = r.command_rad - before;
+  const hal::JointVector speed = dt > 0.0 ? hal::JointVector(step / dt) : hal::JointVector::Zero();
+  for (int a = 0; a < hal::kArmJoints && exact_time_; ++a) {
+    if (!commanded_s_ && std::abs(step[a]) > kFirstStep_rad)
+      breach("I2",
+             fmt::format("first command of A{} is {:.4f} rad from the measured position at {:.3f} s", a + 1,
+                         step[a], r.t_s),
+             breaches);
+    if (std::abs(speed[a]) > kTolerance * velocity_[a])
+      breach("I2",
+             fmt::format("A{} commanded at {:.2f} rad/s at {:.3f} s (limit {:.2f})", a + 1, speed[a], r.t_s,
+                         velocity_[a]),
+             breaches);
+    const double change = dt > 0.0 ? std::abs(speed[a] - command_rad_s_[a]) / dt : 0.0;
+    if (change > kTolerance * kAcceleration_rad_s2)
+      breach("I2",
+             fmt::format("A{} accelerated at {:.1f} rad/s2 at {:.3f} s (limit {:.0f})", a + 1, change, r.t_s,
+                         kAcceleration_rad_s2),
+             breaches);
+  }
+  commanded_s_ = r.t_s;
+  command_rad_ = r.command_rad;
+  command_rad_s_ = speed;
+}
+
+void MotionRules::standstill(const TickReport& r, bool stopped, std::vector<std::string>& breaches) {
+  if (!stopped) {
+    stopped_s_.reset();
+    rests_at_.reset();
+    return;
+  }
+  if (!stopped_s_) stopped_s_ = r.t_s;
+  if (r.t_s - *stopped_s_ < kBraking_s) return;
+  // a person may push a soft arm away
+  if (!rests_at_ || touched(r)) rests_at_ = command_rad_;
+  const double moved = (command_rad_ - *rests_at_).cwiseAbs().maxCoeff();
+  if (moved > kMoved_rad)
+    breach("I5", fmt::format("commanded {:.3f} rad away after the stop at {:.3f} s", moved, *stopped_s_),
+           breaches);
+}
+
+void MotionRules::push(const TickReport& r, std::vector<std::string>& breaches) {
+  Vec3 sum = Vec3::Zero();
+  for (const BodyContact& c : r.contacts)
+    if (c.by == BodyContact::By::Robot) sum += c.force_W;
+  const double force_n = sum.norm(), speed = command_rad_s_.norm();
+  if (!pushed_s_) {
+    if (force_n < kPush_n || speed < kMoves_rad_s) return;
+    pushed_s_ = r.t_s;
+    pushed_rad_s_ = speed;
+    brakes_ = false;
+  }
+  const double since = r.t_s - *pushed_s_;
+  if (!brakes_ && speed < (1.0 - kSlower) * pushed_rad_s_) {
+    brakes_ = true;
+    latency_s_ = std::max(latency_s_.value_or(0.0), since);
+  }
+  if (!brakes_ && since > kNotice_s)
+    breach("I10",
+           fmt::format("{:.0f} N of a person at {:.3f} s, and no slower command within 10 ms", force_n,
+                       *pushed_s_),
+           breaches);
+  if (since < kStop_s) return;
+  if (speed > kMoves_rad_s && force_n > kPush_n)
+    breach("I10",
+           fmt::format("still commanded at {:.2f} rad/s {:.1f} s after a person's push at {:.3f} s", speed,
+                       since, *pushed_s_),
+           breaches);
+  pushed_s_.reset();
+}
+
+void MotionRules::tick(const TickReport& report, bool stopped, std::vector<std::string>& breaches) {
+  if (report.commanded) command(report, breaches);
+  standstill(report, stopped, breaches);
+  if (exact_time_) push(report, breaches);
+}
+
+}  // namespace colift::sim_hal

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace colift::sim_hal {
+
+/// One touch of one region of one person, from first contact until 50 ms without.
+struct JudgedContact {
+  double t_s = 0.0;                     ///< Of the scenario.
+  std::string region;                   ///< "lower-arm"
+  std::string by;                       ///< robot | object
+  int person = 0;                       ///< Place in the scenario's people; -1: the partner who carries.
+  double force_n = 0.0, limit_n = 0.0;  ///< Peak, and the limit that counts for it (transient or clamped).
+  double clamped_s = 0.0;               ///< Pressed against something else, or without a pause beyond 0.5 s.
+  double closing_m_s = 0.0;             ///< How fast they came together, the person's own motion in it.
+  double robot_m_s = 0.0;  ///< How fast the robot's (the object's) surface came towards him, at most.
+  bool his_own = false;    ///< He came against something at rest: reported, no breach.
+};
+
+/// What the simulation says of a run, whatever the program says.
+struct Verdict {
+  std::vector<std::string> breaches;  ///< One sentence each, the invariant's or the region's name first.
+  std::vector<JudgedContact> contacts;
+  std::optional<double> min_distance_m;  ///< Of the scenario's people to the robot; unset: nobody was there.
+  std::optional<double> partner_distance_m;  ///< Of the partner who carries.
+  std::optional<double> stop_latency_s;      ///< Longest from a person's 45 N to the first slower command.
+  std::vector<std::string> judged;
+  std::vector<std::pair<std::string, std::string>> not_judged;  ///< Invariant, why.
+};
+
+}  // namespace colift::sim_hal
