@@ -8,12 +8,12 @@
 #include "tools/cli/config_of.hpp"
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/session.hpp"
+#include "tools/recover/stopped_run.hpp"
 #include "tools/rig/back_ends.hpp"
 #include "tools/run/run_json.hpp"
 #include "tools/run/run_pace.hpp"
 #include "tools/run/run_parts.hpp"
 #include "tools/run/run_progress.hpp"
-#include "tools/run/run_recovery.hpp"
 #include "tools/run/run_report.hpp"
 
 namespace colift::tools {

@@ -1,4 +1,4 @@
-#include "tools/run/run_recovery.hpp"
+#include "tools/recover/stopped_run.hpp"
 
 #include <nlohmann/json.hpp>
 
