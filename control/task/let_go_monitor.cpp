@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace colift::control {
 namespace {
@@ -11,6 +12,7 @@ constexpr double kMeanLoad_s = 0.25;  // a person's jerk is quicker, a lift slow
 constexpr double kUsual = 0.1;        // of a frame in the mean of what is seen of his hand
 constexpr int kFramesToKnow = 3;      // before it counts as known how much of his hand is seen
 constexpr int kFramesLow = 2;         // in a row with his end too low
+constexpr double kCarried_m = 0.008;  // of his end: seen off the ground beyond doubt
 constexpr double kMinLoad_n = 5.0;    // below it a load says nothing of who carries
 
 }  // namespace
@@ -21,6 +23,7 @@ void LetGoMonitor::start() {
   usual_m2_ = 0.0;
   area_m2_ = NAN;
   frames_ = frames_gone_ = frames_low_ = 0;
+  was_in_the_air_ = false;
   mean_load_n_ = load_before_n_ = c_.arm.view().load_n;
   gain_n_ = 0.0;
   updated_at_ = c_.now;
@@ -34,6 +37,11 @@ bool LetGoMonitor::in_the_air() const {
 double LetGoMonitor::lag_m() const {
   if (!object_.motion()) return NAN;
   return c_.palm().translation().z() - object_.X_WH_grip().translation().z() - object_.partner_rise_m();
+}
+
+bool LetGoMonitor::his_end_is_up() const {
+  return in_the_air() && object_.motion() && object_.partner_rise_m() > kCarried_m &&
+         lag_m() < 0.5 * c_.config.task.carry.partner_lag_m;
 }
 
 void LetGoMonitor::update() {
@@ -50,7 +58,13 @@ void LetGoMonitor::update_hand() {
   if (!area) return;
   const perception::PresenceConfig& presence = c_.config.presence;
   area_m2_ = *area;
-  const bool gone = frames_ >= kFramesToKnow && area_m2_ < presence.gone_fraction * usual_m2_;
+  // until here the tracker says whether he holds; what the robot's hand hides of his by now is nothing new
+  if (in_the_air() && !std::exchange(was_in_the_air_, in_the_air())) {
+    usual_m2_ = 0.0;
+    frames_ = frames_gone_ = 0;
+  }
+  const bool gone =
+      frames_ >= kFramesToKnow && !his_end_is_up() && area_m2_ < presence.gone_fraction * usual_m2_;
   frames_gone_ = gone ? frames_gone_ + 1 : 0;
   if (gone || c_.state == Task::Pause) return;
   // slowly after whatever the motion hides or shows of it
@@ -96,7 +110,7 @@ std::optional<TaskEvent> LetGoMonitor::let_go() const {
 bool LetGoMonitor::holds_again() const {
   const CarryConfig& carry = c_.config.task.carry;
   if (!(lag_m() < carry.partner_lag_m)) return false;
-  if (const auto seen = hand_seen()) return *seen;
+  if (const auto seen = hand_seen(); seen && !his_end_is_up()) return *seen;
   const double load_n = c_.arm.view().load_n;
   return load_before_n_ > kMinLoad_n &&
          std::abs(load_n - load_before_n_) < carry.regrasp_load_factor * load_before_n_;

@@ -38,11 +38,14 @@ class LetGoMonitor {
   void update_hand();
   void update_load();
   [[nodiscard]] bool in_the_air() const;
+  /// His end is seen in the air beside the palm: he carries, whatever hides his hand.
+  [[nodiscard]] bool his_end_is_up() const;
   /// Of his end below the palm (m), since the hand closed; NaN while not seen.
   [[nodiscard]] double lag_m() const;
 
   TaskContext& c_;
   const ObjectMonitor& object_;
+  bool was_in_the_air_ = false;
   hal::Vec3 contact_W_ = hal::Vec3::Zero();
   hal::Pose X_ = hal::Pose::Identity();  ///< Last known motion of the object.
   double usual_m2_ = 0.0, area_m2_ = NAN;
