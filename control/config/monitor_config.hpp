@@ -105,14 +105,14 @@ struct MonitorConfig {
     v("partner_speed_m_s", partner_speed_m_s, hal::Range{0, 5},
       "Min speed that is assumed of the partner who holds the object; faster is measured (m/s).");
     v("partner_hold_distance_m", partner_hold_distance_m, hal::Range{0, 5},
-      "hold_distance_m for the body of the partner who holds the object (m).");
+      "The same for the body of the partner who holds the object (m).");
     v("partner_radius_m", partner_radius_m, hal::Range{0.2, 3},
       "Parts of the partner are at most this far from his grasp, on the floor plan (m).");
     v("forearm_m", forearm_m, hal::Range{0, 1},
       "His hand and forearm: this far from his grasp, on his side of it; limited by force, not by distance "
       "(m).");
     v("thing_hold_distance_m", thing_hold_distance_m, hal::Range{0, 5},
-      "hold_distance_m for something low that has been at rest (m).");
+      "The same for something low that has been at rest (m).");
     v("still_s", still_s, hal::Range{0.5, 60},
       "Something low is a thing when it has been at rest so long (s).");
     v("low_m", low_m, hal::Range{0, 3}, "Height below which something is low (m).");

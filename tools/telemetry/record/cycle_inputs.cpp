@@ -40,6 +40,10 @@ struct Saver {
   void choice(const char* key, Enum& v, int) {
     j[key] = static_cast<int>(v);
   }
+  template <class Enum>
+  void added_choice(const char* key, Enum& v, int last) {
+    choice(key, v, last);
+  }
 };
 
 double number(const Json& j) {
@@ -72,6 +76,10 @@ struct Loader {
   void choice(const char* key, Enum& v, int last) {
     const int n = j.at(key).get<int>();
     if (n >= 0 && n <= last) v = static_cast<Enum>(n);
+  }
+  template <class Enum>
+  void added_choice(const char* key, Enum& v, int last) {
+    if (j.contains(key)) choice(key, v, last);
   }
   void fill(const char* key, double* to, std::size_t count) {
     const Json& list = j.at(key);
@@ -120,11 +128,11 @@ void visit(Visitor& v, control::ArmView& w) {
   v("blocked_joint", w.blocked.joint);
   v("blocked_rad", w.blocked.lag_rad);
   v("blocked_limit_rad", w.blocked.lag_limit_rad);
-  v.choice("force", w.force.kind, static_cast<int>(control::ForceFinding::Kind::Joint));
-  v("force_measured", w.force.measured);
-  v("force_limit", w.force.limit);
-  v("force_joint", w.force.joint);
-  v("force_quiet", w.force_quiet);
+  v.added_choice("unexpected_force", w.force.kind, static_cast<int>(control::ForceFinding::Kind::Joint));
+  v.added("unexpected_force_measured", w.force.measured);
+  v.added("unexpected_force_limit", w.force.limit);
+  v.added("unexpected_force_joint", w.force.joint);
+  v.added("force_quiet", w.force_quiet);
   v("way_refused", w.trajectory_refused);
   v("slow", w.slow);
   v("load_n", w.load_n);

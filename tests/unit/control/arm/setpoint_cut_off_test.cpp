@@ -195,7 +195,10 @@ TEST_CASE("a scale that is no number stands still", "[cycle]") {
   REQUIRE(rig.cycle.follow(way({home(), there()})));
   rig.cycle.set_scale(std::numeric_limits<double>::quiet_NaN());
   rig.steps(500);
-  CHECK(rig.cycle.progress() == 0.0);
+  const hal::JointVector stood = rig.last.q_rad;  // the speed went down with its ramp
+  CHECK(rig.cycle.progress() < 0.05);
+  rig.steps(500);
+  CHECK(rig.last.q_rad == stood);
   rig.cycle.set_scale(7.0);
   (void)rig.run();
   CHECK(rig.last.q_rad == there());

@@ -219,7 +219,7 @@ TEST_CASE("a load that grows at once during the lift means that the partner let 
   (void)rig.run([&] { return rig.lift.lift(); }, 0.5);
   rig.let_go.ask_again();
   CHECK_FALSE(rig.run([&] { return rig.lift.lift(); }, 0.2));
-  rig.load(55.0);
+  rig.load(70.0);
   const double before_s = rig.c->in_state_s();
   const auto event = rig.run([&] { return rig.lift.lift(); }, 0.5);
   REQUIRE(event);
