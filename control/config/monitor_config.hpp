@@ -67,7 +67,7 @@ struct MonitorConfig {
   double person_uncertainty_m = 0.05;
   double robot_uncertainty_m = 0.005;
   double hold_distance_m = 0.70;
-  double hysteresis_m = 0.05;
+  double hysteresis_m = 0.01;
   double observed_m = 1.5;
   double partner_speed_m_s = 0.3;
   double partner_hold_distance_m = 0.20;

@@ -99,6 +99,10 @@ void SimWorld::Impl::place_partners() {
   World around;
   around.shapes = object_shapes(X_WT0);
   around.shapes.insert(around.shapes.end(), clutter.begin(), clutter.end());
+  // nor does he stand in the arm
+  for (int link = 0; link < static_cast<int>(model.links.size()); ++link)
+    for (const hal::LinkShape& shape : model.links[static_cast<std::size_t>(link)].shapes)
+      around.shapes.push_back(link_shape(shape, physics->link_pose(link)));
   const Vec3 middle_W = X_WT0 * object.cog_T;
   figures.clear();
   for (const PartnerHold& hold : partner.holds()) {

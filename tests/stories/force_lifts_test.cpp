@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <iterator>
 #include <string>
 #include <vector>
 
 #include "sim_hal/scenario/scenario.hpp"
+#include "tests/support/fault_table.hpp"
 #include "tests/support/lift_figures.hpp"
+#include "tests/support/thorough.hpp"
 
 namespace {
 
@@ -49,6 +52,15 @@ sim_hal::DeviceFaultEvent push(double at_s, double force_n, const hal::Vec3& dir
 
 }  // namespace
 
+TEST_CASE("the forces and let-goes that are injected here", "[.fault-table]") {
+  for (const Task in :
+       {Task::AwaitPartner, Task::Approach, Task::Close, Task::Lift, Task::Hold, Task::Lower, Task::Retreat})
+    tests::print_fault("48 a push of 150 N on the hand", in, true);
+  for (const Task in : {Task::Close, Task::Lift, Task::Hold, Task::Lower})
+    tests::print_fault("18 a pull of 150 N", in, true);
+  for (const Task in : {Task::Lift, Task::Hold, Task::Lower}) tests::print_fault("17 lets go", in, true);
+}
+
 TEST_CASE("a push of 150 N on the hand stops the arm in every state, and nothing is called lifted",
           "[force]") {
   const sim_hal::Scenario table = scenario("table");
@@ -58,10 +70,16 @@ TEST_CASE("a push of 150 N on the hand stops the arm in every state, and nothing
     Task in;
     double force_n;
   };
-  for (const Case& c : {Case{Task::AwaitPartner, 150.0}, Case{Task::Approach, 150.0},
-                        Case{Task::Close, 150.0}, Case{Task::AwaitReady, 150.0}, Case{Task::Lift, 150.0},
-                        Case{Task::Hold, 150.0}, Case{Task::Lower, 200.0}, Case{Task::Retreat, 150.0}})
-    for (const hal::Vec3& direction : {hal::Vec3(0, 1, 0), hal::Vec3(0, 0, 1), hal::Vec3(-1, 0, 0)}) {
+  const Case cases[] = {Case{Task::AwaitPartner, 150.0}, Case{Task::Approach, 150.0},
+                        Case{Task::Close, 150.0},        Case{Task::AwaitReady, 150.0},
+                        Case{Task::Lift, 150.0},         Case{Task::Hold, 150.0},
+                        Case{Task::Lower, 200.0},        Case{Task::Retreat, 150.0}};
+  const hal::Vec3 directions[] = {{0, 1, 0}, {0, 0, 1}, {-1, 0, 0}};
+  for (std::size_t k = 0; k < std::size(cases); ++k)
+    for (std::size_t d = 0; d < std::size(directions); ++d) {
+      if (!tests::chosen(k, d)) continue;
+      const Case& c = cases[k];
+      const hal::Vec3& direction = directions[d];
       const double at_s = entered(nominal, c.in) + 0.4;
       sim_hal::Scenario s = table;
       s.faults.push_back(push(at_s, c.force_n, direction));
@@ -77,10 +95,15 @@ TEST_CASE("a push of 150 N on the hand stops the arm in every state, and nothing
 }
 
 TEST_CASE("a partner who lets go is noticed, and his lift is never called lifted", "[force]") {
-  for (const char* name : {"table", "box", "chair"}) {
+  const char* const names[] = {"table", "box", "chair"};
+  const double times_s[] = {0.1, 0.7, 1.5, 3.0, 4.8};
+  for (std::size_t n = 0; n < std::size(names); ++n) {
+    const char* name = names[n];
     const sim_hal::Scenario nominal = scenario(name);
     const double lift_s = entered(run(nominal), Task::Lift);
-    for (const double into_s : {0.1, 0.7, 1.5, 3.0, 4.8}) {
+    for (std::size_t t = 0; t < std::size(times_s); ++t) {
+      if (!tests::chosen(n, t)) continue;
+      const double into_s = times_s[t];
       sim_hal::Scenario s = nominal;
       s.partner.events.push_back({lift_s + into_s, "let-go", {}});
       const tests::SimulatedLift lift = run(s);
