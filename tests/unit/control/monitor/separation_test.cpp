@@ -76,7 +76,7 @@ TEST_CASE("after SLOW it resumes at once, after a stop when nobody has been near
 
   CHECK(second(monitor, now, {person(0.5)}).hold);
   CHECK(second(monitor, now, {}).hold);
-  CHECK(second(monitor, now, {person(0.72)}).hold);  // within the hysteresis: the time begins anew
+  CHECK(second(monitor, now, {person(0.705)}).hold);  // within the hysteresis: the time begins anew
   CHECK(second(monitor, now, {}).hold);
   CHECK(second(monitor, now, {person(0.9)}).hold);
   CHECK_FALSE(second(monitor, now, {}).hold);
