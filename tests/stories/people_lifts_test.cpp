@@ -6,6 +6,7 @@
 
 #include "control/config/arm_mode.hpp"
 #include "sim_hal/scenario/scenario.hpp"
+#include "tests/support/fault_table.hpp"
 #include "tests/support/simulated_lift.hpp"
 
 namespace {
@@ -51,6 +52,11 @@ std::string told(const tests::SimulatedLift& lift) {
 }
 
 }  // namespace
+
+TEST_CASE("the people who are in the way here", "[.fault-table]") {
+  for (const control::Task in : {control::Task::Approach, control::Task::Lift})
+    tests::print_fault("15 a person in the path", in, true);
+}
 
 TEST_CASE("who stands in the path stops the arm; when he has gone, the lift continues") {
   const auto lift = lift_with(somebody(3.5, {{0.3, -2.4}, {0.3, -0.95}}, "stand", 9.0));
