@@ -17,7 +17,7 @@ struct JudgedContact {
   double clamped_s = 0.0;               ///< Pressed against something else, or without a pause beyond 0.5 s.
   double closing_m_s = 0.0;             ///< How fast they came together, the person's own motion in it.
   double robot_m_s = 0.0;  ///< How fast the robot's (the object's) surface came towards him, at most.
-  bool his_own = false;    ///< He came against something at rest: reported, no breach.
+  bool his_own = false;    ///< He came against something that did not come towards him: reported, no breach.
 };
 
 /// What the simulation says of a run, whatever the program says.

@@ -131,7 +131,7 @@ picture::ReportTable contact_table(const RunView& view) {
   for (const sim_hal::JudgedContact& c : view.truth->verdict->contacts)
     table.rows.push_back({fmt::format("{:.3f} s", c.t_s),
                           c.person < 0 ? "partner" : fmt::format("person {}", c.person), c.region,
-                          c.his_own ? c.by + " at rest" : c.by, fmt::format("{:.0f} N", c.force_n),
+                          c.his_own ? c.by + ", which did not come towards him" : c.by, fmt::format("{:.0f} N", c.force_n),
                           fmt::format("{:.0f} N", c.limit_n), fmt::format("{:.2f} s", c.clamped_s)});
   return table;
 }
