@@ -160,6 +160,12 @@ std::optional<TaskEvent> LiftPhase::judge_lowering() {
     return TaskEvent{Event::Obstructed,
                      fmt::format("the hand carries {:.1f} N, and the object is seen {:.0f} mm up", arm.load_n,
                                  1e3 * (motion ? std::max(rise_m, object_.partner_rise_m()) : arm.height_m))};
+  if (c_.in_state_s() > lift_s_ + c_.config.task.partner_timeout_s)
+    return TaskEvent{
+        Event::TimeOut,
+        fmt::format("the hand carries {:.0f} N (limit {:.0f}), and the object is seen {:.0f} mm up at "
+                    "the hand, {:.0f} mm at the partner's end, after {:.0f} s",
+                    arm.load_n, limit_n, 1e3 * rise_m, 1e3 * object_.partner_rise_m(), c_.in_state_s())};
   // at once when it stands: pressed on, a stiff object would push the hand up
   if (seeks_ && !found_ && arm.load_n <= limit_n) {
     found_ = true;
