@@ -8,12 +8,6 @@
 
 namespace colift::control {
 
-namespace {
-
-constexpr double kFastestHolding = 2.0;  // of partner_speed_m_s
-
-}  // namespace
-
 double SeparationMonitor::hold_distance_m(Nearby who) const {
   switch (who) {
     case Nearby::Person:
@@ -36,9 +30,7 @@ double SeparationMonitor::limit_m_s(const Neighbour& n, double latency_s, double
     still.intrusion_m = 0.0;
     return allowed_speed(n.distance_m, 0.0, latency, still);
   }
-  // his hand is at rest on the object: he leans and steps, he does not run
-  const double speed =
-      std::clamp(n.speed_m_s, config_.partner_speed_m_s, kFastestHolding * config_.partner_speed_m_s);
+  const double speed = std::clamp(n.speed_m_s, config_.partner_speed_m_s, config_.person_speed_m_s);
   const double kept = allowed_speed(n.distance_m, speed, latency, config_);
   if (n.who != Nearby::PartnerHand) return kept;
   // whichever allows more: his hand may be touched with a speed that does not hurt

@@ -128,7 +128,15 @@ TEST_CASE("a hand comes at an angle where the elbow could not bend enough for a 
 }
 
 TEST_CASE("who takes the robot's own side of the object is told why that cannot be", "[scenario]") {
-  const auto lift = run("partner_near_robot");
+  // he leans against the arm at rest, which yields
+  const auto touched = run("partner_near_robot");
+  CHECK(touched.record.outcome == Result::Aborted);
+  CHECK(touched.record.reason.find("yielded to unexpected force") != std::string::npos);
+  CHECK_FALSE(passed(touched, Task::Approach));
+
+  control::Config config = control::run_defaults();
+  config.monitor.force.on = false;
+  const auto lift = run("partner_near_robot", control::Method::Fast, config);
   CHECK(lift.record.outcome == Result::Refused);
   CHECK(lift.record.reason.find("the object would tip") != std::string::npos);
   CHECK(lift.record.reason.find("beyond the reach of the hand") != std::string::npos);
