@@ -16,6 +16,7 @@ struct ArmView;  ///< One cycle of the arm (control/arm/arm_controller.hpp).
 
 /// Who is near the arm, and what that means for its speed.
 struct SeparationStatus {
+  /// One body of the newest frame.
   struct Body {
     int id = 0;
     bool partner = false;

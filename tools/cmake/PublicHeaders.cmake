@@ -32,6 +32,7 @@ set(COLIFT_PUBLIC_HEADERS
   hal/config/effective_yaml.hpp
   hal/config/field_table.hpp
   hal/config/range.hpp
+  hal/config/yaml_tree.hpp
   hal/drivers/barrett_can/hand_config.hpp
   hal/drivers/kinect/kinect_config.hpp
   hal/drivers/kuka_fri/fri_config.hpp
@@ -140,6 +141,8 @@ set(COLIFT_PUBLIC_HEADERS
   sim_hal/mock/mock_hand.hpp
   sim_hal/mujoco/devices/sim_devices.hpp
   sim_hal/mujoco/sim_world.hpp
+  sim_hal/people/body_contact.hpp
+  sim_hal/people/body_region.hpp
   sim_hal/scenario/random_scenario.hpp
   sim_hal/scenario/scenario.hpp
   sim_hal/synthetic/scenes.hpp
