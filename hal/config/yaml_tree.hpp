@@ -17,6 +17,7 @@ struct YamlPlace {
   int column = 1;
 };
 
+/// One node of a document: a scalar as it stands in the text, or the children of a list or map.
 struct YamlNode {
   enum class Kind { Null, Plain, Quoted, List, Map };
   Kind kind = Kind::Null;
