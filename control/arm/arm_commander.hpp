@@ -59,7 +59,7 @@ class ArmCommander {
   /// the lift began.
   void start_lift(LiftController::Role role, double height_m, double time_s);
   void raise_on(LiftController::Role role, double height_m, double time_s);
-  /// Goes on with a lift that the arm stopped because the task was late; once it is at rest.
+  /// Continues a lift that the arm stopped because the task was late; the arm has to be at rest.
   void resume_lift();
   /// Ends a slow lift at the height that it has reached; at once, so for slow ones only.
   void stay();

@@ -30,7 +30,7 @@ struct ArmRequest {
     Stay,        ///< Raise it no further. At once: for a slow lift.
     Lower,       ///< Bring it down again.
     SeePartner,  ///< His end of the object has risen by `number` (m).
-    ResumeLift,  ///< Goes on with the lift that was stopped because the task was late.
+    ResumeLift,  ///< Continue the lift that was stopped because the task was late.
     Pause,       ///< Stop a lift where it is, load compensated; RaiseOn or Lower continue it.
     Yield,       ///< Come to rest, then give way to whoever pushes.
     Expect,      ///< From now on the hand's load is `load`.

@@ -8,9 +8,9 @@
 
 #include "hal/types/result.hpp"
 #include "perception/noise_model.hpp"
+#include "perception/object_grid.hpp"
 #include "perception/organised_cloud.hpp"
 #include "perception/partner/change_image.hpp"
-#include "perception/object_grid.hpp"
 #include "perception/partner/partner_contact.hpp"
 #include "perception/partner/partner_leg.hpp"
 #include "perception/reference_image.hpp"

@@ -35,7 +35,7 @@ class RetreatPhase {
   [[nodiscard]] Leg leg() const { return leg_; }
 
  private:
-  /// The object bears itself: nothing hangs in the hand, and nothing pulls at it.
+  /// The object is supported: nothing hangs in the hand, and nothing pulls at it.
   [[nodiscard]] bool is_supported() const;
   [[nodiscard]] std::optional<TaskEvent> unload();
   void open();
