@@ -106,9 +106,7 @@ void ArmController::take(const ArmRequest& request) {
       lift_.see_partner(request.number);
       break;
     case Kind::ResumeLift:
-      if (!lift_cut_off_ || !setpoints_.at_rest()) break;
-      start_lift_time();
-      lift_.restart(setpoints_.commanded());
+      if (lift_cut_off_ && setpoints_.at_rest()) continue_lift();
       break;
     case Kind::Pause:
       lifting_ = false;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <utility>
 
 namespace colift::control {
 namespace {
@@ -59,7 +58,8 @@ void LetGoMonitor::update_hand() {
   const perception::PresenceConfig& presence = c_.config.presence;
   area_m2_ = *area;
   // until here the tracker says whether he holds; what the robot's hand hides of his by now is nothing new
-  if (in_the_air() && !std::exchange(was_in_the_air_, in_the_air())) {
+  if (in_the_air() && !was_in_the_air_) {
+    was_in_the_air_ = true;
     usual_m2_ = 0.0;
     frames_ = frames_gone_ = 0;
   }
