@@ -224,6 +224,7 @@ const ArmView& ArmController::view() {
   view_.blocked = setpoints_.blockage();
   view_.wrench_W = load_.wrench_W();
   view_.load_n = load_.load_n();
+  view_.felt_W = force_.felt();
   view_.force = force_.finding();
   view_.force_quiet = force_.quiet();
   view_.height_m = lift_.height_m();

@@ -70,6 +70,7 @@ struct ArmView {
   // of what is felt
   std::optional<hal::Wrench> wrench_W;
   double load_n = 0.0;
+  hal::Wrench felt_W;       ///< Against the zero of the force monitor.
   ForceFinding force;       ///< That the arm has stopped for, and yields to.
   bool force_quiet = true;  ///< Nothing above a limit is felt now.
 

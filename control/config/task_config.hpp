@@ -215,6 +215,7 @@ struct TaskConfig {
   double partner_timeout_s = 30.0;
   int asks = 2;
   double ready_s = 0.5;
+  double intent_lead_s = 0.5;
   double lift_height_m = 0.05;
   double lift_s = 2.0;
   double hold_s = 2.0;
@@ -244,6 +245,8 @@ struct TaskConfig {
     v("asks", asks, hal::Range{0, 20},
       "Max number of requests to the partner to grasp elsewhere when the robot has no feasible grasp.");
     v("ready_s", ready_s, hal::Range{0, 10}, "How long the partner has to hold still before the lift (s).");
+    v("intent_lead_s", intent_lead_s, hal::Range{0, 5},
+      "Time from the announcement of a motion to its begin (s); 0: motions are not announced.");
     v("lift_height_m", lift_height_m, hal::Range{0.005, 0.5}, "Height of the lift (m).");
     v("lift_s", lift_s, hal::Range{0.2, 30}, "Time of the lift (s).");
     v("hold_s", hold_s, hal::Range{0, 600}, "How long the object is held up (s).");

@@ -29,8 +29,18 @@ struct SeparationStatus {
   bool waits = false;  ///< The arm stands on its path.
   std::string reason;  ///< Why it is slowed or stands; empty: it is not.
   std::optional<double> distance_m;
+  double hold_distance_m = 0.0;  ///< A person nearer than that stops the arm.
+  double slow_distance_m = 0.0;  ///< A person nearer than that slows it.
   std::vector<Body> bodies;
   double compute_ms = 0.0;
+};
+
+/// What the arm feels that nobody expects, and how much of it would stop it.
+struct ForceStatus {
+  bool on = true;
+  hal::Vec3 felt_W = hal::Vec3::Zero();  ///< On the hand, against the empty hand at rest (N).
+  std::optional<ForceLimits> limits;     ///< Of this state; unset: the empty hand's contact threshold counts.
+  bool exceeded = false;                 ///< The arm has stopped for it.
 };
 
 /// What a running job reports to whoever watches it.
@@ -46,6 +56,7 @@ struct JobStatus {
   double load_n = 0.0;
   std::optional<double> height_m, tilt_rad, slip_m;
   SeparationStatus separation;
+  ForceStatus force;
   const RunRecord* record = nullptr;  ///< As far as it is.
   /// The collision world, made once when the scene is known; null until then. Borrowed for the call.
   const perception::WorldMap* map = nullptr;

@@ -6,6 +6,7 @@
 
 #include "control/session/decide.hpp"
 #include "control/session/scene_analysis.hpp"
+#include "control/task/intent.hpp"
 #include "control/task/task_machine.hpp"
 #include "control/test_lift/test_lift.hpp"
 #include "hal/device.hpp"
@@ -73,6 +74,14 @@ struct DeviceNote {
   std::string device, what;
 };
 
+/// Who was near the arm, and what that did to its speed; 15 a second.
+struct SeparationSample {
+  double t_s = 0.0;
+  double distance_m = 0.0;          ///< Of the nearest person or thing; NaN: nobody within sight of the arm.
+  double partner_distance_m = 0.0;  ///< The same for the partner who holds the object.
+  double scale = 1.0;               ///< Of the planned speed.
+};
+
 /// What speed and separation monitoring did.
 struct MonitorRecord {
   bool on = true;
@@ -83,7 +92,9 @@ struct MonitorRecord {
       min_distance_m;  ///< While it was to move, without the partner's hand; unset: nobody near.
   int max_bodies = 0;  ///< At the same time.
   int frames = 0;
-  double compute_ms = 0.0;  ///< Of all frames.
+  double compute_ms = 0.0;                              ///< Of all frames.
+  double hold_distance_m = 0.0, slow_distance_m = 0.0;  ///< Of a person: stops, slows the arm.
+  std::vector<SeparationSample> curve;
 };
 
 /// Everything that a run leaves behind for screen, JSON and report.
@@ -98,6 +109,7 @@ struct RunRecord {
   std::vector<LiftSample> curve;
   std::vector<TestLiftRecord> test_lifts;
   std::vector<AskRecord> asked;
+  std::vector<Intent> intents;
   std::optional<LiftSummary> lift;
   RunTiming timing;
   MonitorRecord monitor;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "control/arm/arm_commander.hpp"
@@ -59,6 +60,10 @@ struct TaskContext {
   /// Starts the arm along a trajectory; an empty one is none. False when it cannot; attempts.failure says
   /// why.
   [[nodiscard]] bool follow(const planner::Trajectory& trajectory);
+  /// Whether a motion may begin: it was announced TaskConfig::intent_lead_s ago. To be asked in every cycle.
+  [[nodiscard]] bool may_begin(Motion motion) { return intents.may_begin(motion, now - began); }
+  /// Says something to the people around the robot.
+  void request(std::string says) { intents.request(std::move(says), now - began); }
   /// Something about a device is worth saying.
   void note_device(const std::string& device, const std::string& what);
 
@@ -91,6 +96,7 @@ struct TaskContext {
   LiftController::Role role = LiftController::Role::Lead;  ///< Of the next lift.
   TestLifts test_lifts;
   RunRecord record;
+  IntentAnnouncer intents{config.task.intent_lead_s, record.intents};
 
   // for the status report
   std::string doing;           ///< What the state is doing in particular.

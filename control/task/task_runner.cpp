@@ -1,5 +1,7 @@
 #include "control/task/task_runner.hpp"
 
+#include "control/task/run_job.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -280,11 +282,16 @@ void TaskRunner::apply(const TaskEvent& event, const JobHooks& hooks) {
     grasps_.refuse_grip("a grip here failed: " + event.detail);
   if (c_.state != Task::Yield && c_.state != Task::Stopped) c_.arm.expect(expected_load(c_.state));
   begin_state(from, event.event);
-  if (event.event == Event::PartnerAsked && hooks.asked) hooks.asked(requests_.place());
-  if (const auto place = pause_phase_.asked_place(); c_.state == Task::Pause && place && hooks.asked)
-    hooks.asked(*place);
+  if (event.event == Event::PartnerAsked) ask_partner(requests_.place(), hooks);
+  if (const auto place = pause_phase_.asked_place(); c_.state == Task::Pause && place)
+    ask_partner(*place, hooks);
   if (hooks.changed) hooks.changed(from, c_.state);
   report(hooks);
+}
+
+void TaskRunner::ask_partner(const hal::Vec3& place, const JobHooks& hooks) {
+  c_.request(fmt::format("please take hold at ({:.2f}, {:.2f}, {:.2f}) m", place.x(), place.y(), place.z()));
+  if (hooks.asked) hooks.asked(place);
 }
 
 void TaskRunner::report(const JobHooks& hooks) {
@@ -302,6 +309,7 @@ void TaskRunner::report(const JobHooks& hooks) {
   if (const auto grasp = c_.session.tracker().grasp()) s.partner_W = grasp->position;
   s.partner_note = c_.partner_note;
   s.load_n = c_.arm.view().load_n;
+  report_force(s.force);
   if (is_loaded(c_.state) && !c_.record.curve.empty()) {
     s.height_m = c_.record.curve.back().palm_height_m;
     if (!std::isnan(object_.tilt_rad())) s.tilt_rad = object_.tilt_rad(), s.slip_m = object_.slip_m();
@@ -309,6 +317,26 @@ void TaskRunner::report(const JobHooks& hooks) {
   s.record = &c_.record;
   if (c_.record.analysis && c_.record.analysis->scene.target) s.map = &c_.session.map();
   hooks.status(s);
+}
+
+void TaskRunner::report_force(ForceStatus& out) const {
+  const ForceMonitorConfig& config = c_.config.monitor.force;
+  const ArmView& arm = c_.arm.view();
+  out.on = config.on;
+  out.felt_W = arm.felt_W.force;
+  out.exceeded = static_cast<bool>(arm.force);
+  switch (expected_load(c_.state)) {
+    case HandLoad::Empty:
+      break;
+    case HandLoad::Closing:
+      out.limits = config.closing;
+      break;
+    case HandLoad::Carried:
+      out.limits = config.carried;
+      break;
+    case HandLoad::Lowering:
+      out.limits = config.lowering;
+  }
 }
 
 RunRecord TaskRunner::finish() {
@@ -337,6 +365,12 @@ RunRecord TaskRunner::finish() {
   record.timing.sim_s = hal::seconds(c_.robot.clock->now() - c_.began);
   record.timing.wall_s = hal::seconds(c_.stopwatch.now() - wall_start_);
   return std::move(record);
+}
+
+hal::Result<RunRecord> run_job(hal::Robot& robot, const RigView& rig, const Config& config,
+                               const JobOptions& options, const JobHooks& hooks,
+                               const hal::Clock& stopwatch) {
+  return TaskRunner(robot, rig, config, options, stopwatch).run(hooks);
 }
 
 }  // namespace colift::control

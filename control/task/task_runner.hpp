@@ -60,6 +60,8 @@ class TaskRunner {
   /// Begins the phase of the new state.
   void begin_state(Task from, Event event);
   void report(const JobHooks& hooks);
+  void report_force(ForceStatus& out) const;
+  void ask_partner(const hal::Vec3& place, const JobHooks& hooks);
   /// Lets the devices rest and closes the record.
   [[nodiscard]] RunRecord finish();
 

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { after, before, test } from "node:test";
 import { chromium } from "playwright-core";
-import { startLift, startView, until } from "./running_lift.mjs";
+import { scenario, startLift, startView, until } from "./running_lift.mjs";
 
 const PICTURES = process.env.COLIFT_PICTURES ?? "pictures";
 const RECORDING = "watched.mcap";
@@ -109,6 +109,10 @@ test("every device is there and alive", async () => {
   assert.deepEqual(await page.$$eval("#device-list b", (list) => list.map((b) => b.textContent)), ["arm", "hand", "camera"]);
 });
 
+test("what will move is announced before it does", async () => {
+  await until(async () => /next: |please/.test(await page.textContent("#intent")), "an announcement", 60000);
+});
+
 test("light and dark, by key", async () => {
   const background = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
   const first = await background();
@@ -122,6 +126,20 @@ test("an operator's stop ends the run safely", async () => {
   await page.click("#stop");
   await until(async () => ["stopped", "aborted", "done", "refused"].includes(await page.textContent("#state")), "the end", 60000);
   assert.equal(await lift.end(), 130);
+});
+
+test("somebody in the path: who is near, how fast the arm may be, and why it waits", async () => {
+  const blocked = await startView("run", "--view", "0", "--seed", "1", "--quiet", "--speed", "2", "--scenario", scenario("person_in_the_path"));
+  try {
+    await page.goto(blocked.url);
+    await page.waitForSelector("#link.connected");
+    await until(async () => /^The arm waits: a person is \d\.\d\d m from the arm/.test(await page.textContent("#near")), "the wait", 120000);
+    await page.screenshot({ path: `${PICTURES}/live_person.png` });
+    await until(async () => (await covered("people")) > 0.002, "the layer people", 20000);
+    await until(async () => /nobody near|of its speed|nearest/.test(await page.textContent("#near")), "that it continues", 120000);
+  } finally {
+    blocked.child.kill("SIGKILL");
+  }
 });
 
 test("the recording of it is watched on the same page", async () => {

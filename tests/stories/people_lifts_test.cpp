@@ -15,10 +15,15 @@ using namespace colift;
 using control::Task;
 using Result = control::RunRecord::Result;
 
-sim_hal::Scenario table() {
-  auto scenario = sim_hal::load_scenario(std::string(COLIFT_SOURCE_DIR) + "/config/scenario/table.yaml");
+sim_hal::Scenario shipped(const std::string& name) {
+  auto scenario =
+      sim_hal::load_scenario(std::string(COLIFT_SOURCE_DIR) + "/config/scenario/" + name + ".yaml");
   REQUIRE(scenario);
   return *scenario;
+}
+
+sim_hal::Scenario table() {
+  return shipped("table");
 }
 
 sim_hal::ScenarioPerson somebody(double enters_s, std::vector<Eigen::Vector2d> path,
@@ -59,7 +64,8 @@ TEST_CASE("the people who are in the way here", "[.fault-table]") {
 }
 
 TEST_CASE("who stands in the path stops the arm; when he has gone, the lift continues") {
-  const auto lift = lift_with(somebody(3.5, {{0.3, -2.4}, {0.3, -0.95}}, "stand", 9.0));
+  const auto lift =
+      tests::simulate(shipped("person_in_the_path"), control::Method::Fast, 1, control::run_defaults());
   INFO(told(lift));
   CHECK(lift.record.outcome == Result::Lifted);
   CHECK(lift.record.monitor.stops >= 1);

@@ -120,6 +120,7 @@ set(COLIFT_PUBLIC_HEADERS
   control/session/scene_analysis.hpp
   control/session/suggest.hpp
   control/session/perception_session.hpp
+  control/task/intent.hpp
   control/task/run_job.hpp
   control/task/run_record.hpp
   control/task/task_machine.hpp

@@ -72,6 +72,16 @@ Json asked(const control::RunRecord& record) {
   return all;
 }
 
+Json intents(const control::RunRecord& record) {
+  Json all = Json::array();
+  for (const control::Intent& i : record.intents)
+    all.push_back({{"t", hal::seconds(i.at)},
+                   {"motion", i.motion ? Json(control::to_string(*i.motion)) : Json(nullptr)},
+                   {"in_s", i.in_s},
+                   {"says", i.says}});
+  return all;
+}
+
 Json timing(const control::RunRecord& record) {
   const control::RunTiming& t = record.timing;
   return {{"grasp_to_decision_s", number(t.grasp_to_decision_s)},
@@ -188,6 +198,7 @@ std::string run_document(const RunView& view) {
             {"partner", partner(view)},
             {"decision", record.decision ? decision_json(*record.decision) : Json(nullptr)},
             {"asked", asked(record)},
+            {"intents", intents(record)},
             {"test_lifts", test_lifts(record)},
             {"lift", lift(record)},
             {"timing", timing(record)}};

@@ -187,6 +187,42 @@ std::optional<picture::Canvas> side_picture(const RunView& view, const DrawnScen
   return picture::draw_side_view(side);
 }
 
+std::optional<picture::LinePlot> separation_plot(const RunView& view) {
+  const control::MonitorRecord& monitor = view.record.monitor;
+  const std::vector<control::SeparationSample>& seen = monitor.curve;
+  const bool anybody = std::any_of(seen.begin(), seen.end(), [](const auto& s) {
+    return std::isfinite(s.distance_m) || std::isfinite(s.partner_distance_m);
+  });
+  if (!anybody) return std::nullopt;
+  const std::vector<double> t = values(seen, [](const auto& s) { return s.t_s; });
+  const auto line = [&](const char* name, const Colour& colour, auto of) {
+    return PlotLine{name, colour, t, values(seen, of)};
+  };
+  PlotPanel distance{.title = "Distance (m)", .lines = {}, .levels = {}, .y_low = 0};
+  distance.lines.push_back(line("nearest person or thing", picture::kRobot,
+                                [](const auto& s) { return s.distance_m < 0.0 ? 0.0 : s.distance_m; }));
+  distance.lines.push_back(line("the partner", picture::kPartner, [](const auto& s) {
+    return s.partner_distance_m < 0.0 ? 0.0 : s.partner_distance_m;
+  }));
+  const auto level = [&](const char* what, double m, const Colour& colour) {
+    distance.levels.push_back({fmt::format("{} {}", what, metres_text(m)), m, colour});
+  };
+  level("a person stops the arm:", monitor.hold_distance_m, kLimit);
+  level("slows it:", monitor.slow_distance_m, picture::kOptimum);
+  PlotPanel speed{
+      .title = "Part of the planned speed (%)", .lines = {}, .levels = {}, .y_low = 0, .y_high = 100};
+  speed.lines.push_back(line("allowed", picture::kCog, [](const auto& s) { return 100 * s.scale; }));
+
+  picture::LinePlot plot;
+  plot.x_title = view.setting.simulated ? "simulated time since the start (s)" : "time since the start (s)";
+  plot.panel_height = 190;
+  plot.bands = bands(view, t.front(), t.back());
+  plot.x_low = t.front();
+  plot.x_high = t.back();
+  plot.panels = {distance, speed};
+  return plot;
+}
+
 std::optional<picture::LinePlot> curves_plot(const RunView& view) {
   const std::vector<control::LiftSample>& seen = view.record.curve;
   if (seen.size() < 2) return std::nullopt;

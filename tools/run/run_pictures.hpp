@@ -26,6 +26,9 @@ struct DrawnScenes {
 /// Before and at the top from the side; nullopt without both scenes or without a grasp.
 [[nodiscard]] std::optional<picture::Canvas> side_picture(const RunView& view, const DrawnScenes& scenes);
 
+/// Distance of people to the arm and the arm's speed over time; nullopt when nobody was near.
+[[nodiscard]] std::optional<picture::LinePlot> separation_plot(const RunView& view);
+
 /// Load, share, tilt, height and slip over time with the states behind them; nullopt without curves.
 [[nodiscard]] std::optional<picture::LinePlot> curves_plot(const RunView& view);
 

@@ -57,9 +57,7 @@ std::vector<std::string> summary(const RunView& view) {
   // a refusal's reason is said already
   if (r.decision && r.reason.find(r.decision->decision.reason) == std::string::npos)
     out.push_back(sentence(r.decision->decision.reason));
-  if (!r.monitor.on)
-    out.emplace_back("WARNING: speed and separation monitoring was OFF: nobody near the arm was noticed.");
-  else if (r.monitor.stops > 0)
+  if (r.monitor.on && r.monitor.stops > 0)
     out.push_back(fmt::format("The arm stopped {} times for somebody near it and waited {:.1f} s.",
                               r.monitor.stops, r.monitor.waited_s));
   if (r.device_failed) out.emplace_back("A device was lost; its faults are listed below.");
@@ -131,8 +129,9 @@ picture::ReportTable contact_table(const RunView& view) {
   for (const sim_hal::JudgedContact& c : view.truth->verdict->contacts)
     table.rows.push_back({fmt::format("{:.3f} s", c.t_s),
                           c.person < 0 ? "partner" : fmt::format("person {}", c.person), c.region,
-                          c.his_own ? c.by + ", which did not come towards him" : c.by, fmt::format("{:.0f} N", c.force_n),
-                          fmt::format("{:.0f} N", c.limit_n), fmt::format("{:.2f} s", c.clamped_s)});
+                          c.his_own ? c.by + ", which did not come towards him" : c.by,
+                          fmt::format("{:.0f} N", c.force_n), fmt::format("{:.0f} N", c.limit_n),
+                          fmt::format("{:.2f} s", c.clamped_s)});
   return table;
 }
 
@@ -286,6 +285,13 @@ std::string lift_pictures(const RunView& view) {
   return out.empty() ? "" : picture::report_heading(scenes.lifted ? "The lift" : "The scene") + out;
 }
 
+std::vector<std::string> intent_lines(const control::RunRecord& record) {
+  std::vector<std::string> out;
+  for (const control::Intent& i : record.intents)
+    out.push_back(fmt::format("{:.2f} s: {}", hal::seconds(i.at), i.says));
+  return out;
+}
+
 std::vector<std::string> fault_lines(const control::RunRecord& record) {
   std::vector<std::string> out;
   for (const control::DeviceNote& f : record.faults)
@@ -297,7 +303,12 @@ std::vector<std::string> fault_lines(const control::RunRecord& record) {
 
 std::string run_report_html(const RunView& view) {
   const control::RunRecord& r = view.record;
-  std::string body = picture::report_paragraphs(summary(view));
+  std::string body;
+  if (!r.monitor.on)
+    body += picture::report_warning(
+        "Speed and separation monitoring was off: nobody near the arm was noticed. The arm moved at T1 "
+        "speed.");
+  body += picture::report_paragraphs(summary(view));
   body += picture::report_cards(cards(view));
   body += lift_pictures(view);
   body += picture::report_time_line(time_line(r));
@@ -310,9 +321,14 @@ std::string run_report_html(const RunView& view) {
     body += picture::report_heading("Curves") +
             picture::report_figure({picture::draw_line_plot(*plot).png(),
                                     "Solid: measured by the robot. Dashed: truth, where it is known."});
+  if (const auto plot = separation_plot(view))
+    body += picture::report_heading("People near the arm") +
+            picture::report_figure({picture::draw_line_plot(*plot).png(),
+                                    "Distance to the arm or to the rest of its path, as it was seen."});
   body += picture::report_table(truth_table(view));
   body += picture::report_table(judge_table(view));
   body += picture::report_table(contact_table(view));
+  if (const auto said = intent_lines(r); !said.empty()) body += picture::report_list("Announced", said);
   const auto faults = fault_lines(r);
   body += picture::report_list("Faults", faults.empty() ? std::vector<std::string>{"None."} : faults);
   body += picture::report_times(times(r));

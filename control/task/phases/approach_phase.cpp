@@ -20,8 +20,15 @@ void ApproachPhase::begin() {
   ++c_.attempts.approaches;
   c_.arm.start_tare();
   refusal_.clear();
-  leg_ = Leg::None;
+  leg_ = Leg::Announced;
   set_out_ = false;
+  set_out_when_announced();
+}
+
+void ApproachPhase::set_out_when_announced() {
+  if (leg_ != Leg::Announced || !c_.may_begin(Motion::Approach)) return;
+  leg_ = Leg::None;
+  opened_at_ = c_.now;
   if (const auto opened = c_.robot.hand->preshape(0.0); !opened) {
     refusal_ = opened.error().text();
     c_.note_device("hand", refusal_);
@@ -33,12 +40,17 @@ void ApproachPhase::begin() {
 
 std::optional<TaskEvent> ApproachPhase::approach() {
   const planner::MotionPlan& plan = *c_.record.plan;
+  set_out_when_announced();
   const auto event = partner_.update();
   if (event && event->kind != PartnerEvent::Kind::Grasped) {
     const bool moved = event->kind == PartnerEvent::Kind::Moved;
     return TaskEvent{moved ? Event::PartnerMoved : Event::PartnerLetGo, event->reason};
   }
   if (c_.arm.blocked()) return TaskEvent{Event::Blocked, c_.arm.why_blocked()};
+  if (leg_ == Leg::Announced) {
+    c_.doing = "announces that the arm will move";
+    return std::nullopt;
+  }
   if (const std::string closed = hand_stays_closed(); !closed.empty())
     return TaskEvent{Event::HandUnfit, closed};
   if (leg_ == Leg::None) return TaskEvent{Event::Blocked, c_.attempts.failure};
@@ -52,6 +64,9 @@ std::optional<TaskEvent> ApproachPhase::approach() {
   if (c_.in_state_s() > limits.approach_timeout_factor * total_s / c_.config.task.slow_fraction +
                             limits.approach_timeout_margin_s)
     return TaskEvent{Event::TimeOut, "timeout: motion to the grasp"};
+  // announced while the last of the way is done
+  const bool near = leg_ == Leg::Straight && total_s - passed_s <= c_.config.task.intent_lead_s;
+  const bool may_close = near && c_.may_begin(Motion::Close);
   if (c_.readings.hand.moving || !c_.arm.done()) return std::nullopt;
   if (leg_ == Leg::Transit) {
     leg_ = Leg::Straight;
@@ -59,16 +74,18 @@ std::optional<TaskEvent> ApproachPhase::approach() {
     if (!c_.follow(plan.approach)) return TaskEvent{Event::Blocked, c_.attempts.failure};
     return std::nullopt;
   }
+  if (!may_close) return std::nullopt;
   return TaskEvent{Event::Arrived, ""};
 }
 
 std::string ApproachPhase::hand_stays_closed() const {
   if (!refusal_.empty()) return "the hand refuses to open: " + refusal_;
   const GripConfig& limits = c_.config.task.grip;
-  if (c_.in_state_s() < kCommandShows_s) return "";
+  const double since_s = hal::seconds(c_.now - opened_at_);
+  if (since_s < kCommandShows_s) return "";
   const hal::HandState& hand = c_.readings.hand;
   if (hand.moving)
-    return c_.in_state_s() < limits.hand_timeout_s
+    return since_s < limits.hand_timeout_s
                ? ""
                : fmt::format("the hand is not open after {:.0f} s", limits.hand_timeout_s);
   for (std::size_t f = 0; f < hand.finger_rad.size(); ++f)
@@ -85,7 +102,7 @@ std::optional<TaskEvent> ApproachPhase::halt() const {
 }
 
 void ApproachPhase::resume_after_restart() {
-  if (leg_ != Leg::None) c_.arm.resume();
+  if (leg_ == Leg::Transit || leg_ == Leg::Straight) c_.arm.resume();
 }
 
 bool ApproachPhase::abandon() {

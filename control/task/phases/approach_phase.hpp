@@ -11,7 +11,8 @@ namespace colift::control {
 /// at rest on the path while the camera is lost. With a hand that does not open nothing approaches.
 class ApproachPhase {
  public:
-  enum class Leg { None, Transit, Straight };  ///< None: not under way, or the arm could not start.
+  /// None: not under way, or the arm could not start. Announced: at rest, about to set out.
+  enum class Leg { None, Announced, Transit, Straight };
 
   ApproachPhase(TaskContext& context, PartnerMonitor& partner) : c_(context), partner_(partner) {}
 
@@ -32,6 +33,8 @@ class ApproachPhase {
   [[nodiscard]] Leg leg() const { return leg_; }
 
  private:
+  /// Opens the hand and sets out, once that was announced.
+  void set_out_when_announced();
   /// Why the hand counts as one that does not open; empty: it is open, or still at it.
   [[nodiscard]] std::string hand_stays_closed() const;
 
@@ -39,7 +42,8 @@ class ApproachPhase {
   PartnerMonitor& partner_;
   Leg leg_ = Leg::None;
   bool set_out_ = false;
-  std::string refusal_;  ///< Of the hand to open.
+  std::string refusal_;          ///< Of the hand to open.
+  hal::Timestamp opened_at_{0};  ///< When the hand was asked to open.
 };
 
 }  // namespace colift::control

@@ -25,6 +25,7 @@ std::optional<TaskEvent> BackOffPhase::back_off() {
     if (!c_.arm.at_rest()) return std::nullopt;
     if (!set_out_) return back("the arm had not moved");
     if (follows_partner && !near_object_) return back("at rest, clear of the object");
+    if (!c_.may_begin(Motion::Return)) return std::nullopt;
     c_.arm.back(c_.config.task.empty_hand.back_off_scale);
     leg_ = Leg::Backwards;
     return std::nullopt;

@@ -89,9 +89,10 @@ std::optional<TaskEvent> GripPhase::await_ready() {
     if (auto gone = let_go()) return gone;
   if (c_.in_state_s() > c_.config.task.grip.ready_timeout_s)
     return TaskEvent{Event::TimeOut, "the partner does not come to rest"};
-  if (c_.in_state_s() < c_.config.task.ready_s ||
-      c_.session.tracker().state() != perception::PartnerTracker::State::Holding)
-    return std::nullopt;
+  if (c_.session.tracker().state() != perception::PartnerTracker::State::Holding) return std::nullopt;
+  const double ready_s = c_.config.task.ready_s;
+  const bool soon = c_.in_state_s() >= ready_s - c_.config.task.intent_lead_s;
+  if (!soon || !c_.may_begin(Motion::Lift) || c_.in_state_s() < ready_s) return std::nullopt;
   c_.role = LiftController::Role::Lead;
   return TaskEvent{c_.config.test_lift.on ? Event::TestDue : Event::PartnerReady,
                    fmt::format("the partner has held still for {:.1f} s: the robot leads", c_.in_state_s())};

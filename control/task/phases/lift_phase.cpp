@@ -15,11 +15,20 @@ constexpr double kMinLever =
 }  // namespace
 
 void LiftPhase::begin_lift(Task from) {
-  const TaskConfig& task = c_.config.task;
   c_.attempts.lifted = true;
-  moved_at_ = c_.now;
   evidence_.start_lift();
-  if (from == Task::TestLift || from == Task::Pause) {
+  from_ = from;
+  raises_ = false;
+  (void)raised();
+}
+
+bool LiftPhase::raised() {
+  if (raises_) return true;
+  if (c_.role == LiftController::Role::Lead && !c_.may_begin(Motion::Lift)) return false;
+  raises_ = true;
+  const TaskConfig& task = c_.config.task;
+  moved_at_ = c_.now;
+  if (from_ == Task::TestLift || from_ == Task::Pause) {
     // what hung still when it was raised slowly is raised slowly
     const double left_m = task.lift_height_m - c_.arm.view().height_m;
     lift_s_ = std::max(task.lift_s, left_m / task.lift.tested_speed_m_s);
@@ -28,6 +37,7 @@ void LiftPhase::begin_lift(Task from) {
     lift_s_ = task.lift_s;
     c_.arm.start_lift(c_.role, task.lift_height_m, lift_s_);
   }
+  return true;
 }
 
 std::optional<TaskEvent> LiftPhase::lift() {
@@ -36,6 +46,10 @@ std::optional<TaskEvent> LiftPhase::lift() {
   evidence_.update();
   if (auto gone = partner_.let_go()) return gone;
   if (auto end = object_.end_of_reach()) return end;
+  if (!raised()) {
+    c_.doing = "announces the lift";
+    return std::nullopt;
+  }
   const ArmView& arm = c_.arm.view();
   c_.done = arm.height_m / c_.config.task.lift_height_m;
   c_.doing =
@@ -78,7 +92,8 @@ std::optional<TaskEvent> LiftPhase::hold() {
   if (auto limit = object_.beyond_limits()) return limit;
   if (auto partner = partner_gone_or_lowers()) return partner;
   if (auto lost = load_lost()) return lost;
-  if (c_.in_state_s() < hold_s) return std::nullopt;
+  if (c_.in_state_s() < hold_s - c_.config.task.intent_lead_s) return std::nullopt;
+  if (!c_.may_begin(Motion::Lower) || c_.in_state_s() < hold_s) return std::nullopt;
   return TaskEvent{Event::HoldOver, fmt::format("held for {:.1f} s", c_.in_state_s())};
 }
 
@@ -114,8 +129,19 @@ std::optional<TaskEvent> LiftPhase::load_lost() {
 void LiftPhase::begin_lower() {
   summarise_hold();
   moved_at_ = unsupported_at_ = c_.now;
-  seeks_ = found_ = false;
+  seeks_ = found_ = lowers_ = false;
+  // whoever comes here for a limit stands still while it is announced
+  if (!lowered()) c_.arm.pause();
+}
+
+bool LiftPhase::lowered() {
+  if (lowers_) return true;
+  const bool follows = c_.arm.view().role == LiftController::Role::Follow;
+  if (!follows && !c_.may_begin(Motion::Lower)) return false;
+  lowers_ = true;
+  moved_at_ = unsupported_at_ = c_.now;
   c_.arm.lower();
+  return true;
 }
 
 std::optional<TaskEvent> LiftPhase::lower() {
@@ -124,6 +150,10 @@ std::optional<TaskEvent> LiftPhase::lower() {
   evidence_.update();
   if (auto gone = partner_.let_go()) return gone;
   if (auto end = object_.end_of_reach()) return end;
+  if (!lowered()) {
+    c_.doing = "announces that the object is lowered";
+    return std::nullopt;
+  }
   c_.done = 1.0 - c_.arm.view().height_m / std::max(c_.config.task.lift_height_m, 1e-3);
   c_.doing = seeks_ ? "sets the object down" : "lowers together with the partner";
   return judge_lowering();

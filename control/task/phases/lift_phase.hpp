@@ -25,6 +25,9 @@ class LiftPhase {
   [[nodiscard]] std::optional<TaskEvent> lower();
 
  private:
+  /// Starts the arm once that was announced; who follows the partner starts at once.
+  [[nodiscard]] bool raised();
+  [[nodiscard]] bool lowered();
   /// The commanded height has been reached for a moment.
   [[nodiscard]] bool settled();
   [[nodiscard]] std::optional<TaskEvent> partner_gone_or_lowers();
@@ -39,6 +42,8 @@ class LiftPhase {
   LetGoMonitor& partner_;
   LiftEvidence& evidence_;
   double lift_s_ = 0.0;                             ///< That this lift takes.
+  Task from_ = Task::AwaitReady;                    ///< Where this lift began.
+  bool raises_ = false, lowers_ = false;            ///< The arm was started.
   hal::Timestamp moved_at_{0}, unsupported_at_{0};  ///< The palm; the object without the ground: last time.
   double mean_load_n_ = NAN;                        ///< Slow mean while held.
   hal::Timestamp carried_at_{0};                    ///< When the hand last carried something.

@@ -10,13 +10,21 @@ namespace {
 
 // the hand's state shows a command some cycles later: before, it may look as if it had ended already
 constexpr double kCommandShows_s = 0.2;
+constexpr int kMaxUnloadings = 3;      // of one release, when the object is raised again and again
 constexpr double kGateFraction = 0.9;  // of the last gate's velocity limit, so that it never brakes a plan
 
 }  // namespace
 
 void RetreatPhase::begin_release() {
+  unloadings_ = 0;
+  if (!is_supported()) return start_unloading();
+  opening_ = Opening::Announced;
+  (void)open_when_announced();
+}
+
+void RetreatPhase::start_unloading() {
+  ++unloadings_;
   unsupported_at_ = c_.now;
-  if (is_supported()) return open();
   // what a closing hand has lifted by millimetres is set down again before it opens
   opening_ = Opening::Unloading;
   const CarryConfig& carry = c_.config.task.carry;
@@ -38,13 +46,18 @@ std::optional<TaskEvent> RetreatPhase::unload() {
   c_.doing = "sets the object down before the hand opens";
   if (!is_supported()) unsupported_at_ = c_.now;
   if (hal::seconds(c_.now - unsupported_at_) >= carry.settle_s) {
-    open();
+    opening_ = Opening::Announced;
     c_.since = c_.now;
     return std::nullopt;
   }
   if (!c_.arm.lift_at_rest() && !c_.arm.end_of_reach()) return std::nullopt;
   if (hal::seconds(c_.now - c_.since) < carry.seek_m / carry.seek_speed_m_s + 2.0 * carry.settle_s)
     return std::nullopt;
+  return still_loaded();
+}
+
+TaskEvent RetreatPhase::still_loaded() const {
+  const CarryConfig& carry = c_.config.task.carry;
   const ArmView& arm = c_.arm.view();
   const double sideways_n = arm.wrench_W ? arm.wrench_W->force.head<2>().norm() : 0.0;
   return TaskEvent{Event::StillLoaded,
@@ -52,8 +65,23 @@ std::optional<TaskEvent> RetreatPhase::unload() {
                                arm.load_n, carry.standing_load_n, sideways_n, carry.max_release_force_n)};
 }
 
+std::optional<TaskEvent> RetreatPhase::open_when_announced() {
+  c_.doing = "announces that the hand opens";
+  if (!c_.may_begin(Motion::Open)) return std::nullopt;
+  if (is_supported()) {
+    open();
+    return std::nullopt;
+  }
+  // it was raised again meanwhile
+  if (unloadings_ >= kMaxUnloadings) return still_loaded();
+  c_.since = c_.now;
+  start_unloading();
+  return std::nullopt;
+}
+
 void RetreatPhase::open() {
   opening_ = Opening::Opening;
+  c_.since = c_.now;
   c_.arm.hold();
   c_.arm.unload();
   if (const auto opening = c_.robot.hand->release(); !opening) c_.note_device("hand", opening.error().text());
@@ -63,7 +91,9 @@ std::optional<TaskEvent> RetreatPhase::release() {
   const hal::HandState& hand = c_.readings.hand;
   const auto& without_puck = c_.readings.without_puck;
   if (opening_ == Opening::Unloading) return unload();
+  if (opening_ == Opening::Announced) return open_when_announced();
   c_.doing = "the fingers open";
+  const bool may_leave = c_.may_begin(Motion::Retreat);
   if (c_.in_state_s() > c_.config.task.grip.hand_timeout_s)
     return TaskEvent{Event::TimeOut, "the hand does not open"};
   if (hand.moving || hand.held || c_.in_state_s() < kCommandShows_s) return std::nullopt;
@@ -71,7 +101,7 @@ std::optional<TaskEvent> RetreatPhase::release() {
   bool open = true;
   for (std::size_t f = 0; f < hand.finger_rad.size(); ++f)
     open = open && (hand.finger_rad[f] < c_.config.task.grip.open_tolerance_rad || f == without_puck);
-  if (!open) return std::nullopt;
+  if (!open || !may_leave) return std::nullopt;
   return TaskEvent{Event::HandOpen, without_puck ? "as far as it answers" : ""};
 }
 

@@ -16,7 +16,7 @@ namespace colift::control {
 class RetreatPhase {
  public:
   enum class Leg { FromObject, Home };
-  enum class Opening { Unloading, Opening };
+  enum class Opening { Unloading, Announced, Opening };
 
   RetreatPhase(TaskContext& context, ObjectMonitor& object, GraspSelector& grasps, ScenePhase& scene,
                const LiftEvidence& evidence)
@@ -37,8 +37,12 @@ class RetreatPhase {
  private:
   /// The object is supported: nothing hangs in the hand, and nothing pulls at it.
   [[nodiscard]] bool is_supported() const;
+  void start_unloading();
   [[nodiscard]] std::optional<TaskEvent> unload();
+  /// Opens the hand once that was announced and nothing hangs in it.
+  [[nodiscard]] std::optional<TaskEvent> open_when_announced();
   void open();
+  [[nodiscard]] TaskEvent still_loaded() const;
   [[nodiscard]] bool start_home();
   [[nodiscard]] TaskEvent judge_at_home();
   /// The object was put down elsewhere: scene, candidates and test lifts become those of where it stands now.
@@ -52,6 +56,7 @@ class RetreatPhase {
   const LiftEvidence& evidence_;
   Opening opening_ = Opening::Unloading;
   hal::Timestamp unsupported_at_{0};
+  int unloadings_ = 0;  ///< Of this release.
   hal::JointVector home_rad_ = hal::JointVector::Zero();
   Leg leg_ = Leg::FromObject;
 };

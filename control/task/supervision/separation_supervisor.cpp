@@ -1,5 +1,7 @@
 #include "control/task/supervision/separation_supervisor.hpp"
 
+#include "control/monitor/separation.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,13 +11,14 @@
 namespace colift::control {
 namespace {
 
-constexpr double kPeakOfMean = 1.875;  // of a minimum-jerk profile's speed: 15/8
-constexpr double kArmMass_kg = 16.0;   // LWR 4+; half of it counts in a contact
-constexpr double kCarried_kg = 6.0;    // hand and a share of the object, as the reference table has them
-constexpr double kHandAt_m = 0.25;     // whose points are this near to the grasp is the partner
-constexpr double kBeside_m = 0.30;     // parts of him that are seen apart
-constexpr double kInside_m = 0.10;     // his hand reaches so far over the edge towards the robot
-constexpr double kSmallChange = 0.02;  // of the speed scale: not worth a request
+constexpr double kPeakOfMean = 1.875;      // of a minimum-jerk profile's speed: 15/8
+constexpr double kArmMass_kg = 16.0;       // LWR 4+; half of it counts in a contact
+constexpr double kCarried_kg = 6.0;        // hand and a share of the object, as the reference table has them
+constexpr double kHandAt_m = 0.25;         // whose points are this near to the grasp is the partner
+constexpr double kBeside_m = 0.30;         // parts of him that are seen apart
+constexpr double kInside_m = 0.10;         // his hand reaches so far over the edge towards the robot
+constexpr double kSampleEvery_s = 0.0666;  // of the curves
+constexpr double kSmallChange = 0.02;      // of the speed scale: not worth a request
 
 hal::Vec3 flat(const hal::Vec3& v) {
   return {v.x(), v.y(), 0.0};
@@ -29,6 +32,8 @@ SeparationSupervisor::SeparationSupervisor(TaskContext& context)
 void SeparationSupervisor::start() {
   updated_at_ = c_.now;
   c_.record.monitor.on = c_.config.monitor.on;
+  c_.record.monitor.hold_distance_m = c_.config.monitor.hold_distance_m;
+  c_.record.monitor.slow_distance_m = slow_distance_m();
   if (!c_.config.monitor.on)
     c_.note_device("monitor",
                    "speed and separation monitoring is off: nobody near the arm is noticed; T1 speed");
@@ -72,6 +77,7 @@ void SeparationSupervisor::update(double image_age_s) {
       monitor_.state().nearest.who != Nearby::Thing) {
     asked_aside_ = true;
     c_.note_device("monitor", "asks to step aside: " + reason_);
+    c_.request("please step aside: " + reason_);
   }
   if (c_.readings.frame && c_.record.analysis && c_.record.analysis->scene.target) look(*c_.readings.frame);
 
@@ -88,6 +94,7 @@ void SeparationSupervisor::update(double image_age_s) {
     if (scale < 1.0) why = describe(state.nearest);
   }
   request(scale, std::move(why));
+  add_sample();
   if (path_obstructed()) c_.obstacles_W = seen_W_;
 }
 
@@ -99,6 +106,7 @@ void SeparationSupervisor::request(double scale, std::string why) {
   }
   const bool end = scale == 0.0 || scale == 1.0;
   if (!end && std::abs(scale - scale_) < kSmallChange) return;
+  if (held && is_moving(c_.state) && !c_.may_begin(Motion::Continue)) return;
   scale_ = scale;
   reason_ = std::move(why);
   c_.arm.set_scale(scale_);
@@ -106,6 +114,24 @@ void SeparationSupervisor::request(double scale, std::string why) {
   if (!is_moving(c_.state) || held == holds()) return;
   if (holds()) ++c_.record.monitor.stops;
   c_.note_device("monitor", holds() ? "the arm waits: " + reason_ : "the arm continues");
+}
+
+double SeparationSupervisor::slow_distance_m() const {
+  const MonitorConfig& config = c_.config.monitor;
+  return separation_distance(planned_speed_m_s(), config.person_speed_m_s, config.latency_s, config);
+}
+
+void SeparationSupervisor::add_sample() {
+  MonitorRecord& record = c_.record.monitor;
+  if (hal::seconds(c_.now - sampled_at_) < kSampleEvery_s || !c_.record.analysis) return;
+  sampled_at_ = c_.now;
+  SeparationSample s{hal::seconds(c_.now - c_.began), NAN, NAN, scale_};
+  for (const Neighbour& n : near_) {
+    double& nearest =
+        n.who == Nearby::Partner || n.who == Nearby::PartnerHand ? s.partner_distance_m : s.distance_m;
+    if (!(nearest <= n.distance_m)) nearest = n.distance_m;
+  }
+  record.curve.push_back(s);
 }
 
 // Of the fastest point of the arm, as planned: what the scale refers to.
@@ -250,6 +276,8 @@ void SeparationSupervisor::report(SeparationStatus& out) const {
   out.waits = holds() && is_moving(c_.state);
   out.reason = reason_;
   if (asked_aside_ && out.waits) out.reason += "; please step aside";
+  out.hold_distance_m = c_.config.monitor.hold_distance_m;
+  out.slow_distance_m = slow_distance_m();
   out.bodies = bodies_;
   out.compute_ms = compute_ms_;
   out.distance_m.reset();

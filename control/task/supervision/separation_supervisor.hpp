@@ -49,6 +49,9 @@ class SeparationSupervisor {
   [[nodiscard]] std::optional<hal::Vec3> partner_contact() const;
   [[nodiscard]] double planned_speed_m_s() const;
   void request(double scale, std::string why);
+  /// Distances at which a person stops and slows the arm (m).
+  [[nodiscard]] double slow_distance_m() const;
+  void add_sample();
 
   TaskContext& c_;
   SeparationMonitor monitor_;
@@ -61,6 +64,7 @@ class SeparationSupervisor {
   std::vector<SeparationStatus::Body> bodies_;
   std::vector<Eigen::Vector3f> seen_W_;  ///< Of the last frame, without the partner.
   hal::Timestamp updated_at_{0};
+  hal::Timestamp sampled_at_{0};
   double scale_ = 1.0, waited_s_ = 0.0, compute_ms_ = 0.0;
   bool asked_aside_ = false;
   std::string reason_;

@@ -3,6 +3,7 @@
 import { ChoicePanel } from "./choice_panel";
 import { LiveClient } from "./live_client";
 import type * as M from "./messages";
+import { PeoplePanel } from "./people_panel";
 import { PipelineStrip, escaped } from "./pipeline_strip";
 import { LoadPlots } from "./plots";
 import { SceneView } from "./scene_view";
@@ -14,6 +15,7 @@ const LOG_LINES = 300;
 const strip = new PipelineStrip($("strip"));
 const choice = new ChoicePanel($("because"), $("candidates"), $("reason"));
 const plots = new LoadPlots($("shares"), $("share-plot"), $("tilt-plot"));
+const people = new PeoplePanel($("near"), $("felt"), $("near-plot"), $("alarm"));
 const scene = new SceneView($<HTMLCanvasElement>("scene"), $("layers"));
 const client = new LiveClient();
 
@@ -22,6 +24,7 @@ function theme(name: string): void {
   localStorage.setItem("theme", name);
   scene.background(getComputedStyle(document.documentElement).getPropertyValue("--scene").trim());
   plots.rebuild();
+  people.rebuild();
 }
 theme(localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"));
 const otherTheme = () => theme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
@@ -35,6 +38,16 @@ function say(level: number, text: string, from: string): void {
   log.append(line);
   while (log.children.length > LOG_LINES) log.firstChild?.remove();
   log.scrollTop = log.scrollHeight;
+}
+
+/** What will move stands beside the state for a while. */
+let announced = 0;
+function announce(intent: M.Intent): void {
+  const chip = $("intent");
+  chip.textContent = intent.motion === null ? intent.says : `next: ${intent.says}`;
+  chip.hidden = false;
+  clearTimeout(announced);
+  announced = window.setTimeout(() => { chip.hidden = true; }, intent.motion === null ? 8000 : 2000);
 }
 
 const stop = $<HTMLButtonElement>("stop");
@@ -59,6 +72,7 @@ client.onReset = () => {
   strip.reset();
   choice.reset();
   plots.reset();
+  people.reset();
   scene.reset();
   $("log").innerHTML = "";
 };
@@ -67,9 +81,11 @@ client.on<M.TaskStatus>("/task/status", (s) => {
   $("state").textContent = s.state;
   $("waits").textContent = [s.doing || s.waits_for, s.partner_note].filter((t) => t).join(" · ");
   strip.status(s);
+  people.show(s);
   scene.robot.state(s.state);
 });
 client.on<M.TaskChange>("/task/change", (c) => strip.change(c));
+client.on<M.Intent>("/task/intent", (i) => announce(i));
 client.on<M.Decision>("/decision", (d) => choice.show(d));
 client.on<M.Plan>("/plan", (p) => scene.robot.show(p));
 client.on<M.Load>("/load", (l, at) => plots.add(l, at));
@@ -77,6 +93,7 @@ client.on<{ transforms: M.Transform[] }>("/tf", (m) => scene.transforms(m.transf
 client.on<M.JointStates>("/joint_states", (m) => scene.robot.joints(m));
 client.on<M.PointCloud>("/cloud", (m) => scene.cloud(m));
 client.on<M.SceneUpdate>("/map", (m) => scene.map(m));
+client.on<M.SceneUpdate>("/bodies", (m) => scene.bodies(m));
 client.on<M.SceneUpdate>("/scene", (m) => scene.update(m));
 client.on<M.Log>("/log", (m) => say(m.level, m.message, m.name));
 client.on<{ devices: M.Device[] }>("/devices", (m) => {

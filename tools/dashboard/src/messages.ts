@@ -7,8 +7,18 @@ export interface Colour { r: number; g: number; b: number; a: number }
 
 export interface TaskStatus {
   t: number; state: string; in_state_s: number; because: string; waits_for: string; doing: string;
-  done: number | null; partner: number[] | null; partner_note: string;
+  done: number | null; partner: number[] | null; partner_note: string; separation: Separation; force: Force;
 }
+export interface Body { id: number; partner: boolean; distance_m: number | null }
+export interface Separation {
+  on: boolean; speed_scale: number; waits: boolean; because: string; distance_m: number | null;
+  hold_distance_m: number; slow_distance_m: number; bodies: Body[];
+}
+export interface Force {
+  on: boolean; felt: number[]; sideways_limit_n: number | null; up_limit_n: number | null; down_limit_n: number | null;
+  exceeded: boolean;
+}
+export interface Intent { t: number; motion: string | null; in_s: number; says: string }
 export interface TaskChange { t: number; state: string; because: string }
 export interface Candidate {
   id: number; kind: string; position: number[]; approach: number[]; closing: number[]; width: number | null;

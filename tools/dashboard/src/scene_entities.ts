@@ -43,7 +43,7 @@ function label(word: string, pose: Pose, c: Colour): THREE.Sprite {
   context.beginPath();
   context.roundRect(4, 4, 248, 56, 20);
   context.fill();
-  context.font = "600 44px sans-serif";
+  context.font = `600 ${word.length > 10 ? 30 : 44}px sans-serif`;
   context.textAlign = "center";
   context.fillStyle = `#${new THREE.Color(c.r, c.g, c.b).multiplyScalar(0.25).getHexString()}`;
   context.fillText(word, 128, 46);
@@ -96,6 +96,11 @@ export function objectOf(entity: Entity): THREE.Group {
       new THREE.LineBasicMaterial({ color: new THREE.Color(l.color.r, l.color.g, l.color.b) }));
     place(line, l.pose);
     group.add(line);
+  }
+  const words = entity.metadata.find((m) => m.key === "label")?.value, box = entity.cubes[0];
+  if (words && box) {
+    const top = { ...box.pose, position: { ...box.pose.position, z: box.pose.position.z + box.size.z / 2 } };
+    group.add(label(words, top, box.color));
   }
   const name = LABELS[entity.id], first = entity.spheres[0] ?? entity.arrows[0];
   if (name && first) group.add(label(name, first.pose, entity.cubes[0]?.color ?? first.color));

@@ -1,4 +1,4 @@
-// The scene: robot, cloud, map, ground, target, surfaces, candidates, partner, way. z is up, metres, the robot's base frame.
+// The scene: robot, cloud, map, ground, target, surfaces, candidates, partner, people, way. z is up, metres, the robot's base frame.
 
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
@@ -6,8 +6,8 @@ import { type PointCloud, type SceneUpdate, type Transform, bytesOf } from "./me
 import { cellsOf, dispose, objectOf, place } from "./scene_entities";
 import { RobotView } from "./robot_view";
 
-const LAYERS = ["robot", "cloud", "map", "unseen", "ground", "target", "surfaces", "candidates", "partner", "gripper",
-  "way"] as const;
+const LAYERS = ["robot", "cloud", "map", "unseen", "ground", "target", "surfaces", "candidates", "partner", "people",
+  "gripper", "way"] as const;
 type Layer = (typeof LAYERS)[number];
 /** Not there at first: they cover what is more asked for. */
 const HIDDEN: Layer[] = ["unseen", "surfaces"];
@@ -138,6 +138,12 @@ export class SceneView {
       const unseen = entity.id === "hidden";
       this.layers.get(unseen ? "unseen" : "map")!.add(cellsOf(entity, unseen ? 1 : 0.85));
     }
+  }
+
+  /** Everybody near the arm, as boxes. */
+  bodies(message: SceneUpdate): void {
+    this.clear("people");
+    for (const entity of message.entities) this.layers.get("people")!.add(objectOf(entity));
   }
 
   update(message: SceneUpdate): void {

@@ -134,7 +134,18 @@ Json separation() {
                  {"waits", boolean()},
                  {"because", text("why the arm is slowed or waits")},
                  {"distance_m", maybe("of the nearest body")},
+                 {"hold_distance_m", number("a person nearer than that stops the arm")},
+                 {"slow_distance_m", number("a person nearer than that slows it")},
                  {"bodies", list(body())}});
+}
+
+Json force() {
+  return object({{"on", boolean()},
+                 {"felt", list(number("N, on the hand, in world"))},
+                 {"sideways_limit_n", maybe("horizontal; null: the empty hand's contact threshold counts")},
+                 {"up_limit_n", maybe()},
+                 {"down_limit_n", maybe()},
+                 {"exceeded", boolean()}});
 }
 
 Json status() {
@@ -147,7 +158,15 @@ Json status() {
                  {"done", maybe("progress of the state, 0 to 1")},
                  {"partner", maybe_point()},
                  {"partner_note", text()},
-                 {"separation", separation()}});
+                 {"separation", separation()},
+                 {"force", force()}});
+}
+
+Json intent() {
+  return object({{"t", number("s since the start of the run")},
+                 {"motion", {{"type", {"string", "null"}}, {"description", "null: a request to a person"}}},
+                 {"in_s", number("it begins this much later, or later still")},
+                 {"says", text()}});
 }
 
 Json change() {
@@ -302,8 +321,10 @@ std::vector<ChannelInfo> all() {
   add(Topic::Cloud, "/cloud", "foxglove.PointCloud", cloud());
   add(Topic::Scene, "/scene", "foxglove.SceneUpdate", scene());
   add(Topic::Map, "/map", "foxglove.SceneUpdate", scene());
+  add(Topic::Bodies, "/bodies", "foxglove.SceneUpdate", scene());
   add(Topic::Log, "/log", "foxglove.Log", log());
   add(Topic::Status, "/task/status", "colift.TaskStatus", status());
+  add(Topic::Intent, "/task/intent", "colift.Intent", intent());
   add(Topic::Change, "/task/change", "colift.TaskChange", change());
   add(Topic::Decision, "/decision", "colift.Decision", decision());
   add(Topic::Plan, "/plan", "colift.Plan", plan());

@@ -19,8 +19,10 @@ enum class Topic : std::uint8_t {
   Cloud,        ///< foxglove.PointCloud: every fourth pixel in both directions, once a second.
   Scene,        ///< foxglove.SceneUpdate: ground, target, surfaces, candidates, partner, grasp, way.
   Map,          ///< foxglove.SceneUpdate: the collision world's cells near the robot, once it is made.
+  Bodies,       ///< foxglove.SceneUpdate: everybody near the arm, with distance and velocity.
   Log,          ///< foxglove.Log.
   Status,       ///< colift.TaskStatus, 30 a second.
+  Intent,       ///< colift.Intent: what will move, before it does; requests to people.
   Change,       ///< colift.TaskChange, for each change of state.
   Decision,     ///< colift.Decision: the choice, and every candidate with its verdict.
   Plan,         ///< colift.Plan: the way's length and its postures.

@@ -92,7 +92,17 @@ Json separation(const control::SeparationStatus& s) {
           {"waits", s.waits},
           {"because", s.reason},
           {"distance_m", number_json(s.distance_m)},
+          {"hold_distance_m", s.hold_distance_m},
+          {"slow_distance_m", s.slow_distance_m},
           {"bodies", std::move(bodies)}};
+}
+
+Json force(const control::ForceStatus& f) {
+  Json j = {{"on", f.on}, {"felt", list_of(f.felt_W)}, {"exceeded", f.exceeded}};
+  j["sideways_limit_n"] = f.limits ? Json(f.limits->sideways_n) : Json(nullptr);
+  j["up_limit_n"] = f.limits ? Json(f.limits->up_n) : Json(nullptr);
+  j["down_limit_n"] = f.limits ? Json(f.limits->down_n) : Json(nullptr);
+  return j;
 }
 
 std::string status_message(const control::JobStatus& s) {
@@ -105,7 +115,15 @@ std::string status_message(const control::JobStatus& s) {
                  {"done", number_json(s.done)},
                  {"partner", point(s.partner_W)},
                  {"partner_note", s.partner_note},
-                 {"separation", separation(s.separation)}});
+                 {"separation", separation(s.separation)},
+                 {"force", force(s.force)}});
+}
+
+std::string intent_message(const control::Intent& intent) {
+  return dumped({{"t", hal::seconds(intent.at)},
+                 {"motion", intent.motion ? Json(control::to_string(*intent.motion)) : Json(nullptr)},
+                 {"in_s", intent.in_s},
+                 {"says", intent.says}});
 }
 
 std::string change_message(const control::StateChange& c) {

@@ -38,6 +38,7 @@ enum class Level { Debug = 1, Info = 2, Warning = 3, Error = 4 };
                                       const std::string& text);
 
 [[nodiscard]] std::string status_message(const control::JobStatus& status);
+[[nodiscard]] std::string intent_message(const control::Intent& intent);
 [[nodiscard]] std::string change_message(const control::StateChange& change);
 
 struct NamedHealth {
@@ -103,6 +104,9 @@ struct SceneView {
 };
 [[nodiscard]] SceneView scene_view(const control::SceneAnalysis& analysis);
 [[nodiscard]] std::string scene_message(hal::Timestamp at, const SceneView& scene);
+
+/// Everybody near the arm: "body 3" with its box, its velocity as an arrow of half a second, and words.
+[[nodiscard]] std::string bodies_message(hal::Timestamp at, const control::SeparationStatus& separation);
 
 /// A part of the collision world, small enough to be sent: the cells near the robot, copied.
 struct MapView {

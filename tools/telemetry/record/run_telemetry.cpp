@@ -58,7 +58,8 @@ struct RunTelemetry::Impl {
   std::uint64_t answers = 0, lost_before = 0;
   std::optional<hal::Timestamp> last_measured;
   // what was told already
-  std::size_t states_told = 0, faults_told = 0;
+  std::size_t states_told = 0, faults_told = 0, intents_told = 0;
+  bool bodies_told = false;
   bool look_told = false, map_told = false, plan_told = false;
   std::optional<Task> state;
   SceneView scene;
@@ -244,6 +245,13 @@ struct RunTelemetry::Impl {
       log(at, Level::Warning, note.device, note.what);
       fault(note.device + ": " + note.what);
     }
+    for (; intents_told < record.intents.size(); ++intents_told) {
+      const control::Intent intent = record.intents[intents_told];
+      publish(Topic::Intent, at, [intent] { return intent_message(intent); });
+      log(at, Level::Info, "intent",
+          intent.motion ? fmt::format("in {:.1f} s: {}", intent.in_s, intent.says) : intent.says);
+    }
+    tell_bodies(at, s.separation);
     control::JobStatus kept = s;
     kept.record = nullptr;
     kept.map = nullptr;
@@ -252,6 +260,13 @@ struct RunTelemetry::Impl {
     if (setting.known_mass_kg > 0.0 && control::is_loaded(s.state))
       load.share = view.load_n / (setting.known_mass_kg * hal::kGravity_m_s2);
     publish(Topic::Load, at, [load] { return load_message(load); });
+  }
+
+  /// Once more when nobody is there any longer.
+  void tell_bodies(hal::Timestamp at, const control::SeparationStatus& separation) {
+    if (separation.bodies.empty() && !bodies_told) return;
+    bodies_told = !separation.bodies.empty();
+    publish(Topic::Bodies, at, [at, separation] { return bodies_message(at, separation); });
   }
 
   void fault(const std::string& why) const {

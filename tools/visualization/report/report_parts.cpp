@@ -125,6 +125,10 @@ std::string report_paragraphs(const std::vector<std::string>& paragraphs) {
   return out;
 }
 
+std::string report_warning(const std::string& sentence) {
+  return fmt::format("<p class=\"warning\">{}</p>\n", html_escaped(sentence));
+}
+
 std::string report_figure(const ReportPicture& picture) {
   return fmt::format(
       "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",

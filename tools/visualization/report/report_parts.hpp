@@ -36,6 +36,8 @@ struct ReportTable {
 [[nodiscard]] std::string report_heading(const std::string& heading);
 /// Paragraphs, the first one larger.
 [[nodiscard]] std::string report_paragraphs(const std::vector<std::string>& paragraphs);
+/// In red: what nobody may overlook.
+[[nodiscard]] std::string report_warning(const std::string& sentence);
 [[nodiscard]] std::string report_figure(const ReportPicture& picture);
 /// Pictures beside each other where the page is wide enough.
 [[nodiscard]] std::string report_figures(const std::vector<ReportPicture>& pictures);

@@ -13,6 +13,7 @@ h1{font-size:1.8rem;line-height:1.2;margin:0 0 1rem}
 h2{font-size:1.15rem;margin:2.25rem 0 .6rem}
 p{max-width:46rem;margin:.5rem 0}
 .lead{font-size:1.12rem}
+.warning{font-size:1.12rem;font-weight:600;color:#fff;background:#b3261e;padding:.5rem .8rem;border-radius:.4rem}
 figure{margin:1.5rem 0}
 img{max-width:100%;height:auto;border:1px solid var(--rule);border-radius:6px;background:#fff}
 figcaption{color:var(--soft);font-size:.92rem;margin-top:.35rem}

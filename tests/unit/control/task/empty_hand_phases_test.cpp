@@ -13,7 +13,7 @@ using namespace colift::control::test;
 namespace {
 
 struct EmptyHand : PhaseRig {
-  explicit EmptyHand(const Config& config = {}) : PhaseRig(config) {
+  explicit EmptyHand(const Config& config = unannounced()) : PhaseRig(config) {
     make_plan();
     make_decision();
     retreat.set_home(home());
@@ -289,4 +289,28 @@ TEST_CASE("a retreat goes from the object, then home, and says how the job stand
   CHECK(event->detail == attempts.failure);
   CHECK(rig.retreat.leg() == RetreatPhase::Leg::Home);
   CHECK(rig.off(home()) < 0.01);
+}
+
+TEST_CASE("neither arm nor hand moves before it was announced for half a second", "[phases]") {
+  EmptyHand rig(Config{});
+  rig.begin_approach();
+  CHECK_FALSE(rig.run([&] { return rig.approach.approach(); }, 0.45));
+  CHECK(rig.approach.leg() == ApproachPhase::Leg::Announced);
+  CHECK(rig.hand->commands.empty());
+  CHECK(rig.off(home()) == 0.0);
+  const auto arrived = rig.run([&] { return rig.approach.approach(); });
+  REQUIRE(arrived);
+  CHECK(arrived->event == Event::Arrived);
+
+  rig.hand->commands.clear();
+  rig.enter(Task::Release);
+  rig.retreat.begin_release();
+  CHECK_FALSE(rig.run([&] { return rig.retreat.release(); }, 0.45));
+  CHECK(rig.hand->commands.empty());
+  (void)rig.run([&] { return rig.retreat.release(); }, 0.2);
+  CHECK(rig.hand->commands == std::vector<std::string>{"release"});
+
+  std::vector<Motion> motions;
+  for (const Intent& intent : rig.c->record.intents) motions.push_back(intent.motion.value());
+  CHECK(motions == std::vector{Motion::Approach, Motion::Close, Motion::Open, Motion::Retreat});
 }

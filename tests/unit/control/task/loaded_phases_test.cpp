@@ -14,7 +14,7 @@ using namespace colift::control::test;
 namespace {
 
 struct Loaded : PhaseRig {
-  explicit Loaded(const Config& config = {}) : PhaseRig(config) {
+  explicit Loaded(const Config& config = unannounced()) : PhaseRig(config) {
     make_decision();
     hand->now.held = true;
     c->arm.expect(HandLoad::Carried);
@@ -181,7 +181,7 @@ TEST_CASE("a load that jumps while the object is held means that the partner let
 }
 
 TEST_CASE("after a test lift the rest is lifted slowly", "[phases]") {
-  Config config;
+  Config config = unannounced();
   config.task.slow_fraction = 1.0;  // there is no camera here, which slows every lift
   Loaded rig(config);
   rig.enter(Task::Lift);
@@ -256,4 +256,24 @@ TEST_CASE("a load that vanishes in the air is an object that was lost", "[phases
   const auto event = rig.run([&] { return rig.lift.hold(); }, 0.8);
   REQUIRE(event);
   CHECK(event->event == Event::HandEmpty);
+}
+
+TEST_CASE("a lift that meets a limit stands still while it is announced that it goes down", "[phases]") {
+  Config config;
+  config.task.slow_fraction = 1.0;  // there is no camera here, which slows every lift
+  Loaded rig(config);
+  rig.enter(Task::Lift);
+  rig.lift.begin_lift(Task::AwaitReady);
+  CHECK_FALSE(rig.run([&] { return rig.lift.lift(); }, 0.45));
+  CHECK(rig.c->arm.view().height_m < 1e-4);
+  CHECK_FALSE(rig.run([&] { return rig.lift.lift(); }, 1.5));
+  const double height_m = rig.c->arm.view().height_m;
+  CHECK(height_m > 0.01);
+  rig.enter(Task::Lower);
+  rig.lift.begin_lower();
+  (void)rig.run([&] { return rig.lift.lower(); }, 0.45);
+  CHECK(rig.c->arm.view().height_m > height_m - 0.002);
+  CHECK(rig.c->record.intents.back().motion == Motion::Lower);
+  (void)rig.run([&] { return rig.lift.lower(); }, 1.5);
+  CHECK(rig.c->arm.view().height_m < height_m - 0.005);
 }

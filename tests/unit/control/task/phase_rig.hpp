@@ -90,8 +90,15 @@ inline planner::Trajectory trajectory(const JointVector& from, const JointVector
   return planner::make_trajectory(std::vector{from, to}, planner::MotionLimits{}, 0.0).value();
 }
 
+/// Phases that begin at once; announcements have tests of their own.
+inline Config unannounced() {
+  Config config;
+  config.task.intent_lead_s = 0.0;
+  return config;
+}
+
 struct PhaseRig {
-  explicit PhaseRig(const Config& config = {}, const JobOptions& options = {}) {
+  explicit PhaseRig(const Config& config = unannounced(), const JobOptions& options = {}) {
     sim_hal::ArmScript script;
     script.start_rad = home();
     script.external_nm = [this](hal::Timestamp, const JointVector&) { return external_nm; };

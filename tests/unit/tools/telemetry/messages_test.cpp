@@ -88,6 +88,20 @@ TEST_CASE("every message is what its schema says", "[messages]") {
   check_message(Topic::Change, change_message({at, control::Task::Lift, "because"}));
   status.partner_W = hal::Vec3(1, 2, 3);
   check_message(Topic::Status, status_message(status));
+  status.force.limits = control::ForceLimits{60, 35, 100, 25};
+  control::SeparationStatus::Body body;
+  body.id = 3;
+  body.box.extend(hal::Vec3(0.2, -1.0, 0.0));
+  body.box.extend(hal::Vec3(0.6, -0.6, 1.7));
+  body.velocity_m_s = {0.0, 1.0, 0.0};
+  body.distance_m = 0.62;
+  status.separation.bodies.push_back(body);
+  check_message(Topic::Status, status_message(status));
+  check_message(Topic::Bodies, bodies_message(hal::Timestamp(0), status.separation));
+  CHECK(bodies_message(hal::Timestamp(0), status.separation).find("body 3, 0.62 m") != std::string::npos);
+  check_message(Topic::Intent,
+                intent_message({hal::Timestamp(0), control::Motion::Lift, 0.5, "lifts the object"}));
+  check_message(Topic::Intent, intent_message({hal::Timestamp(0), std::nullopt, 0.0, "please step aside"}));
   check_message(Topic::Devices, devices_message({{"arm", {}}}));
   check_message(Topic::Timing, timing_message({10, 1, 0, 2.0, {}, {}}));
   check_message(Topic::Stages, stages_message({}, 1.0, {}));
