@@ -28,6 +28,9 @@ constexpr std::string_view kReachEnds =
 constexpr std::string_view kAlone =
     "the partner let go while the object was carried; holds, the grip stays closed, asks him to grasp again";
 
+constexpr std::string_view kStaysNear = "somebody stayed near the arm for too long; holds";
+constexpr std::string_view kStaysNearLoaded =
+    "somebody stayed near the arm for too long; holds, the grip stays closed; lower the object on request";
 constexpr std::string_view kStalled =
     "the job's thread stood still while the arm moved; holds, the grip stays as it is";
 
@@ -84,6 +87,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Approach, CameraLost, Halt, "camera lost: cannot check the path, stopped"},
     {Approach, Blocked, Yield, kHit},
     {Approach, TimeOut, Stopped, "timeout: the arm did not arrive; holds"},
+    {Approach, StaysNear, Stopped, kStaysNear},
     {Approach, Stalled, Stopped, kStalled},
     {Approach, ArmLost, Stopped, kArmGone},
     {Approach, HandLost, Stopped, kHandGone},
@@ -102,6 +106,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {BackOff, CameraLost, Halt, "camera lost: cannot check the path, stopped"},
     {BackOff, Blocked, Yield, kHit},
     {BackOff, TimeOut, Stopped, "timeout: did not reach home; holds"},
+    {BackOff, StaysNear, Stopped, kStaysNear},
     {BackOff, Stalled, Stopped, kStalled},
     {BackOff, ArmLost, Stopped, kArmGone},
     {BackOff, HandLost, Stopped, kHandGone},
@@ -151,6 +156,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {TestLift, PartnerLetGo, Pause, kAlone},
     {TestLift, HandEmpty, Stopped, kFell},
     {TestLift, Blocked, Yield, kPushed},
+    {TestLift, StaysNear, Stopped, kStaysNearLoaded},
     {TestLift, Stalled, Stopped, kStalled},
     {TestLift, ArmLost, Stopped, kArmGone},
     {TestLift, HandLost, Stopped, kHandGone},
@@ -165,6 +171,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Lift, PartnerLetGo, Pause, kAlone},
     {Lift, HandEmpty, Stopped, kFell},
     {Lift, Blocked, Yield, kPushed},
+    {Lift, StaysNear, Stopped, kStaysNearLoaded},
     {Lift, Stalled, Stopped, kStalled},
     {Lift, ArmLost, Stopped, kArmGone},
     {Lift, HandLost, Stopped, kHandGone},
@@ -191,6 +198,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Lower, PartnerLetGo, Pause, kAlone},
     {Lower, HandEmpty, Stopped, kFell},
     {Lower, Blocked, Yield, kPushed},
+    {Lower, StaysNear, Stopped, kStaysNearLoaded},
     {Lower, Stalled, Stopped, kStalled},
     {Lower, ArmLost, Stopped, kArmGone},
     {Lower, HandLost, Stopped, kHandGone},
@@ -227,6 +235,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Retreat, BackInVain, Aborted, "at home without the goal"},
     {Retreat, Blocked, Yield, kHit},
     {Retreat, TimeOut, Stopped, "timeout: did not reach home; holds"},
+    {Retreat, StaysNear, Stopped, kStaysNear},
     {Retreat, Stalled, Stopped, kStalled},
     {Retreat, ArmLost, Stopped, kArmGone},
     {Retreat, HandLost, Stopped, kHandGone},
@@ -338,6 +347,8 @@ std::string_view word(Event event) {
       return "arrived";
     case PathObstructed:
       return "path obstructed";
+    case StaysNear:
+      return "stays near";
     case Blocked:
       return "blocked";
     case HandHeld:

@@ -48,6 +48,7 @@ enum class Event {
   NoPath,
   Arrived,
   PathObstructed,  ///< PathObstructed: somebody or something stays in the path; another one is to be planned.
+  StaysNear,       ///< StaysNear: the arm has waited for somebody for as long as it waits for anybody.
   Blocked,         ///< Blocked: unexpected contact, or the arm does not follow.
   HandHeld,
   HandEmpty,

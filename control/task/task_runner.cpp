@@ -136,7 +136,7 @@ std::optional<TaskEvent> TaskRunner::emergency(const JobHooks& hooks) const {
   if (c_.readings.camera_lost) return TaskEvent{Event::CameraLost, "the camera gives no picture"};
   if (auto obstructed = separation_.path_obstructed(); obstructed && next(c_.state, obstructed->event))
     return obstructed;
-  if (separation_.waited_too_long()) return TaskEvent{Event::TimeOut, separation_.reason()};
+  if (separation_.waited_too_long()) return TaskEvent{Event::StaysNear, separation_.reason()};
   const hal::HandState& hand = c_.readings.hand;
   if (hand.hot && !is_loaded(c_.state)) return TaskEvent{Event::HandUnfit, hand.warning.str()};
   return std::nullopt;
