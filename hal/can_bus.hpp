@@ -54,7 +54,7 @@ class CanBus {
   [[nodiscard]] virtual Result<> open() = 0;
   virtual void close() noexcept = 0;
 
-  /// Waits for the next frame, no longer than `patience`; zero only looks.
+  /// Waits for the next frame, no longer than `timeout`; zero only looks.
   [[nodiscard]] virtual Received receive(CanFrame& into, Duration timeout) noexcept = 0;
 
   /// Never waits. Full: the frame is known not to be sent.

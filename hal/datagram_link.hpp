@@ -39,7 +39,7 @@ class DatagramLink {
   [[nodiscard]] virtual Result<> open() = 0;
   virtual void close() noexcept = 0;
 
-  /// Waits for a datagram, no longer than `patience`; zero only looks. Real-time safe.
+  /// Waits for a datagram, no longer than `timeout`; zero only looks. Real-time safe.
   [[nodiscard]] virtual Datagram receive(std::span<std::byte> into, Duration timeout) noexcept = 0;
 
   /// False when it could not be sent: nothing is queued then. Real-time safe, never waits.

@@ -36,7 +36,7 @@ struct DepthFrame {
 class DepthCamera : public Device {
  public:
   /// Waits for a frame newer than the last one returned.
-  /// Errors: Timeout (none within `patience`), LinkLost (unplugged or end of recording; configure() again).
+  /// Errors: Timeout (none within `timeout`), LinkLost (unplugged or end of recording; configure() again).
   /// Call from one thread only. Allocates, so keep it off the real-time thread.
   [[nodiscard]] virtual Result<DepthFrame> next_frame(std::chrono::milliseconds timeout) = 0;
 };

@@ -352,7 +352,7 @@ std::optional<Recovery::Finding> Recovery::prepare_home() {
   }
   planned_ = false;
   if (why.empty()) {
-    if (auto seen = session.understand(posture()); !seen) {
+    if (auto seen = session.analyse_scene(posture()); !seen) {
       why = seen.error().detail;
     } else if (const auto& ground = session.analysis().scene.ground; !ground) {
       why = session.analysis().reason;

@@ -85,8 +85,8 @@ class FastPipeline final : public Pipeline {
     return finder->find(deproject(frame, analysis.cloud.X_WC));
   }
 
-  [[nodiscard]] hal::Result<std::unique_ptr<PartnerSight>> watch_partner(const ReferenceView& reference,
-                                                                         const Config& c) const override {
+  [[nodiscard]] hal::Result<std::unique_ptr<PartnerSight>> observe_partner(const ReferenceView& reference,
+                                                                           const Config& c) const override {
     const Scene& scene = reference.analysis.scene;
     auto finder = PartnerFinder::make(reference.image, *scene.target, *scene.ground, c.noise, c.partner);
     if (!finder) return tl::unexpected(finder.error());

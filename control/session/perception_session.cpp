@@ -104,7 +104,7 @@ struct PerceptionSession::Impl {
   }
 
   hal::Result<> make_finders(const perception::ReferenceImage& reference) {
-    auto sight = pipeline->watch_partner({reference, analysis, robot_hid}, config);
+    auto sight = pipeline->observe_partner({reference, analysis, robot_hid}, config);
     if (!sight) return tl::unexpected(sight.error());
     partner_sight = std::move(*sight);
     perception::Target target = *analysis.scene.target;
@@ -155,7 +155,7 @@ void PerceptionSession::forget_reference() {
   impl_->reference_frames.clear();
 }
 
-hal::Result<> PerceptionSession::understand(const RobotPosture& robot) {
+hal::Result<> PerceptionSession::analyse_scene(const RobotPosture& robot) {
   Impl& i = *impl_;
   const auto reference =
       perception::build_reference(i.reference_frames, i.rig.X_WC, i.config.noise, i.config.partner.reference);
@@ -198,7 +198,7 @@ const perception::WorldMap& PerceptionSession::map() const {
   return impl_->map;
 }
 
-hal::Result<Sight> PerceptionSession::watch_partner(hal::DepthFrame frame, const RobotPosture& robot) {
+hal::Result<Sight> PerceptionSession::observe_partner(hal::DepthFrame frame, const RobotPosture& robot) {
   Impl& i = *impl_;
   Sight out;
   const hal::Timestamp start = i.stopwatch.now();
@@ -236,7 +236,7 @@ const std::vector<Eigen::Vector3f>& PerceptionSession::partner_points() const {
   return impl_->partner_points;
 }
 
-BodySighting PerceptionSession::watch_bodies(const hal::DepthFrame& frame, const RobotPosture& robot) {
+BodySighting PerceptionSession::observe_bodies(const hal::DepthFrame& frame, const RobotPosture& robot) {
   Impl& i = *impl_;
   if (!i.body_finder || !i.follower) return {};
   if (!i.body_filter) {

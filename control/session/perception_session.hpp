@@ -66,11 +66,11 @@ class PerceptionSession {
   /// Makes scene, candidates, collision map and partner finder from the collected frames. Whether there is
   /// something to carry stands in the look. Errors: NotFound (the frames show nothing, or things moved
   /// meanwhile), BadInput.
-  [[nodiscard]] hal::Result<> understand(const RobotPosture& robot);
+  [[nodiscard]] hal::Result<> analyse_scene(const RobotPosture& robot);
 
   /// The object was put down elsewhere; X takes a point of it from where it stood to where it stands (W, a
   /// few centimetres). The scene is taken as if it had been seen so: everything is made anew. Errors: as
-  /// understand().
+  /// analyse_scene().
   [[nodiscard]] hal::Result<> object_moved(const hal::Pose& X_Wnow_Wthen, const RobotPosture& robot);
 
   [[nodiscard]] SceneAnalysis& analysis();
@@ -80,7 +80,7 @@ class PerceptionSession {
   /// Looks for the partner's hands; the tracker turns touches into events. A method that is too slow for
   /// every frame looks at some; in between its last sighting is returned, and the tracker hears of nothing.
   /// Errors: NotFound before there is an object, and the method's.
-  [[nodiscard]] hal::Result<Sight> watch_partner(hal::DepthFrame frame, const RobotPosture& robot);
+  [[nodiscard]] hal::Result<Sight> observe_partner(hal::DepthFrame frame, const RobotPosture& robot);
   /// The camera gave nothing: a silent one must not keep a grasp alive.
   std::optional<perception::PartnerEvent> no_frame(hal::Timestamp now);
   /// The robot was busy for so long, and no frame was looked at.
@@ -90,7 +90,7 @@ class PerceptionSession {
 
   /// Everybody and everything that was not there in the reference, the partner too. Empty before there is an
   /// object.
-  [[nodiscard]] BodySighting watch_bodies(const hal::DepthFrame& frame, const RobotPosture& robot);
+  [[nodiscard]] BodySighting observe_bodies(const hal::DepthFrame& frame, const RobotPosture& robot);
 
   /// Points of the partner in the last frame that was looked at, in W: his hands, arms and body near the
   /// object.

@@ -54,7 +54,7 @@ class Pipeline {
       const SceneAnalysis& analysis, const hal::DepthFrame& frame, const Config& config) const = 0;
 
   /// The partner in a running camera. Keeps no reference to its arguments.
-  [[nodiscard]] virtual hal::Result<std::unique_ptr<PartnerSight>> watch_partner(
+  [[nodiscard]] virtual hal::Result<std::unique_ptr<PartnerSight>> observe_partner(
       const ReferenceView& reference, const Config& config) const = 0;
 
   /// The partner is looked for in one of so many frames.

@@ -98,8 +98,8 @@ class ThesisPipeline final : public Pipeline {
     return observation;
   }
 
-  [[nodiscard]] hal::Result<std::unique_ptr<PartnerSight>> watch_partner(const ReferenceView& reference,
-                                                                         const Config& c) const override {
+  [[nodiscard]] hal::Result<std::unique_ptr<PartnerSight>> observe_partner(const ReferenceView& reference,
+                                                                           const Config& c) const override {
     return std::make_unique<ThesisSight>(reference, c.thesis);
   }
 

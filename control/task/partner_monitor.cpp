@@ -8,7 +8,7 @@ std::optional<PartnerEvent> PartnerMonitor::update() {
   const DeviceReadings& r = c_.readings;
   // what comes late and steadily is slow, not silent: the arm's speed answers for that
   if (!r.frame) return c_.session.no_frame(c_.now - r.frame_latency);
-  auto sight = c_.session.watch_partner(*r.frame, c_.posture());
+  auto sight = c_.session.observe_partner(*r.frame, c_.posture());
   if (!sight) {
     c_.partner_note = sight.error().detail;
     return std::nullopt;

@@ -23,7 +23,7 @@ bool PartnerRequests::ask(const std::vector<planner::GraspCandidate>& judged) {
   if (test_lift) {
     std::vector<hal::Vec3> held{from};
     for (const MeasuredLift& t : c_.test_lifts.measured()) held.push_back(t.partner);
-    const auto place = next_place(judged, judged, held, test_lift->belief, c_.config.test_lift);
+    const auto place = next_partner_place(judged, judged, held, test_lift->belief, c_.config.test_lift);
     if (!place) return false;
     to = place->position, request = place->reason;
   } else {

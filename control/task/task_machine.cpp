@@ -342,7 +342,7 @@ std::string_view word(Event event) {
     case PlanReady:
       return "plan ready";
     case NoPath:
-      return "no way";
+      return "no path";
     case Arrived:
       return "arrived";
     case PathObstructed:

@@ -68,8 +68,8 @@ enum class Event {
   StillLoaded,  ///< StillLoaded: no evidence that the object is supported, so the hand stays closed.
   HandOpen,
   BackHome,
-  TryAgain,    ///< TryAgain: back home after a grip that failed, and there is patience left.
-  BackInVain,  ///< BackInVain: back home without the goal, and no more patience.
+  TryAgain,    ///< TryAgain: back home after a grip that failed, and attempts are left.
+  BackInVain,  ///< BackInVain: back home without the goal, and no attempts left.
   CameraLost,
   CameraBack,
   ArmLost,

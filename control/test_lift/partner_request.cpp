@@ -53,10 +53,10 @@ std::string path_text(const hal::Vec3& from, const hal::Vec3& to, const Vec2& mi
 
 }  // namespace
 
-std::optional<PartnerRequest> next_place(std::span<const planner::GraspCandidate> places,
-                                         std::span<const planner::GraspCandidate> grasps,
-                                         std::span<const hal::Vec3> held, const CogBelief& belief,
-                                         const TestLiftConfig& config) {
+std::optional<PartnerRequest> next_partner_place(std::span<const planner::GraspCandidate> places,
+                                                 std::span<const planner::GraspCandidate> grasps,
+                                                 std::span<const hal::Vec3> held, const CogBelief& belief,
+                                                 const TestLiftConfig& config) {
   if (held.empty() || belief.cases.empty()) return std::nullopt;
   const CogBelief cases = likely(belief);
   const Vec2 mean = cases.mean();

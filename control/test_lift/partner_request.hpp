@@ -27,9 +27,8 @@ struct PartnerRequest {
 /// that are much higher or lower than `held.front()`, or near to one in `held` (where he is now first, then
 /// where he was before) are left out. Of `grasps` those that are possible (Ok or Chosen) count. nullopt where
 /// no place has the least chance.
-[[nodiscard]] std::optional<PartnerRequest> next_place(std::span<const planner::GraspCandidate> places,
-                                                       std::span<const planner::GraspCandidate> grasps,
-                                                       std::span<const hal::Vec3> held,
-                                                       const CogBelief& belief, const TestLiftConfig& config);
+[[nodiscard]] std::optional<PartnerRequest> next_partner_place(
+    std::span<const planner::GraspCandidate> places, std::span<const planner::GraspCandidate> grasps,
+    std::span<const hal::Vec3> held, const CogBelief& belief, const TestLiftConfig& config);
 
 }  // namespace colift::control

@@ -35,8 +35,8 @@ Raise raise_on(const Hanging& now, const TestLiftConfig& config) {
   return turn_deg > config.slow_turn_deg ? Raise::Slowly : Raise::On;
 }
 
-hal::Result<TestLift> understand_test_lift(const CarriedObject& object, std::span<const MeasuredLift> tests,
-                                           const TestLiftConfig& config) {
+hal::Result<TestLift> analyse_test_lift(const CarriedObject& object, std::span<const MeasuredLift> tests,
+                                        const TestLiftConfig& config) {
   const auto bad = [](std::string why) {
     return hal::failure(hal::ErrorCode::BadInput, "test_lift", std::move(why));
   };

@@ -46,9 +46,9 @@ struct TestLift {
 /// hangs still and at good_turn_deg or less is lifted on, as slowly: its tilt does not grow with height. All
 /// others are put down. Errors: NotFound (the load says nothing, or nothing that is possible fits it, with
 /// the numbers), BadInput (no test lift, not finite, hands at one place, fewer than three feet).
-[[nodiscard]] hal::Result<TestLift> understand_test_lift(const CarriedObject& object,
-                                                         std::span<const MeasuredLift> tests,
-                                                         const TestLiftConfig& config);
+[[nodiscard]] hal::Result<TestLift> analyse_test_lift(const CarriedObject& object,
+                                                      std::span<const MeasuredLift> tests,
+                                                      const TestLiftConfig& config);
 
 /// Of the grasps that are possible (Ok or Chosen), where the hand takes hold next while the partner holds at
 /// `partner` (W): where chance_level() is best; of those that are as good to within a twentieth, the one

@@ -32,7 +32,7 @@ hal::Result<TestLift> TestLifts::end() {
   lift.X_WTnow_WTref = *moved;
   lift.drift_rad_s = eye_->drift_rad_s();
   measured_.push_back(lift);
-  auto known = understand_test_lift(object_, measured_, config_);
+  auto known = analyse_test_lift(object_, measured_, config_);
   if (known)
     known_ = *known;
   else

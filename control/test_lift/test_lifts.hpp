@@ -26,7 +26,7 @@ class TestLifts {
   void at_top(hal::Timestamp at, const perception::ObjectMotion& motion) { eye_->at_top(at, motion); }
   /// What the hand feels of the object, about the palm's origin, and where that is (W).
   void feel(const hal::Wrench& measured, const hal::Vec3& palm);
-  /// Errors: NotFound (object not seen or not felt at the top; and understand_test_lift()'s).
+  /// Errors: NotFound (object not seen or not felt at the top; and analyse_test_lift()'s).
   [[nodiscard]] hal::Result<TestLift> end();
 
   /// The object was put down elsewhere, and what was felt goes with it: `X_Wnow_Wthen` moves a point of it

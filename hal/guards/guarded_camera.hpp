@@ -58,7 +58,7 @@ class GuardedCamera final : public DepthCamera {
   void deactivate() noexcept override;
   /// What the guard dropped counts as rejected.
   [[nodiscard]] DeviceHealth health() const override;
-  /// Errors: Timeout (none within `patience`, or only bad ones), LinkLost (the camera is lost; frames come
+  /// Errors: Timeout (none within `timeout`, or only bad ones), LinkLost (the camera is lost; frames come
   /// again by themselves where the inner camera's do), DeviceFault (it was moved).
   [[nodiscard]] Result<DepthFrame> next_frame(std::chrono::milliseconds timeout) override;
 

@@ -25,7 +25,7 @@ struct CameraScript {
 };
 
 /// A depth camera that renders a scripted world, in lock step with a clock that only it and the test move:
-/// waiting for a frame advances the clock to the frame's exposure, or by `patience` where none comes in that
+/// waiting for a frame advances the clock to the frame's exposure, or by `timeout` where none comes in that
 /// time. When the clock has been moved past several frames, the newest is delivered, as a real driver would.
 class MockCamera final : public hal::DepthCamera {
  public:

@@ -99,8 +99,8 @@ test("a click on a candidate says why", async () => {
   await page.screenshot({ path: `${PICTURES}/live_choice.png` });
 });
 
-test("collision world, partner, chosen gripper and way are drawn", async () => {
-  for (const layer of ["map", "partner", "gripper", "way", "target", "candidates"])
+test("collision world, partner, chosen gripper and path are drawn", async () => {
+  for (const layer of ["map", "partner", "gripper", "path", "target", "candidates"])
     await until(async () => (await covered(layer)) > 0.0002, `the layer ${layer}`, 30000);
 });
 

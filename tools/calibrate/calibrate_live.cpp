@@ -99,7 +99,7 @@ class Session {
       auto way = planner_.plan_to(commander_.commanded(), proposed[next].q_rad);
       if (!way) {
         last = out.read.back().refused = way.error().detail;
-        say(number, "no way: " + last);
+        say(number, "no path: " + last);
         continue;
       }
       if (auto done = drive(*way); !done) return tl::unexpected(done.error());

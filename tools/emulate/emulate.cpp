@@ -43,7 +43,7 @@ hal::Result<> check_seconds(const char* option, const std::optional<double>& val
   return bad_option(option, fmt::format("{} is no time; expected seconds from {:g}", *value_s, least));
 }
 
-std::string watch_emulator(const EmulateOptions& options, const EmulatorWatch& watch) {
+std::string run_emulator(const EmulateOptions& options, const EmulatorLoop& watch) {
   for (;;) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     watch.print();

@@ -61,24 +61,24 @@ class EmulateLines {
                                           double least = 0.0);
 
 /// Running emulators, as the loop that waits for their end sees them.
-struct EmulatorWatch {
+struct EmulatorLoop {
   std::function<void()> print;        ///< What has happened since the last call, and whatever is due.
   std::function<double()> elapsed_s;  ///< The device's time.
   std::function<void()> stop;
   std::function<std::optional<std::string>()> ended = {};  ///< A reason of the device's own, if there is one.
 };
 /// Watches until the emulators are over, stops them, and says why it was.
-[[nodiscard]] std::string watch_emulator(const EmulateOptions& options, const EmulatorWatch& watch);
+[[nodiscard]] std::string run_emulator(const EmulateOptions& options, const EmulatorLoop& watch);
 
 /// The same for one server, whose events are printed as they are.
 template <class Server>
-[[nodiscard]] std::string watch_server(Server& server, const EmulateOptions& options,
-                                       const EmulateLines& lines, std::function<double()> elapsed_s,
-                                       std::function<std::optional<std::string>()> ended = {}) {
-  return watch_emulator(options, {[&] {
-                                    for (const auto& e : server.take_events()) lines.event(e.t_s, e.text);
-                                  },
-                                  std::move(elapsed_s), [&] { server.stop(); }, std::move(ended)});
+[[nodiscard]] std::string run_server(Server& server, const EmulateOptions& options, const EmulateLines& lines,
+                                     std::function<double()> elapsed_s,
+                                     std::function<std::optional<std::string>()> ended = {}) {
+  return run_emulator(options, {[&] {
+                                  for (const auto& e : server.take_events()) lines.event(e.t_s, e.text);
+                                },
+                                std::move(elapsed_s), [&] { server.stop(); }, std::move(ended)});
 }
 
 }  // namespace colift::tools

@@ -139,7 +139,7 @@ hal::Result<int> serve(const CommonOptions& common, const EmulateCameraOptions& 
       fmt::format("camera on emulated:{}; any program for libfreenect: COLIFT_KINECT_EMULATOR={} "
                   "LD_PRELOAD={}/libcolift-freenect.so PROGRAM",
                   o.address, o.address, hal::kinect::own_folder()));
-  const std::string reason = watch_server(server, o.common, lines, [&] { return server.elapsed_s(); });
+  const std::string reason = run_server(server, o.common, lines, [&] { return server.elapsed_s(); });
   const CameraServerReport r = server.report();
   lines.result(
       common.json

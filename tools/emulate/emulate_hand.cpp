@@ -99,7 +99,7 @@ hal::Result<int> run(const CommonOptions& common, const EmulateHandOptions& o) {
   if (auto done = server.start(); !done) return tl::unexpected(done.error());
   lines.ready(
       fmt::format("hand on {}", gate == nullptr ? o.bus : fmt::format("{} (port {})", o.bus, gate->port())));
-  const std::string reason = watch_server(server, o.common, lines, [&] { return server.elapsed_s(); });
+  const std::string reason = run_server(server, o.common, lines, [&] { return server.elapsed_s(); });
   const HandEmulatorReport report = server.report();
   const std::uint64_t broken = rules_broken(report);
   lines.result(

@@ -105,7 +105,7 @@ hal::Result<int> run(const CommonOptions& common, const EmulateKrcOptions& o) {
   if (auto done = server.start(); !done) return tl::unexpected(done.error());
   lines.ready(fmt::format("krc, program {}, {:g} ms, plant {}, port {} to {}", o.script, o.cycle_ms,
                           o.common.plant, o.from_port > 0 ? std::to_string(o.from_port) : "any", o.to));
-  const std::string reason = watch_server(
+  const std::string reason = run_server(
       server, o.common, lines, [&] { return server.report().duration_s; },
       [&] {
         return server.ended() ? std::optional(server.report().closed.value_or("the port broke"))

@@ -134,7 +134,7 @@ hal::Result<int> run(const CommonOptions& common, const EmulateRigOptions& o) {
     (*rig)->begin();
     lines.event(elapsed_s(), "the client's devices are ready: the scenario begins");
   };
-  const std::string reason = watch_emulator(
+  const std::string reason = run_emulator(
       o.common, {print_all, elapsed_s, [&] { (*rig)->stop(); },
                  [&] {
                    const auto& krc = (*rig)->krc();

@@ -97,12 +97,15 @@ Json truth(const RunView& view) {
   Json j = {{"mass_kg", number(view.truth->mass_kg)},
             {"cog", json_array(view.truth->cog)},
             {"partner", view.truth->partner ? json_array(*view.truth->partner) : Json(nullptr)},
+            {"share_robot", nullptr},
             {"lift", nullptr}};
-  if (const auto top = true_lift(view))
+  if (const auto top = true_lift(view)) {
+    j["share_robot"] = number(top->share_robot);
     j["lift"] = {{"height_m", number(top->height_m)},
                  {"tilt_deg", number(hal::kDegPerRad * top->tilt_rad)},
                  {"share_robot", number(top->share_robot)},
                  {"slip_m", number(top->slip_m)}};
+  }
   return j;
 }
 

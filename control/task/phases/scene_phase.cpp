@@ -23,7 +23,7 @@ std::optional<TaskEvent> ScenePhase::observe() {
                          ? fmt::format("the camera showed nothing for {:.1f} s", c_.in_state_s())
                          : last_error_};
   }
-  if (auto seen = session.understand(c_.posture()); !seen) {
+  if (auto seen = session.analyse_scene(c_.posture()); !seen) {
     const hal::Error& error = seen.error();
     // somebody walked through the picture
     if (error.code == hal::ErrorCode::NotFound && try_again(error.detail)) return std::nullopt;

@@ -165,7 +165,7 @@ void SeparationSupervisor::look(const hal::DepthFrame& frame) {
   const hal::Timestamp began = c_.stopwatch.now();
   const RobotPosture posture = posture_at(frame.exposed_at);
   place_arm(posture);
-  const BodySighting seen = c_.session.watch_bodies(frame, posture);
+  const BodySighting seen = c_.session.observe_bodies(frame, posture);
   near_.clear();
   bodies_.clear();
   seen_W_.clear();

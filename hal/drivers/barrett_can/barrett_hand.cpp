@@ -256,7 +256,7 @@ Result<HandState> BarrettHand::state() {
   const bool gap = start - h.polled_at > kGap;
   h.poll(Duration::zero());
   if (gap) {
-    // answers from before the gap are old: a little patience for new ones
+    // answers from before the gap are old: new ones get a little time
     for (int i = 0; i < 10 && h.watch.all_known() && h.watch.oldest_position() < start &&
                     h.clock.now() - start < kCatchUp && h.bus_monitor.state() == BusMonitor::State::Up;
          ++i)

@@ -111,7 +111,7 @@ void RecordedCamera::deactivate() noexcept {
   active_ = false;
 }
 
-Result<DepthFrame> RecordedCamera::next_frame(std::chrono::milliseconds /*patience*/) {
+Result<DepthFrame> RecordedCamera::next_frame(std::chrono::milliseconds /*timeout*/) {
   if (!active_)
     return failure(ErrorCode::NotReady, "recorded_camera.next_frame", "the camera is not activated");
   const bool at_end = next_ >= files_.size();

@@ -6,8 +6,8 @@
 namespace colift::sim_hal {
 
 /// Arm, hand and camera on one world, with the scenario's faults. Whoever waits on a device moves the world:
-/// wait_cycle() by one arm period, next_frame(patience) up to the next exposure, and not at all when a frame
-/// is already due or patience is zero. Frames come at 30 Hz; a frame shows the world as it is when it is
+/// wait_cycle() by one arm period, next_frame(timeout) up to the next exposure, and not at all when a frame
+/// is already due or timeout is zero. Frames come at 30 Hz; a frame shows the world as it is when it is
 /// asked for. One thread. The world has to outlive the devices.
 [[nodiscard]] std::unique_ptr<hal::Arm> make_sim_arm(SimWorld& world);
 [[nodiscard]] std::unique_ptr<hal::Hand> make_sim_hand(SimWorld& world);

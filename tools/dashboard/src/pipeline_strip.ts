@@ -2,7 +2,7 @@
 
 import type { TaskChange, TaskStatus } from "./messages";
 
-const WAY = ["observe", "await-partner", "decide", "plan", "approach", "close", "verify", "await-ready", "lift", "hold",
+const NOMINAL = ["observe", "await-partner", "decide", "plan", "approach", "close", "verify", "await-ready", "lift", "hold",
   "lower", "release", "retreat", "done"];
 const BAD_END = ["refused", "aborted", "stopped", "halt", "pause", "yield", "back-off"];
 
@@ -35,9 +35,9 @@ export class PipelineStrip {
         `<b>${escaped(change.state)}</b><span class="age">${seconds((next ? next.t : now) - change.t)}</span></li>`);
     });
     const here = this.changes[this.changes.length - 1]?.state;
-    const at = here === undefined ? -1 : WAY.indexOf(here);
+    const at = here === undefined ? -1 : NOMINAL.indexOf(here);
     if (here === undefined || at >= 0)
-      for (const state of WAY.slice(at + 1)) items.push(`<li class="to-come"><b>${state}</b></li>`);
+      for (const state of NOMINAL.slice(at + 1)) items.push(`<li class="to-come"><b>${state}</b></li>`);
     this.list.innerHTML = items.join("");
     const current = this.list.querySelector<HTMLElement>("[aria-current]");
     if (current) this.list.scrollLeft = current.offsetLeft - this.list.clientWidth / 2;

@@ -1,4 +1,4 @@
-// The scene: robot, cloud, map, ground, target, surfaces, candidates, partner, people, way. z is up, metres, the robot's base frame.
+// The scene: robot, cloud, map, ground, target, surfaces, candidates, partner, people, path. z is up, metres, the robot's base frame.
 
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
@@ -7,19 +7,19 @@ import { cellsOf, dispose, objectOf, place } from "./scene_entities";
 import { RobotView } from "./robot_view";
 
 const LAYERS = ["robot", "cloud", "map", "unseen", "ground", "target", "surfaces", "candidates", "partner", "people",
-  "gripper", "way"] as const;
+  "gripper", "path"] as const;
 type Layer = (typeof LAYERS)[number];
 /** Not there at first: they cover what is more asked for. */
 const HIDDEN: Layer[] = ["unseen", "surfaces"];
 /** Layers that /scene fills. */
-const OF_SCENE: Layer[] = ["ground", "target", "surfaces", "candidates", "partner", "gripper", "way"];
+const OF_SCENE: Layer[] = ["ground", "target", "surfaces", "candidates", "partner", "gripper", "path"];
 
 function layerOf(id: string): Layer {
   if (id === "ground") return "ground";
   if (id.startsWith("surface")) return "surfaces";
   if (id.startsWith("candidate")) return "candidates";
   if (id === "partner" || id === "gripper") return id;
-  if (id === "way" || id === "optimum") return "way";
+  if (id === "path" || id === "optimum") return "path";
   return "target";
 }
 
@@ -68,7 +68,7 @@ export class SceneView {
       toggles.append(label);
     }
     this.layers.get("robot")!.add(this.robot.group);
-    this.layers.get("way")!.add(this.robot.ghost);
+    this.layers.get("path")!.add(this.robot.ghost);
     this.marker.visible = false;
     this.marker.renderOrder = 10;
     this.scene.add(this.marker);

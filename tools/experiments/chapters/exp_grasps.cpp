@@ -74,7 +74,7 @@ TrialRows run(const Trial& trial) {
       held += lift.held;
       lifted += lift.lifted;
     } else {
-      lift.reason = "no way: " + plan.error().detail;
+      lift.reason = "no path: " + plan.error().detail;
     }
     rows.details.push_back({object, cell(c.id), cell(c.width), cell(c.stability.value_or(NAN)),
                             cell(plan.has_value()), cell(lift.held), cell(lift.lifted),
@@ -116,7 +116,7 @@ std::vector<Figure> figures(const Results& r) {
   std::vector<Figure> out{
       {"held", "grasps that held when closed", rate(all.held, all.tried), "%", 0.97, true, "about 90 %"},
       {"lifted", "... and still after a lift of 5 cm", rate(all.lifted, all.tried), "%", 0.95, true},
-      {"way", "grasps within reach to which a way was found",
+      {"way", "grasps within reach to which a path was found",
        rate(planned, static_cast<int>(r.details.rows().size())), "%"}};
   for (const char* object : kObjects) {
     const Count c = count(r, object);

@@ -84,7 +84,7 @@ struct Observation::Impl {
       if (auto frame = camera.next_frame(std::chrono::milliseconds(100)))
         watch.add_reference(std::move(*frame), posture());
     }
-    if (auto seen = watch.understand(posture()); !seen) return seen;
+    if (auto seen = watch.analyse_scene(posture()); !seen) return seen;
     if (!watch.analysis().scene.target) return tl::unexpected(missing(watch.analysis().reason));
     set_scene();
     planner.judge(watch.analysis().candidates, lift_height_m);
@@ -97,7 +97,7 @@ struct Observation::Impl {
     while (hal::seconds(world->elapsed()) < late_s) {
       auto frame = camera.next_frame(std::chrono::milliseconds(100));
       if (!frame) continue;
-      auto sight = watch.watch_partner(std::move(*frame), posture());
+      auto sight = watch.observe_partner(std::move(*frame), posture());
       if (!sight) return tl::unexpected(sight.error());
       note = sight->partner.reason;
       if (!sight->event || sight->event->kind != perception::PartnerEvent::Kind::Grasped) continue;

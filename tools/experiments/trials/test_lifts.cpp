@@ -124,7 +124,7 @@ class Search {
     if (!moved) return fails("the camera did not see the object");
     measured_.push_back(
         {tried.lift.measured, tried.lift.palm_W, partner(), grasp, *moved, tried.drift_rad_s, choice.share});
-    auto known = understand_test_lift(object_, measured_, test_config_);
+    auto known = analyse_test_lift(object_, measured_, test_config_);
     if (!known) {
       measured_.pop_back();
       return fails(known.error().text());
@@ -163,8 +163,8 @@ class Search {
   // Whether the partner was asked, went elsewhere and is seen there.
   bool ask() {
     while (belief_ && static_cast<int>(out_.told.size()) < test_config_.asks) {
-      const auto place =
-          control::next_place(observation_->analysis().candidates, grasps(), held_, *belief_, test_config_);
+      const auto place = control::next_partner_place(observation_->analysis().candidates, grasps(), held_,
+                                                     *belief_, test_config_);
       if (!place) {
         out_.reason += "; nor is there a better place for the partner";
         return false;

@@ -34,9 +34,9 @@ struct GripSearch {
 /// Test lifts, beginning with the decision's grasp: takes hold, raises slowly until the camera has seen
 /// enough, puts down; takes hold elsewhere (control::next_grip) as long as the object turns. When no grip is
 /// good, the least tilted of the bearable ones is. When there is none either, the partner is asked to take
-/// hold elsewhere (control::next_place) and goes there (partner_goes_to()); all is seen anew, and what was
-/// learnt is kept. A grasp without a way, and a grip that comes off, count as tried. Each test lift in a
-/// world of its own, where the object stands as it stood. `decided` chose a grasp with `config`.
+/// hold elsewhere (control::next_partner_place) and goes there (partner_goes_to()); all is seen anew, and
+/// what was learnt is kept. A grasp without a way, and a grip that comes off, count as tried. Each test lift
+/// in a world of its own, where the object stands as it stood. `decided` chose a grasp with `config`.
 [[nodiscard]] GripSearch search_level_grip(Observation& observation, const sim_hal::Scenario& scenario,
                                            const control::Outcome& decided, control::Method method,
                                            const control::Config& config,

@@ -46,7 +46,7 @@ DirectLift try_grasp(Observation& observation, const sim_hal::Scenario& scenario
   DirectLift lift;
   const auto plan = observation.plan(grasp);
   if (!plan) {
-    lift.reason = "no way: " + plan.error().detail;
+    lift.reason = "no path: " + plan.error().detail;
     return lift;
   }
   auto done = lift_directly(scenario, *plan, config, seed, eye);

@@ -17,7 +17,7 @@ enum class Topic : std::uint8_t {
   Calibration,  ///< foxglove.CameraCalibration.
   Preview,      ///< foxglove.RawImage: depth in millimetres, half as wide and high, twice a second.
   Cloud,        ///< foxglove.PointCloud: every fourth pixel in both directions, once a second.
-  Scene,        ///< foxglove.SceneUpdate: ground, target, surfaces, candidates, partner, grasp, way.
+  Scene,        ///< foxglove.SceneUpdate: ground, target, surfaces, candidates, partner, grasp, path.
   Map,          ///< foxglove.SceneUpdate: the collision world's cells near the robot, once it is made.
   Bodies,       ///< foxglove.SceneUpdate: everybody near the arm, with distance and velocity.
   Log,          ///< foxglove.Log.
@@ -25,7 +25,7 @@ enum class Topic : std::uint8_t {
   Intent,       ///< colift.Intent: what will move, before it does; requests to people.
   Change,       ///< colift.TaskChange, for each change of state.
   Decision,     ///< colift.Decision: the choice, and every candidate with its verdict.
-  Plan,         ///< colift.Plan: the way's length and its postures.
+  Plan,         ///< colift.Plan: the path's duration and its postures.
   Devices,      ///< colift.DeviceHealth: all devices, twice a second.
   Timing,       ///< colift.CycleTiming: the arm's cycle, ten times a second.
   Stages,       ///< colift.StageTiming: computing times, for each decision.

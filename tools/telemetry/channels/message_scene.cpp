@@ -73,17 +73,17 @@ void add_candidate(Entities& out, const planner::GraspCandidate& c) {
                                         chosen ? 0.012 : 0.006, colour_of(c.verdict)));
 }
 
-void add_path(Entities& out, const std::vector<hal::Vec3>& way) {
+void add_path(Entities& out, const std::vector<hal::Vec3>& path_W) {
   Json points = Json::array();
-  for (const hal::Vec3& p : way) points.push_back(xyz(p));
-  out.add("way")["lines"].push_back({{"type", 0},
-                                     {"pose", pose_json(hal::Pose::Identity())},
-                                     {"thickness", 2.0},
-                                     {"scale_invariant", true},
-                                     {"points", std::move(points)},
-                                     {"color", colour_json({0.0, 0.62, 0.45, 0.8})},
-                                     {"colors", Json::array()},
-                                     {"indices", Json::array()}});
+  for (const hal::Vec3& p : path_W) points.push_back(xyz(p));
+  out.add("path")["lines"].push_back({{"type", 0},
+                                      {"pose", pose_json(hal::Pose::Identity())},
+                                      {"thickness", 2.0},
+                                      {"scale_invariant", true},
+                                      {"points", std::move(points)},
+                                      {"color", colour_json({0.0, 0.62, 0.45, 0.8})},
+                                      {"colors", Json::array()},
+                                      {"indices", Json::array()}});
 }
 
 /// The open hand at the grasp, and its frame H: x red, y (closing) green, z (approach) blue.

@@ -90,7 +90,7 @@ struct GripperView {
 
 /// What the scene holds by now, for three-dimensional pictures. Entities keep their ids from message to
 /// message: "ground", "target", "shape", "cog", "surface 3", "candidate 12", "partner", "optimum", "gripper",
-/// "way".
+/// "path".
 struct SceneView {
   std::optional<perception::Ground> ground;
   hal::Vec3 target_center = hal::Vec3::Zero(), cog = hal::Vec3::Zero();

@@ -33,7 +33,7 @@ class PuckLink {
  public:
   PuckLink(CanBus& bus, const Clock& clock, Duration reply, Duration tactile_reply);
 
-  /// Takes in what has come (waiting no longer than `patience` for the first frame), repeats or gives up what
+  /// Takes in what has come (waiting no longer than `timeout` for the first frame), repeats or gives up what
   /// was not answered, and sends what is due.
   void pump(Duration timeout) noexcept;
 

@@ -32,7 +32,7 @@ class CaptureProcess {
 
   /// Takes what it has said since.
   void listen(CaptureNews& news);
-  /// Waits until it says something or is gone, no longer than `patience`.
+  /// Waits until it says something or is gone, no longer than `timeout`.
   void wait(Duration timeout) const;
   /// Whether it is still there. Reaps it when it is not.
   [[nodiscard]] bool exists();

@@ -34,7 +34,7 @@ TEST_CASE("an even object is lifted on", "[test_lift]") {
   Table table;
   table.partner.y() = 0.0;
   MeasuredLift test = test_lift(table, {-0.4, 0.0, 0.4});
-  const auto t = understand_test_lift(seen(table), std::span(&test, 1), {});
+  const auto t = analyse_test_lift(seen(table), std::span(&test, 1), {});
   REQUIRE(t);
   CHECK(t->next == TestLift::Next::GoOn);
   CHECK_FALSE(t->stands);
@@ -45,7 +45,7 @@ TEST_CASE("an even object is lifted on", "[test_lift]") {
   CarriedObject object = seen(table);
   SECTION("one that turns in the hand is put down") {
     test.drift_rad_s = 0.5 * kDegree;
-    const auto slips = understand_test_lift(object, std::span(&test, 1), {});
+    const auto slips = analyse_test_lift(object, std::span(&test, 1), {});
     REQUIRE(slips);
     CHECK(slips->next == TestLift::Next::Regrasp);
   }
@@ -53,7 +53,7 @@ TEST_CASE("an even object is lifted on", "[test_lift]") {
   CHECK(t->seen.min_rise_m < 0.005);
   SECTION("but borne otherwise than agreed, that is said") {
     test.share_predicted = 0.3;
-    const auto other = understand_test_lift(seen(table), std::span(&test, 1), {});
+    const auto other = analyse_test_lift(seen(table), std::span(&test, 1), {});
     REQUIRE(other);
     CHECK(other->next == TestLift::Next::OtherShare);
   }
@@ -65,7 +65,7 @@ TEST_CASE("a table that hangs tells the direction of its centre of gravity", "[t
   table.grip_nm_rad = 400.0;
   MeasuredLift test = test_lift(table, {-0.4, 0.0, 0.4});
   CarriedObject object = seen(table);
-  const auto t = understand_test_lift(object, std::span(&test, 1), {});
+  const auto t = analyse_test_lift(object, std::span(&test, 1), {});
   REQUIRE(t);
   CHECK_FALSE(t->stands);
   CHECK(t->next != TestLift::Next::Regrasp);  // it turns by less than a degree
@@ -75,13 +75,13 @@ TEST_CASE("a table that hangs tells the direction of its centre of gravity", "[t
   CHECK(t->belief.grip_nm_rad == Approx(400.0).epsilon(0.4));
   SECTION("mass and distance are one number, unless one is known") {
     object.known_mass_kg = 4.0;
-    const auto known = understand_test_lift(object, std::span(&test, 1), {});
+    const auto known = analyse_test_lift(object, std::span(&test, 1), {});
     REQUIRE(known);
     CHECK(known->mass_kg == Approx(4.0).epsilon(1e-6));
     CHECK((known->cog - table.cog).head<2>().norm() < 0.03);
     // 4 kg feel like 2.5 kg farther away
     object.known_mass_kg = 2.5;
-    const auto lighter = understand_test_lift(object, std::span(&test, 1), {});
+    const auto lighter = analyse_test_lift(object, std::span(&test, 1), {});
     REQUIRE(lighter);
     CHECK((lighter->cog - kPartner).norm() > (known->cog - kPartner).norm() + 0.05);
   }
@@ -92,11 +92,11 @@ TEST_CASE("two places of the partner tell mass and distance apart", "[test_lift]
   table.cog = {-0.08, 0.13, 0.3};
   table.grip_nm_rad = 400.0;
   std::vector<MeasuredLift> tests{test_lift(table, {-0.4, 0.0, 0.4})};
-  const auto one = understand_test_lift(seen(table), tests, {});
+  const auto one = analyse_test_lift(seen(table), tests, {});
   REQUIRE(one);
   table.partner = {0.1, -0.3, 0.4};
   tests.push_back(test_lift(table, {-0.4, 0.25, 0.4}));
-  const auto two = understand_test_lift(seen(table), tests, {});
+  const auto two = analyse_test_lift(seen(table), tests, {});
   REQUIRE(two);
   const auto along_sigma = [&](const CogBelief& belief) {
     const Eigen::Vector2d ray = (table.cog - kPartner).head<2>().normalized();
@@ -115,7 +115,7 @@ TEST_CASE("what hangs at more than is good is kept for want of better", "[test_l
     const double lever = 0.10 - 0.025;  // of the line from (0.4, 0.05) to (-0.4, 0)
     table.grip_nm_rad = table.mass_kg * kGravity * lever / (turn_deg * kDegree);
     const MeasuredLift test = raised(table, {-0.4, 0.0, 0.4}, 0.03);
-    const auto t = understand_test_lift(seen(table), std::span(&test, 1), {});
+    const auto t = analyse_test_lift(seen(table), std::span(&test, 1), {});
     REQUIRE(t);
     CHECK_FALSE(t->stands);
     CHECK(t->next == TestLift::Next::Regrasp);
@@ -128,7 +128,7 @@ TEST_CASE("a foot that stands hides the lever, and tells the side", "[test_lift]
   for (const double y : {-0.17, 0.17}) {
     table.cog = {-0.05, y, 0.3};
     const MeasuredLift test = test_lift(table, {-0.4, 0.0, 0.4});
-    const auto t = understand_test_lift(seen(table), std::span(&test, 1), {});
+    const auto t = analyse_test_lift(seen(table), std::span(&test, 1), {});
     REQUIRE(t);
     CHECK(t->stands);
     CHECK(t->next == TestLift::Next::Regrasp);
@@ -166,7 +166,7 @@ TEST_CASE("test lifts at several grasps find a level one", "[test_lift]") {
         std::vector<MeasuredLift> tests;
         while (static_cast<int>(tests.size()) < config.grips) {
           tests.push_back(test_lift(table, grasp, config));
-          const auto t = understand_test_lift(seen(table), tests, config);
+          const auto t = analyse_test_lift(seen(table), tests, config);
           if (!t) break;  // the robot bears nothing
           CHECK(t->seen.tilt_rad < 2.0 * kDegree);
           if (t->next != TestLift::Next::Regrasp) {
@@ -192,7 +192,7 @@ TEST_CASE("the next grip is one that is possible and was not tried", "[test_lift
   table.cog = {0.0, 0.15, 0.3};
   const MeasuredLift test = test_lift(table, {-0.4, 0.0, 0.4});
   const std::span tests(&test, 1);
-  const auto t = understand_test_lift(seen(table), tests, {});
+  const auto t = analyse_test_lift(seen(table), tests, {});
   REQUIRE(t);
   auto grasps = grasps_around();
   const auto next = next_grip(grasps, table.partner, tests, t->belief, 0.5, {});
@@ -228,10 +228,10 @@ TEST_CASE("a test lift that says nothing is refused", "[test_lift]") {
   MeasuredLift test = test_lift(table, {-0.4, 0.0, 0.4});
   const CarriedObject object = seen(table);
   const auto code = [](const CarriedObject& o, const MeasuredLift& f) {
-    const auto t = understand_test_lift(o, std::span(&f, 1), {});
+    const auto t = analyse_test_lift(o, std::span(&f, 1), {});
     return t ? hal::ErrorCode{} : t.error().code;
   };
-  CHECK(understand_test_lift(object, {}, {}).error().code == hal::ErrorCode::BadInput);
+  CHECK(analyse_test_lift(object, {}, {}).error().code == hal::ErrorCode::BadInput);
   MeasuredLift none = test;
   none.measured = {};
   CHECK(code(object, none) == hal::ErrorCode::NotFound);
@@ -244,8 +244,8 @@ TEST_CASE("a test lift that says nothing is refused", "[test_lift]") {
   // after one that told something it is a grip that slides, and tells nothing more
   none = still;
   const std::vector<MeasuredLift> both{test, none};
-  const auto before = understand_test_lift(object, std::span(&test, 1), {});
-  const auto slides = understand_test_lift(object, both, {});
+  const auto before = analyse_test_lift(object, std::span(&test, 1), {});
+  const auto slides = analyse_test_lift(object, both, {});
   REQUIRE(before);
   REQUIRE(slides);
   CHECK(slides->next == TestLift::Next::Regrasp);

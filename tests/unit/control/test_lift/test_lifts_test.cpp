@@ -103,7 +103,7 @@ TEST_CASE("what was felt goes with an object that was put down elsewhere", "[tes
   lifts.move(X);
   CHECK((lifts.known()->cog - X * before->cog).norm() < 1e-9);
   // weighed anew there, the same centre of gravity comes out
-  const auto after = understand_test_lift(lifts.object(), lifts.measured(), {});
+  const auto after = analyse_test_lift(lifts.object(), lifts.measured(), {});
   REQUIRE(after);
   CHECK((after->cog - X * before->cog).norm() < 0.005);
   CHECK(after->mass_kg == Approx(before->mass_kg).epsilon(0.02));

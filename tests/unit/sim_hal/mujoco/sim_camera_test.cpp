@@ -57,7 +57,7 @@ TEST_CASE("a simulated camera exposes thirty times a second and moves the world 
   CHECK(rig.now() == milliseconds(1000));
 }
 
-TEST_CASE("without patience the world stands still", "[sim][camera]") {
+TEST_CASE("with a timeout of zero the world stands still", "[sim][camera]") {
   Rig rig;
   (void)rig.next();
   const auto none = rig.camera->next_frame(milliseconds(0));

@@ -1,5 +1,5 @@
 // The camera's driver, its capture process and an emulated Kinect behind libfreenect's functions. In real
-// time, with patience of seconds for what takes milliseconds: a slow machine makes these tests slow, not
+// time, with timeouts of seconds for what takes milliseconds: a slow machine makes these tests slow, not
 // wrong.
 
 #include <signal.h>

@@ -81,7 +81,7 @@ struct Bench {
     return p;
   }
 
-  /// The next measurement; none within `patience`: unset.
+  /// The next measurement; none within `timeout`: unset.
   std::optional<Seen> receive(hal::Duration timeout = milliseconds(250)) {
     std::array<std::byte, 2000> buffer;
     const hal::Datagram got = client->receive(buffer, timeout);

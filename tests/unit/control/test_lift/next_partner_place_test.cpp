@@ -32,7 +32,7 @@ std::vector<planner::GraspCandidate> rim() {
 
 CogBelief learnt(const Table& table, std::vector<MeasuredLift>& tests) {
   tests.push_back(test_lift(table, {-0.4, 0.0, 0.4}));
-  const auto t = understand_test_lift(seen(table), tests, {});
+  const auto t = analyse_test_lift(seen(table), tests, {});
   REQUIRE(t);
   return t->belief;
 }
@@ -40,14 +40,14 @@ CogBelief learnt(const Table& table, std::vector<MeasuredLift>& tests) {
 }  // namespace
 
 TEST_CASE("the partner is asked to go where the line through the centre of gravity leaves the table",
-          "[next_place]") {
+          "[next_partner_place]") {
   Table table;
   std::vector<MeasuredLift> tests;
   for (const double side : {-1.0, 1.0}) {
     table.cog = {-0.05, side * 0.17, 0.3};
     tests.clear();
     const CogBelief belief = learnt(table, tests);
-    const auto place = next_place(rim(), rim(), {&table.partner, 1}, belief, {});
+    const auto place = next_partner_place(rim(), rim(), {&table.partner, 1}, belief, {});
     REQUIRE(place);
     CHECK(side * place->position.y() > 0.08);
     CHECK(place->chance > 0.5);
@@ -61,7 +61,7 @@ TEST_CASE("the partner is asked to go where the line through the centre of gravi
   }
 }
 
-TEST_CASE("with what is learnt where the partner was sent a level grip is found", "[next_place]") {
+TEST_CASE("with what is learnt where the partner was sent a level grip is found", "[next_partner_place]") {
   const TestLiftConfig config;
   std::mt19937 random(1);
   const auto between = [&](double low, double high) {
@@ -88,7 +88,7 @@ TEST_CASE("with what is learnt where the partner was sent a level grip is found"
           grasp = rim()[next->index].position;
         }
         tests.push_back(test_lift(table, grasp, config));
-        const auto t = understand_test_lift(seen(table), tests, config);
+        const auto t = analyse_test_lift(seen(table), tests, config);
         REQUIRE(t);
         belief = t->belief;
         level = t->next != TestLift::Next::Regrasp;
@@ -98,7 +98,7 @@ TEST_CASE("with what is learnt where the partner was sent a level grip is found"
         wrong += tilt_deg(table, grasp) > 2.0;
       }
       if (level || asks == config.asks) break;
-      const auto place = next_place(rim(), rim(), held, *belief, config);
+      const auto place = next_partner_place(rim(), rim(), held, *belief, config);
       if (!place) break;
       // not exactly where he was told
       table.partner = place->position + Vec3(0.0, between(-0.03, 0.03), 0.0);
@@ -113,36 +113,36 @@ TEST_CASE("with what is learnt where the partner was sent a level grip is found"
 }
 
 TEST_CASE("a place in vain, one at the feet and one without a sensible share are not asked for",
-          "[next_place]") {
+          "[next_partner_place]") {
   Table table;
   table.cog = {-0.05, 0.17, 0.3};
   std::vector<MeasuredLift> tests;
   const CogBelief belief = learnt(table, tests);
-  const auto first = next_place(rim(), rim(), {&table.partner, 1}, belief, {});
+  const auto first = next_partner_place(rim(), rim(), {&table.partner, 1}, belief, {});
   REQUIRE(first);
   const std::vector<Vec3> held{table.partner, first->position};
-  const auto second = next_place(rim(), rim(), held, belief, {});
+  const auto second = next_partner_place(rim(), rim(), held, belief, {});
   REQUIRE(second);
   CHECK((second->position - first->position).norm() >= 0.1);
   // all that a hand can grip stands at the feet
   auto low = rim();
   for (auto& c : low) c.position.z() = 0.05;
-  CHECK_FALSE(next_place(low, rim(), {&table.partner, 1}, belief, {}));
+  CHECK_FALSE(next_partner_place(low, rim(), {&table.partner, 1}, belief, {}));
   TestLiftConfig all_ours;
   all_ours.min_share = 0.99;
-  CHECK_FALSE(next_place(rim(), rim(), {&table.partner, 1}, belief, all_ours));
+  CHECK_FALSE(next_partner_place(rim(), rim(), {&table.partner, 1}, belief, all_ours));
   TestLiftConfig certain;
   certain.min_level_probability_elsewhere = 1.0;
-  CHECK_FALSE(next_place(rim(), rim(), {&table.partner, 1}, belief, certain));
+  CHECK_FALSE(next_partner_place(rim(), rim(), {&table.partner, 1}, belief, certain));
 }
 
-TEST_CASE("nobody is asked where the robot has no grasp or nothing is known", "[next_place]") {
+TEST_CASE("nobody is asked where the robot has no grasp or nothing is known", "[next_partner_place]") {
   Table table;
   table.cog = {-0.05, 0.17, 0.3};
   std::vector<MeasuredLift> tests;
   const CogBelief belief = learnt(table, tests);
-  CHECK_FALSE(next_place(rim(), {}, {&table.partner, 1}, belief, {}));
-  CHECK_FALSE(next_place({}, rim(), {&table.partner, 1}, belief, {}));
-  CHECK_FALSE(next_place(rim(), rim(), {}, belief, {}));
-  CHECK_FALSE(next_place(rim(), rim(), {&table.partner, 1}, CogBelief{}, {}));
+  CHECK_FALSE(next_partner_place(rim(), {}, {&table.partner, 1}, belief, {}));
+  CHECK_FALSE(next_partner_place({}, rim(), {&table.partner, 1}, belief, {}));
+  CHECK_FALSE(next_partner_place(rim(), rim(), {}, belief, {}));
+  CHECK_FALSE(next_partner_place(rim(), rim(), {&table.partner, 1}, CogBelief{}, {}));
 }
