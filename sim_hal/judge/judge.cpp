@@ -35,6 +35,7 @@ struct Judge::Impl {
   LoadRules load;
   bool stopped = false;
   std::vector<std::string> breaches;
+  std::vector<BodyContact> touched;  // of one millisecond
   double last_s = 0.0, moved_s = 0.0;
   double people_m = kNever, partner_m = kNever;
 };
@@ -45,8 +46,12 @@ Judge::~Judge() = default;
 
 void Judge::tick(const TickReport& report) {
   const std::scoped_lock lock(impl_->mutex);
+  // who stumbles over an object that the robot does not touch suffers that from no robot
+  impl_->touched = report.contacts;
+  for (BodyContact& c : impl_->touched)
+    if (c.by == BodyContact::By::Object && !report.truth.robot_touches_object) c.by = BodyContact::By::Static;
   // of the millisecond before: the touch itself sets joints in motion
-  impl_->contacts.tick(report.t_s, report.contacts, impl_->last_s - impl_->moved_s > kRested_s);
+  impl_->contacts.tick(report.t_s, impl_->touched, impl_->last_s - impl_->moved_s > kRested_s);
   impl_->last_s = report.t_s;
   if (report.dq_rad_s.cwiseAbs().maxCoeff() > kAtRest_rad_s) impl_->moved_s = report.t_s;
   impl_->motion.tick(report, impl_->stopped, impl_->breaches);

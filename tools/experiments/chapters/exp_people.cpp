@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kSeenBefore_s = 0.5;  // in view so long before: the arm has to be at rest when he is touched
 constexpr double kAtRest_rad_s = 0.02;
+constexpr const char* kRanInto = "he came against an arm at rest";
 
 /// What the robot did to people in one lift.
 struct Touches {
@@ -59,7 +60,7 @@ TrialRows run(const Trial& trial) {
   hooks.each_tick = [&](const sim_hal::TickReport& report) { view->tick(report); };
   const auto lift = run_whole_lift(scene.scenario, trial.method, trial.own_seed(32), hooks);
   if (!lift) {
-    rows.row.resize(rows.row.size() + 16);
+    rows.row.resize(rows.row.size() + 17);
     rows.row.push_back(lift.error().text());
     rows.words = name + ": " + lift.error().text();
     return rows;
@@ -77,6 +78,11 @@ TrialRows run(const Trial& trial) {
   if (!t.within)
     missed.push_back(
         fmt::format("{}: {:.0f} N, {:.0f} % of its limit", t.region, t.peak_n, 100.0 * t.of_limit));
+  // why, as far as the world tells
+  std::string reason;
+  if (!missed.empty()) reason = "nobody was touched by the robot";
+  if (!missed.empty() && touched)
+    reason = rested ? kRanInto : in_view ? "the arm still moved" : "not in view 0.5 s before, the arm moved";
   const bool came = v.min_distance_m.has_value();
   for (const std::string& text :
        {std::string(word(lift->record.outcome)), cell(came), cell(t.count),
@@ -87,23 +93,27 @@ TrialRows run(const Trial& trial) {
         cell(t.clamped_s), cell(t.robot_m_s), touched ? cell(view->joint_rad_s()) : std::string(),
         touched ? cell(in_view) : std::string(), cell(v.min_distance_m.value_or(NAN)),
         cell(v.stop_latency_s.value_or(NAN)), cell(static_cast<int>(v.breaches.size())),
-        fmt::format("{}", fmt::join(missed, "; ")), lift->record.reason})
+        fmt::format("{}", fmt::join(missed, "; ")), reason, lift->record.reason})
     rows.row.push_back(text);
   rows.words = fmt::format("{}, {}, {}+{:.1f}: {}{}{}", name, scene.scenario.object.kind, person.in_state,
-                           person.enters_s, word(lift->record.outcome), missed.empty() ? "" : "; MISSED ",
-                           fmt::join(missed, "; "));
+                           person.enters_s, word(lift->record.outcome),
+                           missed.empty() ? "" : "; MISSED (" + reason + ") ", fmt::join(missed, "; "));
   return rows;
 }
 
 std::vector<Figure> figures(const Results& r) {
-  int n = 0, came = 0, touched = 0, silent = 0, within = 0, own = 0, seen = 0, rested = 0;
+  int n = 0, came = 0, touched = 0, silent = 0, within = 0, own = 0, others = 0, others_within = 0, seen = 0,
+      rested = 0;
   std::vector<double> distances, latencies;
   for (const Row& row : r.trials.rows()) {
     if (r.trials.text(row, "outcome").empty()) continue;
     ++n;
     silent += r.trials.number(row, "breaches") == 0.0;
     within += r.trials.text(row, "forces") != "beyond";
-    own += r.trials.text(row, "forces") == "own";
+    const bool ran_into = r.trials.text(row, "reason") == kRanInto;
+    own += ran_into;
+    others += !ran_into;
+    others_within += !ran_into && r.trials.text(row, "forces") != "beyond";
     if (r.trials.number(row, "came") == 0.0) continue;
     ++came;
     distances.push_back(r.trials.number(row, "min_distance_m"));
@@ -114,15 +124,17 @@ std::vector<Figure> figures(const Results& r) {
     ++seen;
     rested += r.trials.number(row, "joint_rad_s") < kAtRest_rad_s;
   }
-  return {{"came", "trials in which somebody came", rate(came, n), "%"},
-          {"touched", "of them: robot and he touched", rate(touched, came), "%"},
-          {"at_rest", "touched, in view 0.5 s before: arm at rest", rate(rested, seen), "%", 0.99, true},
-          {"within_limits", "all forces within the region's limits", rate(within, n), "%", 1.0, true},
-          {"own", "of them: he ran hard into an arm at rest", rate(own, n), "%"},
-          {"silent", "trials without a breach of the judge", rate(silent, n), "%", 1.0, true},
-          {"distance_p05", "smallest distance, 5 % below", quantile_estimate(distances, 0.05), "m"},
-          {"stop_latency_p95", "45 N to the first slower command, 95 % below",
-           quantile_estimate(latencies, 0.95), "ms", 10.0, false}};
+  return {
+      {"came", "trials in which somebody came", rate(came, n), "%"},
+      {"touched", "of them: robot and he touched", rate(touched, came), "%"},
+      {"at_rest", "touched, in view 0.5 s before: arm at rest", rate(rested, seen), "%", 0.99, true},
+      {"within_limits", "all forces within the region's limits", rate(within, n), "%", 1.0, true},
+      {"ran_into", "missed: he came against an arm at rest", rate(own, n), "%"},
+      {"others_within", "all others: forces within the limits", rate(others_within, others), "%", 1.0, true},
+      {"silent", "trials without a breach of the judge", rate(silent, n), "%", 1.0, true},
+      {"distance_p05", "smallest distance, 5 % below", quantile_estimate(distances, 0.05), "m"},
+      {"stop_latency_p95", "45 N to the first slower command, 95 % below", quantile_estimate(latencies, 0.95),
+       "ms", 10.0, false}};
 }
 
 picture::Canvas plot(const Results& r) {
@@ -161,7 +173,7 @@ Experiment people_experiment() {
   e.columns = {"scene",          "object",    "state",     "enters_s",    "speed",   "outcome",
                "came",           "touches",   "touched_s", "region",      "peak_n",  "of_limit",
                "forces",         "clamped_s", "robot_m_s", "joint_rad_s", "in_view", "min_distance_m",
-               "stop_latency_s", "breaches",  "missed",    "because"};
+               "stop_latency_s", "breaches",  "missed",    "reason",      "because"};
   e.run = run;
   e.figures = figures;
   e.plot = plot;

@@ -14,6 +14,7 @@ using sim_hal::Draws;
 using sim_hal::ScenarioPerson;
 
 constexpr double kOutside_m = 2.6;    // where a person comes from, beside the robot's axis
+constexpr double kBefore_m = 0.30;    // he does not walk into the object: on the robot's side of it
 constexpr double kStandOff_m = 0.75;  // a hand's reach from what he reaches for
 
 std::string any_of(Draws& draws, std::initializer_list<const char*> states) {
@@ -47,7 +48,8 @@ PeopleTrial people_trial(const Trial& trial) {
   const sim_hal::ScenarioObject& object = out.scenario.object;
   const Point middle = object.xyz.head<2>();
   // the near end, where the hand goes
-  const Point near = middle - 0.5 * object.size[0] * middle.normalized();
+  const Point ahead = middle.normalized();
+  const Point near = middle - 0.5 * object.size[0] * ahead;
   const Point across = side * Point(-middle.y(), middle.x()).normalized();
   ScenarioPerson p;
   p.in_state = any_of(draws, {"approach", "approach", "close", "lift", "hold", "lower", "retreat"});
@@ -66,11 +68,11 @@ PeopleTrial people_trial(const Trial& trial) {
     case PeopleScene::ReachHand:
       p.action = "reach";
       p.reach_to = "robot-hand";
-      end = near + kStandOff_m * across;
+      end = near - kBefore_m * ahead + kStandOff_m * across;
       break;
     case PeopleScene::Crouch:
       p.action = "crouch";
-      end = near + draws.between(0.15, 0.45) * across;
+      end = near - kBefore_m * ahead + draws.between(0.15, 0.45) * across;
       break;
     case PeopleScene::FootUnder:
       p.in_state = any_of(draws, {"lift", "hold", "lower"});
@@ -83,7 +85,7 @@ PeopleTrial people_trial(const Trial& trial) {
       p.in_state = any_of(draws, {"approach", "approach", "close"});
       p.action = "reach";
       p.reach_to = "between-fingers";
-      end = near + kStandOff_m * across;
+      end = near - kBefore_m * ahead + kStandOff_m * across;
       break;
     case PeopleScene::Second:
       p.action = "reach";
