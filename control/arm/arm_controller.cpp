@@ -7,12 +7,6 @@
 
 namespace colift::control {
 
-namespace {
-
-constexpr double kEmptyFraction = 0.2;  // of the stiffness of an arm that yields with an object in its hand
-
-}  // namespace
-
 bool moves(ArmRequest::Kind kind) {
   using Kind = ArmRequest::Kind;
   return kind == Kind::Hold || kind == Kind::Follow || kind == Kind::Resume || kind == Kind::Back ||
@@ -168,9 +162,7 @@ void ArmController::start_yield() {
   yielding_ = true;
   lifting_ = false;
   setpoints_.hold();
-  // who runs into a stiff arm is hit again by what springs back; an empty hand has nothing that could sink
-  const bool empty = force_.load() == HandLoad::Empty;
-  setpoints_.set_stiffness((empty ? kEmptyFraction : 1.0) * yield_stiffness_nm_rad_);
+  setpoints_.set_stiffness(yield_stiffness_nm_rad_);
 }
 
 void ArmController::end_yield() {
