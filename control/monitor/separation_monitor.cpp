@@ -58,7 +58,7 @@ const SeparationState& SeparationMonitor::update(hal::Timestamp now, std::span<c
   next.hold = too_near;
   if (state_.hold && !too_near) {
     const bool free = hal::seconds(now - near_at_) >= config_.free_s;
-    next.hold = !(free && config_.resume && !touched_);
+    next.hold = !(free && config_.resume);
     if (next.hold && !next.limited) next.nearest = state_.nearest;
   }
   if (next.hold) next.speed_m_s = 0.0;

@@ -38,7 +38,8 @@ struct SeparationState {
 
 /// Speed and separation monitoring. A continuous limit of the arm's speed from the distances of one frame:
 /// the fastest at which it comes to rest before anybody is reached. Nearer than the hold distance it stops;
-/// it resumes when nobody has been near for MonitorConfig::free_s and nothing was touched. One thread, no
+/// it resumes when nobody has been near for MonitorConfig::free_s. A contact is not its business: that ends
+/// the job (state yield), and motion resumes after a confirmation in `colift recover` only. One thread, no
 /// allocation.
 class SeparationMonitor {
  public:
@@ -47,10 +48,6 @@ class SeparationMonitor {
   /// Once for each frame. `latency_s`: measured, from exposure until now; `robot_kg`: effective mass.
   const SeparationState& update(hal::Timestamp now, std::span<const Neighbour> near, double latency_s,
                                 double robot_kg);
-  /// Something was touched: a stop is not left by itself any more.
-  void note_contact() { touched_ = true; }
-  /// A person confirmed: a stop may be left again.
-  void confirm() { touched_ = false; }
 
   [[nodiscard]] const SeparationState& state() const { return state_; }
 
@@ -60,7 +57,6 @@ class SeparationMonitor {
 
   MonitorConfig config_;
   SeparationState state_;
-  bool touched_ = false;
   hal::Timestamp near_at_{0};  ///< When somebody was last too near.
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace colift::perception {
 namespace {
@@ -48,16 +49,23 @@ std::span<const BodyTrack> BodyTracker::update(hal::Timestamp exposed_at, std::s
     track.frames = 1;
     track.seen_at = exposed_at;
     track.area_m2 = body.area_m2;
+    see_top(track, body);
     now_.push_back(track);
     if (tracks_.size() < 2 * most) tracks_.push_back(track);
   }
   return now_;
 }
 
+void BodyTracker::see_top(BodyTrack& track, const Body& body) {
+  track.top_m = body.pixels.v_begin > 0 ? std::max(track.top_m, body.box.max().z())
+                                        : std::numeric_limits<double>::infinity();
+}
+
 void BodyTracker::follow(BodyTrack& track, hal::Timestamp at, const Body& body) const {
   const double dt_s = hal::seconds(at - track.seen_at);
   track.seen_at = at;
   track.area_m2 = body.area_m2;
+  see_top(track, body);
   ++track.frames;
   if (dt_s <= 0.0) return;
   const hal::Vec3 measured = (body.center - track.center) / dt_s;

@@ -37,6 +37,7 @@ struct BodyTrack {
   double still_s = 0.0;    ///< For so long it has been at rest.
   hal::Timestamp seen_at{0};
   double area_m2 = 0.0;
+  double top_m = 0.0;  ///< Highest that it was ever seen (W); infinite once the image's upper border cut it.
 };
 
 /// Follows bodies over frames by their centres. One thread; does not allocate after the first calls.
@@ -50,6 +51,7 @@ class BodyTracker {
 
  private:
   void follow(BodyTrack& track, hal::Timestamp at, const Body& body) const;
+  static void see_top(BodyTrack& track, const Body& body);
 
   BodyTrackConfig config_;
   int next_id_ = 1;

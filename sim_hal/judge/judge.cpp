@@ -15,6 +15,8 @@ namespace colift::sim_hal {
 namespace {
 
 constexpr double kNoticed_n = 45.0;  // a touch that nobody can overlook
+// the robot is at rest: no joint has been faster for so long
+constexpr double kAtRest_rad_s = 0.02, kRested_s = 0.05;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 std::optional<double> seen(double distance_m) {
@@ -33,6 +35,8 @@ struct Judge::Impl {
   LoadRules load;
   bool stopped = false;
   std::vector<std::string> breaches;
+  std::vector<BodyContact> touched;  // of one millisecond
+  double last_s = 0.0, moved_s = 0.0;
   double people_m = kNever, partner_m = kNever;
 };
 
@@ -42,7 +46,14 @@ Judge::~Judge() = default;
 
 void Judge::tick(const TickReport& report) {
   const std::scoped_lock lock(impl_->mutex);
-  impl_->contacts.tick(report.t_s, report.contacts);
+  // who stumbles over an object that the robot does not touch suffers that from no robot
+  impl_->touched = report.contacts;
+  for (BodyContact& c : impl_->touched)
+    if (c.by == BodyContact::By::Object && !report.truth.robot_touches_object) c.by = BodyContact::By::Static;
+  // of the millisecond before: the touch itself sets joints in motion
+  impl_->contacts.tick(report.t_s, impl_->touched, impl_->last_s - impl_->moved_s > kRested_s);
+  impl_->last_s = report.t_s;
+  if (report.dq_rad_s.cwiseAbs().maxCoeff() > kAtRest_rad_s) impl_->moved_s = report.t_s;
   impl_->motion.tick(report, impl_->stopped, impl_->breaches);
   impl_->load.tick(report, impl_->breaches);
   impl_->people_m = std::min(impl_->people_m, report.people_distance_m);

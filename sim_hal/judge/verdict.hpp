@@ -14,10 +14,12 @@ struct JudgedContact {
   std::string by;                       ///< robot | object
   int person = 0;                       ///< Place in the scenario's people; -1: the partner who carries.
   double force_n = 0.0, limit_n = 0.0;  ///< Peak, and the limit that counts for it (transient or clamped).
+  double counts_n = 0.0;                ///< Peak of the kind (transient or clamped) that the limit is for.
   double clamped_s = 0.0;               ///< Pressed against something else, or without a pause beyond 0.5 s.
   double closing_m_s = 0.0;             ///< How fast they came together, the person's own motion in it.
   double robot_m_s = 0.0;  ///< How fast the robot's (the object's) surface came towards him, at most.
-  bool his_own = false;    ///< He came against something that did not come towards him: reported, no breach.
+  bool his_own = false;  ///< He ran into a robot that had been at rest and did not come towards him, and was
+                         ///< not clamped: reported, no breach.
 };
 
 /// What the simulation says of a run, whatever the program says.

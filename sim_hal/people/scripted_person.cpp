@@ -177,6 +177,8 @@ void ScriptedPerson::tick(double t_s, const PersonView& view, bool walk_blocked,
   if (gone_ || !script_.in_state.empty() || t_s < script_.enters_s) return;
   present_ = true;
   const bool leaves = script_.leaves_s && t_s >= *script_.leaves_s;
+  // who has walked into something stops there and leans on it; he does not walk through what yields
+  stopped_ = (stopped_ || walk_blocked) && !leaves;
   const bool at_end = walked_m_ >= length_m_;
   const bool posed = script_.action != "walk" && script_.action != "stand";
   bool walks = false;
@@ -190,7 +192,7 @@ void ScriptedPerson::tick(double t_s, const PersonView& view, bool walk_blocked,
       return;
     }
   } else if (!at_end) {
-    walks = !walk_blocked;
+    walks = !stopped_;
     if (walks) walked_m_ = std::min(walked_m_ + kTick_s * script_.speed, length_m_);
   } else if (posed) {
     approach(settled_, 1.0, kTick_s / kSettle_s);

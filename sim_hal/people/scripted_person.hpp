@@ -24,7 +24,7 @@ class ScriptedPerson {
   explicit ScriptedPerson(const ScenarioPerson& script);
 
   /// 1 ms. `walk_blocked`: legs or trunk are held off by something, `reach_blocked`: the hand or foot that
-  /// reaches is. He then stays where he is.
+  /// reaches is. A walker then stays where he is until he leaves, a hand until it is free.
   void tick(double t_s, const PersonView& view, bool walk_blocked, bool reach_blocked);
 
   /// The task has entered a state for the first time: his time may count from it.
@@ -51,7 +51,7 @@ class ScriptedPerson {
 
   ScenarioPerson script_;
   double length_m_ = 0.0;
-  bool present_ = false, gone_ = false;
+  bool present_ = false, gone_ = false, stopped_ = false;
   double walked_m_ = 0.0, stride_ = 0.0;  // stride: how far the legs swing, 0 to 1
   double settled_ = 0.0;                  // 0 upright, 1 in the posture of the end
   Vec3 at_ = Vec3::Zero(), facing_ = Vec3::UnitX();

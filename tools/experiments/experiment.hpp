@@ -88,5 +88,7 @@ struct Experiment {
 [[nodiscard]] Experiment tasks_experiment();
 [[nodiscard]] Experiment agents_experiment();
 [[nodiscard]] Experiment let_go_experiment();
+[[nodiscard]] Experiment people_experiment();
+[[nodiscard]] Experiment false_stops_experiment();
 
 }  // namespace colift::experiments

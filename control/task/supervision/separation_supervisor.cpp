@@ -207,8 +207,9 @@ void SeparationSupervisor::sort_points(const BodySighting& seen) {
     // of what is cut off by the image's border nobody knows how high it is
     const bool whole = body.pixels.u_begin > 0 && body.pixels.v_begin > 0 &&
                        body.pixels.u_end < c_.readings.frame->intrinsics.width;
-    const bool low = whole && body.box.max().z() < config.low_m;
-    const bool thing = !partner && low && track && track->still_s >= config.still_s;
+    // who was seen upright and crouches now is no thing, however still he is
+    const bool low = whole && track && track->top_m < config.low_m;
+    const bool thing = !partner && low && track->still_s >= config.still_s;
     hand_.clear();
     partner_.clear();
     others_.clear();

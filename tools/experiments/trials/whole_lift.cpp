@@ -6,18 +6,26 @@
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_hand.hpp"
 #include "hal/types/units.hpp"
+#include "sim_hal/judge/judge.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "tools/experiments/trials/sighting.hpp"
 
 namespace colift::experiments {
 
 hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control::Method method,
-                                      std::uint64_t seed) {
+                                      std::uint64_t seed, const LiftHooks& with) {
   const hal::RobotModel& model = hal::built_in_robot();
   auto world = sim_hal::SimWorld::make(scenario, model, seed, sim_hal::SimConfig{});
   if (!world) return tl::unexpected(world.error());
-  const control::Config config = config_for(
+  sim_hal::Judge judge(model, /*exact_time=*/true);
+  (*world)->observe([&](const sim_hal::TickReport& report) {
+    judge.tick(report);
+    if (with.each_tick) with.each_tick(report);
+  });
+  control::Config config = config_for(
       method, control::TaskSaid{"scenario " + scenario.name, scenario.task.height, scenario.task.hold_s});
+  if (with.configure) with.configure(config);
+  if (with.started) with.started(**world);
   hal::Robot robot;
   robot.arm = std::make_unique<hal::GuardedArm>(sim_hal::make_sim_arm(**world), model, config.guard_arm);
   robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(**world), config.guard_hand);
@@ -36,8 +44,16 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
   int n = 0;
   double tilt = 0.0, height = 0.0, share = 0.0, slip = 0.0;
   control::JobHooks hooks;
+  const auto entered = [&](control::Task state) {
+    const std::string name(control::word(state));
+    (*world)->task_state(name);
+    judge.task_state(name);
+  };
+  hooks.started = [&] { entered(control::Task::Observe); };
+  hooks.changed = [&](control::Task, control::Task to) { entered(to); };
   hooks.asked = [&](const hal::Vec3& place) { (*world)->ask_partner(place); };
   hooks.status = [&](const control::JobStatus& status) {
+    if (with.each_frame) with.each_frame(**world);
     if (status.state != control::Task::Hold) return;
     const sim_hal::SimTruth truth = (*world)->truth();
     ++n;
@@ -56,8 +72,21 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
     lift.share_robot = share / n;
     lift.slip_m = slip;
   }
+  lift.verdict = judge.verdict(lift.record.outcome == control::RunRecord::Result::Lifted);
   lift.hit_something = (*world)->truth().robot_hit_something;
   return lift;
+}
+
+const char* word(control::RunRecord::Result outcome) {
+  switch (outcome) {
+    case control::RunRecord::Result::Lifted:
+      return "lifted";
+    case control::RunRecord::Result::Aborted:
+      return "aborted";
+    case control::RunRecord::Result::Refused:
+      break;
+  }
+  return "refused";
 }
 
 }  // namespace colift::experiments

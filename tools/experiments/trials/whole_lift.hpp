@@ -2,10 +2,13 @@
 
 #include <cmath>
 #include <cstdint>
+#include <functional>
 
 #include "control/config/config.hpp"
 #include "control/task/run_record.hpp"
 #include "hal/types/result.hpp"
+#include "sim_hal/judge/verdict.hpp"
+#include "sim_hal/mujoco/sim_world.hpp"
 #include "sim_hal/scenario/scenario.hpp"
 
 namespace colift::experiments {
@@ -16,10 +19,22 @@ struct WholeLift {
   double tilt_deg = NAN, height_m = NAN, share_robot = NAN;  ///< True, means at the top.
   double slip_m = NAN;
   bool hit_something = false;
+  sim_hal::Verdict verdict;  ///< Of the simulation's judge.
+};
+
+/// What a trial changes and observes. All of it may be empty.
+struct LiftHooks {
+  std::function<void(control::Config&)> configure;
+  std::function<void(const sim_hal::SimWorld&)> started;     ///< Before the first cycle.
+  std::function<void(const sim_hal::SimWorld&)> each_frame;  ///< About 30 times a second.
+  std::function<void(const sim_hal::TickReport&)> each_tick;
 };
 
 /// Errors: BadConfig (the scenario), and those of devices at the start.
 [[nodiscard]] hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control::Method method,
-                                                    std::uint64_t seed);
+                                                    std::uint64_t seed, const LiftHooks& with = {});
+
+/// "lifted", "aborted" or "refused".
+[[nodiscard]] const char* word(control::RunRecord::Result outcome);
 
 }  // namespace colift::experiments

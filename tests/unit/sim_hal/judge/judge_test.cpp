@@ -103,6 +103,29 @@ TEST_CASE("a short hit counts against the transient limit, a long or clamped one
     CHECK(breaches(room).empty());
     CHECK(room.judge.verdict(false).contacts.at(1).his_own);
   }
+  SECTION("not so against one that moved when he came, whichever way") {
+    room.speed[3] = 0.1;
+    room.ms(2);
+    room.speed.setZero();
+    room.ms(20);
+    room.touch(BodyRegion::Chest, 600.0, 0.0);
+    room.ms(30);
+    CHECK_THAT(breaches(room).at(0), StartsWith("chest: 600 N hit"));
+  }
+  SECTION("nor when the arm keeps him pressed for longer than half a second") {
+    room.touch(BodyRegion::Chest, 150.0, 0.0);
+    room.ms(600);
+    CHECK_THAT(breaches(room).at(0), StartsWith("chest: 150 N clamped"));
+    CHECK_FALSE(room.judge.verdict(false).contacts.at(1).his_own);
+  }
+  SECTION("an object counts while the robot touches it") {
+    room.touch(BodyRegion::LowerLeg, 600.0, 0.25, BodyContact::By::Object);
+    room.ms(30);
+    CHECK(breaches(room).empty());
+    room.truth.robot_touches_object = true;
+    room.ms(30);
+    CHECK_THAT(breaches(room).at(0), StartsWith("lower-leg: 600 N hit by the object"));
+  }
 }
 
 TEST_CASE("limits are those of the reference table") {

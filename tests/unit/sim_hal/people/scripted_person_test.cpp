@@ -93,4 +93,9 @@ TEST_CASE("who is blocked does not walk on") {
   for (double t = 1.0; t < 3.0; t += 0.001) person.tick(t, {}, true, false);
   person.add_to(after);
   CHECK((before.shapes[0].X_WS.translation() - after.shapes[0].X_WS.translation()).norm() < 1e-6);
+  // nor when what he met has yielded
+  World later;
+  for (double t = 3.0; t < 4.0; t += 0.001) person.tick(t, {}, false, false);
+  person.add_to(later);
+  CHECK((before.shapes[0].X_WS.translation() - later.shapes[0].X_WS.translation()).norm() < 1e-6);
 }

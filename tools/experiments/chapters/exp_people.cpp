@@ -1,0 +1,183 @@
+// Beyond the thesis: somebody comes into a lift. Figures are those of the simulation's judge and its world.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "tools/experiments/bar_plot.hpp"
+#include "tools/experiments/experiment.hpp"
+#include "tools/experiments/trials/body_in_view.hpp"
+#include "tools/experiments/trials/people_scene.hpp"
+#include "tools/experiments/trials/whole_lift.hpp"
+
+namespace colift::experiments {
+namespace {
+
+constexpr double kSeenBefore_s = 0.5;  // in view so long before: the arm has to be at rest when he is touched
+constexpr double kAtRest_rad_s = 0.02;
+constexpr const char* kRanInto = "he came against an arm at rest";
+
+/// What the robot did to people in one lift.
+struct Touches {
+  int count = 0;
+  std::string region;  ///< Of the touch that comes nearest to its limit ...
+  double peak_n = NAN, of_limit = NAN;
+  double clamped_s = 0.0, robot_m_s = NAN;
+  bool within = true, own_beyond = false;
+};
+
+Touches touches(const sim_hal::Verdict& verdict) {
+  Touches t;
+  for (const sim_hal::JudgedContact& c : verdict.contacts) {
+    // whatever pressed him, the object too; who ran into an arm at rest is counted on its own
+    const bool beyond = c.counts_n > c.limit_n;
+    t.within = t.within && (!beyond || c.his_own);
+    t.own_beyond = t.own_beyond || (beyond && c.his_own);
+    if (c.by == "robot" && c.person >= 0) ++t.count;
+    t.clamped_s = std::max(t.clamped_s, c.clamped_s);
+    t.robot_m_s = std::max(std::isnan(t.robot_m_s) ? 0.0 : t.robot_m_s, c.robot_m_s);
+    const double of_limit = c.counts_n / c.limit_n;
+    if (of_limit <= t.of_limit) continue;
+    t.of_limit = of_limit;
+    t.peak_n = c.force_n;
+    t.region = (c.person < 0 ? "partner's " : "") + c.region + (c.by == "robot" ? "" : " by the object");
+  }
+  return t;
+}
+
+TrialRows run(const Trial& trial) {
+  const PeopleTrial scene = people_trial(trial);
+  const sim_hal::ScenarioPerson& person = scene.scenario.people.front();
+  const auto name = std::string(kPeopleScenes[static_cast<std::size_t>(scene.scene)]);
+  TrialRows rows;
+  rows.row = {name, scene.scenario.object.kind, person.in_state, cell(person.enters_s), cell(person.speed)};
+  std::optional<BodyInView> view;
+  LiftHooks hooks;
+  hooks.started = [&](const sim_hal::SimWorld& world) { view.emplace(world); };
+  hooks.each_frame = [&](const sim_hal::SimWorld& world) { view->frame(world); };
+  hooks.each_tick = [&](const sim_hal::TickReport& report) { view->tick(report); };
+  const auto lift = run_whole_lift(scene.scenario, trial.method, trial.own_seed(32), hooks);
+  if (!lift) {
+    rows.row.resize(rows.row.size() + 17);
+    rows.row.push_back(lift.error().text());
+    rows.words = name + ": " + lift.error().text();
+    return rows;
+  }
+  const sim_hal::Verdict& v = lift->verdict;
+  const Touches t = touches(v);
+  const bool touched = view->touched_s().has_value();
+  const bool in_view =
+      touched && view->pixels_at(*view->touched_s() - kSeenBefore_s) >= BodyInView::kMinPixels;
+  const bool rested = touched && view->joint_rad_s() < kAtRest_rad_s;
+  std::vector<std::string> missed = v.breaches;
+  if (in_view && !rested)
+    missed.push_back(fmt::format("touched at {:.2f} s by an arm at {:.2f} rad/s", *view->touched_s(),
+                                 view->joint_rad_s()));
+  if (!t.within)
+    missed.push_back(
+        fmt::format("{}: {:.0f} N, {:.0f} % of its limit", t.region, t.peak_n, 100.0 * t.of_limit));
+  // why, as far as the world tells
+  std::string reason;
+  if (!missed.empty()) reason = "nobody was touched by the robot";
+  if (!missed.empty() && touched)
+    reason = rested ? kRanInto : in_view ? "the arm still moved" : "not in view 0.5 s before, the arm moved";
+  const bool came = v.min_distance_m.has_value();
+  for (const std::string& text :
+       {std::string(word(lift->record.outcome)), cell(came), cell(t.count),
+        touched ? cell(*view->touched_s()) : std::string(), t.region, cell(t.peak_n), cell(t.of_limit),
+        std::string(!t.within      ? "beyond"
+                    : t.own_beyond ? "own"
+                                   : "within"),
+        cell(t.clamped_s), cell(t.robot_m_s), touched ? cell(view->joint_rad_s()) : std::string(),
+        touched ? cell(in_view) : std::string(), cell(v.min_distance_m.value_or(NAN)),
+        cell(v.stop_latency_s.value_or(NAN)), cell(static_cast<int>(v.breaches.size())),
+        fmt::format("{}", fmt::join(missed, "; ")), reason, lift->record.reason})
+    rows.row.push_back(text);
+  rows.words = fmt::format("{}, {}, {}+{:.1f}: {}{}{}", name, scene.scenario.object.kind, person.in_state,
+                           person.enters_s, word(lift->record.outcome),
+                           missed.empty() ? "" : "; MISSED (" + reason + ") ", fmt::join(missed, "; "));
+  return rows;
+}
+
+std::vector<Figure> figures(const Results& r) {
+  int n = 0, came = 0, touched = 0, silent = 0, within = 0, own = 0, others = 0, others_within = 0, seen = 0,
+      rested = 0;
+  std::vector<double> distances, latencies;
+  for (const Row& row : r.trials.rows()) {
+    if (r.trials.text(row, "outcome").empty()) continue;
+    ++n;
+    silent += r.trials.number(row, "breaches") == 0.0;
+    within += r.trials.text(row, "forces") != "beyond";
+    const bool ran_into = r.trials.text(row, "reason") == kRanInto;
+    own += ran_into;
+    others += !ran_into;
+    others_within += !ran_into && r.trials.text(row, "forces") != "beyond";
+    if (r.trials.number(row, "came") == 0.0) continue;
+    ++came;
+    distances.push_back(r.trials.number(row, "min_distance_m"));
+    latencies.push_back(1000.0 * r.trials.number(row, "stop_latency_s"));
+    if (r.trials.text(row, "touched_s").empty()) continue;
+    ++touched;
+    if (r.trials.number(row, "in_view") == 0.0) continue;
+    ++seen;
+    rested += r.trials.number(row, "joint_rad_s") < kAtRest_rad_s;
+  }
+  return {
+      {"came", "trials in which somebody came", rate(came, n), "%"},
+      {"touched", "of them: robot and he touched", rate(touched, came), "%"},
+      {"at_rest", "touched, in view 0.5 s before: arm at rest", rate(rested, seen), "%", 0.99, true},
+      {"within_limits", "all forces within the region's limits", rate(within, n), "%", 1.0, true},
+      {"ran_into", "missed: he came against an arm at rest", rate(own, n), "%"},
+      {"others_within", "all others: forces within the limits", rate(others_within, others), "%", 1.0, true},
+      {"silent", "trials without a breach of the judge", rate(silent, n), "%", 1.0, true},
+      {"distance_p05", "smallest distance, 5 % below", quantile_estimate(distances, 0.05), "m"},
+      {"stop_latency_p95", "45 N to the first slower command, 95 % below", quantile_estimate(latencies, 0.95),
+       "ms", 10.0, false}};
+}
+
+picture::Canvas plot(const Results& r) {
+  BarPanel force{"Largest force as a fraction of its limit", {}, {}, {}},
+      missed{"Trials that miss a requirement (%)", {}, {}, {}};
+  for (const std::string_view scene : kPeopleScenes) {
+    double worst = 0.0;
+    int n = 0, bad = 0;
+    for (const Row& row : r.trials.rows()) {
+      if (r.trials.text(row, "scene") != scene) continue;
+      ++n;
+      bad += !r.trials.text(row, "missed").empty();
+      const double of_limit = r.trials.number(row, "of_limit");
+      if (of_limit > worst) worst = of_limit;
+    }
+    force.bars.push_back({std::string(scene), worst});
+    missed.bars.push_back({std::string(scene), n > 0 ? 100.0 * bad / n : NAN});
+  }
+  return draw_bar_plot({force, missed});
+}
+
+}  // namespace
+
+Experiment people_experiment() {
+  Experiment e;
+  e.name = "people";
+  e.title = "Somebody comes into a lift";
+  e.thesis = "beyond it";
+  e.question =
+      "A whole lift of a table, box, pipe or chair, and a person who walks or runs into the arm's path, "
+      "reaches for its hand, crouches at the grasp, puts a foot under the object or a hand between the "
+      "fingers, or grasps along, at a random moment of a random state. Forces, speeds and distances are "
+      "those "
+      "of the simulation's judge. In view: at least 10 of 160 x 120 rays of the camera meet him first.";
+  e.default_trials = 1000;
+  e.columns = {"scene",          "object",    "state",     "enters_s",    "speed",   "outcome",
+               "came",           "touches",   "touched_s", "region",      "peak_n",  "of_limit",
+               "forces",         "clamped_s", "robot_m_s", "joint_rad_s", "in_view", "min_distance_m",
+               "stop_latency_s", "breaches",  "missed",    "reason",      "because"};
+  e.run = run;
+  e.figures = figures;
+  e.plot = plot;
+  return e;
+}
+
+}  // namespace colift::experiments
