@@ -55,7 +55,7 @@ void SimWorld::Impl::tick() {
 // somebody pushes arm or hand, as the scenario says
 void SimWorld::Impl::push() {
   for (const DeviceFaultEvent& event : scenario.faults) {
-    if (event.action != "push" || now_s() < event.at_s || now_s() >= event.at_s + event.for_s) continue;
+    if (event.action != "push" || !event.active(now_s())) continue;
     const int link = event.link == 0 ? model.palm : model.arm[static_cast<std::size_t>(event.link - 1)];
     physics->pull_link(link, event.value.value_or(0.0) * event.direction.normalized());
   }

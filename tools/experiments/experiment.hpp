@@ -88,5 +88,6 @@ struct Experiment {
 [[nodiscard]] Experiment tasks_experiment();
 [[nodiscard]] Experiment agents_experiment();
 [[nodiscard]] Experiment let_go_experiment();
+[[nodiscard]] Experiment faults_experiment();
 
 }  // namespace colift::experiments

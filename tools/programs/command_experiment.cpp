@@ -10,7 +10,7 @@ void add_experiment(CLI::App& command, ExperimentOptions& o) {
   command
       .add_option(
           "NAME", o.words,
-          "grasps, realtime, tilt, load, complex, robust, wrong-cog, slip, tasks, agents, let-go or all; or: "
+          "grasps, realtime, tilt, load, complex, robust, wrong-cog, slip, tasks, agents, let-go, faults or all; or: "
           "merge DIR...")
       ->required();
   command.add_option("--trials", o.trials, "Number of trials (default: per experiment)")->type_name("N");

@@ -33,11 +33,8 @@ class SimCamera final : public hal::DepthCamera {
  public:
   explicit SimCamera(SimWorld& world)
       : world_(world), caster_(hal::CameraIntrinsics{}, camera_pose(world.scenario().camera)) {
-    for (const DeviceFaultEvent& fault : world.scenario().faults) {
-      if (fault.device != "camera") continue;
-      faults_.push_back(fault);
-      may_freeze_ |= fault.action == "freeze";
-    }
+    for (const DeviceFaultEvent& fault : world.scenario().faults)
+      may_freeze_ |= fault.device == "camera" && fault.action == "freeze";
   }
 
   hal::Result<> configure() override {
@@ -106,9 +103,10 @@ class SimCamera final : public hal::DepthCamera {
 
   /// What is wrong at this moment; empty when nothing is. The later entry wins.
   [[nodiscard]] std::string_view fault_now() const {
-    const double t = hal::seconds(now());
-    for (auto it = faults_.rbegin(); it != faults_.rend(); ++it)
-      if (t >= it->at_s && t < it->at_s + it->for_s) return it->action;
+    const double t = hal::seconds(world_.elapsed());
+    const auto& faults = world_.scenario().faults;
+    for (auto it = faults.rbegin(); it != faults.rend(); ++it)
+      if (it->device == "camera" && it->active(t)) return it->action;
     return {};
   }
 
@@ -150,7 +148,6 @@ class SimCamera final : public hal::DepthCamera {
 
   SimWorld& world_;
   RayCaster caster_;
-  std::vector<DeviceFaultEvent> faults_;
   bool may_freeze_ = false;
   std::uint64_t next_ = 0;  // first frame that has not been exposed
   hal::Timestamp handed_out_at_{0};
