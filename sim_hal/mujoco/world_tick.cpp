@@ -61,11 +61,17 @@ void SimWorld::Impl::push() {
   }
 }
 
+bool SimWorld::Impl::pushed() const {
+  return std::any_of(scenario.faults.begin(), scenario.faults.end(), [&](const DeviceFaultEvent& event) {
+    return event.action == "push" && event.active(now_s());
+  });
+}
+
 void SimWorld::Impl::report() {
   const SimTruth now = truth();
   const hal::HandState fingers = hand_state();
   observer({now_s(), now, people.contacts(), people.distance_m(), people.partner_distance_m(), command_rad,
-            std::exchange(commanded, false), arm.set_point_rad(), arm_reading.dq_rad_s, fingers});
+            std::exchange(commanded, false), arm.set_point_rad(), arm_reading.dq_rad_s, fingers, pushed()});
 }
 
 void SimWorld::Impl::note_grasp() {

@@ -215,8 +215,8 @@ struct FaultBlock {
   }
   /// The same of a Kinect behind libfreenect's functions.
   static const hal::Choices& of_kinect() {
-    static const hal::Choices all{"slow",  "double", "swap",  "restamp", "packets",
-                                  "zeros", "half",   "moved", "hang",    "crash"};
+    static const hal::Choices all{"slow", "double", "swap", "restamp", "packets", "zeros",
+                                  "half", "moved",  "hang", "crash",   "holes"};
     return all;
   }
   static hal::Choices choices() {

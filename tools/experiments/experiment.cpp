@@ -12,8 +12,8 @@ const std::vector<Experiment>& all_experiments() {
   static const std::vector<Experiment> all{grasps_experiment(),    realtime_experiment(), tilt_experiment(),
                                            load_experiment(),      complex_experiment(),  robust_experiment(),
                                            wrong_cog_experiment(), slip_experiment(),     tasks_experiment(),
-                                           agents_experiment(),    let_go_experiment(),
-                                           faults_experiment()};
+                                           agents_experiment(),    let_go_experiment(),   faults_experiment(),
+                                           stalls_experiment()};
   return all;
 }
 

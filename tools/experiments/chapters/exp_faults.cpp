@@ -14,69 +14,6 @@
 namespace colift::experiments {
 namespace {
 
-using control::Task;
-
-constexpr double kHeight_m = 0.05, kHold_s = 1.0;
-constexpr double kStops_s = 0.5, kAtRest_rad = 0.03;
-
-control::TaskSaid task() {
-  return {"experiment faults", kHeight_m, kHold_s};
-}
-
-/// When a fault began in this lift (s of the scenario); NaN: its state was never entered, or the job was
-/// over.
-double began_s(const FaultyLift& lift, const DrawnFault& fault) {
-  double t = fault.at_s;
-  if (!fault.in_state.empty()) {
-    const auto it = lift.entered.find(fault.in_state);
-    if (it == lift.entered.end()) return NAN;
-    t += it->second;
-  }
-  return t < lift.end_s ? t : NAN;
-}
-
-/// What a fault asked for and did not get; empty: nothing.
-std::string demand_broken(const FaultyLift& lift, const DrawnFault& fault) {
-  const double began = began_s(lift, fault);
-  if (std::isnan(began)) return {};
-  const double ends = std::min(began + fault.for_s, lift.end_s);
-  switch (fault.demand) {
-    case Demand::None:
-      return {};
-    case Demand::Rest: {
-      const double moved = moved_rad(lift, began + kStops_s, ends);
-      return moved > kAtRest_rad ? fmt::format("{}: the arm moved on by {:.2f} rad", fault.what, moved)
-                                 : std::string();
-    }
-    case Demand::NotLifted:
-      return lift.record.outcome == control::RunRecord::Result::Lifted ? fault.what + ": reported as lifted"
-                                                                       : std::string();
-    case Demand::NoGrip: {
-      const auto closes = lift.entered.find("close");
-      const bool grips =
-          closes != lift.entered.end() && closes->second > began + kStops_s && closes->second < ends;
-      return grips ? fault.what + ": the hand closed without a picture" : std::string();
-    }
-  }
-  return {};
-}
-
-/// Everything that speaks against a lift; empty: it survived its faults.
-std::vector<std::string> objections(const FaultyLift& lift, const DrawnTrial& drawn) {
-  std::vector<std::string> all = lift.verdict.breaches;
-  if (!lift.failed.empty()) {
-    all.push_back(lift.failed);
-    return all;
-  }
-  const Task end = lift.record.states.empty() ? Task::Observe : lift.record.states.back().state;
-  if (!control::is_end(end)) all.push_back(fmt::format("ended in {}", word(end)));
-  for (const DrawnFault& fault : drawn.faults)
-    if (auto broken = demand_broken(lift, fault); !broken.empty()) all.push_back(std::move(broken));
-  for (const std::string& rule : lift.broken_rules) all.push_back("broke a rule of the wire: " + rule);
-  if (lift.troubles > 0) all.push_back("the physics diverged");
-  return all;
-}
-
 const char* word_of(control::RunRecord::Result result) {
   using Result = control::RunRecord::Result;
   return result == Result::Lifted ? "lifted" : result == Result::Aborted ? "aborted" : "refused";
@@ -85,8 +22,8 @@ const char* word_of(control::RunRecord::Result result) {
 TrialRows run(const Trial& trial) {
   const DrawnTrial drawn = draw_faults(trial);
   const std::string name = drawn.scene.scenario.name;
-  const auto lift =
-      run_faulty_lift(drawn.scene, config_for(trial.method, task()), trial.method, trial.own_seed(13));
+  const auto lift = run_faulty_lift(drawn.scene, config_for(trial.method, faulty_task()), trial.method,
+                                    trial.own_seed(kFaultyStream));
   TrialRows rows;
   std::vector<std::string> faults;
   if (!lift) {  // a scene that cannot begin says nothing of the controller
@@ -94,7 +31,7 @@ TrialRows run(const Trial& trial) {
     rows.words = name + ": " + lift.error().text();
     return rows;
   }
-  const std::vector<std::string> against = objections(*lift, drawn);
+  const std::vector<std::string> against = objections(*lift, drawn.faults);
   const bool survived = against.empty();
   for (const DrawnFault& fault : drawn.faults) {
     const double began = began_s(*lift, fault);
@@ -166,7 +103,7 @@ Experiment faults_experiment() {
   e.columns = {"layout", "rig", "faults", "outcome", "end", "against", "because", "survived"};
   e.detail_columns = {"group", "fault", "state", "began_s", "survived"};
   e.run = run;
-  e.task = task();
+  e.task = faulty_task();
   e.figures = figures;
   e.plot = plot;
   return e;

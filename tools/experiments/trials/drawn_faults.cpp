@@ -18,6 +18,7 @@ using sim_hal::PartnerScriptEvent;
 using sim_hal::Scenario;
 using sim_hal::ScenarioPerson;
 
+constexpr double kHeight_m = 0.05, kHold_s = 1.0;
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 /// A state, how long it lasts in an undisturbed lift (s), and how often it is drawn.
@@ -38,10 +39,17 @@ struct DeviceKind {
   double low = NAN, high = NAN;
   Demand demand = Demand::None;
 };
-constexpr DeviceKind kCamera[] = {
-    {"drop", 0.1, 4.0, NAN, NAN, Demand::NoGrip},    {"freeze", 0.1, 4.0, NAN, NAN, Demand::NoGrip},
-    {"blind", 0.1, 4.0, NAN, NAN, Demand::NoGrip},   {"corrupt", 0.1, 4.0, NAN, NAN, Demand::NoGrip},
-    {"unplug", 0.1, 30.0, NAN, NAN, Demand::NoGrip}, {"late", 0.1, 4.0}};
+constexpr DeviceKind kCamera[] = {{"drop", 0.1, 4.0, NAN, NAN, Demand::NoGrip},
+                                  {"freeze", 0.1, 4.0, NAN, NAN, Demand::NoGrip},
+                                  {"blind", 0.1, 4.0, NAN, NAN, Demand::NoGrip},
+                                  {"corrupt", 0.1, 4.0, NAN, NAN, Demand::NoGrip},
+                                  {"unplug", 0.1, 30.0, NAN, NAN, Demand::NoGrip},
+                                  {"crash", 0.1, 4.0, NAN, NAN, Demand::NoGrip},
+                                  {"zeros", 0.1, 4.0, NAN, NAN, Demand::NoGrip},
+                                  {"late", 0.1, 4.0},
+                                  {"slow", 0.5, 10.0},
+                                  {"holes", 0.5, 10.0},
+                                  {"moved", 0.5, 30.0}};
 constexpr DeviceKind kSimArm[] = {{"drop", 0.005, 2.0, NAN, NAN, Demand::Rest},
                                   {"freeze", 0.05, 2.0, NAN, NAN, Demand::Rest},
                                   {"corrupt", 0.005, 1.0, NAN, NAN, Demand::Rest},
@@ -294,8 +302,8 @@ DrawnTrial draw_faults(const Trial& trial) {
   Draws draws(trial.own_seed(12), 8200);
   DrawnTrial drawn;
   drawn.scene.scenario = layout(trial);
-  drawn.scene.scenario.task.height = 0.05;
-  drawn.scene.scenario.task.hold_s = 1.0;
+  drawn.scene.scenario.task.height = kHeight_m;
+  drawn.scene.scenario.task.hold_s = kHold_s;
   drawn.scene.scenario.partner.obliging = draws.chance(0.5);
   static constexpr Wire kWires[] = {Wire::None, Wire::Arm, Wire::Hand};
   drawn.scene.wire = kWires[draws.below(3)];
@@ -303,6 +311,10 @@ DrawnTrial draw_faults(const Trial& trial) {
   FaultDraws faults(draws, drawn);
   for (int i = 0; i < n; ++i) faults.draw();
   return drawn;
+}
+
+control::TaskSaid faulty_task() {
+  return {"experiment faults", kHeight_m, kHold_s};
 }
 
 const std::vector<std::string>& fault_groups() {

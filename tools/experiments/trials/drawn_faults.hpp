@@ -35,6 +35,19 @@ struct DrawnTrial {
 /// trial, same faults.
 [[nodiscard]] DrawnTrial draw_faults(const Trial& trial);
 
+/// When a fault began in a lift (s of the scenario); NaN: its state was never entered, or the job was over.
+[[nodiscard]] double began_s(const FaultyLift& lift, const DrawnFault& fault);
+
+/// Everything that speaks against a lift with these faults; empty: it survived them.
+[[nodiscard]] std::vector<std::string> objections(const FaultyLift& lift,
+                                                  const std::vector<DrawnFault>& faults);
+
+/// Of Trial::own_seed(), for the world of such a lift.
+inline constexpr std::uint64_t kFaultyStream = 13;
+
+/// What is said of every such lift.
+[[nodiscard]] control::TaskSaid faulty_task();
+
 /// Groups of faults, in the order of the catalogue.
 [[nodiscard]] const std::vector<std::string>& fault_groups();
 

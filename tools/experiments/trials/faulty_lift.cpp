@@ -109,7 +109,7 @@ class FaultyRig {
 void observe(FaultyLift& lift, sim_hal::Judge& judge, const sim_hal::TickReport& report) {
   judge.tick(report);
   lift.end_s = report.t_s;
-  const bool touched = !report.contacts.empty();
+  const bool touched = report.pushed || !report.contacts.empty();
   if (!lift.motion.empty() && report.t_s - lift.motion.back().t_s < kSample_s - 1e-6) {
     lift.motion.back().touched |= touched;
     return;
@@ -189,6 +189,7 @@ hal::Result<FaultyLift> run_faulty_lift(const FaultyScene& scene, const control:
   lift.verdict = judge.verdict(lift.record.outcome == control::RunRecord::Result::Lifted);
   lift.broken_rules = rig.broken_rules();
   lift.troubles = world.truth().troubles;
+  lift.hit_something = world.truth().robot_hit_something;
   return lift;
 }
 
