@@ -50,11 +50,11 @@ constexpr DeviceKind kCamera[] = {{"drop", 0.1, 4.0, NAN, NAN, Demand::NoGrip},
                                   {"slow", 0.5, 10.0},
                                   {"holes", 0.5, 10.0},
                                   {"moved", 0.5, 30.0}};
+// not "late": a simulated arm that delivers its cycles late still takes steps of one regular cycle only
 constexpr DeviceKind kSimArm[] = {{"drop", 0.005, 2.0, NAN, NAN, Demand::Rest},
                                   {"freeze", 0.05, 2.0, NAN, NAN, Demand::Rest},
                                   {"corrupt", 0.005, 1.0, NAN, NAN, Demand::Rest},
-                                  {"unplug", 0.1, 2.0, NAN, NAN, Demand::Rest},
-                                  {"late", 0.1, 2.0}};
+                                  {"unplug", 0.1, 2.0, NAN, NAN, Demand::Rest}};
 constexpr DeviceKind kSimHand[] = {{"drop", 0.02, 3.0},
                                    {"freeze", 0.02, 3.0},
                                    {"corrupt", 0.02, 3.0},
