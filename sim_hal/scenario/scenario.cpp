@@ -99,26 +99,23 @@ class Checker {
       const bool can = (!of_arm && !of_hand && !of_kinect) || (of_arm && f.device == "arm") ||
                        (of_hand && f.device == "hand") || (of_kinect && f.device == "camera");
       if (!can)
-        return refuse(
-            fmt::format("faults[{}].do", i),
-            fmt::format("faults[{}].do is {}, but that only {} can do; {} expects one of freeze, drop, "
-                        "unplug, corrupt, late, silent",
-                        i, f.action,
-                        of_arm && of_hand ? "arm and hand"
-                        : of_arm          ? "an arm"
-                        : of_hand         ? "a hand"
-                                          : "a camera",
-                        f.device));
+        return refuse(path + ".do",
+                      fmt::format("{}.do is {}, but that only {} can do; {} expects one of freeze, drop, "
+                                  "unplug, corrupt, late, silent",
+                                  path, f.action,
+                                  of_arm && of_hand ? "arm and hand"
+                                  : of_arm          ? "an arm"
+                                  : of_hand         ? "a hand"
+                                                    : "a camera",
+                                  f.device));
       if (auto done = check_push(f, i); !done) return done;
       if (!f.puck.empty() && f.device != "hand")
-        return refuse(fmt::format("faults[{}].puck", i),
-                      fmt::format("faults[{}].puck is {}, but only a hand has pucks", i, f.puck));
-      if (file_.faults[i].action == "blind" && file_.faults[i].device != "camera")
-        return refuse(
-            fmt::format("faults[{}].do", i),
-            fmt::format("faults[{}].do is blind, but that only a camera can be; {} expects one of freeze, "
-                        "drop, unplug, corrupt, late, silent",
-                        i, file_.faults[i].device));
+        return refuse(path + ".puck", fmt::format("{}.puck is {}, but only a hand has pucks", path, f.puck));
+      if (f.action == "blind" && f.device != "camera")
+        return refuse(path + ".do",
+                      fmt::format("{}.do is blind, but that only a camera can be; {} expects one of freeze, "
+                                  "drop, unplug, corrupt, late, silent",
+                                  path, f.device));
     }
     return {};
   }
