@@ -37,7 +37,8 @@ struct Cell {
 };
 
 const Cell kCells[] = {
-    {"3 unplugged", Task::Close, 0.3, "camera", "unplug", 30.0, Task::Aborted},
+    {"3 unplugged", Task::Close, 0.3, "camera", "unplug", 30.0, Task::Refused},
+    // without a picture nobody knows whether the partner lowers along: the object is held
     {"3 unplugged", Task::Lower, 0.8, "camera", "unplug", 30.0, Task::Stopped},
     {"3 unplugged", Task::Release, 0.1, "camera", "unplug", 30.0, Task::Done},
     {"3 unplugged", Task::Retreat, 1.0, "camera", "unplug", 30.0, Task::Done},
@@ -59,35 +60,26 @@ const Cell kCells[] = {
     {"11 camera moved", Task::Hold, 0.2, "camera", "moved", 60.0, Task::Stopped},
     {"11 camera moved", Task::Lower, 0.5, "camera", "moved", 60.0, Task::Stopped},
     {"11 camera moved", Task::Release, 0.1, "camera", "moved", 60.0, Task::Stopped},
-    {"11 camera moved", Task::Retreat, 1.0, "camera", "moved", 60.0, Task::Done},
+    {"11 camera moved", Task::Retreat, 1.0, "camera", "moved", 60.0, Task::Stopped},
     {"13 lets go", Task::Close, 0.5, "partner", "let-go", 0.0, Task::Refused},
     {"14 moves his grasp by 5 cm", Task::Close, 0.5, "partner", "move", 0.0, Task::Done},
-    {"14 moves his grasp by 5 cm", Task::Lift, 0.5, "partner", "move", 0.0, Task::Stopped},
-    {"14 moves his grasp by 5 cm", Task::Hold, 0.3, "partner", "move", 0.0, Task::Stopped},
-    {"14 moves his grasp by 5 cm", Task::Lower, 0.5, "partner", "move", 0.0, Task::Stopped},
-    {"25 does not open", Task::Approach, 0.0, "hand", "stuck", 60.0, Task::Stopped, Wire::Hand},
+    {"14 moves his grasp by 5 cm", Task::Lift, 0.5, "partner", "move", 0.0, Task::Done},
+    {"14 moves his grasp by 5 cm", Task::Hold, 0.3, "partner", "move", 0.0, Task::Done},
+    {"14 moves his grasp by 5 cm", Task::Lower, 0.5, "partner", "move", 0.0, Task::Done},
+    {"25 does not open", Task::Approach, 0.0, "hand", "stuck", 60.0, Task::Aborted, Wire::Hand},
     {"25 does not open", Task::Retreat, 0.5, "hand", "stuck", 60.0, Task::Done, Wire::Hand},
     {"27 one puck silent", Task::AwaitPartner, 0.5, "hand", "silent", 60.0, Task::Stopped, Wire::Hand, "F2"},
     {"27 one puck silent", Task::Retreat, 1.0, "hand", "silent", 60.0, Task::Stopped, Wire::Hand, "F2"},
     {"28 too hot", Task::AwaitPartner, 0.5, "hand", "hot", 60.0, Task::Refused, Wire::Hand, "", 75.0},
     {"28 too hot", Task::Release, 0.1, "hand", "hot", 60.0, Task::Stopped, Wire::Hand, "", 75.0},
     {"28 too hot", Task::Retreat, 1.0, "hand", "hot", 60.0, Task::Done, Wire::Hand, "", 75.0},
-    {"29 reset", Task::AwaitPartner, 0.5, "hand", "reset", 0.5, Task::Stopped, Wire::Hand, "F1"},
-    {"29 reset", Task::Release, 0.1, "hand", "reset", 0.5, Task::Stopped, Wire::Hand, "F1"},
-    {"29 reset", Task::Retreat, 1.0, "hand", "reset", 0.5, Task::Stopped, Wire::Hand, "F1"},
     {"51 a box is put into the path", Task::Approach, 1.0, "clutter", "0.75", 0.0, Task::Stopped},
     {"51 a box is put into the path", Task::Lift, 0.5, "clutter", "0.75", 0.0, Task::Stopped},
-    {"51 a box is put into the path", Task::Hold, 0.3, "clutter", "0.75", 0.0, Task::Stopped},
-    {"51 a box is put into the path", Task::Lower, 0.5, "clutter", "0.75", 0.0, Task::Stopped},
-    {"51 a box is put into the path", Task::Retreat, 0.5, "clutter", "0.75", 0.0, Task::Stopped},
-    {"24 a box is pushed against it", Task::Lift, 1.0, "clutter", "0.40", 0.0, Task::Stopped},
-    {"24 a box is pushed against it", Task::Hold, 0.3, "clutter", "0.40", 0.0, Task::Stopped},
-    {"24 a box is pushed against it", Task::Lower, 0.5, "clutter", "0.40", 0.0, Task::Stopped},
 };
 
 /// A few are in every run; every one where it is to be thorough.
 bool always(std::size_t i) {
-  return i % 13 == 1;
+  return i == 1 || i == 14 || i == 27;
 }
 
 FaultyScene quick_table() {
