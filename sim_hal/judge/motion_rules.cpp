@@ -10,13 +10,14 @@ namespace {
 
 constexpr double kAcceleration_rad_s2 = 15.0;  // of commands: what the arm's guard lets pass at most
 constexpr double kTolerance = 1.02, kFirstStep_rad = 0.01;
+constexpr double kGapCycles = 5.5, kAlike_s = 0.0005;
 constexpr double kBraking_s = 0.5, kMoved_rad = 0.02;  // after a stop
 // 30 N is where a contact has to be noticed; half as much again for what an estimate of it may lack
 constexpr double kPush_n = 45.0, kMoves_rad_s = 0.05, kNotice_s = 0.010, kStop_s = 0.5, kSlower = 0.01;
 
 bool touched(const TickReport& report) {
-  return std::any_of(report.contacts.begin(), report.contacts.end(),
-                     [](const BodyContact& c) { return c.by == BodyContact::By::Robot; });
+  return report.pushed || std::any_of(report.contacts.begin(), report.contacts.end(),
+                                      [](const BodyContact& c) { return c.by == BodyContact::By::Robot; });
 }
 
 }  // namespace
@@ -41,8 +42,16 @@ void MotionRules::command(const TickReport& r, std::vector<std::string>& breache
                          r.command_rad[a], r.t_s, lower_[a], upper_[a]),
              breaches);
   }
+  // After more than five missing cycles the arm has come to rest: the next command is a first one, from where
+  // it is. Over a shorter gap its controller moves on as before, and what was missed is to be made up for by
+  // nobody: a step counts for one regular cycle, however late it comes. Made up for, it is a speed of its
+  // own.
+  if (commanded_s_ && cycle_s_ && r.t_s - *commanded_s_ > kGapCycles * *cycle_s_) commanded_s_.reset();
   const hal::JointVector before = commanded_s_ ? command_rad_ : r.truth.q_rad;
-  const double dt = commanded_s_ ? r.t_s - *commanded_s_ : 0.0;
+  const double since = commanded_s_ ? r.t_s - *commanded_s_ : 0.0;
+  if (since > 0.0 && std::abs(since - since_s_) < kAlike_s) cycle_s_ = since;
+  since_s_ = since;
+  const double dt = cycle_s_ ? std::min(since, *cycle_s_) : since;
   const hal::JointVector step = r.command_rad - before;
   const hal::JointVector speed = dt > 0.0 ? hal::JointVector(step / dt) : hal::JointVector::Zero();
   for (int a = 0; a < hal::kArmJoints && exact_time_; ++a) {

@@ -27,8 +27,10 @@ class MotionRules {
 
   hal::JointVector lower_, upper_, velocity_;
   bool exact_time_;
-  std::vector<std::string> broken_;  // each rule is reported once
-  std::optional<double> commanded_s_;
+  std::vector<std::string> broken_;    // each rule is reported once
+  std::optional<double> commanded_s_;  // when the last command came
+  double since_s_ = 0.0;               // between the last two
+  std::optional<double> cycle_s_;      // between two that came regularly
   hal::JointVector command_rad_ = hal::JointVector::Zero(), command_rad_s_ = hal::JointVector::Zero();
   std::optional<double> stopped_s_;
   std::optional<hal::JointVector> rests_at_;

@@ -92,6 +92,11 @@ void SimWorld::task_state(const std::string& name) {
   impl_->entered.push_back(name);
   impl_->partner.task_state(name, impl_->now_s());
   impl_->people.task_state(name, impl_->now_s());
+  for (DeviceFaultEvent& fault : impl_->scenario.faults) {
+    if (fault.in_state != name) continue;
+    fault.in_state.clear();
+    fault.at_s += impl_->now_s();
+  }
 }
 
 SimTruth SimWorld::truth() const {

@@ -60,6 +60,7 @@ struct TickReport {
   bool commanded = false;                            ///< ... which came since the last report.
   const hal::JointVector &set_point_rad, &dq_rad_s;  ///< Inside the controller; measured.
   const hal::HandState& hand;
+  bool pushed = false;  ///< A push of the scenario's faults is on the arm.
 };
 
 /// One scenario under physics: floor, clutter, object, LWR 4+, BarrettHand and partner. MuJoCo 2.2 at 1 ms,

@@ -68,6 +68,7 @@ struct SimWorld::Impl {
 
   void tick();
   void push();
+  [[nodiscard]] bool pushed() const;
   void note_grasp();
   [[nodiscard]] Pose palm() const { return physics->link_pose(model.palm); }
   [[nodiscard]] double now_s() const { return hal::seconds(clock.now() - hal::Timestamp(start.load())); }

@@ -55,17 +55,23 @@ void SimWorld::Impl::tick() {
 // somebody pushes arm or hand, as the scenario says
 void SimWorld::Impl::push() {
   for (const DeviceFaultEvent& event : scenario.faults) {
-    if (event.action != "push" || now_s() < event.at_s || now_s() >= event.at_s + event.for_s) continue;
+    if (event.action != "push" || !event.active(now_s())) continue;
     const int link = event.link == 0 ? model.palm : model.arm[static_cast<std::size_t>(event.link - 1)];
     physics->pull_link(link, event.value.value_or(0.0) * event.direction.normalized());
   }
+}
+
+bool SimWorld::Impl::pushed() const {
+  return std::any_of(scenario.faults.begin(), scenario.faults.end(), [&](const DeviceFaultEvent& event) {
+    return event.action == "push" && event.active(now_s());
+  });
 }
 
 void SimWorld::Impl::report() {
   const SimTruth now = truth();
   const hal::HandState fingers = hand_state();
   observer({now_s(), now, people.contacts(), people.distance_m(), people.partner_distance_m(), command_rad,
-            std::exchange(commanded, false), arm.set_point_rad(), arm_reading.dq_rad_s, fingers});
+            std::exchange(commanded, false), arm.set_point_rad(), arm_reading.dq_rad_s, fingers, pushed()});
 }
 
 void SimWorld::Impl::note_grasp() {

@@ -89,6 +89,8 @@ class Checker {
     if (file_.faults.size() > kMaxEvents) return too_many("faults", file_.faults.size(), kMaxEvents);
     for (std::size_t i = 0; i < file_.faults.size(); ++i) {
       const FaultBlock& f = file_.faults[i];
+      const std::string path = fmt::format("faults[{}]", i);
+      if (auto done = check_time(path, f.at_s.has_value(), f.at); !done) return done;
       const auto has = [&](const hal::Choices& c) {
         return std::ranges::find(c.names, f.action) != c.names.end();
       };
@@ -97,26 +99,23 @@ class Checker {
       const bool can = (!of_arm && !of_hand && !of_kinect) || (of_arm && f.device == "arm") ||
                        (of_hand && f.device == "hand") || (of_kinect && f.device == "camera");
       if (!can)
-        return refuse(
-            fmt::format("faults[{}].do", i),
-            fmt::format("faults[{}].do is {}, but that only {} can do; {} expects one of freeze, drop, "
-                        "unplug, corrupt, late, silent",
-                        i, f.action,
-                        of_arm && of_hand ? "arm and hand"
-                        : of_arm          ? "an arm"
-                        : of_hand         ? "a hand"
-                                          : "a camera",
-                        f.device));
+        return refuse(path + ".do",
+                      fmt::format("{}.do is {}, but that only {} can do; {} expects one of freeze, drop, "
+                                  "unplug, corrupt, late, silent",
+                                  path, f.action,
+                                  of_arm && of_hand ? "arm and hand"
+                                  : of_arm          ? "an arm"
+                                  : of_hand         ? "a hand"
+                                                    : "a camera",
+                                  f.device));
       if (auto done = check_push(f, i); !done) return done;
       if (!f.puck.empty() && f.device != "hand")
-        return refuse(fmt::format("faults[{}].puck", i),
-                      fmt::format("faults[{}].puck is {}, but only a hand has pucks", i, f.puck));
-      if (file_.faults[i].action == "blind" && file_.faults[i].device != "camera")
-        return refuse(
-            fmt::format("faults[{}].do", i),
-            fmt::format("faults[{}].do is blind, but that only a camera can be; {} expects one of freeze, "
-                        "drop, unplug, corrupt, late, silent",
-                        i, file_.faults[i].device));
+        return refuse(path + ".puck", fmt::format("{}.puck is {}, but only a hand has pucks", path, f.puck));
+      if (f.action == "blind" && f.device != "camera")
+        return refuse(path + ".do",
+                      fmt::format("{}.do is blind, but that only a camera can be; {} expects one of freeze, "
+                                  "drop, unplug, corrupt, late, silent",
+                                  path, f.device));
     }
     return {};
   }
@@ -251,17 +250,22 @@ class Checker {
                                     path, hal::quotable(text, 40), fmt::join(task_state_names(), ", ")));
   }
 
+  /// An absolute time or a relative one.
+  Result<> check_time(const std::string& path, bool absolute, const std::string& relative) const {
+    if (!absolute && relative.empty())
+      return refuse(path, path + ".at_s is missing, expected a number from 0 to 36000, or at: lift+0.7");
+    if (absolute && !relative.empty())
+      return refuse(path + ".at", path + " has at_s and at, expected one of them");
+    return check_relative(path + ".at", relative);
+  }
+
   Result<> check_partner() const {
     const std::vector<EventBlock>& events = file_.partner.events;
     if (events.size() > kMaxEvents) return too_many("partner.events", events.size(), kMaxEvents);
     for (std::size_t i = 0; i < events.size(); ++i) {
       const std::string path = fmt::format("partner.events[{}]", i);
       const EventBlock& e = events[i];
-      if (!e.at_s && e.at.empty())
-        return refuse(path, path + ".at_s is missing, expected a number from 0 to 36000, or at: lift+0.7");
-      if (e.at_s && !e.at.empty())
-        return refuse(path + ".at", path + " has at_s and at, expected one of them");
-      if (auto done = check_relative(path + ".at", e.at); !done) return done;
+      if (auto done = check_time(path, e.at_s.has_value(), e.at); !done) return done;
       const bool places = e.action == "move" || e.action == "second-hand";
       if (places && !e.to)
         return refuse(path, path + ".to is missing, expected a list of 3 numbers: where he grasps");
@@ -362,7 +366,8 @@ Scenario scenario_of(const ScenarioBlock& file) {
   s.task = {file.task.kind, file.task.height, file.task.hold_s};
   for (const PersonBlock& p : file.people) s.people.push_back(person_of(p));
   for (const FaultBlock& f : file.faults) {
-    DeviceFaultEvent event{f.at_s, f.device, f.action, f.for_s};
+    DeviceFaultEvent event{f.at_s.value_or(0.0), f.device, f.action, f.for_s};
+    if (const auto relative = parse_relative(f.at)) std::tie(event.in_state, event.at_s) = *relative;
     event.value = f.value;
     event.puck = f.puck;
     event.direction = f.direction;
@@ -420,6 +425,8 @@ std::string relative_time(const Scenario& scenario) {
     if (!scenario.partner.events[i].in_state.empty()) return fmt::format("partner.events[{}].at", i);
   for (std::size_t i = 0; i < scenario.people.size(); ++i)
     if (!scenario.people[i].in_state.empty()) return fmt::format("people[{}].enters", i);
+  for (std::size_t i = 0; i < scenario.faults.size(); ++i)
+    if (!scenario.faults[i].in_state.empty()) return fmt::format("faults[{}].at", i);
   return {};
 }
 

@@ -106,7 +106,8 @@ struct ScenarioTask {
   double hold_s = 2.0;
 };
 
-/// What goes wrong with a device, and when (s since the start of the scenario).
+/// What goes wrong with a device, and when (s since the start of the scenario, or since a state was first
+/// entered).
 struct DeviceFaultEvent {
   double at_s = 0.0;
   std::string device;  ///< camera | arm | hand
@@ -116,6 +117,12 @@ struct DeviceFaultEvent {
   std::string puck{};              ///< F1 | F2 | F3 | spread of an emulated hand; empty: all.
   Vec3 direction{0.0, 0.0, -1.0};  ///< Of a push, in W.
   int link = 0;                    ///< What is pushed: 1 to 7 the link behind that joint, 0 the hand.
+  std::string in_state{};          ///< Of the task; empty: since the start.
+
+  /// Whether it is at work at a time of the scenario; never before its state.
+  [[nodiscard]] bool active(double t_s) const {
+    return in_state.empty() && t_s >= at_s && t_s < at_s + for_s;
+  }
 };
 
 /// A whole scenario file.

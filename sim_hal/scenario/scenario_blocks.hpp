@@ -191,8 +191,8 @@ struct TaskBlock {
 };
 
 struct FaultBlock {
-  double at_s = 0.0;
-  std::string device, action, puck;
+  std::optional<double> at_s;
+  std::string at, device, action, puck;
   std::optional<double> value;
   Vec3 direction = DeviceFaultEvent{}.direction;
   int link = 0;
@@ -215,8 +215,8 @@ struct FaultBlock {
   }
   /// The same of a Kinect behind libfreenect's functions.
   static const hal::Choices& of_kinect() {
-    static const hal::Choices all{"slow",  "double", "swap",  "restamp", "packets",
-                                  "zeros", "half",   "moved", "hang",    "crash"};
+    static const hal::Choices all{"slow", "double", "swap", "restamp", "packets", "zeros",
+                                  "half", "moved",  "hang", "crash",   "holes"};
     return all;
   }
   static hal::Choices choices() {
@@ -230,7 +230,8 @@ struct FaultBlock {
   template <class Visitor>
   void visit(Visitor& v) {
     constexpr auto kRequired = hal::Presence::Required;
-    v("at_s", at_s, kTime_s, "When (s).", kRequired);
+    v("at_s", at_s, kTime_s, "When (s).");
+    v("at", at, "When: state of the task and seconds since it was first entered, lift+0.7.");
     v("device", device, hal::Choices{"camera", "arm", "hand"}, "Which device fails.", kRequired);
     v("do", action, choices(), "How it fails.", kRequired);
     v("value", value, hal::Range{-1e6, 1e6},

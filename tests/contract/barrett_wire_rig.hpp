@@ -11,7 +11,7 @@
 #include "sim_hal/emulator/hand/hand_gateway.hpp"
 #include "sim_hal/emulator/hand/hand_light_plant.hpp"
 #include "sim_hal/emulator/hand/hand_lock_step.hpp"
-#include "tests/support/stepped_can.hpp"
+#include "tools/rig/lock_step/stepped_can.hpp"
 
 namespace colift {
 

@@ -35,7 +35,7 @@ FAULTS = [
     (1, "camera unplugged while the partner is awaited", "stays, reconnects without end, nothing moves",
      ["an unplugged camera is opened again every two seconds"], letters(o="approach close lift hold lower release retreat", p="plan")),
     (2, "camera lost before and during the approach", "stops on its path, goes back, plans again",
-     ["a camera that says nothing is lost after 0.2 s"], letters(o="await close lift hold lower", n="release retreat", p="plan")),
+     ["a camera that says nothing is lost after 0.2 s"], letters(o="await close lift hold lower release retreat", p="plan")),
     (3, "camera lost while loaded", "slower, and it is said; force leads",
      ["a camera without new frames is lost after 0.3 s, and back with the next"], letters(o="await approach", n="close lower release retreat", p="plan")),
     (4, "the camera's library crashes or hangs", "as 1 to 3; its process is started again",

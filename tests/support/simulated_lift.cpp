@@ -10,11 +10,15 @@
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_hand.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
-#include "tests/support/arm_wire.hpp"
-#include "tests/support/hand_wire.hpp"
+#include "tools/rig/lock_step/arm_wire.hpp"
+#include "tools/rig/lock_step/hand_wire.hpp"
 
 namespace colift::tests {
 namespace {
+
+using tools::ArmWire;
+using tools::HandWire;
+using tools::WireClock;
 
 /// Whether a finger went open while the object was in the air.
 class GripWatch {

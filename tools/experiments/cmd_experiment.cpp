@@ -158,7 +158,7 @@ int cmd_experiment(const CommonOptions& common, const ExperimentOptions& options
   const std::string& name = options.words.front();
   std::vector<const Experiment*> to_run;
   for (const Experiment& e : all_experiments())
-    if (name == "all" || name == e.name) to_run.push_back(&e);
+    if ((name == "all" && !e.real_time) || name == e.name) to_run.push_back(&e);
   if (to_run.empty())
     return report_error("experiment", {ErrorCode::BadInput, "NAME",
                                        fmt::format("\"{}\" is no experiment; there are {}", name, names())});

@@ -65,6 +65,7 @@ struct Experiment {
   std::string question;             ///< What a trial is and what is measured, in one or two sentences.
   int default_trials = 10;
   bool times_computing = false;  ///< One trial at a time, so that they do not slow each other.
+  bool real_time = false;        ///< Needs a quiet machine of its own: not a part of `all`.
   std::vector<std::string> columns, detail_columns;  ///< After trial and method.
   std::function<TrialRows(const Trial&)> run;
   std::optional<control::TaskSaid> task;  ///< What it says about its lifts, where all are alike.
@@ -90,5 +91,7 @@ struct Experiment {
 [[nodiscard]] Experiment let_go_experiment();
 [[nodiscard]] Experiment people_experiment();
 [[nodiscard]] Experiment false_stops_experiment();
+[[nodiscard]] Experiment faults_experiment();
+[[nodiscard]] Experiment stalls_experiment();
 
 }  // namespace colift::experiments

@@ -20,8 +20,9 @@ using State = hal::DeviceHealth::State;
 using std::chrono::milliseconds;
 
 constexpr std::uint64_t kFramesPerSecond = 30;
-constexpr auto kStall = milliseconds(100);  // three frames that did not come
-constexpr auto kLate = milliseconds(200);   // how much later than it should a late frame comes
+constexpr auto kStall = milliseconds(100);             // three frames that did not come
+constexpr auto kLate = milliseconds(200);              // how much later than it should a late frame comes
+constexpr double kMoved_m = 0.05, kMoved_rad = 0.087;  // of somebody who pushed the tripod
 
 /// The newest frame whose exposure is not after a time.
 std::uint64_t newest_due(hal::Timestamp now) {
@@ -29,19 +30,25 @@ std::uint64_t newest_due(hal::Timestamp now) {
   return ms * kFramesPerSecond / 1000;
 }
 
+Pose moved_camera_pose(const ScenarioCamera& camera) {
+  Pose X_WC = camera_pose(camera);
+  X_WC.translate(Vec3(kMoved_m, 0.0, 0.0)).rotate(Eigen::AngleAxisd(kMoved_rad, Vec3::UnitY()));
+  return X_WC;
+}
+
 class SimCamera final : public hal::DepthCamera {
  public:
   explicit SimCamera(SimWorld& world)
       : world_(world), caster_(hal::CameraIntrinsics{}, camera_pose(world.scenario().camera)) {
-    for (const DeviceFaultEvent& fault : world.scenario().faults) {
-      if (fault.device != "camera") continue;
-      faults_.push_back(fault);
-      may_freeze_ |= fault.action == "freeze";
-    }
+    for (const DeviceFaultEvent& fault : world.scenario().faults)
+      may_freeze_ |= fault.device == "camera" && fault.action == "freeze";
+    for (const DeviceFaultEvent& fault : world.scenario().faults)
+      if (fault.device == "camera" && fault.action == "moved")
+        moved_.emplace(hal::CameraIntrinsics{}, moved_camera_pose(world.scenario().camera));
   }
 
   hal::Result<> configure() override {
-    if (fault_now() == "unplug") return drop_link("sim_camera.configure");
+    if (fault_now() == "unplug" || fault_now() == "crash") return drop_link("sim_camera.configure");
     // what went by while the link was down was never seen
     if (health_.state == State::Lost) next_ = std::max(next_, newest_due(now()));
     health_.state = State::Opening;
@@ -74,13 +81,14 @@ class SimCamera final : public hal::DepthCamera {
       const hal::Timestamp due = late_ ? late_->exposed_at + kLate : exposure_due(next_);
       if (std::max(due, now()) > deadline) break;
       if (due > now()) world_.advance(due - now());
-      if (fault_now() == "unplug") return drop_link(kWhere);
+      if (fault_now() == "unplug" || fault_now() == "crash") return drop_link(kWhere);
       if (late_) return hand_out(std::move(*std::exchange(late_, std::nullopt)));
       // of several that are due only the newest is there
       const std::uint64_t frame = std::max(next_, newest_due(now()));
       next_ = frame + 1;
       const std::string_view fault = fault_now();
-      if (fault == "drop" || fault == "silent") {
+      const bool seldom = fault == "slow" && frame % kSlowEvery != 0;
+      if (fault == "drop" || fault == "silent" || fault == "hang" || seldom) {
         ++health_.rejected;
         continue;
       }
@@ -106,9 +114,10 @@ class SimCamera final : public hal::DepthCamera {
 
   /// What is wrong at this moment; empty when nothing is. The later entry wins.
   [[nodiscard]] std::string_view fault_now() const {
-    const double t = hal::seconds(now());
-    for (auto it = faults_.rbegin(); it != faults_.rend(); ++it)
-      if (t >= it->at_s && t < it->at_s + it->for_s) return it->action;
+    const double t = hal::seconds(world_.elapsed());
+    const auto& faults = world_.scenario().faults;
+    for (auto it = faults.rbegin(); it != faults.rend(); ++it)
+      if (it->device == "camera" && it->active(t)) return it->action;
     return {};
   }
 
@@ -120,7 +129,7 @@ class SimCamera final : public hal::DepthCamera {
   }
 
   hal::DepthFrame expose(std::uint64_t frame, std::string_view fault) {
-    const Rendering& truth = caster_.cast(world_.shapes());
+    const Rendering& truth = (fault == "moved" ? *moved_ : caster_).cast(world_.shapes());
     hal::DepthFrame image = world_.scenario().camera.noise == "none"
                                 ? measure_ideal(truth)
                                 : measure(truth, KinectNoise{}, hash(world_.seed(), kNoiseStream, frame));
@@ -131,12 +140,26 @@ class SimCamera final : public hal::DepthCamera {
       image.depth_m = last_good_;
     } else if (fault == "blind") {
       std::fill(image.depth_m.begin(), image.depth_m.end(), std::numeric_limits<float>::quiet_NaN());
+    } else if (fault == "zeros") {
+      std::fill(image.depth_m.begin(), image.depth_m.end(), 0.0F);
+    } else if (fault == "holes") {
+      punch_holes(image);
     } else if (fault == "corrupt") {
       image.depth_m.resize(image.depth_m.size() / 2);
     } else if (may_freeze_) {
       last_good_ = image.depth_m;
     }
     return image;
+  }
+
+  /// Sunlight: blots that never show anything, the same in every frame.
+  void punch_holes(hal::DepthFrame& image) const {
+    const auto width = static_cast<std::size_t>(image.intrinsics.width);
+    for (std::size_t i = 0; i < image.depth_m.size(); ++i) {
+      const std::size_t blot = i / width / kBlot_px * width + i % width / kBlot_px;
+      if (unit(hash(world_.seed(), kHoleStream, blot)) < kHoles)
+        image.depth_m[i] = std::numeric_limits<float>::quiet_NaN();
+    }
   }
 
   hal::DepthFrame hand_out(hal::DepthFrame image) {
@@ -146,11 +169,14 @@ class SimCamera final : public hal::DepthCamera {
     return image;
   }
 
-  static constexpr std::uint64_t kNoiseStream = 71;
+  static constexpr std::uint64_t kNoiseStream = 71, kHoleStream = 72;
+  static constexpr std::uint64_t kSlowEvery = 6;  // of 30 frames a second: 5
+  static constexpr std::size_t kBlot_px = 16;
+  static constexpr double kHoles = 0.5;
 
   SimWorld& world_;
   RayCaster caster_;
-  std::vector<DeviceFaultEvent> faults_;
+  std::optional<RayCaster> moved_;  // where a fault moves it
   bool may_freeze_ = false;
   std::uint64_t next_ = 0;  // first frame that has not been exposed
   hal::Timestamp handed_out_at_{0};

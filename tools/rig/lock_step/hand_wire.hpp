@@ -14,9 +14,9 @@
 #include "sim_hal/emulator/hand/hand_lock_step.hpp"
 #include "sim_hal/emulator/mujoco/hand_world_plant.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
-#include "tests/support/stepped_can.hpp"
+#include "tools/rig/lock_step/stepped_can.hpp"
 
-namespace colift::tests {
+namespace colift::tools {
 
 /// The hand's real driver and the emulated pucks on a simulated world, joined by a CAN bus in memory or by
 /// one of this machine. In lock step: an arm's cycle moves the world by whole milliseconds, then pucks, bus
@@ -119,4 +119,4 @@ struct HandWire {
   };
 };
 
-}  // namespace colift::tests
+}  // namespace colift::tools

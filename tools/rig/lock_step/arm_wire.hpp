@@ -8,7 +8,7 @@
 #include "sim_hal/emulator/mujoco/krc_world_plant.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
 
-namespace colift::tests {
+namespace colift::tools {
 
 /// The arm's real driver and the emulated controller on a simulated world, joined by a wire in memory. In
 /// lock step: whoever waits for the arm moves the controller, the world and the clock.
@@ -53,4 +53,4 @@ class WireClock final : public hal::Clock {
   const hal::Clock& clock_;
 };
 
-}  // namespace colift::tests
+}  // namespace colift::tools
