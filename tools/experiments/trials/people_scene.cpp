@@ -28,9 +28,9 @@ PeopleTrial people_trial(const Trial& trial) {
   const std::uint64_t seed = trial.own_seed(31);
   const int kinds = static_cast<int>(kPeopleScenes.size());
   out.scene = static_cast<PeopleScene>(trial.index % kinds);
-  // every scene meets every object
+  // every scene meets every object within 28 trials
   const int i = trial.index / kinds;
-  switch ((trial.index + i) % 4) {
+  switch ((trial.index % kinds + i) % 4) {
     case 0:
       out.scenario = table_layout(i, trial.seed);
       break;
