@@ -16,10 +16,18 @@ struct WholeLift {
   double tilt_deg = NAN, height_m = NAN, share_robot = NAN;  ///< True, means at the top.
   double slip_m = NAN;
   bool hit_something = false;
+  double height_at_let_go_m = NAN;  ///< True, of the object, at the partner's first let-go.
+  double let_go_s = NAN;            ///< When that was, of the record's time.
+};
+
+/// How a run is cut short, where the rest of it says nothing new.
+struct CutShort {
+  bool at_release_before_lift = false;  ///< When the hand opens without having lifted.
+  double paused_s = INFINITY;           ///< After this time in Pause.
 };
 
 /// Errors: BadConfig (the scenario), and those of devices at the start.
 [[nodiscard]] hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control::Method method,
-                                                    std::uint64_t seed);
+                                                    std::uint64_t seed, const CutShort& cut = {});
 
 }  // namespace colift::experiments
