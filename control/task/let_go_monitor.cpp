@@ -69,7 +69,9 @@ void LetGoMonitor::update_hand() {
     hand_leaves_ = hand_motion_.leaves() && !his_end_is_up();
   }
   // until here the tracker says whether he holds; what the robot's hand hides of his by now is nothing new
-  if (in_the_air() && !was_in_the_air_) {
+  // after a pause he is known to hold, and what is seen of his hand is learned anew
+  if (c_.state == Task::Pause) was_in_the_air_ = false;
+  if (c_.state != Task::Pause && in_the_air() && !was_in_the_air_) {
     was_in_the_air_ = true;
     usual_m2_ = 0.0;
     frames_ = frames_gone_ = 0;
