@@ -259,17 +259,16 @@ std::optional<perception::ObjectMotion> PerceptionSession::watch_object(hal::Dep
   i.hide_robot(frame, robot);
   return i.follower->update(perception::deproject(frame, i.rig.X_WC));
 }
-std::optional<double> PerceptionSession::hand_at_grasp(hal::DepthFrame frame, const RobotPosture& robot,
-                                                       const hal::Pose& X_Wnow_Wref,
-                                                       const hal::Vec3& contact_W) {
+std::optional<perception::HandSighting> PerceptionSession::hand_at_grasp(hal::DepthFrame frame,
+                                                                         const RobotPosture& robot,
+                                                                         const hal::Pose& X_Wnow_Wref,
+                                                                         const hal::Vec3& contact_W) {
   Impl& i = *impl_;
   if (!i.follower || !shows_anything(frame) || i.analysis.cloud.size() != frame.depth_m.size())
     return std::nullopt;
   i.hide_robot(frame, robot);
-  const double area = perception::area_at_grasp(i.analysis.cloud, frame, X_Wnow_Wref, contact_W,
-                                                i.config.noise, i.config.presence);
-  if (std::isnan(area)) return std::nullopt;
-  return area;
+  return perception::hand_at_contact(i.analysis.cloud, frame, X_Wnow_Wref, contact_W, i.config.noise,
+                                     i.config.presence);
 }
 void PerceptionSession::object_stands_again() {
   if (impl_->follower) impl_->follower->start_again();

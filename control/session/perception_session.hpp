@@ -101,8 +101,10 @@ class PerceptionSession {
                                                                      const RobotPosture& robot);
   /// Visible area of the partner's hand at his contact (m^2; W, as the scene shows it), with the object moved
   /// by X; nullopt when the frame or the place shows nothing.
-  [[nodiscard]] std::optional<double> hand_at_grasp(hal::DepthFrame frame, const RobotPosture& robot,
-                                                    const hal::Pose& X_Wnow_Wref, const hal::Vec3& contact_W);
+  [[nodiscard]] std::optional<perception::HandSighting> hand_at_grasp(hal::DepthFrame frame,
+                                                                      const RobotPosture& robot,
+                                                                      const hal::Pose& X_Wnow_Wref,
+                                                                      const hal::Vec3& contact_W);
   /// It was put down, and stands about where the scene was seen: what was followed before is forgotten.
   void object_stands_again();
 

@@ -66,6 +66,8 @@ struct JobStatus {
 struct JobHooks {
   std::function<void()> started;      ///< All devices are active: the job begins.
   std::function<bool()> interrupted;  ///< A person wants the program to end.
+  /// Asked in every cycle of Pause: a person confirms that the object may be lowered.
+  std::function<bool()> lower_confirmed;
   std::function<void(const JobStatus&)>
       status;                               ///< Every 33 ms of the robot's time, and at each change of state.
   std::function<void(Task, Task)> changed;  ///< From, to: the moment for whoever keeps a diary.

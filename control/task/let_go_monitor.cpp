@@ -19,10 +19,12 @@ constexpr double kMinLoad_n = 5.0;    // below it a load says nothing of who car
 void LetGoMonitor::start() {
   contact_W_ = c_.record.decision->partner->position;
   X_ = hal::Pose::Identity();
+  rise_m_ = 0.0;
   usual_m2_ = 0.0;
   area_m2_ = NAN;
   frames_ = frames_gone_ = frames_low_ = 0;
-  was_in_the_air_ = false;
+  was_in_the_air_ = hand_leaves_ = stopped_ = false;
+  hand_motion_.start();
   mean_load_n_ = load_before_n_ = c_.arm.view().load_n;
   gain_n_ = 0.0;
   updated_at_ = c_.now;
@@ -53,12 +55,23 @@ void LetGoMonitor::update() {
 }
 
 void LetGoMonitor::update_hand() {
-  const auto area = c_.session.hand_at_grasp(*c_.readings.frame, c_.posture(), X_, contact_W_);
-  if (!area) return;
+  // only up and down: how far a flat or round object went sideways its picture may not show, and an estimate
+  // that slides along a face would lose the hand
+  hal::Pose X = hal::Pose::Identity();
+  if (in_the_air() && object_.motion()) rise_m_ = object_.partner_rise_m();
+  X.translation().z() = rise_m_;
+  const auto hand = c_.session.hand_at_grasp(*c_.readings.frame, c_.posture(), X, contact_W_);
+  if (!hand) return;
   const perception::PresenceConfig& presence = c_.config.presence;
-  area_m2_ = *area;
+  area_m2_ = hand->area_m2;
+  if (c_.state != Task::Pause) {
+    hand_motion_.update(*hand);
+    hand_leaves_ = hand_motion_.leaves() && !his_end_is_up();
+  }
   // until here the tracker says whether he holds; what the robot's hand hides of his by now is nothing new
-  if (in_the_air() && !was_in_the_air_) {
+  // after a pause he is known to hold, and what is seen of his hand is learned anew
+  if (c_.state == Task::Pause) was_in_the_air_ = false;
+  if (c_.state != Task::Pause && in_the_air() && !was_in_the_air_) {
     was_in_the_air_ = true;
     usual_m2_ = 0.0;
     frames_ = frames_gone_ = 0;
@@ -92,18 +105,25 @@ hal::Vec3 LetGoMonitor::place() const {
 }
 
 std::optional<TaskEvent> LetGoMonitor::let_go() const {
+  if (stopped_) return std::nullopt;
   const CarryConfig& carry = c_.config.task.carry;
+  if (hand_leaves_)
+    return TaskEvent{Event::PartnerLetGo,
+                     fmt::format("his hand leaves the grasp: it moved {:.0f} mm against the object, {:.1f} "
+                                 "standard deviations (camera)",
+                                 1e3 * hand_motion_.distance_m(), hand_motion_.score())};
   if (frames_gone_ >= c_.config.presence.frames && usual_m2_ >= c_.config.presence.min_area_m2)
     return TaskEvent{Event::PartnerLetGo,
                      fmt::format("his hand left the grasp: {:.0f} cm^2 of it are seen there, {:.0f} before",
                                  1e4 * area_m2_, 1e4 * usual_m2_)};
   if (frames_low_ >= kFramesLow)
     return TaskEvent{Event::PartnerLetGo,
-                     fmt::format("his end is {:.0f} mm lower than the hand (limit {:.0f})", 1e3 * lag_m(),
-                                 1e3 * carry.partner_lag_m)};
+                     fmt::format("his end is {:.0f} mm lower than the hand (limit {:.0f}; camera)",
+                                 1e3 * lag_m(), 1e3 * carry.partner_lag_m)};
   if (in_the_air() && gain_n_ > carry.load_gain_n)
-    return TaskEvent{Event::PartnerLetGo, fmt::format("the load grew by {:.0f} N at once (limit {:.0f} N)",
-                                                      gain_n_, carry.load_gain_n)};
+    return TaskEvent{Event::PartnerLetGo,
+                     fmt::format("sudden gain of load: {:.0f} N more at once (limit {:.0f} N)", gain_n_,
+                                 carry.load_gain_n)};
   return std::nullopt;
 }
 
@@ -118,6 +138,8 @@ bool LetGoMonitor::holds_again() const {
 
 void LetGoMonitor::ask_again() {
   frames_gone_ = frames_low_ = 0;
+  hand_leaves_ = false;
+  hand_motion_.start();
   mean_load_n_ = c_.arm.view().load_n;
   gain_n_ = 0.0;
 }

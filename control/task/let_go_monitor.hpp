@@ -6,6 +6,7 @@
 
 #include "control/task/object_monitor.hpp"
 #include "control/task/task_context.hpp"
+#include "perception/partner/hand_motion.hpp"
 
 namespace colift::control {
 
@@ -26,6 +27,8 @@ class LetGoMonitor {
   /// He holds a raised object again: his hand is seen and his end is up; where his hand cannot be seen, his
   /// end is up and the load is what it was.
   [[nodiscard]] bool holds_again() const;
+  /// The robot sets the object down alone, as a person confirmed: from now on nobody lets go.
+  void stop() { stopped_ = true; }
   /// He was asked to hold again: what was found before does not count.
   void ask_again();
 
@@ -48,7 +51,10 @@ class LetGoMonitor {
   bool was_in_the_air_ = false;
   hal::Vec3 contact_W_ = hal::Vec3::Zero();
   hal::Pose X_ = hal::Pose::Identity();  ///< Last known motion of the object.
+  double rise_m_ = 0.0;  ///< Of his end, as last seen.
   double usual_m2_ = 0.0, area_m2_ = NAN;
+  perception::HandMotion hand_motion_{c_.config.presence};
+  bool hand_leaves_ = false, stopped_ = false;
   int frames_ = 0, frames_gone_ = 0, frames_low_ = 0;
   double mean_load_n_ = 0.0, load_before_n_ = 0.0;
   double gain_n_ = 0.0;

@@ -207,6 +207,7 @@ constexpr auto kRules = std::to_array<Rule>({
     // in the air on the spot: nothing lowers it by itself, a person may be under it
     {Pause, PartnerBack, Lift, "the partner holds again: the lift continues"},
     {Pause, HoldOver, Lower, "the partner holds again: lowering continues"},
+    {Pause, LowerConfirmed, Lower, "a person confirmed lowering: sets the object down"},
     {Pause, TimeOut, Stopped, "timeout: nobody took the object up again; holds, the grip stays closed"},
     {Pause, HandEmpty, Stopped, kFell},
     {Pause, Blocked, Yield, kPushed},
@@ -273,7 +274,7 @@ constexpr TaskWords words(Task task) {
     case Lower:
       return {"lower", "the object to reach the ground"};
     case Pause:
-      return {"pause", "the partner to grasp again"};
+      return {"pause", "the partner to grasp again, or a person to confirm lowering"};
     case Yield:
       return {"yield", "the force on the arm to end"};
     case Release:
@@ -377,6 +378,8 @@ std::string_view word(Event event) {
       return "end of reach";
     case HoldOver:
       return "hold over";
+    case LowerConfirmed:
+      return "lowering confirmed";
     case OnGround:
       return "on ground";
     case Obstructed:

@@ -63,6 +63,7 @@ enum class Event {
   LimitReached,  ///< LimitReached: tilt, slip, force or mass beyond its limit.
   EndOfReach,    ///< EndOfReach: a joint would come too near to its limit; the arm has slowed to rest.
   HoldOver,
+  LowerConfirmed,  ///< LowerConfirmed: a person confirmed that a paused object may be set down.
   OnGround,
   Obstructed,   ///< Obstructed: the object met something before the ground.
   StillLoaded,  ///< StillLoaded: no evidence that the object is supported, so the hand stays closed.

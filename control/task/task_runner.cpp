@@ -41,6 +41,22 @@ bool is_failure(Task from, Event event, Task to) {
          to == Task::BackOff;
 }
 
+// Who or what an unexpected force on a loaded hand comes from, by its direction.
+std::string pusher(const TaskContext& c, const ForceFinding& force) {
+  using Kind = ForceFinding::Kind;
+  constexpr double kAlong = 0.8;  // cosine
+  if (!is_loaded(c.state) || !c.record.decision || !c.record.decision->partner) return {};
+  if (force.kind == Kind::Up) return "the object or the hand meets something from below: ";
+  if (force.kind == Kind::Down) return "sudden gain of load: ";
+  if (force.kind != Kind::Sideways) return {};
+  const Eigen::Vector2d to_partner =
+      (c.record.decision->partner->position - c.palm().translation()).head<2>().normalized();
+  const double along = force.force_W.head<2>().normalized().dot(to_partner);
+  if (along > kAlong) return "the partner's end is pulled: ";
+  if (along < -kAlong) return "the partner's end is pushed: ";
+  return "pushed across the object: ";
+}
+
 }  // namespace
 
 TaskRunner::TaskRunner(hal::Robot& robot, const RigView& rig, const Config& config, const JobOptions& options,
@@ -137,6 +153,8 @@ std::optional<TaskEvent> TaskRunner::emergency(const JobHooks& hooks) const {
   if (auto obstructed = separation_.path_obstructed(); obstructed && next(c_.state, obstructed->event))
     return obstructed;
   if (separation_.waited_too_long()) return TaskEvent{Event::StaysNear, separation_.reason()};
+  if (c_.state == Task::Pause && hooks.lower_confirmed && hooks.lower_confirmed())
+    return TaskEvent{Event::LowerConfirmed, ""};
   const hal::HandState& hand = c_.readings.hand;
   if (hand.hot && !is_loaded(c_.state)) return TaskEvent{Event::HandUnfit, hand.warning.str()};
   return std::nullopt;
@@ -148,10 +166,10 @@ std::optional<TaskEvent> TaskRunner::pushed_event() const {
   // a standing object under a hand that was lowered too far: opening ends that, and the arm is soft already
   if (c_.state == Task::Release && force.kind == ForceFinding::Kind::Up) return std::nullopt;
   const bool from_below = c_.state == Task::Lower && force.kind == ForceFinding::Kind::Up;
-  if (!from_below) return TaskEvent{Event::Blocked, describe(force)};
+  if (!from_below) return TaskEvent{Event::Blocked, pusher(c_, force) + describe(force)};
   // where it was grasped, what pushes up is the ground: lowering judges that itself
   if (c_.arm.view().height_m < c_.config.task.carry.standing_tolerance_m) return std::nullopt;
-  return TaskEvent{Event::Obstructed, describe(force)};
+  return TaskEvent{Event::Obstructed, pusher(c_, force) + describe(force)};
 }
 
 bool TaskRunner::waits_for_arm() const {
@@ -237,6 +255,7 @@ void TaskRunner::begin_state(Task from, Event event) {
     case Task::Hold:
       return lift_phase_.begin_hold();
     case Task::Lower:
+      if (event == Event::LowerConfirmed) pause_phase_.lowering_confirmed();
       return lift_phase_.begin_lower();
     case Task::Pause:
       return pause_phase_.begin(from, event);

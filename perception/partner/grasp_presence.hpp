@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "hal/config/range.hpp"
 #include "hal/depth_camera.hpp"
 #include "perception/noise_model.hpp"
@@ -17,6 +19,11 @@ struct PresenceConfig {
   double gone_fraction = 0.12;
   double back_fraction = 0.2;
   int frames = 1;
+  double motion_radius_m = 0.08;
+  double motion_floor_m = 0.0025;
+  double motion_floor_fraction = 0.04;
+  double motion_sigmas = 7.0;
+  double motion_sigmas_twice = 5.5;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -32,19 +39,37 @@ struct PresenceConfig {
       "The hand has left when less than this fraction of it is seen ...");
     v("frames", frames, hal::Range{1, 30}, "... in so many frames in a row.");
     v("back_fraction", back_fraction, hal::kFraction, "It is back when more than this fraction is seen.");
+    v("motion_radius_m", motion_radius_m, hal::Range{0.02, 0.3},
+      "Around his contact, within which the hand's motion against the object is observed (m).");
+    v("motion_floor_m", motion_floor_m, hal::Range{0.0005, 0.05},
+      "Min standard deviation of the hand's centroid; a larger one is learned while he holds (m).");
+    v("motion_floor_fraction", motion_floor_fraction, hal::Range{0.005, 0.5},
+      "Min standard deviation of its visible area, as a fraction of it.");
+    v("motion_sigmas", motion_sigmas, hal::Range{1, 100},
+      "It leaves when centroid and area deviate by so many standard deviations in one frame ...");
+    v("motion_sigmas_twice", motion_sigmas_twice, hal::Range{1, 100}, "... or by so many in two in a row.");
   }
 };
 
-/// Visible area of what is at the partner's contact and is not the object (m^2): pixels within
-/// PresenceConfig::radius_m of it that lie in front of the reference image, after the frame was taken back by
-/// the object's motion. As if every pixel faced the camera. NaN when the place is out of view.
+/// What is at the partner's contact and is not the object, in one frame.
+struct HandSighting {
+  double area_m2 = 0.0;                      ///< Within PresenceConfig::radius_m of the contact.
+  double motion_area_m2 = 0.0;               ///< Within motion_radius_m ...
+  hal::Vec3 centroid_m = hal::Vec3::Zero();  ///< ... and its centroid, from the contact, in the reference.
+};
+
+/// Visible area and centroid of what is at the partner's contact and is not the object: pixels around it that
+/// lie in front of the reference image, after the frame was taken back by the object's motion. Areas as if
+/// every pixel faced the camera. Unset when the place is out of view.
 ///
 /// \param reference  Image of the scene without the partner, with its points in W.
 /// \param frame      Of the same camera, without the robot's pixels.
 /// \param X_Wnow_Wref  Takes a point of the object from the reference to where it is now.
 /// \param contact_W  His contact on the object as the reference shows it.
-[[nodiscard]] double area_at_grasp(const OrganisedCloud& reference, const hal::DepthFrame& frame,
-                                   const hal::Pose& X_Wnow_Wref, const hal::Vec3& contact_W,
-                                   const NoiseModel& noise, const PresenceConfig& config);
+[[nodiscard]] std::optional<HandSighting> hand_at_contact(const OrganisedCloud& reference,
+                                                          const hal::DepthFrame& frame,
+                                                          const hal::Pose& X_Wnow_Wref,
+                                                          const hal::Vec3& contact_W, const NoiseModel& noise,
+                                                          const PresenceConfig& config);
 
 }  // namespace colift::perception

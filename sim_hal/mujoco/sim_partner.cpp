@@ -70,6 +70,10 @@ void SimPartner::do_events(double t_s) {
   std::size_t done = 0;
   for (; done < coming_.size() && coming_[done].at_s <= t_s; ++done) {
     const PartnerScriptEvent& event = coming_[done];
+    if (event.action == "confirm-lower") {
+      lower_confirmed_ = true;
+      continue;
+    }
     if (event.action == "stumble") {
       stumbles_ = event;
       continue;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "hal/types/geometry.hpp"
@@ -49,6 +50,8 @@ class SimPartner {
 
   /// The task has entered a state: events that count from its first entry are due then.
   void task_state(const std::string& name, double t_s);
+  /// He confirmed lowering since the last call.
+  [[nodiscard]] bool take_lower_confirmed() { return std::exchange(lower_confirmed_, false); }
 
   /// Where his second hand is (in T); unset while he holds with one.
   [[nodiscard]] std::optional<Vec3> second_hand(double t_s) const;
@@ -77,6 +80,7 @@ class SimPartner {
   };
 
   void do_events(double t_s);
+  bool lower_confirmed_ = false;
   [[nodiscard]] Vec3 stumble_n(const PartnerView& view, const Vec3& at_W) const;
   void add_second_hand(const PartnerView& view, Action& action);
   [[nodiscard]] std::optional<std::size_t> holding(double t_s) const;

@@ -77,6 +77,11 @@ void SimWorld::advance(hal::Duration by) {
   }
 }
 
+bool SimWorld::take_lower_confirmed() {
+  const std::scoped_lock lock(impl_->mutex);
+  return impl_->partner.take_lower_confirmed();
+}
+
 bool SimWorld::ask_partner(const Vec3& place_W) {
   const std::scoped_lock lock(impl_->mutex);
   const Vec3 place_T = impl_->physics->object_pose().inverse() * place_W;

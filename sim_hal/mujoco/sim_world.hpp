@@ -110,6 +110,9 @@ class SimWorld {
   /// to hold, and only if he is obliging (ScenarioPartner).
   bool ask_partner(const Vec3& place_W);
 
+  /// The partner confirmed since the last call that a paused object may be lowered (do: confirm-lower).
+  bool take_lower_confirmed();
+
   /// The client's task has entered a state: events of the scenario may count from its first entry
   /// (relative_time()). The only thing that the world is told of its client.
   void task_state(const std::string& name);

@@ -68,7 +68,7 @@ struct ScenarioCamera {
 /// What the partner does at a time (s since the start of the scenario, or since a state was first entered).
 struct PartnerScriptEvent {
   double at_s = 0.0;
-  std::string action;               ///< let-go | move | stumble | steps-aside | second-hand
+  std::string action;               ///< let-go | move | stumble | steps-aside | second-hand | confirm-lower
   std::optional<Vec3> to;           ///< New grasp in T, for move; place of the second hand.
   std::string in_state{};           ///< Of the task; empty: since the start.
   double force_n = 80.0;            ///< Of a stumble ...

@@ -245,6 +245,7 @@ Vec3 Grip::wrist() const {
 }
 
 Grip find_grip(const World& world, const Vec3& contact, const Vec3& from) {
+  constexpr double kBehind = 0.05;  // sine
   const Shape* nearest = nullptr;
   double smallest = 0.0;
   for (const Shape& shape : world.shapes) {
@@ -255,8 +256,10 @@ Grip find_grip(const World& world, const Vec3& contact, const Vec3& from) {
   if (nearest && nearest->kind == Shape::Kind::Box) return grip_on_box(*nearest, contact, from);
   if (nearest && nearest->kind == Shape::Kind::Cylinder) {
     Grip g = grip_on_round(*nearest, contact);
-    // the arm comes from the side where the thumb is not
-    if (g.across.dot(from - contact) > 0) g.across = -g.across, g.along = -g.along;
+    // the arm comes from the side where the thumb is not; from straight behind, a bar that rolls by a
+    // fraction of a degree turns no hand around
+    const Vec3 arm = from - contact;
+    if (g.across.dot(arm) > kBehind * arm.norm()) g.across = -g.across, g.along = -g.along;
     return g;
   }
   Grip g;

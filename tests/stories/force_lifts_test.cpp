@@ -114,7 +114,7 @@ TEST_CASE("a partner who lets go is noticed, and his lift is never called lifted
       const control::StateChange* next = next_state(lift, lift_s + into_s);
       REQUIRE(next);
       CHECK(next->state == Task::Pause);
-      CHECK(hal::seconds(next->at) - lift_s - into_s <= 0.2);
+      CHECK(hal::seconds(next->at) - lift_s - into_s <= 0.15);
     }
   }
 }
@@ -130,4 +130,18 @@ TEST_CASE("a partner who holds again lets the lift continue", "[force]") {
   CHECK(entered(lift, Task::Lift) > entered(lift, Task::Pause));
   CHECK(lift.record.outcome == Result::Lifted);
   CHECK(lift.tilt_deg < 1.5);
+}
+
+TEST_CASE("an object that a partner let go of is lowered only when a person confirms it", "[force]") {
+  sim_hal::Scenario s = scenario("box");
+  s.partner.events.push_back({0.7, "let-go", {}, "lift"});
+  s.partner.events.push_back({1.5, "confirm-lower", {}, "pause"});
+  const tests::SimulatedLift lift = run(s);
+  INFO(lift.record.reason);
+  CHECK(entered(lift, Task::Lower) - entered(lift, Task::Pause) == Approx(1.5).margin(0.02));
+  CHECK(entered(lift, Task::Release) > entered(lift, Task::Lower));
+  CHECK(lift.record.states.back().state == Task::Aborted);
+  CHECK(lift.record.outcome == Result::Aborted);
+  CHECK(lift.record.reason.find("confirmed") != std::string::npos);
+  CHECK_FALSE(lift.record.hand_keeps_grip);
 }

@@ -125,8 +125,10 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
   // the pucks have to wake and to find their stops first
   hooks.started = [&] {
     if (bus) world->begin_scenario();
+    world->task_state(std::string(word(control::Task::Observe)));
     entered(control::Task::Observe);
   };
+  hooks.lower_confirmed = [&] { return world->take_lower_confirmed(); };
   GripWatch grip;
   hooks.asked = [&](const hal::Vec3& place) { world->ask_partner(place); };
   if (!scenario.people.empty())
@@ -160,6 +162,7 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
       inject_hand(f.fault);
       return !f.each_time;
     });
+    world->task_state(std::string(word(to)));
     entered(to);
   };
   auto record = runner.run(hooks);

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <map>
 #include <utility>
+#include <vector>
 
 #include "hal/types/time.hpp"
 #include "tools/live/visitor.hpp"
@@ -19,7 +20,7 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 using Request = http::request<http::empty_body>;
 
-constexpr std::uint32_t kStop = 1;
+constexpr std::uint32_t kStop = 1, kLower = 2;
 constexpr hal::Duration kTimeout = std::chrono::seconds(20);  ///< With a message that is not taken.
 
 /// One client of the channels. Everything happens in the server's thread.
@@ -79,8 +80,10 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
     outbox_.push_control(server_info(hub_->config().name, hub_->session(), operates_), false);
     outbox_.push_control(advertise(telemetry::channels().first(kLiveTopics)), false);
     if (operates_) {
-      const OperatorService stop{kStop, "/operator/stop", "The run ends safely: as at Ctrl-C."};
-      outbox_.push_control(advertise_services({&stop, 1}), false);
+      std::vector<OperatorService> services{{kStop, "/operator/stop", "The run ends safely: as at Ctrl-C."}};
+      if (hub_->config().on_lower)
+        services.push_back({kLower, "/operator/lower", "Confirms that a paused object may be lowered."});
+      outbox_.push_control(advertise_services(services), false);
     }
     if (const auto now = hub_->now()) outbox_.push_time(server_time(*now));
     send();
@@ -142,10 +145,17 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
   }
 
   void act(const ServiceCall& call) {
-    if (!operates_ || call.service != kStop) {
+    const bool lowers = call.service == kLower && hub_->config().on_lower;
+    if (!operates_ || (call.service != kStop && !lowers)) {
       const char* why =
           operates_ ? "there is no such service" : "this connection only watches: it has no operator's token";
       outbox_.push_control(service_failure(call.service, call.call, why), false);
+      return;
+    }
+    if (lowers) {
+      hub_->config().on_lower();
+      outbox_.push_control(
+          service_response(call.service, call.call, R"({"done":true,"what":"lowering is confirmed"})"), true);
       return;
     }
     hub_->config().on_stop();

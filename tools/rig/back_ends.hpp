@@ -24,9 +24,11 @@ namespace colift::tools {
 /// What a simulated rig knows beyond its devices. Empty on a real one.
 struct RigTruth {
   std::function<TruthSample(hal::Timestamp began)> sample;
-  std::function<picture::SolidScene()> scene;          ///< Everything, where it is now.
-  std::function<std::optional<hal::Vec3>()> partner;   ///< Where he holds the object.
-  std::function<void(const hal::Vec3&)> ask_partner;   ///< To take hold there (W).
+  std::function<picture::SolidScene()> scene;         ///< Everything, where it is now.
+  std::function<std::optional<hal::Vec3>()> partner;  ///< Where he holds the object.
+  std::function<void(const hal::Vec3&)> ask_partner;  ///< To take hold there (W).
+  /// A scenario's person confirmed lowering since the last call.
+  std::function<bool()> take_lower_confirmed;
   std::function<void(const std::string&)> task_state;  ///< The job has entered a state.
   std::function<sim_hal::Verdict(bool lifted)> judge;  ///< At the end of the job, which says so or not.
   double mass_kg = 0.0;

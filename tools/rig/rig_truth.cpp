@@ -29,6 +29,7 @@ RigTruth truth_of(const std::shared_ptr<sim_hal::SimWorld>& world,
   };
   truth.partner = [world] { return world->truth().partner_W; };
   truth.ask_partner = [world](const hal::Vec3& place_W) { world->ask_partner(place_W); };
+  truth.take_lower_confirmed = [world] { return world->take_lower_confirmed(); };
   truth.scene = [world, model] {
     picture::SolidScene scene;
     for (const sim_hal::Shape& shape : world->shapes().shapes)

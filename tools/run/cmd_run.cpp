@@ -148,6 +148,10 @@ int cmd_run(const CommonOptions& common, const RunOptions& options, const RunPar
     if (rig->truth) rig->truth->task_state(std::string(control::word(control::Task::Observe)));
   };
   hooks.interrupted = [&] { return InterruptGuard::asked() || (*live && (*live)->stopped()); };
+  hooks.lower_confirmed = [&] {
+    const bool by_operator = *live && (*live)->take_lower_confirmed();
+    return (rig->truth && rig->truth->take_lower_confirmed()) || by_operator;
+  };
   Pace pace(*speed);
   hooks.status = [&](const control::JobStatus& status) {
     if (!InterruptGuard::asked()) pace.wait_for(status.now);

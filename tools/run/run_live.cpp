@@ -66,6 +66,7 @@ hal::Result<std::unique_ptr<RunLive>> RunLive::open(const ViewOptions& options, 
   if (options.allow_operator) {
     config.door.token = new_token();
     config.on_stop = [raw = view.get()] { raw->stopped_ = true; };
+    config.on_lower = [raw = view.get()] { raw->lower_confirmed_ = true; };
   }
   live::PageFiles files(live::PageFiles::beside_program());
   files.add("/robot.urdf", {"application/xml", std::move(urdf)});

@@ -26,6 +26,8 @@ class LiveView {
   [[nodiscard]] virtual std::string url() const = 0;
   /// An operator pressed stop.
   [[nodiscard]] virtual bool stopped() const = 0;
+  /// An operator confirmed lowering since the last call.
+  [[nodiscard]] virtual bool take_lower_confirmed() = 0;
   /// Serves the last state until `enough` says so (it is asked ten times a second).
   virtual void stay(const std::function<bool()>& enough) const = 0;
 };

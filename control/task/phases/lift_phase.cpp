@@ -109,7 +109,7 @@ std::optional<TaskEvent> LiftPhase::partner_gone_or_lowers() {
   mean_load_n_ += a * (load_n - mean_load_n_);
   if (c_.arm.view().role == LiftController::Role::Follow && fell && !heavier)
     return TaskEvent{Event::HoldOver, "the partner lowers"};
-  if (heavier) return TaskEvent{Event::PartnerLetGo, fmt::format("the load grew to {:.0f} N", load_n)};
+  if (heavier) return TaskEvent{Event::PartnerLetGo, fmt::format("sudden gain of load: to {:.0f} N", load_n)};
   if (fell)
     return TaskEvent{Event::PartnerLetGo,
                      fmt::format("his end fell by {:.0f} mm", 1e3 * object_.partner_fall_m())};
@@ -122,8 +122,9 @@ std::optional<TaskEvent> LiftPhase::load_lost() {
   if (mean_load_n_ < carry.standing_load_n || load_n > carry.load_loss_fraction * mean_load_n_)
     carried_at_ = c_.now;
   if (hal::seconds(c_.now - carried_at_) < carry.load_loss_s) return std::nullopt;
-  return TaskEvent{Event::HandEmpty,
-                   fmt::format("{:.0f} N hang in the hand, {:.0f} N before", load_n, mean_load_n_)};
+  return TaskEvent{
+      Event::HandEmpty,
+      fmt::format("sudden loss of load: {:.0f} N hang in the hand, {:.0f} N before", load_n, mean_load_n_)};
 }
 
 void LiftPhase::begin_lower() {

@@ -29,6 +29,14 @@ std::optional<hal::Vec3> PausePhase::asked_place() const {
   return partner_.place();
 }
 
+void PausePhase::lowering_confirmed() {
+  if (obstructed_) return;  // he still carries
+  partner_.stop();
+  c_.attempts.lifted = c_.attempts.failed = true;
+  c_.attempts.regrasp = false;
+  c_.attempts.failure = "the partner let go; set down when a person confirmed it";
+}
+
 bool PausePhase::goes_on() const {
   if (!obstructed_) return partner_.holds_again();
   // what stood on something hangs in the hand again
@@ -41,8 +49,10 @@ std::optional<TaskEvent> PausePhase::pause() {
   object_.update();
   partner_.update();
   const CarryConfig& carry = c_.config.task.carry;
-  c_.doing = obstructed_ ? "something is under the object: lift it off and clear it away"
-                         : "holds: please grasp the object again where you held it, and lift your end";
+  c_.doing =
+      obstructed_
+          ? "something is under the object: lift it off and clear it away, or confirm lowering"
+          : "holds: please grasp the object again where you held it, and lift your end; or confirm lowering";
   c_.done = c_.in_state_s() / carry.regrasp_timeout_s;
   const hal::HandState& hand = c_.readings.hand;
   if (!hand.held) return TaskEvent{Event::HandEmpty, "the hand has lost the object"};

@@ -18,6 +18,8 @@ class PausePhase {
 
   void begin(Task from, Event event);
   [[nodiscard]] std::optional<TaskEvent> pause();
+  /// A person confirmed lowering: the robot sets the object down, with the partner or without him.
+  void lowering_confirmed();
   /// Where he is asked to grasp (W); unset when something else is asked of him.
   [[nodiscard]] std::optional<hal::Vec3> asked_place() const;
 

@@ -55,12 +55,15 @@ stop.onclick = () => {
   if (client.call("/operator/stop")) stop.textContent = "Stopping";
 };
 
+const lower = $<HTMLButtonElement>("lower");
+lower.onclick = () => void client.call("/operator/lower");
+
 client.onLink = (word, operates) => {
   const chip = $("link");
   const what = document.title.startsWith("CoLift, recording") ? "recording" : "live";
   chip.textContent = word === "connected" ? (operates ? `${what}, operator` : what) : word;
   chip.className = `chip ${word}`;
-  stop.disabled = !operates;
+  stop.disabled = lower.disabled = !operates;
   if (word === "connected") stop.textContent = "Stop";
 };
 client.onName = (name) => {

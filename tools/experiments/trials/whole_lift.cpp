@@ -1,6 +1,8 @@
 #include "tools/experiments/trials/whole_lift.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 
 #include "control/task/task_runner.hpp"
 #include "hal/guards/guarded_arm.hpp"
@@ -44,18 +46,31 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
   int n = 0;
   double tilt = 0.0, height = 0.0, share = 0.0, slip = 0.0;
   control::JobHooks hooks;
+  bool enough = false, held = false;
   const auto entered = [&](control::Task state) {
     const std::string name(control::word(state));
     (*world)->task_state(name);
     judge.task_state(name);
   };
   hooks.started = [&] { entered(control::Task::Observe); };
-  hooks.changed = [&](control::Task, control::Task to) { entered(to); };
+  hooks.changed = [&](control::Task from, control::Task to) {
+    entered(to);
+    const bool lifted = from == control::Task::Lower;
+    enough = enough || (with.cut.at_release_before_lift && to == control::Task::Release && !lifted);
+  };
+  hooks.interrupted = [&] { return enough; };
   hooks.asked = [&](const hal::Vec3& place) { (*world)->ask_partner(place); };
   hooks.status = [&](const control::JobStatus& status) {
     if (with.each_frame) with.each_frame(**world);
-    if (status.state != control::Task::Hold) return;
     const sim_hal::SimTruth truth = (*world)->truth();
+    if (held && !truth.partner_W && std::isnan(lift.let_go_s)) {
+      lift.height_at_let_go_m = truth.height_m;
+      lift.let_go_s = hal::seconds(status.now);
+    }
+    held = truth.partner_W.has_value();
+    enough = enough || (status.state == control::Task::Pause &&
+                        hal::seconds(status.now - status.since) > with.cut.paused_s);
+    if (status.state != control::Task::Hold) return;
     ++n;
     tilt += hal::rad_to_deg(truth.tilt_rad);
     height += truth.height_m;

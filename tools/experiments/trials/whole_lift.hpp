@@ -19,7 +19,15 @@ struct WholeLift {
   double tilt_deg = NAN, height_m = NAN, share_robot = NAN;  ///< True, means at the top.
   double slip_m = NAN;
   bool hit_something = false;
-  sim_hal::Verdict verdict;  ///< Of the simulation's judge.
+  sim_hal::Verdict verdict;         ///< Of the simulation's judge.
+  double height_at_let_go_m = NAN;  ///< True, of the object, at the partner's first let-go.
+  double let_go_s = NAN;            ///< When that was, of the record's time.
+};
+
+/// How a run is cut short, where the rest of it says nothing new.
+struct CutShort {
+  bool at_release_before_lift = false;  ///< When the hand opens without having lifted.
+  double paused_s = INFINITY;           ///< After this time in Pause.
 };
 
 /// What a trial changes and observes. All of it may be empty.
@@ -28,6 +36,7 @@ struct LiftHooks {
   std::function<void(const sim_hal::SimWorld&)> started;     ///< Before the first cycle.
   std::function<void(const sim_hal::SimWorld&)> each_frame;  ///< About 30 times a second.
   std::function<void(const sim_hal::TickReport&)> each_tick;
+  CutShort cut = {};
 };
 
 /// Errors: BadConfig (the scenario), and those of devices at the start.

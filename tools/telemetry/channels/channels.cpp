@@ -306,7 +306,8 @@ Json inputs() {
                  {"hand", list(hand)},
                  {"camera", list(camera)},
                  {"answers", list(object({{"error", error}}))},
-                 {"interrupted", boolean()}});
+                 {"interrupted", boolean()},
+                 {"lower_confirmed", boolean()}});
 }
 
 std::vector<ChannelInfo> all() {

@@ -314,6 +314,11 @@ control::JobHooks RunTelemetry::hooks(control::JobHooks yours) {
     if (asked) i.book.now.interrupted = true;
     return asked;
   };
+  out.lower_confirmed = [&i, yours] {
+    const bool confirmed = yours.lower_confirmed && yours.lower_confirmed();
+    if (confirmed) i.book.now.lower_confirmed = true;
+    return confirmed;
+  };
   out.status = [&i, aside, yours](const control::JobStatus& status) {
     i.on_status(status);
     if (yours.status) aside([&] { yours.status(status); });

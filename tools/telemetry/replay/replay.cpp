@@ -129,6 +129,7 @@ hal::Result<ReplayReport> replay(const McapReader& file, const std::string& name
   mine.interrupted = [&] {
     return tape.ended() || tape.now().interrupted || (setting.interrupted && setting.interrupted());
   };
+  mine.lower_confirmed = [&] { return tape.now().lower_confirmed; };
   control::JobHooks hooks = telemetry.hooks(mine);
   const auto listen = hooks.cycle;
   hooks.cycle = [&](const control::ArmView& view) {

@@ -6,7 +6,6 @@
 #include <limits>
 
 using namespace colift;
-using perception::area_at_grasp;
 
 namespace {
 
@@ -42,7 +41,8 @@ struct Down {
     const auto reference = perception::deproject(frame(0.0, {}), X_WC);
     hal::Pose X = hal::Pose::Identity();
     X.translation().z() = raised_m;
-    return area_at_grasp(reference, frame(raised_m, hand), X, contact, {}, {});
+    const auto seen = perception::hand_at_contact(reference, frame(raised_m, hand), X, contact, {}, {});
+    return seen ? seen->area_m2 : NAN;
   }
 
   hal::CameraIntrinsics k;
