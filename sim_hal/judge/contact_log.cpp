@@ -23,16 +23,16 @@ bool opposes(const BodyContact& a, const BodyContact& b) {
 
 }  // namespace
 
-void ContactLog::tick(double t_s, const std::vector<BodyContact>& contacts, bool robot_at_rest) {
+void ContactLog::tick(double t_s, const std::vector<BodyContact>& contacts, RobotMotion motion) {
   for (const BodyContact& c : contacts) {
     if (c.by == BodyContact::By::Static) continue;
     const bool opposed =
         std::any_of(contacts.begin(), contacts.end(), [&](const BodyContact& o) { return opposes(c, o); });
-    add(t_s, c, opposed, robot_at_rest);
+    add(t_s, c, opposed, motion);
   }
 }
 
-void ContactLog::add(double t_s, const BodyContact& c, bool opposed, bool robot_at_rest) {
+void ContactLog::add(double t_s, const BodyContact& c, bool opposed, RobotMotion motion) {
   const auto same = std::find_if(touches_.rbegin(), touches_.rend(), [&](const Touch& t) {
     return t.judged.person == c.person && t.region == c.region && t.by == c.by && t_s - t.last_s < kPause_s;
   });
@@ -45,7 +45,7 @@ void ContactLog::add(double t_s, const BodyContact& c, bool opposed, bool robot_
     touch.judged.person = c.person;
     touch.judged.closing_m_s = c.closing_m_s;
     touch.by = c.by;
-    touch.at_rest = robot_at_rest;
+    touch.motion = motion;
     touch.region = c.region;
     touches_.push_back(touch);
   }
@@ -72,9 +72,11 @@ void ContactLog::add_to(Verdict& verdict) const {
         touch.clamped_n / limit.quasi_static_n >= touch.transient_n / limit.transient_n;
     judged.limit_n = clamped_is_worse ? limit.quasi_static_n : limit.transient_n;
     const double counts_n = judged.counts_n = clamped_is_worse ? touch.clamped_n : touch.transient_n;
-    // who runs into a robot that has long been at rest is hurt by nothing that a program does; but one that
-    // keeps him pressed has not yielded, however that began
-    judged.his_own = touch.at_rest && judged.robot_m_s < kAtRest_m_s && !touch.opposed &&
+    // who runs into a robot that has long been at rest is hurt by nothing that a program does, nor is he by
+    // what swings back from his own push: all of that energy was his. But one that keeps him pressed has not
+    // yielded, however that began
+    const bool came_not = touch.motion == RobotMotion::AtRest && judged.robot_m_s < kAtRest_m_s;
+    judged.his_own = (came_not || touch.motion == RobotMotion::Pushed) && !touch.opposed &&
                      touch.clamped_n <= limit.quasi_static_n;
     if (counts_n > judged.limit_n && !judged.his_own)
       verdict.breaches.push_back(fmt::format("{}: {:.0f} N {} by the {} at {:.3f} s (limit {:.0f} N)",

@@ -8,11 +8,18 @@
 
 namespace colift::sim_hal {
 
+/// What moves the robot when it is touched.
+enum class RobotMotion {
+  Driven,  ///< Its commands, or what is left of their speed.
+  AtRest,  ///< Nothing: every joint has been slow for a while.
+  Pushed,  ///< It was at rest until a person pushed it, and no command has driven it since.
+};
+
 /// Contacts of every millisecond as touches, each judged against its region's limits.
 class ContactLog {
  public:
-  /// `robot_at_rest`: every joint has been slow for a while, up to this millisecond.
-  void tick(double t_s, const std::vector<BodyContact>& contacts, bool robot_at_rest);
+  /// `motion`: up to this millisecond.
+  void tick(double t_s, const std::vector<BodyContact>& contacts, RobotMotion motion);
   void add_to(Verdict& verdict) const;
   /// Peak of what the robot itself did to anybody (N).
   [[nodiscard]] double robot_peak_n() const { return robot_peak_n_; }
@@ -24,11 +31,11 @@ class ContactLog {
     BodyRegion region = BodyRegion::Hand;
     double first_s = 0.0, last_s = 0.0;
     double transient_n = 0.0, clamped_n = 0.0;
-    bool at_rest = false;  // the robot was, when it began
-    bool opposed = false;  // pressed against something else at least once
+    RobotMotion motion = RobotMotion::Driven;  // when it began
+    bool opposed = false;                      // pressed against something else at least once
   };
 
-  void add(double t_s, const BodyContact& contact, bool opposed, bool robot_at_rest);
+  void add(double t_s, const BodyContact& contact, bool opposed, RobotMotion motion);
 
   std::vector<Touch> touches_;
   double robot_peak_n_ = 0.0;

@@ -37,8 +37,16 @@ struct Judge::Impl {
   std::vector<std::string> breaches;
   std::vector<BodyContact> touched;  // of one millisecond
   double last_s = 0.0, moved_s = 0.0;
+  bool pushed = false;  // moves since somebody pushed it at rest
+
+  [[nodiscard]] RobotMotion robot_motion() const;
   double people_m = kNever, partner_m = kNever;
 };
+
+RobotMotion Judge::Impl::robot_motion() const {
+  if (pushed) return RobotMotion::Pushed;
+  return last_s - moved_s > kRested_s ? RobotMotion::AtRest : RobotMotion::Driven;
+}
 
 Judge::Judge(const hal::RobotModel& model, bool exact_time)
     : impl_(std::make_unique<Impl>(model, exact_time)) {}
@@ -51,9 +59,15 @@ void Judge::tick(const TickReport& report) {
   for (BodyContact& c : impl_->touched)
     if (c.by == BodyContact::By::Object && !report.truth.robot_touches_object) c.by = BodyContact::By::Static;
   // of the millisecond before: the touch itself sets joints in motion
-  impl_->contacts.tick(report.t_s, impl_->touched, impl_->last_s - impl_->moved_s > kRested_s);
+  const RobotMotion motion = impl_->robot_motion();
+  impl_->contacts.tick(report.t_s, impl_->touched, motion);
   impl_->last_s = report.t_s;
   if (report.dq_rad_s.cwiseAbs().maxCoeff() > kAtRest_rad_s) impl_->moved_s = report.t_s;
+  const bool by_robot = std::any_of(impl_->touched.begin(), impl_->touched.end(),
+                                    [](const BodyContact& c) { return c.by == BodyContact::By::Robot; });
+  const bool rested = report.t_s - impl_->moved_s > kRested_s;
+  impl_->pushed =
+      (impl_->pushed ? !rested : motion == RobotMotion::AtRest && by_robot) && !impl_->motion.drives(report);
   impl_->motion.tick(report, impl_->stopped, impl_->breaches);
   impl_->load.tick(report, impl_->breaches);
   impl_->people_m = std::min(impl_->people_m, report.people_distance_m);

@@ -12,6 +12,7 @@ constexpr double kAcceleration_rad_s2 = 15.0;  // of commands: what the arm's gu
 constexpr double kTolerance = 1.02, kFirstStep_rad = 0.01;
 constexpr double kGapCycles = 5.5, kAlike_s = 0.0005;
 constexpr double kBraking_s = 0.5, kMoved_rad = 0.02;  // after a stop
+constexpr double kStands_rad_s = 0.01, kFollows = 0.8;
 // 30 N is where a contact has to be noticed; half as much again for what an estimate of it may lack
 constexpr double kPush_n = 45.0, kMoves_rad_s = 0.05, kNotice_s = 0.010, kStop_s = 0.5, kSlower = 0.01;
 
@@ -85,12 +86,23 @@ void MotionRules::standstill(const TickReport& r, bool stopped, std::vector<std:
   }
   if (!stopped_s_) stopped_s_ = r.t_s;
   if (r.t_s - *stopped_s_ < kBraking_s) return;
-  // a person may push a soft arm away
-  if (!rests_at_ || touched(r)) rests_at_ = command_rad_;
+  // a person may push a soft arm away, and what he pushed may brake as after a stop
+  if (touched(r)) touched_s_ = r.t_s;
+  if (!rests_at_ || r.t_s - touched_s_ < kBraking_s) rests_at_ = command_rad_;
   const double moved = (command_rad_ - *rests_at_).cwiseAbs().maxCoeff();
   if (moved > kMoved_rad)
     breach("I5", fmt::format("commanded {:.3f} rad away after the stop at {:.3f} s", moved, *stopped_s_),
            breaches);
+}
+
+// Who pushes a yielding arm moves it faster than the commands that follow, and in their direction. Along a
+// trajectory both are equally fast.
+bool MotionRules::drives(const TickReport& r) const {
+  const double speed = command_rad_s_.norm(), measured = r.dq_rad_s.norm();
+  if (speed < kStands_rad_s) return false;
+  const bool follows =
+      speed < kFollows * measured && command_rad_s_.dot(r.dq_rad_s) > kFollows * speed * measured;
+  return !follows;
 }
 
 void MotionRules::push(const TickReport& r, std::vector<std::string>& breaches) {
@@ -99,13 +111,13 @@ void MotionRules::push(const TickReport& r, std::vector<std::string>& breaches) 
     if (c.by == BodyContact::By::Robot) sum += c.force_W;
   const double force_n = sum.norm(), speed = command_rad_s_.norm();
   if (!pushed_s_) {
-    if (force_n < kPush_n || speed < kMoves_rad_s) return;
+    if (force_n < kPush_n || speed < kMoves_rad_s || !drives(r)) return;
     pushed_s_ = r.t_s;
     pushed_rad_s_ = speed;
     brakes_ = false;
   }
   const double since = r.t_s - *pushed_s_;
-  if (!brakes_ && speed < (1.0 - kSlower) * pushed_rad_s_) {
+  if (!brakes_ && (speed < (1.0 - kSlower) * pushed_rad_s_ || !drives(r))) {
     brakes_ = true;
     latency_s_ = std::max(latency_s_.value_or(0.0), since);
   }
@@ -115,7 +127,7 @@ void MotionRules::push(const TickReport& r, std::vector<std::string>& breaches) 
                        *pushed_s_),
            breaches);
   if (since < kStop_s) return;
-  if (speed > kMoves_rad_s && force_n > kPush_n)
+  if (speed > kMoves_rad_s && force_n > kPush_n && drives(r))
     breach("I10",
            fmt::format("still commanded at {:.2f} rad/s {:.1f} s after a person's push at {:.3f} s", speed,
                        since, *pushed_s_),

@@ -18,6 +18,8 @@ class MotionRules {
 
   void tick(const TickReport& report, bool stopped, std::vector<std::string>& breaches);
   [[nodiscard]] std::optional<double> stop_latency_s() const { return latency_s_; }
+  /// The commands move the arm by themselves: they neither stand nor follow who pushes it.
+  [[nodiscard]] bool drives(const TickReport& report) const;
 
  private:
   void command(const TickReport& report, std::vector<std::string>& breaches);
@@ -34,6 +36,7 @@ class MotionRules {
   hal::JointVector command_rad_ = hal::JointVector::Zero(), command_rad_s_ = hal::JointVector::Zero();
   std::optional<double> stopped_s_;
   std::optional<hal::JointVector> rests_at_;
+  double touched_s_ = 0.0;
   std::optional<double> pushed_s_;  // a push that has to stop the arm, and its speed then
   double pushed_rad_s_ = 0.0;
   bool brakes_ = false;
