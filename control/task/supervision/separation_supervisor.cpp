@@ -15,6 +15,7 @@ constexpr double kPeakOfMean = 1.875;      // of a minimum-jerk profile's speed:
 constexpr double kArmMass_kg = 16.0;       // LWR 4+; half of it counts in a contact
 constexpr double kCarried_kg = 6.0;        // hand and a share of the object, as the reference table has them
 constexpr double kHandAt_m = 0.25;         // whose points are this near to the grasp is the partner
+constexpr double kArm_m = 0.60;            // from a hand that is hidden to what is seen of him
 constexpr double kBeside_m = 0.30;         // parts of him that are seen apart
 constexpr double kInside_m = 0.10;         // his hand reaches so far over the edge towards the robot
 constexpr double kSampleEvery_s = 0.0666;  // of the curves
@@ -199,6 +200,18 @@ void SeparationSupervisor::sort_points(const BodySighting& seen) {
         partner_box.extend(body.box);
         break;
       }
+  }
+  // the object may hide his hand and forearm: then it is who stands behind his grasp, an arm's length away
+  double nearest_m = kArm_m;
+  const bool hidden = contact && partner_box.isEmpty();
+  for (const perception::Body& body : seen.bodies) {
+    if (!hidden || body.box.exteriorDistance(*contact) > nearest_m) continue;
+    for (const auto& p : seen.points.subspan(body.first, body.count)) {
+      const hal::Vec3 off = p.p_W.cast<double>() - *contact;
+      if (off.dot(out) < -kInside_m || off.norm() > nearest_m) continue;
+      nearest_m = off.norm();
+      partner_box = body.box;
+    }
   }
   for (std::size_t i = 0; i < seen.bodies.size(); ++i) {
     const perception::Body& body = seen.bodies[i];

@@ -41,6 +41,21 @@ std::string stop(const control::RunRecord& record) {
   return record.monitor.stops > 0 ? "hold" : "";
 }
 
+// for how long and for whom the arm was slower than planned; empty: for nobody
+std::string slowed(const control::RunRecord& record) {
+  double slow_s = 0.0;
+  control::SeparationSample worst;
+  const auto& curve = record.monitor.curve;
+  for (std::size_t i = 1; i < curve.size(); ++i) {
+    if (curve[i].scale >= 1.0) continue;
+    slow_s += curve[i].t_s - curve[i - 1].t_s;
+    if (curve[i].scale < worst.scale) worst = curve[i];
+  }
+  if (slow_s == 0.0) return "";
+  return fmt::format("slowed for {:.1f} s, at {:.1f} s to {:.0f} %: partner at {:.2f} m, others at {:.2f} m",
+                     slow_s, worst.t_s, 100.0 * worst.scale, worst.partner_distance_m, worst.distance_m);
+}
+
 double took_s(const control::RunRecord& record) {
   return record.states.empty() ? NAN : hal::seconds(record.states.back().at - record.states.front().at);
 }
@@ -61,7 +76,7 @@ TrialRows run(const Trial& trial) {
   const bool both = lift->record.outcome == Lifted::Lifted && bare->record.outcome == Lifted::Lifted;
   return {{object, word(bare->record.outcome), word(lift->record.outcome), cell(!stopped.empty()), cell(s),
            cell(bare_s), both ? cell(s / bare_s) : "", cell(static_cast<int>(lift->verdict.breaches.size())),
-           stopped.empty() ? lift->record.reason : stopped},
+           stopped.empty() ? slowed(lift->record) : stopped},
           {},
           fmt::format("{}: {} in {:.1f} s, {:.1f} s without monitors{}", object, word(lift->record.outcome),
                       s, bare_s, stopped.empty() ? "" : "; STOPPED " + stopped)};
