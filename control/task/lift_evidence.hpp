@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 
@@ -28,8 +29,15 @@ class LiftEvidence {
   TaskContext& c_;
   const ObjectMonitor& object_;
   const LetGoMonitor& partner_;
-  int seen_ = 0;  ///< Frames that showed the object at the top.
-  double robot_end_m_ = 0.0, partner_end_m_ = 0.0, load_n_ = 0.0;  ///< Sums over them; over cycles.
+  /// Both ends of the object, in a mean over some frames.
+  struct Ends {
+    double robot_m = 0.0, partner_m = 0.0;
+  };
+  static constexpr int kMean = 10;
+  std::array<Ends, kMean> last_{};
+  Ends best_;            ///< The greatest such mean of the lower end.
+  int seen_ = 0;         ///< Frames that showed the object at the top.
+  double load_n_ = 0.0;  ///< Sum over cycles.
   int cycles_ = 0;
   bool stands_ = false;
   std::optional<bool> hand_at_end_;

@@ -18,6 +18,8 @@ constexpr double kGateFraction = 0.9;  // of the last gate's velocity limit, so 
 void RetreatPhase::begin_release() {
   unloadings_ = 0;
   if (!is_supported()) return start_unloading();
+  // fingers that still answer are opened while they do
+  if (c_.readings.without_puck) return open();
   opening_ = Opening::Announced;
   (void)open_when_announced();
 }

@@ -32,8 +32,11 @@ void HandSupervisor::read() {
   } else {
     fault_ = state.error().text();
     silent_puck_ = puck_named_in(state.error());
-    const bool gone = state.error().code != hal::ErrorCode::Timeout ||
-                      c_.now - answered_at_ > duration_of(c_.config.task.supervision.hand_timeout_s);
+    // one answer that cannot be is as good as none: a bus flips bits; an answer that stays so is no hand
+    const hal::ErrorCode code = state.error().code;
+    const bool transient = code == hal::ErrorCode::Timeout || code == hal::ErrorCode::BadReply;
+    const bool gone =
+        !transient || c_.now - answered_at_ > duration_of(c_.config.task.supervision.hand_timeout_s);
     if (gone && !lost_) c_.note_device("hand", fault_);
     lost_ = lost_ || gone;
   }

@@ -95,6 +95,7 @@ void SeparationSupervisor::update(double image_age_s) {
     if (scale < 1.0) why = describe(state.nearest);
   }
   request(scale, std::move(why));
+  note_wait();
   add_sample();
   if (path_obstructed()) c_.obstacles_W = seen_W_;
 }
@@ -112,9 +113,16 @@ void SeparationSupervisor::request(double scale, std::string why) {
   reason_ = std::move(why);
   c_.arm.set_scale(scale_);
   if (is_moving(c_.state)) c_.record.monitor.min_scale = std::min(c_.record.monitor.min_scale, scale_);
-  if (!is_moving(c_.state) || held == holds()) return;
-  if (holds()) ++c_.record.monitor.stops;
-  c_.note_device("monitor", holds() ? "the arm waits: " + reason_ : "the arm continues");
+}
+
+// somebody may have been there before the arm was to move
+void SeparationSupervisor::note_wait() {
+  const bool waits = is_moving(c_.state) && holds();
+  if (waits == waits_) return;
+  waits_ = waits;
+  if (waits) ++c_.record.monitor.stops;
+  if (waits || is_moving(c_.state))
+    c_.note_device("monitor", waits ? "the arm waits: " + reason_ : "the arm continues");
 }
 
 double SeparationSupervisor::slow_distance_m() const {

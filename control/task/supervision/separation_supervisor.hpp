@@ -49,6 +49,8 @@ class SeparationSupervisor {
   [[nodiscard]] std::optional<hal::Vec3> partner_contact() const;
   [[nodiscard]] double planned_speed_m_s() const;
   void request(double scale, std::string why);
+  /// Counts and notes that the arm waits, or continues.
+  void note_wait();
   /// Distances at which a person stops and slows the arm (m).
   [[nodiscard]] double slow_distance_m() const;
   void add_sample();
@@ -66,7 +68,7 @@ class SeparationSupervisor {
   hal::Timestamp updated_at_{0};
   hal::Timestamp sampled_at_{0};
   double scale_ = 1.0, waited_s_ = 0.0, compute_ms_ = 0.0;
-  bool asked_aside_ = false;
+  bool asked_aside_ = false, waits_ = false;
   std::string reason_;
 };
 
