@@ -14,7 +14,7 @@
 
 #include "tests/support/fault_table.hpp"
 #include "tests/support/thorough.hpp"
-#include "tools/experiments/trials/drawn_faults.hpp"
+#include "tools/experiments/runs/drawn_faults.hpp"
 #include "tools/experiments/trials/sighting.hpp"
 
 namespace {

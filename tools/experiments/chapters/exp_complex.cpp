@@ -7,8 +7,8 @@
 
 #include "tools/experiments/bar_plot.hpp"
 #include "tools/experiments/experiment.hpp"
+#include "tools/experiments/runs/whole_lift.hpp"
 #include "tools/experiments/trials/layouts.hpp"
-#include "tools/experiments/trials/whole_lift.hpp"
 
 namespace colift::experiments {
 namespace {

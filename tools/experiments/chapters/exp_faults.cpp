@@ -8,7 +8,7 @@
 
 #include "tools/experiments/bar_plot.hpp"
 #include "tools/experiments/experiment.hpp"
-#include "tools/experiments/trials/drawn_faults.hpp"
+#include "tools/experiments/runs/drawn_faults.hpp"
 #include "tools/experiments/trials/sighting.hpp"
 
 namespace colift::experiments {

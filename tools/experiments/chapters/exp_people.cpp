@@ -8,9 +8,9 @@
 
 #include "tools/experiments/bar_plot.hpp"
 #include "tools/experiments/experiment.hpp"
-#include "tools/experiments/trials/body_in_view.hpp"
-#include "tools/experiments/trials/people_scene.hpp"
-#include "tools/experiments/trials/whole_lift.hpp"
+#include "tools/experiments/runs/body_in_view.hpp"
+#include "tools/experiments/runs/people_scene.hpp"
+#include "tools/experiments/runs/whole_lift.hpp"
 
 namespace colift::experiments {
 namespace {

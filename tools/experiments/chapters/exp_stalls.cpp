@@ -9,7 +9,7 @@
 #include "sim_hal/synthetic/hash_random.hpp"
 #include "tools/experiments/bar_plot.hpp"
 #include "tools/experiments/experiment.hpp"
-#include "tools/experiments/trials/stalled_run.hpp"
+#include "tools/experiments/runs/stalled_run.hpp"
 
 namespace colift::experiments {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/experiments/trials/stalled_run.hpp"
+#include "tools/experiments/runs/stalled_run.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tools/experiments/experiment.hpp"
-#include "tools/experiments/trials/faulty_lift.hpp"
+#include "tools/experiments/runs/faulty_lift.hpp"
 
 namespace colift::experiments {
 

@@ -1,4 +1,4 @@
-#include "tools/experiments/trials/drawn_faults.hpp"
+#include "tools/experiments/runs/drawn_faults.hpp"
 
 #include <fmt/format.h>
 

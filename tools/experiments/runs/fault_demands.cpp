@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "control/task/task_machine.hpp"
-#include "tools/experiments/trials/drawn_faults.hpp"
+#include "tools/experiments/runs/drawn_faults.hpp"
 
 namespace colift::experiments {
 namespace {

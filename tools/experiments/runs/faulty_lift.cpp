@@ -1,4 +1,4 @@
-#include "tools/experiments/trials/faulty_lift.hpp"
+#include "tools/experiments/runs/faulty_lift.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "tools/experiments/trials/people_scene.hpp"
+#include "tools/experiments/runs/people_scene.hpp"
 
 #include <cmath>
 #include <string>

@@ -1,4 +1,4 @@
-#include "tools/experiments/trials/whole_lift.hpp"
+#include "tools/experiments/runs/whole_lift.hpp"
 
 #include <algorithm>
 #include <cmath>

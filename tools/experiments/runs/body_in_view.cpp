@@ -1,4 +1,4 @@
-#include "tools/experiments/trials/body_in_view.hpp"
+#include "tools/experiments/runs/body_in_view.hpp"
 
 #include <algorithm>
 #include <cmath>
