@@ -29,7 +29,7 @@ struct ForceMonitorConfig {
   double rest_n = 30.0;
   double joint_nm = 60.0;
   ForceLimits closing{60.0, 60.0, 45.0, 15.0};
-  ForceLimits carried{60.0, 35.0, 100.0, 25.0};
+  ForceLimits carried{60.0, 60.0, 100.0, 25.0};
   ForceLimits lowering{60.0, 25.0, 100.0, 25.0};
   double yield_stiffness_nm_rad = 150.0;
   double yield_band_rad = 0.1;

@@ -110,7 +110,7 @@ TEST_CASE("the judge's verdict stands in the document, and none is null", "[run]
   CHECK(document(e)["judge"].is_null());
   sim_hal::Verdict v;
   v.breaches = {"hand: 150 N clamped"};
-  v.contacts.push_back({5.7, "hand", "robot", 0, 150.0, 140.0, 0.6, 0.2, 0.2, false});
+  v.contacts.push_back({5.7, "hand", "robot", 0, 150.0, 140.0, 150.0, 0.6, 0.2, 0.2, false});
   v.min_distance_m = -0.001;
   e.truth.verdict = v;
   const Json j = document(e)["judge"];
