@@ -51,7 +51,7 @@ class LetGoMonitor {
   bool was_in_the_air_ = false;
   hal::Vec3 contact_W_ = hal::Vec3::Zero();
   hal::Pose X_ = hal::Pose::Identity();  ///< Last known motion of the object.
-  double rise_m_ = 0.0;  ///< Of his end, as last seen.
+  double rise_m_ = 0.0;                  ///< Of his end, as last seen.
   double usual_m2_ = 0.0, area_m2_ = NAN;
   perception::HandMotion hand_motion_{c_.config.presence};
   bool hand_leaves_ = false, stopped_ = false;

@@ -35,7 +35,7 @@ class LiftEvidence {
   };
   static constexpr int kMean = 10;
   std::array<Ends, kMean> last_{};
-  Ends best_;            ///< The greatest such mean of the lower end.
+  Ends best_;            ///< That mean in which the lower end was highest.
   int seen_ = 0;         ///< Frames that showed the object at the top.
   double load_n_ = 0.0;  ///< Sum over cycles.
   int cycles_ = 0;

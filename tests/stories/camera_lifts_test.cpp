@@ -177,7 +177,7 @@ Lift lift_with(const Fault& fault, Task in) {
       std::make_unique<hal::GuardedCamera>(std::move(failing), config.guard_camera, *robot.clock, up_C);
   config.task.lift_height_m = scenario.task.height;
   config.task.hold_s = 1.0;
-  config.task.intent_lead_s = 0.0;  // the arm moves when the fault comes
+  config.task.intent_lead_s = 0.0;                               // the arm moves when the fault comes
   if (in == Task::Observe) config.task.partner_timeout_s = 5.0;  // nobody needs to be waited for
   const planner::HandModel hand;
   const auto tables = std::make_shared<planner::HandCollision>(hand, config.candidates.collision);

@@ -112,7 +112,7 @@ const Row kRows[] = {
     // while the object is borne a wrong torque is a wrong load, within its limit; a hand at work feels
     // nothing
     {"47, torque offset", "torque-offset=20@2:1", "+.++++..++.", ""},
-    // in the air 60 N more look like a partner who let go: the arm pauses, and goes on with him. Before the
+    // in the air 60 N more look like a partner who let go: the arm pauses, then lifts on with him. Before the
     // hand opens they are a load that has to go first
     {"48, contact", "contact=60:1", "...++++....", ""},
 };

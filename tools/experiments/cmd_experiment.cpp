@@ -5,8 +5,8 @@
 #include <charconv>
 #include <cstdio>
 
-#include "tools/cli/session.hpp"
 #include "tools/cli/interrupt.hpp"
+#include "tools/cli/session.hpp"
 #include "tools/experiments/outcome.hpp"
 #include "tools/experiments/trials/sighting.hpp"
 

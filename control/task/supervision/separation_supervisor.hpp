@@ -51,7 +51,7 @@ class SeparationSupervisor {
   void request(double scale, std::string why);
   /// Counts and notes that the arm waits, or continues.
   void note_wait();
-  /// Distances at which a person stops and slows the arm (m).
+  /// A person nearer than that slows the arm (m).
   [[nodiscard]] double slow_distance_m() const;
   void add_sample();
 

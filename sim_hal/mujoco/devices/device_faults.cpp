@@ -8,7 +8,9 @@ Fault fault_now(const SimWorld& world, std::string_view device) {
   const auto ms = [](double s) { return std::chrono::milliseconds(std::llround(1000.0 * s)); };
   const hal::Duration now = world.elapsed();
   for (const DeviceFaultEvent& event : world.scenario().faults) {
-    if (event.device != device || !event.in_state.empty() || now < ms(event.at_s) || now >= ms(event.at_s + event.for_s)) continue;
+    if (event.device != device || !event.in_state.empty() || now < ms(event.at_s) ||
+        now >= ms(event.at_s + event.for_s))
+      continue;
     if (event.action == "drop" || event.action == "silent") return Fault::Drop;
     if (event.action == "freeze") return Fault::Freeze;
     if (event.action == "late") return Fault::Late;

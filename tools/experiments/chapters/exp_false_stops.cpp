@@ -17,20 +17,6 @@ using Lifted = control::RunRecord::Result;
 
 constexpr double kLonger = 1.10;  // times the duration without monitors
 
-sim_hal::Scenario layout(const Trial& trial) {
-  const int i = trial.index / 4;
-  switch (trial.index % 4) {
-    case 0:
-      return table_layout(i, trial.seed);
-    case 1:
-      return box_layout(i, trial.seed);
-    case 2:
-      return pipe_layout(i, trial.seed);
-    default:
-      return chair_layout(i, trial.seed);
-  }
-}
-
 // the first stop that a lift beside which nobody comes has no reason for; empty: none
 std::string stop(const control::RunRecord& record) {
   for (const control::StateChange& s : record.states)
@@ -61,7 +47,7 @@ double took_s(const control::RunRecord& record) {
 }
 
 TrialRows run(const Trial& trial) {
-  const sim_hal::Scenario scenario = layout(trial);
+  const sim_hal::Scenario scenario = mixed_layout(trial.index, trial.seed);
   LiftHooks without;
   without.configure = [](control::Config& config) { config.monitor.on = config.monitor.force.on = false; };
   const auto lift = run_whole_lift(scenario, trial.method, trial.own_seed(41));

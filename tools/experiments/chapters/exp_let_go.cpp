@@ -26,20 +26,6 @@ control::TaskSaid task() {
   return {"experiment let-go", kHeight_m, kHold_s};
 }
 
-sim_hal::Scenario layout(const Trial& trial) {
-  const int i = trial.index / 4;
-  switch (trial.index % 4) {
-    case 0:
-      return table_layout(i, trial.seed);
-    case 1:
-      return box_layout(i, trial.seed);
-    case 2:
-      return pipe_layout(i, trial.seed);
-    default:
-      return chair_layout(i, trial.seed);
-  }
-}
-
 /// What the job did first after a time, and how long after it (ms); NaN: nothing to the end.
 struct Reaction {
   double after_ms = NAN;
@@ -83,7 +69,7 @@ sim_hal::PartnerScriptEvent let_go_at(double fraction) {
 TrialRows run(const Trial& trial) {
   const std::uint64_t seed = trial.own_seed(11);
   sim_hal::Draws draws(seed, 8100);
-  sim_hal::Scenario scenario = layout(trial);
+  sim_hal::Scenario scenario = mixed_layout(trial.index, trial.seed);
   scenario.task.height = kHeight_m;
   scenario.task.hold_s = kHold_s;
   const sim_hal::PartnerScriptEvent event = let_go_at(draws.between(0.0, 1.0));

@@ -113,20 +113,6 @@ const Window& window(Draws& draws) {
   return kWindows[0];
 }
 
-Scenario layout(const Trial& trial) {
-  const int i = trial.index / 4;
-  switch (trial.index % 4) {
-    case 0:
-      return table_layout(i, trial.seed);
-    case 1:
-      return box_layout(i, trial.seed);
-    case 2:
-      return pipe_layout(i, trial.seed);
-    default:
-      return chair_layout(i, trial.seed);
-  }
-}
-
 /// Makes one fault after another for a scene.
 class FaultDraws {
  public:
@@ -301,7 +287,7 @@ class FaultDraws {
 DrawnTrial draw_faults(const Trial& trial) {
   Draws draws(trial.own_seed(12), 8200);
   DrawnTrial drawn;
-  drawn.scene.scenario = layout(trial);
+  drawn.scene.scenario = mixed_layout(trial.index, trial.seed);
   drawn.scene.scenario.task.height = kHeight_m;
   drawn.scene.scenario.task.hold_s = kHold_s;
   drawn.scene.scenario.partner.obliging = draws.chance(0.5);

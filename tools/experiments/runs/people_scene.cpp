@@ -30,19 +30,7 @@ PeopleTrial people_trial(const Trial& trial) {
   out.scene = static_cast<PeopleScene>(trial.index % kinds);
   // every scene meets every object within 28 trials
   const int i = trial.index / kinds;
-  switch ((trial.index % kinds + i) % 4) {
-    case 0:
-      out.scenario = table_layout(i, trial.seed);
-      break;
-    case 1:
-      out.scenario = box_layout(i, trial.seed);
-      break;
-    case 2:
-      out.scenario = pipe_layout(i, trial.seed);
-      break;
-    default:
-      out.scenario = chair_layout(i, trial.seed);
-  }
+  out.scenario = mixed_layout(4 * i + (trial.index % kinds + i) % 4, trial.seed);
   Draws draws(seed, 7900);
   const double side = draws.chance(0.5) ? -1.0 : 1.0;
   const sim_hal::ScenarioObject& object = out.scenario.object;

@@ -123,4 +123,18 @@ Scenario seen_from(View view, Scenario scenario) {
   return scenario;
 }
 
+sim_hal::Scenario mixed_layout(int index, std::uint64_t seed) {
+  const int i = index / 4;
+  switch (index % 4) {
+    case 0:
+      return table_layout(i, seed);
+    case 1:
+      return box_layout(i, seed);
+    case 2:
+      return pipe_layout(i, seed);
+    default:
+      return chair_layout(i, seed);
+  }
+}
+
 }  // namespace colift::experiments

@@ -20,6 +20,8 @@ namespace colift::experiments {
 [[nodiscard]] sim_hal::Scenario pipe_layout(int index, std::uint64_t seed);
 /// A chair with its seat towards the robot. 0: config/scenario/chair.yaml.
 [[nodiscard]] sim_hal::Scenario chair_layout(int index, std::uint64_t seed);
+/// Tables, boxes, pipes and chairs in turn.
+[[nodiscard]] sim_hal::Scenario mixed_layout(int index, std::uint64_t seed);
 
 /// The same scene, seen from there.
 [[nodiscard]] sim_hal::Scenario seen_from(View view, sim_hal::Scenario scenario);
