@@ -32,6 +32,7 @@ std::optional<Method> method_named(std::string_view name) {
 void set_method_defaults(Method method, Config& config) {
   if (method != Method::Thesis) return;
   config.decision.weights = planner::SharingWeights::thesis();
+  config.decision.share_first = false;
   config.decision.max_sideways = std::numeric_limits<double>::infinity();
   config.decision.max_lever_m = std::numeric_limits<double>::infinity();
   config.tracker.dwell_s = kDwell_s;

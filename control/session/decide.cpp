@@ -9,6 +9,7 @@
 #include "hal/types/units.hpp"
 #include "perception/partner/partner_grasp.hpp"
 #include "planner/grasp/grasp_stability.hpp"
+#include "planner/grasp/share_choice.hpp"
 
 namespace colift::control {
 namespace {
@@ -66,8 +67,11 @@ hal::Result<> choose_robustly(const SceneAnalysis& analysis, const planner::Deci
   auto robust = planner::RobustChoice::create(config.weights, kAtOnce, config.what_ifs);
   if (!robust) return tl::unexpected(robust.error());
   const bool worst = config.robust == "worst";
+  std::vector<planner::GraspCandidate> near_share = out.candidates;
+  for (std::size_t i = 0; i < near_share.size(); ++i)
+    if (!planner::comes_near_share(d, i, config)) near_share[i].verdict = planner::Verdict::OverLimit;
   const auto best = robust->choose(
-      scene, out.candidates, worst ? planner::RobustChoice::Aim::Worst : planner::RobustChoice::Aim::Expected,
+      scene, near_share, worst ? planner::RobustChoice::Aim::Worst : planner::RobustChoice::Aim::Expected,
       holds(out.candidates, analysis.finder->hand(), scene));
   const std::string over = fmt::format(
       "over {} what-ifs (centre of gravity +- {:.0f} mm, partner +- {:.0f} mm, {:.1f} kg)", config.what_ifs,
@@ -96,10 +100,10 @@ hal::Result<> choose_robustly(const SceneAnalysis& analysis, const planner::Deci
 
 // out.candidates and out.partner in, the rest out
 hal::Result<> choose(const SceneAnalysis& analysis, const Config& config, const hal::Clock& clock,
-                     const Judge& judge_more, Outcome& out) {
+                     const Judge& judge_more, std::optional<double> mass_kg, Outcome& out) {
   const hal::Timestamp start = clock.now();
   const planner::DecisionInput input{*out.partner, analysis.scene.target->cog,
-                                     analysis.scene.ground->plane.normal, analysis.base_frame_known};
+                                     analysis.scene.ground->plane.normal, analysis.base_frame_known, mass_kg};
   if (config.candidates.refine_lines > 0) {
     // the list is coarse; what matters lies around the closed-form optimum
     const auto best = planner::best_robot_position(input, config.decision);
@@ -112,6 +116,9 @@ hal::Result<> choose(const SceneAnalysis& analysis, const Config& config, const 
   if (!decision) return tl::unexpected(decision.error());
   out.decision = std::move(*decision);
   if (auto done = choose_robustly(analysis, config.decision, out); !done) return tl::unexpected(done.error());
+  out.share = share_contract(out, analysis, uncertain_scene(analysis, *out.partner, config.decision),
+                             config.decision, mass_kg);
+  say_share(out);
   out.decision_ms = 1e3 * hal::seconds(clock.now() - start);
   return {};
 }
@@ -149,17 +156,18 @@ hal::Result<Outcome> decide(const SceneAnalysis& analysis, const PartnerInput& p
     out.decision.reason = "no decision without the partner's grasp: " + out.partner_reason;
     return out;
   }
-  if (auto done = choose(analysis, config, clock, {}, out); !done) return tl::unexpected(done.error());
+  if (auto done = choose(analysis, config, clock, {}, {}, out); !done) return tl::unexpected(done.error());
   return out;
 }
 
 hal::Result<Outcome> decide_for(const SceneAnalysis& analysis, const PartnerGrasp& partner,
-                                const Config& config, const hal::Clock& clock, const Judge& judge_more) {
+                                const Config& config, const hal::Clock& clock, const Judge& judge_more,
+                                std::optional<double> mass_kg) {
   Outcome out;
   out.candidates = analysis.candidates;
   out.partner = partner;
   out.partner_reason = "the partner's hand rests on the object";
-  if (auto done = choose(analysis, config, clock, judge_more, out); !done)
+  if (auto done = choose(analysis, config, clock, judge_more, mass_kg, out); !done)
     return tl::unexpected(done.error());
   return out;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "control/session/scene_analysis.hpp"
+#include "control/session/share_contract.hpp"
 #include "planner/grasp/grasp_decision.hpp"
 #include "planner/grasp/robust_choice.hpp"
 
@@ -25,6 +26,7 @@ struct Outcome {
   std::vector<planner::GraspCandidate>
       candidates;  ///< Those of the look, and some around the closed-form optimum.
   planner::Decision decision;
+  ShareContract share;  ///< Of the load: wanted, reachable, predicted.
   double partner_ms = 0.0, decision_ms = 0.0;
 };
 
@@ -43,9 +45,11 @@ struct Outcome {
 using Judge = std::function<void(std::vector<planner::GraspCandidate>&)>;
 
 /// The decision for a partner who is known: candidates of the look, and some around the closed-form optimum
-/// (config.candidates.refine_lines), judged by `judge_more`. Errors: BadConfig (weights or limits).
+/// (config.candidates.refine_lines), judged by `judge_more`. `mass_kg`: of the object, where the caller knows
+/// or measured it. Errors: BadConfig (weights or limits).
 [[nodiscard]] hal::Result<Outcome> decide_for(const SceneAnalysis& analysis,
                                               const perception::PartnerGrasp& partner, const Config& config,
-                                              const hal::Clock& clock, const Judge& judge_more = {});
+                                              const hal::Clock& clock, const Judge& judge_more = {},
+                                              std::optional<double> mass_kg = {});
 
 }  // namespace colift::control

@@ -65,7 +65,7 @@ bool GraspSelector::choose() {
   };
   apply_refusals(c_.session.analysis().candidates);
   if (c_.test_lifts.known()) return choose_level(*grasp, reach);
-  auto outcome = decide_for(c_.session.analysis(), *grasp, c_.config, c_.stopwatch, reach);
+  auto outcome = decide_for(c_.session.analysis(), *grasp, c_.config, c_.stopwatch, reach, mass_kg());
   if (!outcome) {
     c_.attempts.failure = outcome.error().text();
     return false;
@@ -85,10 +85,11 @@ bool GraspSelector::choose() {
 bool GraspSelector::choose_level(const perception::PartnerGrasp& partner, const Judge& reach) {
   Config config = c_.config;
   config.decision.max_lever_m = kNoLever_m;
+  config.decision.share_strict.reset();  // of the grasp that is chosen in the end
   const auto decide = [&](const hal::Vec3& cog) {
     hal::Vec3& believed = c_.session.analysis().scene.target->cog;
     const hal::Vec3 of_shape = std::exchange(believed, cog);
-    auto outcome = decide_for(c_.session.analysis(), partner, config, c_.stopwatch, reach);
+    auto outcome = decide_for(c_.session.analysis(), partner, config, c_.stopwatch, reach, mass_kg());
     believed = of_shape;
     return outcome;
   };
@@ -105,7 +106,7 @@ bool GraspSelector::choose_level(const perception::PartnerGrasp& partner, const 
                              c_.config.test_lift);
   if (grip) {
     c_.record.decision = std::move(grip->outcome);
-    return true;
+    return renew_share(partner, known);
   }
   c_.attempts.failure =
       fmt::format("after {} test lifts no other grasp promises to hold the object level: {}", measured.size(),
@@ -122,8 +123,33 @@ bool GraspSelector::choose_level(const perception::PartnerGrasp& partner, const 
   decision.share = bearable_->share;
   decision.reason = fmt::format("grasp {}: the most level of {} test lifts, {:.1f} deg", bearable_->grasp.id,
                                 measured.size(), bearable_->tilt_rad / hal::kRadPerDeg);
+  if (!renew_share(partner, known)) return false;
   accepts_bearable_ = true;
   return true;
+}
+
+std::optional<double> GraspSelector::mass_kg() const {
+  if (c_.options.known_mass_kg > 0.0) return c_.options.known_mass_kg;
+  const auto& tested = c_.test_lifts.known();
+  if (tested && tested->mass_kg > 0.0) return tested->mass_kg;
+  return std::nullopt;
+}
+
+bool GraspSelector::renew_share(const perception::PartnerGrasp& partner, const TestLift& known) {
+  Outcome& outcome = *c_.record.decision;
+  planner::UncertainScene scene = uncertain_scene(c_.session.analysis(), partner, c_.config.decision);
+  scene.cog = known.cog;
+  scene.cog_covariance.topLeftCorner<2, 2>() = known.belief.covariance();
+  auto refusal = planner::too_far_from_share(outcome.decision.share, c_.config.decision);
+  if (refusal) {
+    outcome.decision.reason = c_.attempts.failure = *refusal;
+    outcome.decision.refused_for_share = true;
+    outcome.decision.chosen.reset();
+  }
+  outcome.share = share_contract(outcome, c_.session.analysis(), scene, c_.config.decision, mass_kg());
+  say_share(outcome);
+  if (refusal) c_.attempts.failure = outcome.decision.reason;
+  return !refusal;
 }
 
 void GraspSelector::refuse_path(const std::string& why) {

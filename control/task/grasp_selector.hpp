@@ -44,6 +44,11 @@ class GraspSelector {
   void judge_reach(std::vector<planner::GraspCandidate>& candidates);
   void apply_refusals(std::vector<planner::GraspCandidate>& candidates) const;
   [[nodiscard]] bool choose_level(const perception::PartnerGrasp& partner, const Judge& reach);
+  /// Of the object, where somebody knows it or a test lift measured it.
+  [[nodiscard]] std::optional<double> mass_kg() const;
+  /// Brings the record's share up to a grasp that was not chosen by the decision, but after test lifts; false
+  /// where that grasp is too far from the wanted share.
+  [[nodiscard]] bool renew_share(const perception::PartnerGrasp& partner, const TestLift& known);
 
   struct FailedGrip {
     hal::Vec3 position;

@@ -8,6 +8,8 @@
 namespace colift::control {
 namespace {
 
+constexpr double kMinShare = 0.05;  // with less, the robot's load says nothing of the partner's
+
 // The joint with the least angle left to one of its limits, in words.
 std::string nearest_limit(const hal::RobotModel& model, const hal::JointVector& q_rad) {
   const hal::JointVector to_lower = q_rad - model.lower_rad(), to_upper = model.upper_rad() - q_rad;
@@ -21,6 +23,16 @@ std::string nearest_limit(const hal::RobotModel& model, const hal::JointVector& 
 void ObjectMonitor::start_lift() {
   set_grip();
   partner_top_m_ = 0.0;
+  frames_partner_over_ = 0;
+}
+
+// Where the mass was not known before the lift: what the partner bears by the measured load, if the robot
+// bears the predicted share of it.
+double ObjectMonitor::partner_load_n() const {
+  const Outcome& outcome = *c_.record.decision;
+  const double share = outcome.decision.share;
+  if (outcome.share.mass_kg || share <= kMinShare) return 0.0;
+  return c_.arm.view().load_n * (1.0 / share - 1.0);
 }
 
 void ObjectMonitor::update() {
@@ -48,6 +60,9 @@ void ObjectMonitor::update() {
     frames_tilting_ = hal::rad_to_deg(tilt_rad_) > c_.config.task.max_tilt_deg ? frames_tilting_ + 1 : 0;
     frames_slipping_ = slip_m_ > c_.config.task.max_slip_m ? frames_slipping_ + 1 : 0;
   }
+  if (c_.record.decision)
+    frames_partner_over_ =
+        partner_load_n() > c_.config.decision.partner_load_n ? frames_partner_over_ + 1 : 0;
   c_.record.curve.push_back(sample);
 }
 
@@ -67,6 +82,10 @@ std::optional<TaskEvent> ObjectMonitor::beyond_limits() const {
   if (const double load_n = c_.arm.view().load_n; load_n > task.max_load_n)
     return TaskEvent{Event::LimitReached, fmt::format("the load of {:.0f} N is above the limit of {:.0f} N",
                                                       load_n, task.max_load_n)};
+  if (frames_partner_over_ >= task.carry.limit_frames)
+    return TaskEvent{Event::LimitReached,
+                     fmt::format("the partner bears about {:.0f} N by the measured load (limit {:.0f} N)",
+                                 partner_load_n(), c_.config.decision.partner_load_n)};
   return std::nullopt;
 }
 

@@ -44,10 +44,12 @@ class ObjectMonitor {
 
  private:
   TaskContext& c_;
+  [[nodiscard]] double partner_load_n() const;
+
   hal::Pose X_WH_grip_ = hal::Pose::Identity();
   std::optional<perception::ObjectMotion> motion_;
   double partner_rise_m_ = 0.0, partner_top_m_ = 0.0, tilt_rad_ = NAN, slip_m_ = NAN;
-  int frames_slipping_ = 0, frames_tilting_ = 0;  ///< In a row.
+  int frames_slipping_ = 0, frames_tilting_ = 0, frames_partner_over_ = 0;  ///< In a row.
 };
 
 }  // namespace colift::control

@@ -54,7 +54,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {AwaitPartner, HandUnfit, Refused, kUnfit},
     {AwaitPartner, Interrupted, Refused, kAsked},
 
-    {Decide, GraspChosen, Plan, "a reachable grasp gives the requested load share"},
+    {Decide, GraspChosen, Plan, "a reachable grasp is chosen"},
     {Decide, NoGraspFits, Refused, "no feasible grasp"},
     {Decide, PartnerAsked, AwaitPartner, "no feasible grasp: asks the partner to grasp elsewhere"},
     {Decide, PartnerMoved, AwaitPartner, "the partner's grasp moved before it was decided"},

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "control/session/place_words.hpp"
 #include "hal/types/units.hpp"
 
 namespace colift::control {
@@ -15,7 +16,6 @@ using Vec2 = Eigen::Vector2d;
 
 constexpr double kNearlyAPlace_m = 0.03;  // he is told no finer, nor does the hand need finer steps
 constexpr double kNoCase = 1e-3;  // of the likeliest case's weight: less changes no digit that is shown
-constexpr double kWorthSaying_m = 0.05;  // in a sentence to him: half a hand's width
 
 // of places that are nearly the same the first
 std::vector<hal::Vec3> thinned(std::vector<hal::Vec3> all) {
@@ -36,19 +36,6 @@ CogBelief likely(const CogBelief& belief) {
     if (c.weight > kNoCase * best) out.cases.push_back(c), sum += c.weight;
   for (CogBelief::Case& c : out.cases) c.weight /= sum;
   return out;
-}
-
-// as he sees it who stands at `from` and faces the object's middle
-std::string path_text(const hal::Vec3& from, const hal::Vec3& to, const Vec2& middle) {
-  const Vec2 ahead = (middle - from.head<2>()).normalized(), d = (to - from).head<2>();
-  const double on = d.dot(ahead), left = ahead.x() * d.y() - ahead.y() * d.x();
-  std::string text;
-  if (std::abs(left) >= kWorthSaying_m)
-    text = fmt::format("{:.2f} m further {}", std::abs(left), left > 0.0 ? "left" : "right");
-  if (std::abs(on) >= kWorthSaying_m)
-    text += fmt::format("{}{:.2f} m further {}", text.empty() ? "" : " and ", std::abs(on),
-                        on > 0.0 ? "on" : "back");
-  return text;
 }
 
 }  // namespace
@@ -109,7 +96,7 @@ std::optional<PartnerRequest> next_partner_place(std::span<const planner::GraspC
     const hal::Vec3& p = best->position;
     best->reason = fmt::format(
         "grasp {}, at ({:.2f}, {:.2f}, {:.2f}): the object is then level with a probability of {:.0f} %",
-        path_text(held.front(), p, mean), p.x(), p.y(), p.z(), 100.0 * best->chance);
+        place_words(held.front(), p, mean), p.x(), p.y(), p.z(), 100.0 * best->chance);
   }
   return best;
 }

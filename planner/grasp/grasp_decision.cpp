@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "planner/grasp/share_choice.hpp"
+
 namespace colift::planner {
 namespace {
 
@@ -52,19 +54,21 @@ double torque_of(const AgentWrenches& w) {
 }
 
 std::string reason(const std::vector<GraspCandidate>& candidates, const Decision& d, const DecisionInput& in,
-                   double mass_kg) {
+                   const DecisionConfig& config) {
   const GraspCandidate& best = candidates[*d.chosen];
   const ScoredCandidate& s = *d.scores[*d.chosen];
   std::string text = fmt::format(
       "candidate {} carries {:.0f} % of the load with {:.2f} N m of torque in both hands per kilogram "
       "lifted, {:.0f} mm from the optimum",
-      best.id, 100 * s.share, torque_of(s.wrenches) / mass_kg, 1e3 * (best.position - d.optimum).norm());
+      best.id, 100 * s.share, torque_of(s.wrenches) / config.mass_kg,
+      1e3 * (best.position - d.optimum).norm());
   std::size_t ok = 1;
   const ScoredCandidate* next = nullptr;
   int next_id = 0;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (i == *d.chosen || candidates[i].verdict != Verdict::Ok || !d.scores[i]) continue;
     ++ok;
+    if (!comes_near_share(d, i, config)) continue;
     if (!next || d.scores[i]->cost < next->cost) {
       next = &*d.scores[i];
       next_id = candidates[i].id;
@@ -74,6 +78,8 @@ std::string reason(const std::vector<GraspCandidate>& candidates, const Decision
     const double more = 100 * (next->cost / s.cost - 1);
     text += fmt::format("; {} candidates were possible, the next best ({}) costs {:.{}f} % more", ok, next_id,
                         more, more < 10 ? 1 : 0);
+  } else if (ok > 1) {
+    text += fmt::format("; {} candidates were possible, no other one comes so near to the wanted share", ok);
   } else {
     text += "; no other candidate was possible";
   }
@@ -137,6 +143,7 @@ hal::Result<Decision> decide_grasp(std::vector<GraspCandidate>& candidates, cons
 
   const Vec3 partner = input.partner.position - input.cog;
   const Wrench lift{config.mass_kg * hal::kGravity_m_s2 * input.up, Vec3::Zero()};
+  const std::optional<double> mass_kg = input.mass_kg ? input.mass_kg : config.known_mass_kg;
   Decision d;
   d.optimum = input.cog + sharing->best_robot_position(partner);
   d.scores.resize(candidates.size());
@@ -152,7 +159,8 @@ hal::Result<Decision> decide_grasp(std::vector<GraspCandidate>& candidates, cons
     }
     // a candidate that is over a limit still shows what it would take
     if (!wrenches) wrenches = sharing->wrenches(partner, robot, lift);
-    const double share = wrenches->robot.force.dot(lift.force) / lift.force.squaredNorm();
+    const double share = lever_share(input.cog, input.partner.position, load_point(c), input.up)
+                             .value_or(wrenches->robot.force.dot(lift.force) / lift.force.squaredNorm());
     d.scores[i] = ScoredCandidate{sharing->cost_weight(*wrenches), share, *wrenches};
     const double sideways =
         (wrenches->partner.force - wrenches->partner.force.dot(input.up) * input.up).norm() /
@@ -163,17 +171,34 @@ hal::Result<Decision> decide_grasp(std::vector<GraspCandidate>& candidates, cons
           fmt::format("the partner would have to push sideways with {:.0f} % of the weight (limit {:.0f} %)",
                       100 * sideways, 100 * config.max_sideways));
     }
-    if (c.verdict == Verdict::Ok && (!d.chosen || d.scores[i]->cost < d.cost)) {
-      d.chosen = i;
-      d.cost = d.scores[i]->cost;
-      d.share = share;
+    if (c.verdict == Verdict::Ok && mass_kg) {
+      const double his_n = (1.0 - share) * *mass_kg * hal::kGravity_m_s2;
+      if (his_n > config.partner_load_n)
+        refuse(c, Verdict::OverLimit,
+               fmt::format("the partner would bear {:.0f} N of {:.1f} kg (limit {:.0f} N)", his_n, *mass_kg,
+                           config.partner_load_n));
     }
+  }
+  if (config.share && config.share_first)
+    d.nearest_share = nearest_share(candidates, d.scores, *config.share);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (candidates[i].verdict != Verdict::Ok || !comes_near_share(d, i, config)) continue;
+    if (d.chosen && d.scores[i]->cost >= d.cost) continue;
+    d.chosen = i;
+    d.cost = d.scores[i]->cost;
+    d.share = d.scores[i]->share;
   }
   if (!d.chosen) {
     d.reason = why_none(candidates, d.optimum, input, config);
     return d;
   }
-  d.reason = reason(candidates, d, input, config.mass_kg);
+  if (auto refusal = too_far_from_share(d.share, config)) {
+    d.reason = *std::move(refusal);
+    d.refused_for_share = true;
+    d.chosen.reset();
+    return d;
+  }
+  d.reason = reason(candidates, d, input, config);
   candidates[*d.chosen].verdict = Verdict::Chosen;
   candidates[*d.chosen].reason = d.reason;
   return d;

@@ -16,6 +16,12 @@ namespace colift::planner {
 /// Weights and limits of the decision, and what is refused before it.
 struct DecisionConfig {
   std::optional<double> share;  ///< What weights.epsilon was made of, where a person said it so.
+  bool share_first = true;
+  double share_window = 0.02;
+  std::optional<double> share_strict;
+  double share_sure = 0.15;
+  double partner_load_n = 245.0;
+  std::optional<double> known_mass_kg;
   SharingWeights weights;
   SharingLimits limits;
   double mass_kg = 1.0;
@@ -36,6 +42,25 @@ struct DecisionConfig {
       "Share of the load that the robot shall carry, more than 0 and less than 1; sets weights.epsilon. Of "
       "the "
       "two, the one that was set last counts. ~: weights.epsilon.");
+    v("share_first", share_first,
+      "Whether a wanted share is weighed before the cost: of the candidates near the reachable share that is "
+      "nearest to it, the one of lowest cost is chosen. The thesis's rule weighs the cost alone.");
+    v("share_window", share_window, hal::kFraction,
+      "Max difference of a candidate's share from that nearest one, and max error of a share that counts as "
+      "wished, both as a fraction of the load.");
+    v("share_strict", share_strict, hal::kFraction,
+      "Max deviation of the predicted share from the wanted one; beyond it nothing is chosen. ~: none.");
+    v("share_sure", share_sure, hal::kFraction,
+      "Max half width of the prediction's 95 % interval with which a share may count as wished.");
+    v("partner_load_n", partner_load_n, hal::kPositive,
+      "Max vertical load of the partner (N), where the mass is known. 245 N: the 25 kg of ISO 11228-1, its "
+      "reference mass for adults under ideal conditions (close to the body, between knuckle and elbow "
+      "height, seldom), for one person, not scaled by posture, distance, frequency or team. Where these are "
+      "worse, set less.");
+    v.or_infinite("partner_load_n");
+    v("known_mass_kg", known_mass_kg, hal::kPositive,
+      "Mass of the object where somebody knows it (kg), for partner_load_n. ~: unknown; then the load is "
+      "compared with the limit when it is measured.");
     v("weights", weights, "Cost weights of effort, thesis eq. 4.5.");
     v("limits", limits, "What either agent can exert; without entries there is no limit.");
     v("mass_kg", mass_kg, hal::kPositive,
@@ -70,7 +95,7 @@ struct DecisionConfig {
 /// How the load is shared if the robot takes one candidate.
 struct ScoredCandidate {
   double cost = 0.0;       ///< Thesis eq. 4.5 for a lift of mass_kg (N^2).
-  double share = 0.0;      ///< The robot's part of the load, 0 to 1.
+  double share = 0.0;      ///< The robot's part of the load by the lever rule (share_choice.hpp), 0 to 1.
   AgentWrenches wrenches;  ///< Of both agents at the top of the lift, each about its own grasp point, in W.
 };
 
@@ -81,8 +106,11 @@ struct Decision {
   double cost = 0.0;
   Vec3 optimum = Vec3::Zero();  ///< Where the robot would best take hold if it could do so anywhere (W, m).
   std::vector<std::optional<ScoredCandidate>>
-      scores;          ///< One per candidate; unset where nothing can be computed.
-  std::string reason;  ///< Why this one, or why none, as a person would say it.
+      scores;  ///< One per candidate; unset where nothing can be computed.
+  /// Where a share is wanted: that of all feasible candidates which is nearest to it.
+  std::optional<double> nearest_share;
+  bool refused_for_share = false;  ///< Grasps are feasible, but none within share_strict.
+  std::string reason;              ///< Why this one, or why none, as a person would say it.
 };
 
 /// What the decision rests on. Frame W, SI units.
@@ -91,11 +119,14 @@ struct DecisionInput {
   Vec3 cog = Vec3::Zero();
   Vec3 up = Vec3::UnitZ();
   bool base_frame_known = false;  ///< W is the robot base, so reach can be judged.
+  /// Of the object, where it is known or was measured; else config.known_mass_kg.
+  std::optional<double> mass_kg = {};
 };
 
 /// Scores every candidate that is still Ok, refuses those that are too near the partner, out of reach or over
 /// a limit, and marks the cheapest one Chosen (thesis eq. 4.8 for the lift, section 5.3.4). Ties go to the
-/// lower index. Errors: BadConfig when the weights or limits are not usable.
+/// lower index. Where a share is wanted (config.share, share_first), the cheapest of those whose share is
+/// nearest to it (share_choice.hpp). Errors: BadConfig when the weights or limits are not usable.
 [[nodiscard]] hal::Result<Decision> decide_grasp(std::vector<GraspCandidate>& candidates,
                                                  const DecisionInput& input, const DecisionConfig& config);
 

@@ -51,6 +51,31 @@ Json candidates_json(const control::Outcome& o) {
   return all;
 }
 
+Json share_json(const control::ShareContract& s) {
+  const auto number = [](const std::optional<double>& v) {
+    return v && std::isfinite(*v) ? Json(*v) : Json(nullptr);
+  };
+  const auto range = [](const std::optional<planner::ShareRange>& r) {
+    return r ? Json{r->low, r->high} : Json(nullptr);
+  };
+  Json j = {{"wanted", number(s.wanted)},
+            {"reachable", range(s.reachable)},
+            {"predicted", number(s.predicted)},
+            {"interval", range(s.interval)},
+            {"as_wished", s.as_wished ? Json(*s.as_wished) : Json(nullptr)},
+            {"tolerance", s.interval ? Json(s.tolerance) : Json(nullptr)},
+            {"elsewhere", nullptr},
+            {"mass_kg", number(s.mass_kg)},
+            {"partner_load_n", number(s.partner_load_n)},
+            {"partner_limit_n", number(s.partner_limit_n)},
+            {"because", s.text.empty() ? Json(nullptr) : Json(s.text)}};
+  if (s.elsewhere)
+    j["elsewhere"] = {{"partner", json_array(s.elsewhere->partner)},
+                      {"robot", json_array(s.elsewhere->robot)},
+                      {"share", s.elsewhere->share}};
+  return j;
+}
+
 Json decision_json(const control::Outcome& o) {
   const auto& d = o.decision;
   if (!d.chosen) return nullptr;

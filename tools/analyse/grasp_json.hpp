@@ -19,6 +19,10 @@ namespace colift::tools {
 /// Every candidate, with share and cost where they were computed.
 [[nodiscard]] nlohmann::ordered_json candidates_json(const control::Outcome& outcome);
 
+/// Wanted, reachable and predicted share with its interval, where the partner would have to grasp for the
+/// wanted one, and the partner's load beside its limit.
+[[nodiscard]] nlohmann::ordered_json share_json(const control::ShareContract& share);
+
 /// The chosen candidate with its share and reason; null when there is none.
 [[nodiscard]] nlohmann::ordered_json decision_json(const control::Outcome& outcome);
 

@@ -105,6 +105,7 @@ std::string decide_document(const Seen& seen, const control::Outcome& o,
     j["partner"] = nullptr;
   }
   j["decision"] = decision_json(o);
+  j["share"] = share_json(o.share);
   if (!o.decision.chosen) j["because"] = o.decision.reason;
   j["suggestion"] = nullptr;
   if (suggestion)

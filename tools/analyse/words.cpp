@@ -114,6 +114,10 @@ std::string decide_text(const control::Outcome& o, const std::optional<control::
                           refused - kRefusedShown);
   }
   text += o.decision.reason + "\n";
+  if (!o.share.text.empty()) {
+    if (!o.share.wanted) text += "share     " + o.share.text + "\n";
+    text += "load      " + o.share.partner_text + "\n";
+  }
   if (suggestion) text += suggestion->reason + "\n";
   return text;
 }

@@ -51,6 +51,23 @@ hal::Result<> add_sharing(ConfigRequest& request, const std::string& share, cons
   return {};
 }
 
+hal::Result<> add_strict(ConfigRequest& request, const std::string& strict) {
+  if (strict.empty()) return {};
+  const auto n = parse_numbers(strict, 1, "--share-strict");
+  if (!n) return tl::unexpected(n.error());
+  request.options.push_back({"decision.share_strict", strict, "--share-strict"});
+  return {};
+}
+
+// a deviation from nothing cannot be judged, and must not look as if it were
+hal::Result<control::ResolvedConfig> resolve_share(const ConfigRequest& request) {
+  auto resolved = control::resolve_config(request);
+  if (resolved && resolved->config.decision.share_strict && !resolved->config.decision.share)
+    return hal::failure(hal::ErrorCode::BadInput, "--share-strict",
+                        "needs a wanted share: --share S, or decision.share");
+  return resolved;
+}
+
 }  // namespace
 
 hal::Result<control::ResolvedConfig> config_of_run(const CommonOptions& common, const RunOptions& options) {
@@ -60,7 +77,8 @@ hal::Result<control::ResolvedConfig> config_of_run(const CommonOptions& common, 
   request.task = {fmt::format("scenario {}", task->scenario), task->lift_height_m, task->hold_s};
   if (auto added = add_method(request, options.method); !added) return tl::unexpected(added.error());
   if (auto added = add_sharing(request, options.share, ""); !added) return tl::unexpected(added.error());
-  return control::resolve_config(request);
+  if (auto added = add_strict(request, options.share_strict); !added) return tl::unexpected(added.error());
+  return resolve_share(request);
 }
 
 hal::Result<control::ResolvedConfig> config_of_look(const CommonOptions& common, const LookOptions& options) {
@@ -75,7 +93,8 @@ hal::Result<control::ResolvedConfig> config_of_decide(const CommonOptions& commo
   if (auto added = add_method(request, options.look.method); !added) return tl::unexpected(added.error());
   if (auto added = add_sharing(request, options.share, options.epsilon); !added)
     return tl::unexpected(added.error());
-  return control::resolve_config(request);
+  if (auto added = add_strict(request, options.share_strict); !added) return tl::unexpected(added.error());
+  return resolve_share(request);
 }
 
 hal::Result<control::ResolvedConfig> config_of(const CommonOptions& common, control::Command command) {

@@ -43,9 +43,10 @@ struct DecideOptions {
   LookOptions look;
   std::string partner;  ///< "X,Y,Z"; empty: seen in the second frame.
   std::optional<std::filesystem::path> partner_cloud;
-  std::string share;       ///< Part of the load for the robot; empty: by epsilon.
-  std::string epsilon;     ///< Empty: as configured.
-  std::optional<int> why;  ///< Id of a candidate to explain.
+  std::string share;         ///< Part of the load for the robot; empty: by epsilon.
+  std::string share_strict;  ///< Max deviation from it; empty: as configured.
+  std::string epsilon;       ///< Empty: as configured.
+  std::optional<int> why;    ///< Id of a candidate to explain.
 };
 
 struct CheckOptions {
@@ -69,6 +70,7 @@ struct RunOptions {
   std::optional<std::filesystem::path> robot;     ///< Unset: the simulated rig.
   std::string method;
   std::string share;
+  std::string share_strict;
   std::uint64_t seed = 1;
   bool dry_run = false;
   bool recover = false;  ///< A stopped run is recovered at once; in simulation.

@@ -93,5 +93,6 @@ struct Experiment {
 [[nodiscard]] Experiment false_stops_experiment();
 [[nodiscard]] Experiment faults_experiment();
 [[nodiscard]] Experiment stalls_experiment();
+[[nodiscard]] Experiment share_experiment();
 
 }  // namespace colift::experiments

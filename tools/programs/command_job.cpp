@@ -19,6 +19,10 @@ void add_run(CLI::App& command, RunOptions& o) {
       ->type_name("N");
   command.add_option("--share", o.share, "Share of the load that the robot shall carry, between 0 and 1")
       ->type_name("S");
+  command
+      .add_option("--share-strict", o.share_strict,
+                  "Refuses a grasp whose predicted share is more than this off the wanted one (with --share)")
+      ->type_name("X");
   command.add_flag("--dry-run", o.dry_run, "Perception, decision and plan only; nothing moves");
   command.add_flag(
       "--recover", o.recover,

@@ -36,6 +36,10 @@ void add_decide(CLI::App& command, DecideOptions& o) {
   command.add_option("--share", o.share, "Share of the load that the robot shall carry, between 0 and 1")
       ->type_name("S");
   command
+      .add_option("--share-strict", o.share_strict,
+                  "Refuses a grasp whose predicted share is more than this off the wanted one (with --share)")
+      ->type_name("X");
+  command
       .add_option("--epsilon", o.epsilon,
                   "Cost weight of the robot's effort relative to the partner's (thesis eq. 4.5)")
       ->type_name("E");

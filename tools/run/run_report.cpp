@@ -57,6 +57,10 @@ std::vector<std::string> summary(const RunView& view) {
   // a refusal's reason is said already
   if (r.decision && r.reason.find(r.decision->decision.reason) == std::string::npos)
     out.push_back(sentence(r.decision->decision.reason));
+  if (r.decision && !r.decision->share.text.empty()) {
+    if (!r.decision->share.wanted) out.push_back(sentence(r.decision->share.text));
+    out.push_back(sentence(r.decision->share.partner_text));
+  }
   if (r.monitor.on && r.monitor.stops > 0)
     out.push_back(fmt::format("The arm stopped {} times for somebody near it and waited {:.1f} s.",
                               r.monitor.stops, r.monitor.waited_s));

@@ -49,7 +49,11 @@ std::string share_text(const RunView& view, const std::optional<TrueLift>& truth
   std::string text = fmt::format("the robot carried {}", percent_text(l.share_robot));
   if (truth) text += fmt::format(" (truth {})", percent_text(truth->share_robot));
   text += fmt::format("; predicted {}", percent_text(l.share_predicted));
-  if (view.setting.share) text += fmt::format(", wanted {}", percent_text(*view.setting.share));
+  if (view.setting.share) {
+    const double off = std::abs(l.share_robot - *view.setting.share);
+    text += fmt::format(", wanted {}", percent_text(*view.setting.share));
+    if (std::isfinite(off)) text += fmt::format(": {:.0f} % off what was asked", 100 * off);
+  }
   return text;
 }
 
@@ -101,6 +105,12 @@ std::string run_summary(const RunView& view, int columns) {
   // a refusal's reason is said already
   if (record.decision && record.reason.find(record.decision->decision.reason) == std::string::npos)
     out += line("grasp", decision_text(view));
+  if (record.decision && !record.decision->share.text.empty()) {
+    const control::ShareContract& share = record.decision->share;
+    // where one was wanted, the reason of grasp or refusal has it
+    if (!share.wanted) out += line("share", share.text);
+    out += line("limit", share.partner_text);
+  }
   for (const control::AskRecord& a : record.asked) out += line("asked", a.reason);
   for (const control::TestLiftRecord& t : record.test_lifts)
     out +=

@@ -18,7 +18,9 @@ TaskEvent PlanPhase::decide() {
   timing.decision_compute_ms = partner_.compute_ms() + 1e3 * hal::seconds(c_.stopwatch.now() - start);
   timing.grasp_to_decision_s = hal::seconds(c_.now - c_.session.tracker().since());
   if (chosen) return {Event::GraspChosen, c_.record.decision->decision.reason};
-  const bool asked = requests_.ask(grasps_.judged());
+  // a share that was asked for strictly is for whoever asked to relax
+  const bool strict = c_.record.decision && c_.record.decision->decision.refused_for_share;
+  const bool asked = !strict && requests_.ask(grasps_.judged());
   return {asked ? Event::PartnerAsked : Event::NoGraspFits, c_.attempts.failure};
 }
 
@@ -52,7 +54,10 @@ TaskEvent PlanPhase::find_path() {
     why = plan.error().detail;
     // the next best, then
     grasps_.refuse_path(why);
-    if (!grasps_.choose()) break;
+    if (!grasps_.choose()) {
+      if (c_.record.decision->decision.refused_for_share) why += "; " + c_.attempts.failure;
+      break;
+    }
   }
   c_.record.timing.plan_ms = 1e3 * hal::seconds(c_.stopwatch.now() - start);
   return {Event::NoPath, why};

@@ -34,7 +34,8 @@ export class ChoicePanel {
   }
 
   show(decision: Decision): void {
-    this.because.textContent = decision.because;
+    const share = decision.share_text ?? "";
+    this.because.textContent = decision.because + (share && !decision.because.includes(share) ? `; ${share}` : "");
     const rank = (c: Candidate) => ORDER.indexOf(c.verdict) * 1e9 + (c.cost ?? 1e8);
     this.rows = [...decision.candidates].sort((a, b) => rank(a) - rank(b) || a.id - b.id);
     const rows = this.rows.map((c) =>

@@ -26,6 +26,7 @@ export interface Candidate {
 }
 export interface Decision {
   t: number; chosen: number | null; share: number | null; cost: number | null; because: string;
+  share_text?: string;  // not in older recordings
   candidates: Candidate[];
 }
 export interface Plan { t: number; transit_s: number; approach_s: number; postures: number[][]; palm: number[][] }

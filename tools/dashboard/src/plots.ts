@@ -50,7 +50,7 @@ export class LoadPlots {
     this.stale = true;
     if (load.share !== null)
       this.words.textContent = `The robot carries ${load.load_n.toFixed(0)} N, ${percent(load.share)} of the load` +
-        (load.share_predicted === null ? "" : ` (wanted ${percent(load.share_predicted)})`) +
+        (load.share_predicted === null ? "" : ` (predicted ${percent(load.share_predicted)})`) +
         (load.tilt_deg === null ? "" : `, tilt ${load.tilt_deg.toFixed(1)}°`) +
         (load.height_m === null ? "" : `, ${(100 * load.height_m).toFixed(1)} cm up`);
   }

@@ -194,6 +194,7 @@ Json decision() {
                  {"share", maybe()},
                  {"cost", maybe()},
                  {"because", text()},
+                 {"share_text", text("shares of the load that are possible, and the predicted one")},
                  {"optimum", list(number("m"))},
                  {"partner", maybe_point()},
                  {"partner_sigma", maybe_point()},

@@ -210,6 +210,7 @@ std::string decision_message(const DecisionView& view) {
                  {"share", d.chosen ? number_json(d.share) : Json(nullptr)},
                  {"cost", d.chosen ? number_json(d.cost) : Json(nullptr)},
                  {"because", d.reason},
+                 {"share_text", o.share.text},
                  {"optimum", list_of(d.optimum)},
                  {"partner", point(partner)},
                  {"partner_sigma", point(sigma)},

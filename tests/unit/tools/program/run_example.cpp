@@ -138,7 +138,7 @@ RunExample lift_table() {
     r.states.push_back({at(t), state, reason});
   };
   enter(3.9, Task::Decide, "the partner grasps the object");
-  enter(4.0, Task::Plan, "a reachable grasp gives the requested load share");
+  enter(4.0, Task::Plan, "a reachable grasp is chosen");
   enter(4.0, Task::Approach, "collision-free path to the grasp found");
   enter(9.4, Task::Close, "hand at the grasp");
   enter(10.8, Task::Verify, "every finger is in contact");
