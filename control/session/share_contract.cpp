@@ -49,8 +49,8 @@ std::vector<Vec3> hand_places(const SceneAnalysis& analysis, const planner::Unce
   for (const planner::GraspCandidate& c : analysis.candidates) all.push_back(planner::load_point(c));
   for (const perception::Surface& surface : analysis.scene.surfaces) {
     if (const auto* pipe = std::get_if<perception::Cylinder>(&surface)) {
-      const Vec3 half = 0.5 * pipe->length * pipe->axis;
-      add_line(pipe->center - half, pipe->center + half, all);
+      const Vec3 half = 0.5 * pipe->length * pipe->axis, top = pipe->center + pipe->radius * scene.up;
+      add_line(top - half, top + half, all);
       continue;
     }
     const auto& face = std::get<perception::Rectangle>(surface);

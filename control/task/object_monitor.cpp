@@ -23,7 +23,7 @@ std::string nearest_limit(const hal::RobotModel& model, const hal::JointVector& 
 void ObjectMonitor::start_lift() {
   set_grip();
   partner_top_m_ = 0.0;
-  frames_partner_over_ = 0;
+  partner_bears_at_ = c_.now;
 }
 
 // Where the mass was not known before the lift: what the partner bears by the measured load, if the robot
@@ -36,6 +36,7 @@ double ObjectMonitor::partner_load_n() const {
 }
 
 void ObjectMonitor::update() {
+  if (c_.record.decision && partner_load_n() <= c_.config.decision.partner_load_n) partner_bears_at_ = c_.now;
   if (!c_.readings.frame) return;
   motion_ = c_.session.watch_object(*c_.readings.frame, c_.posture());
   const hal::Vec3 up = hal::Vec3::UnitZ();
@@ -60,9 +61,6 @@ void ObjectMonitor::update() {
     frames_tilting_ = hal::rad_to_deg(tilt_rad_) > c_.config.task.max_tilt_deg ? frames_tilting_ + 1 : 0;
     frames_slipping_ = slip_m_ > c_.config.task.max_slip_m ? frames_slipping_ + 1 : 0;
   }
-  if (c_.record.decision)
-    frames_partner_over_ =
-        partner_load_n() > c_.config.decision.partner_load_n ? frames_partner_over_ + 1 : 0;
   c_.record.curve.push_back(sample);
 }
 
@@ -82,7 +80,7 @@ std::optional<TaskEvent> ObjectMonitor::beyond_limits() const {
   if (const double load_n = c_.arm.view().load_n; load_n > task.max_load_n)
     return TaskEvent{Event::LimitReached, fmt::format("the load of {:.0f} N is above the limit of {:.0f} N",
                                                       load_n, task.max_load_n)};
-  if (frames_partner_over_ >= task.carry.limit_frames)
+  if (hal::seconds(c_.now - partner_bears_at_) > task.carry.settle_s)
     return TaskEvent{Event::LimitReached,
                      fmt::format("the partner bears about {:.0f} N by the measured load (limit {:.0f} N)",
                                  partner_load_n(), c_.config.decision.partner_load_n)};

@@ -49,7 +49,8 @@ class ObjectMonitor {
   hal::Pose X_WH_grip_ = hal::Pose::Identity();
   std::optional<perception::ObjectMotion> motion_;
   double partner_rise_m_ = 0.0, partner_top_m_ = 0.0, tilt_rad_ = NAN, slip_m_ = NAN;
-  int frames_slipping_ = 0, frames_tilting_ = 0, frames_partner_over_ = 0;  ///< In a row.
+  int frames_slipping_ = 0, frames_tilting_ = 0;  ///< In a row.
+  hal::Timestamp partner_bears_at_{0};            ///< His load was last within its limit.
 };
 
 }  // namespace colift::control

@@ -101,6 +101,42 @@ TEST_CASE("a larger wanted share moves the choice towards the centre of gravity"
   CHECK(share("0.7") > share("0.3"));
 }
 
+TEST_CASE("decide says which shares are possible, and never that 55 % are the 30 % that were asked",
+          "[program]") {
+  const std::string decide = "decide " + kLaptop + " --partner -0.27,-0.03,0.78 --share 0.3";
+  const Run r = colift(decide + " --json");
+  REQUIRE(r.code == 0);
+  const Json share = Json::parse(r.out)["share"];
+  CHECK(share["wanted"] == 0.3);
+  const double low = share["reachable"][0], high = share["reachable"][1], predicted = share["predicted"];
+  CHECK(0.3 < low);
+  CHECK((low <= predicted && predicted <= high && predicted <= low + 0.02));
+  CHECK((share["interval"][0] <= predicted && predicted <= share["interval"][1]));
+  CHECK(share["as_wished"] == false);
+  CHECK(share["because"].get<std::string>().find("30 % asked: ") == 0);
+  CHECK(share["mass_kg"].is_null());
+  CHECK(share["partner_load_n"].is_null());
+  CHECK(share["partner_limit_n"] == 245.0);
+  CHECK(Json::parse(r.out)["decision"]["share"] == predicted);
+
+  const Run strict = colift(decide + " --share-strict 0.1 --json");
+  CHECK(strict.code == 1);
+  const Json refused = Json::parse(strict.out);
+  CHECK(refused["decision"].is_null());
+  CHECK(refused["because"].get<std::string>().find("30 % of the load were wanted") != std::string::npos);
+  CHECK(refused["share"]["reachable"].size() == 2);
+}
+
+TEST_CASE("a run with a strict share that cannot be had is refused, and nothing moves", "[program]") {
+  const Run r = colift("run --seed 1 --share 0.3 --share-strict 0.05 --json --quiet");
+  CHECK(r.code == 1);
+  const Json run = Json::parse(r.out);
+  CHECK(run["outcome"] == "refused");
+  CHECK(run["because"].get<std::string>().find("limit 5.0 %") != std::string::npos);
+  CHECK(run["asked"].empty());
+  CHECK(run["share"]["wanted"] == 0.3);
+}
+
 TEST_CASE("the same frame gives the same decision, but for the times", "[program]") {
   const auto once = [] {
     Json j = Json::parse(colift("decide " + kLaptop + " --partner -0.27,-0.03,0.78 --json").out);
@@ -138,6 +174,7 @@ TEST_CASE("what is wrong is said in one line with the place, exit code 2", "[pro
       {"decide " + kCan + " --partner 0,0,0.6 --share 1", "--share"},
       {"decide " + kCan + " --partner 0,0,0.6 --share 0.5 --epsilon 1", "--epsilon"},
       {"decide " + kCan + " --partner 0,0,0.6 --epsilon 0", "--epsilon"},
+      {"decide " + kCan + " --partner 0,0,0.6 --share-strict 0.1", "--share-strict: needs a wanted share"},
       {"decide " + kCan + " --partner-cloud /no/such.pcd", "/no/such.pcd"},
       {"rank /no/such.json", "/no/such.json"},
       {"check --set a.b=1", "--set a.b=1"},

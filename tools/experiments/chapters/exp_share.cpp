@@ -61,7 +61,7 @@ TrialRows run(const Trial& trial) {
   const sim_hal::Scenario scenario = layout(trial);
   const auto done = lift(scenario, trial, wanted);
   const auto row = [&](const control::ShareContract* s, const WholeLift* l, const WholeLift* elsewhere,
-                       const std::string& outcome, const std::string& why) {
+                       const std::string& outcome, const std::string& why, const std::string& not_there) {
     const auto low = [](const auto& r) { return r ? r->low : NAN; };
     const auto high = [](const auto& r) { return r ? r->high : NAN; };
     Row out{scenario.name, kind, cell(scenario.object.mass), cell(wanted), outcome};
@@ -83,7 +83,7 @@ TrialRows run(const Trial& trial) {
                       ? cell(elsewhere->record.decision->share.predicted.value_or(NAN))
                       : "");
     out.push_back(cell(there ? elsewhere->share_robot : NAN));
-    out.push_back(elsewhere ? elsewhere->record.reason : "");
+    out.push_back(elsewhere ? elsewhere->record.reason : not_there);
     const auto sigma = [](const Eigen::Matrix3d& m) {
       return 1e3 * std::sqrt(m.topLeftCorner<2, 2>().trace());
     };
@@ -96,19 +96,25 @@ TrialRows run(const Trial& trial) {
   };
   if (!done) {
     const std::string why = done.error().text();
-    return {row(nullptr, nullptr, nullptr, "error", why), {}, scenario.name + ": " + why};
+    return {row(nullptr, nullptr, nullptr, "error", why, ""), {}, scenario.name + ": " + why};
   }
   const control::RunRecord& record = done->record;
   const control::ShareContract* share = record.decision ? &record.decision->share : nullptr;
   std::optional<WholeLift> elsewhere;
+  std::string not_there;
   if (share && share->elsewhere) {
     // the place that was named, tried
     sim_hal::Scenario moved = scenario;
     moved.partner.grasp = sim_hal::object_pose(scenario.object).inverse() * share->elsewhere->partner;
-    if (auto there = lift(moved, trial, wanted)) elsewhere = std::move(*there);
+    auto there = lift(moved, trial, wanted);
+    if (there)
+      elsewhere = std::move(*there);
+    else
+      not_there = there.error().text();
   }
   TrialRows rows;
-  rows.row = row(share, &*done, elsewhere ? &*elsewhere : nullptr, word(record.outcome), record.reason);
+  rows.row =
+      row(share, &*done, elsewhere ? &*elsewhere : nullptr, word(record.outcome), record.reason, not_there);
   rows.words = fmt::format("{}, {}: {:.0f} % wanted; {}", scenario.name, word(record.outcome), 100 * wanted,
                            share ? share->text : record.reason);
   return rows;

@@ -159,6 +159,33 @@ TEST_CASE("a lift ends with the grip, a slipping or hot hand, and too much load"
   CHECK(event->event == wanted);
 }
 
+TEST_CASE("with an unknown mass the partner's load is compared with its limit when it is measured",
+          "[phases]") {
+  Config config = unannounced();
+  config.decision.partner_load_n = 100.0;
+  Loaded rig(config);
+  planner::Decision& decision = rig.c->record.decision->decision;
+  decision.share = 0.25;  // he bears three times what the robot feels
+  rig.enter(Task::Lift);
+  rig.lift.begin_lift(Task::AwaitReady);
+  for (double load_n = 5.0; load_n < 31.0; load_n += 5.0) {
+    rig.load(load_n);
+    REQUIRE_FALSE(rig.run([&] { return rig.lift.lift(); }, 0.15));
+  }
+  rig.load(38.0);
+  SECTION("beyond it the lift ends") {
+    const auto event = rig.run([&] { return rig.lift.lift(); }, 0.8);
+    REQUIRE(event);
+    CHECK(event->event == Event::LimitReached);
+    CHECK_THAT(event->reason,
+               Catch::Contains("the partner bears about 11") && Catch::Contains("limit 100 N"));
+  }
+  SECTION("a mass that was known was compared before the lift") {
+    rig.c->record.decision->share.mass_kg = 12.0;
+    CHECK_FALSE(rig.run([&] { return rig.lift.lift(); }, 0.8));
+  }
+}
+
 TEST_CASE("a load that jumps while the object is held means that the partner let go", "[phases]") {
   Loaded rig;
   REQUIRE(rig.lift_up());
