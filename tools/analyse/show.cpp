@@ -57,6 +57,10 @@ picture::Report report_of(const Seen& seen, const control::Outcome* outcome, con
   if (outcome) {
     r.timing.push_back({"partner", outcome->partner_ms});
     r.timing.push_back({"decision", outcome->decision_ms});
+    if (!outcome->share.text.empty()) {
+      if (!outcome->share.wanted) r.notes.push_back(outcome->share.text);
+      r.notes.push_back(outcome->share.partner_text);
+    }
   }
   r.facts = picture.figures;
   r.facts.emplace_back("points seen", fmt::format("{} of {}", seen.file.valid_points, seen.file.points));

@@ -189,7 +189,7 @@ std::vector<Figure> figures(const Results& r) {
        rate(told_true, told_lifted), "%"}};
   for (std::size_t k = 0; k < kKinds.size(); ++k)
     out.push_back({fmt::format("predicted_right_{}", kKinds[k]),
-                   fmt::format("{}s: predicted within 0.05 of the true one", kKinds[k]),
+                   fmt::format("{}: predicted within 0.05 of the true one", kKinds[k]),
                    rate(right_of_kind[k], of_kind[k]), "%"});
   for (const double w : kWanted)
     for (const char* what : {"predicted", "measured", "true"})
@@ -203,7 +203,7 @@ picture::Canvas plot(const Results& r) {
   std::vector<BarPanel> panels;
   for (const char* kind : kKinds) {
     BarPanel panel;
-    panel.title = fmt::format("{}s: true share (%) for the wanted one; mean, least, largest", kind);
+    panel.title = fmt::format("{}: true share (%) for the wanted one; mean, min, max", kind);
     panel.y_high = 100.0;
     for (const double w : kWanted) {
       const std::vector<double> truth = where(r, "true", kind, w);

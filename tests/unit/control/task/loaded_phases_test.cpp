@@ -177,7 +177,7 @@ TEST_CASE("with an unknown mass the partner's load is compared with its limit wh
     const auto event = rig.run([&] { return rig.lift.lift(); }, 0.8);
     REQUIRE(event);
     CHECK(event->event == Event::LimitReached);
-    CHECK_THAT(event->reason,
+    CHECK_THAT(event->detail,
                Catch::Contains("the partner bears about 11") && Catch::Contains("limit 100 N"));
   }
   SECTION("a mass that was known was compared before the lift") {
