@@ -46,7 +46,7 @@ void add_line(const Vec3& from, const Vec3& to, std::vector<Vec3>& places) {
 // could, if it were there.
 std::vector<Vec3> hand_places(const SceneAnalysis& analysis, const planner::UncertainScene& scene) {
   std::vector<Vec3> all;
-  for (const planner::GraspCandidate& c : analysis.candidates) all.push_back(planner::load_point(c));
+  for (const planner::GraspCandidate& c : analysis.candidates) all.push_back(c.position);
   for (const perception::Surface& surface : analysis.scene.surfaces) {
     if (const auto* pipe = std::get_if<perception::Cylinder>(&surface)) {
       const Vec3 half = 0.5 * pipe->length * pipe->axis, top = pipe->center + pipe->radius * scene.up;
@@ -168,7 +168,8 @@ ShareContract share_contract(const Outcome& outcome, const SceneAnalysis& analys
   if (d.chosen) {
     const double half = k95 * sigma_of(scene, planner::load_point(outcome.candidates[*d.chosen]));
     c.predicted = d.share;
-    c.interval = planner::ShareRange{std::max(0.0, d.share - half), std::min(1.0, d.share + half)};
+    c.interval =
+        planner::ShareRange{std::clamp(d.share - half, 0.0, 1.0), std::clamp(d.share + half, 0.0, 1.0)};
     c.tolerance = config.share_window + half;
     if (c.mass_kg) c.partner_load_n = (1.0 - d.share) * *c.mass_kg * hal::kGravity_m_s2;
     if (c.wanted)

@@ -54,6 +54,24 @@ double cog_error_m(const control::RunRecord& record, const sim_hal::Scenario& sc
   return (record.analysis->scene.target->cog - truth).head<2>().norm();
 }
 
+double partner_error_m(const control::RunRecord& record, const sim_hal::Scenario& scenario) {
+  if (!record.decision || !record.decision->partner) return NAN;
+  return (record.decision->partner->position - sim_hal::object_pose(scenario.object) * scenario.partner.grasp)
+      .norm();
+}
+
+// What the lever rule says with the true centre of gravity and partner: how far a wrong prediction is
+// perception's, and how far the rule's.
+double true_lever(const control::RunRecord& record, const sim_hal::Scenario& scenario) {
+  const auto parts = sim_hal::object_parts(scenario.object);
+  if (!parts || !record.decision || !record.decision->decision.chosen) return NAN;
+  const hal::Pose X_WT = sim_hal::object_pose(scenario.object);
+  const planner::GraspCandidate& c = record.decision->candidates[*record.decision->decision.chosen];
+  return planner::lever_share(X_WT * parts->cog_T, X_WT * scenario.partner.grasp, planner::load_point(c),
+                              hal::Vec3::UnitZ())
+      .value_or(NAN);
+}
+
 TrialRows run(const Trial& trial) {
   const auto n = static_cast<std::size_t>(trial.index);
   const std::string kind = kKinds[n % kKinds.size()];
@@ -91,6 +109,8 @@ TrialRows run(const Trial& trial) {
     out.push_back(cell(target ? sigma(l->record.analysis->scene.target->cog_covariance) : NAN));
     const bool partner = l && l->record.decision && l->record.decision->partner;
     out.push_back(cell(partner ? sigma(l->record.decision->partner->covariance) : NAN));
+    out.push_back(cell(l ? 1e3 * partner_error_m(l->record, scenario) : NAN));
+    out.push_back(cell(l ? true_lever(l->record, scenario) : NAN));
     out.push_back(why);
     return out;
   };
@@ -234,17 +254,18 @@ Experiment share_experiment() {
       "a "
       "second job with him there.";
   e.default_trials = 100;
-  e.columns = {"layout",         "kind",
-               "mass_kg",        "wanted",
-               "outcome",        "reach_low",
-               "reach_high",     "predicted",
-               "interval_low",   "interval_high",
-               "as_wished",      "tolerance",
-               "measured",       "true",
-               "cog_error_mm",   "tilt_deg",
-               "elsewhere",      "elsewhere_predicted",
-               "elsewhere_true", "elsewhere_because",
-               "cog_sigma_mm",   "partner_sigma_mm",
+  e.columns = {"layout",           "kind",
+               "mass_kg",          "wanted",
+               "outcome",          "reach_low",
+               "reach_high",       "predicted",
+               "interval_low",     "interval_high",
+               "as_wished",        "tolerance",
+               "measured",         "true",
+               "cog_error_mm",     "tilt_deg",
+               "elsewhere",        "elsewhere_predicted",
+               "elsewhere_true",   "elsewhere_because",
+               "cog_sigma_mm",     "partner_sigma_mm",
+               "partner_error_mm", "true_lever",
                "because"};
   e.run = run;
   e.task = task();
