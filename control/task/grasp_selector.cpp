@@ -129,7 +129,7 @@ bool GraspSelector::choose_level(const perception::PartnerGrasp& partner, const 
 }
 
 std::optional<double> GraspSelector::mass_kg() const {
-  if (c_.options.known_mass_kg > 0.0) return c_.options.known_mass_kg;
+  if (c_.config.decision.known_mass_kg) return c_.config.decision.known_mass_kg;
   const auto& tested = c_.test_lifts.known();
   if (tested && tested->mass_kg > 0.0) return tested->mass_kg;
   return std::nullopt;

@@ -55,6 +55,7 @@ struct JobStatus {
   std::string partner_note;
   double load_n = 0.0;
   std::optional<double> height_m, tilt_rad, slip_m;
+  std::optional<double> share_robot;  ///< That the robot carries, while held up.
   SeparationStatus separation;
   ForceStatus force;
   const RunRecord* record = nullptr;  ///< As far as it is.
@@ -80,8 +81,7 @@ struct JobHooks {
 struct JobOptions {
   Method method = Method::Fast;
   std::uint64_t seed = 0;
-  bool dry_run = false;        ///< Analyses, decides and plans, moves nothing.
-  double known_mass_kg = 0.0;  ///< Of the object, when somebody knows it; 0: estimated from the load.
+  bool dry_run = false;  ///< Analyses, decides and plans, moves nothing.
   Drive drive = Drive::InStep;
   /// Replay of a run whose arm had a thread of its own: the view of each cycle of the task
   /// (ArmCommander::play).

@@ -46,6 +46,8 @@ void ObjectMonitor::update() {
   const hal::Pose X_WH = c_.palm();
   sample.palm_height_m = X_WH.translation().z() - X_WH_grip_.translation().z();
   sample.load_n = c_.arm.view().load_n;
+  sample.palm_W = X_WH.translation();
+  if (const auto& wrench_W = c_.arm.view().wrench_W) sample.wrench_W = *wrench_W;
   sample.object_rise_m = sample.tilt_rad = sample.slip_m = NAN;
   if (motion_) {
     const hal::Vec3 grip = X_WH_grip_.translation();
@@ -57,6 +59,7 @@ void ObjectMonitor::update() {
     sample.object_rise_m = motion_->rise(c_.session.analysis().scene.target->cog, up);
     sample.tilt_rad = tilt_rad_;
     sample.slip_m = slip_m_;
+    sample.X_WTnow_WTref = motion_->X_WTnow_WTref;
     c_.arm.see_partner(partner_rise_m_);
     frames_tilting_ = hal::rad_to_deg(tilt_rad_) > c_.config.task.max_tilt_deg ? frames_tilting_ + 1 : 0;
     frames_slipping_ = slip_m_ > c_.config.task.max_slip_m ? frames_slipping_ + 1 : 0;

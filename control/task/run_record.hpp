@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "control/lift/load_balance.hpp"
 #include "control/session/decide.hpp"
 #include "control/session/scene_analysis.hpp"
 #include "control/task/intent.hpp"
@@ -30,17 +32,23 @@ struct LiftSample {
   double tilt_rad = 0.0;       ///< Of the object, from depth; NaN while not seen.
   double slip_m = 0.0;         ///< Of the object in the hand, from depth and joints; NaN while not seen.
   double load_n = 0.0;         ///< That the robot carries, from external torques.
+  hal::Wrench wrench_W;        ///< Of the object on the hand, about the palm; zero before it was first felt.
+  hal::Vec3 palm_W = hal::Vec3::Zero();
+  /// Of the object against the reference frame; unset while not seen.
+  std::optional<hal::Pose> X_WTnow_WTref;
 };
 
 /// Means and maxima of the hold, as the robot measured them (m, rad, kg; shares 0 to 1).
 struct LiftSummary {
   double height_m = 0.0;
   double tilt_rad = 0.0;
-  double share_robot = 0.0;
+  double share_robot = NAN;  ///< NaN where it is not known.
   double share_predicted = 0.0;
   double slip_m = 0.0;
-  double mass_kg = 0.0;
-  double load_n = 0.0;  ///< That the robot carried (N).
+  double mass_kg = NAN;              ///< NaN where it is not known.
+  double load_n = 0.0;               ///< That the robot carried (N).
+  std::optional<LoadEstimate> load;  ///< Share and mass with their intervals and source.
+  std::string load_reason;           ///< Why they are not known; else empty.
 };
 
 /// How long parts of a run took (s, ms).

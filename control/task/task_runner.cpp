@@ -333,6 +333,7 @@ void TaskRunner::report(const JobHooks& hooks) {
     s.height_m = c_.record.curve.back().palm_height_m;
     if (!std::isnan(object_.tilt_rad())) s.tilt_rad = object_.tilt_rad(), s.slip_m = object_.slip_m();
   }
+  s.share_robot = lift_phase_.share_robot();
   s.record = &c_.record;
   if (c_.record.analysis && c_.record.analysis->scene.target) s.map = &c_.session.map();
   hooks.status(s);

@@ -44,9 +44,14 @@ CompletedShape complete_shape(const OrganisedCloud& cloud, const Target& target,
                               const NoiseModel& noise, const CompletionConfig& config) {
   const ShapeEvidence seen(cloud, target, surfaces, ground, noise, config);
   const Cylinder* cylinder = seen.cylinder();
-  if (cylinder &&
-      2 * cylinder->radius * cylinder->length > config.min_cylinder_fraction * seen.total_area_m2())
-    return complete_cylinder(seen, config);
+  if (cylinder) {
+    const bool most =
+        2 * cylinder->radius * cylinder->length > config.min_cylinder_fraction * seen.total_area_m2();
+    // a pipe that lies on blocks: their faces may be the larger ones
+    const bool spans =
+        cylinder->length > config.min_cylinder_span * seen.footprint().size.head<2>().maxCoeff();
+    if (most || spans) return complete_cylinder(seen, config);
+  }
   if (const Rectangle* found = seen.find_top()) {
     ShapeEvidence::Widened top = seen.widened(*found, std::numeric_limits<double>::infinity());
     const double above = seen.part_above(top.top);

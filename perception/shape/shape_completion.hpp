@@ -25,6 +25,7 @@ struct CompletionConfig {
   double edge_pixels = 0.7;
   double shape_sigma = 0.08;
   double min_cylinder_fraction = 0.5;
+  double min_cylinder_span = 0.8;
   double min_above_fraction = 0.06;
   double above_clearance_m = 0.05;
   double load_sigma = 0.15;
@@ -35,7 +36,12 @@ struct CompletionConfig {
   double side_cosine = 0.96;
   double side_tolerance_m = 0.02;
   double standing_gap_m = 0.04;
-  double min_back_height_m = 0.03;
+  double min_back_height_m = 0.05;
+  double back_fill = 0.45;
+  double back_fill_sigma = 0.15;
+  double back_thickness_sigma = 0.25;
+  double back_facing = 0.35;
+  double min_back_fill = 0.2;
   double max_bottom_height = 0.25;
   double min_inward_fraction = 0.15;
   double vertical_sigma_m = 0.002;
@@ -62,6 +68,9 @@ struct CompletionConfig {
       "Standard deviation of what is only inferred, as a fraction of the size in that direction.");
     v("min_cylinder_fraction", min_cylinder_fraction, hal::kFraction,
       "Min fraction of the surfaces' area that a cylinder makes up for the object to be one.");
+    v("min_cylinder_span", min_cylinder_span, hal::kFraction,
+      "Min length of a cylinder, as a fraction of the footprint's, for the object to be it whatever else is "
+      "seen.");
     v("min_above_fraction", min_above_fraction, hal::kFraction,
       "Min fraction of the points above a top that is a back, or a thing that stands on it.");
     v("above_clearance_m", above_clearance_m, hal::Range{0, 1}, "Min height over a top of these points (m).");
@@ -82,7 +91,18 @@ struct CompletionConfig {
     v("standing_gap_m", standing_gap_m, hal::Range{0, 1},
       "Max gap between the ground and an upright cylinder that stands on it, beside the noise (m).");
     v("min_back_height_m", min_back_height_m, hal::Range{0, 1},
-      "Min height of the middle of a back's faces over the seat (m).");
+      "Min height over the seat of the points of a back (m).");
+    v("back_fill", back_fill, hal::kFraction,
+      "Part of a chair's back, width times height, that is material, where it was not seen from the front.");
+    v("back_fill_sigma", back_fill_sigma, hal::kFraction,
+      "Standard deviation of that; half of it where it was seen.");
+    v("back_thickness_sigma", back_thickness_sigma, hal::kFraction,
+      "Standard deviation of the thickness of a back, as a fraction of thickness_m.");
+    v("back_facing", back_facing, hal::kFraction,
+      "Min cosine between the line of sight and a back's normal for the back to be seen from the front.");
+    v("min_back_fill", min_back_fill, hal::kFraction,
+      "Min fraction of a back that is seen from the front; with less it is the post of one seen from its "
+      "edge.");
     v("max_bottom_height", max_bottom_height, hal::kFraction,
       "Max height of the bottom of an open box, as a fraction of the object's.");
     v("min_inward_fraction", min_inward_fraction, hal::kFraction,

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 #include <vector>
+
+#include "perception/shape/chair_back.hpp"
 
 namespace colift::perception {
 namespace {
@@ -141,49 +144,29 @@ CompletedShape complete_chair(const ShapeEvidence& seen, const Rectangle& seat,
   const double t = seen.edge_of(seat).value_or(config.thickness_m);
   const double a = seen.leg_width(height - t).value_or(config.leg_m);
 
-  // the back: upright faces above the seat that look the same way, not both sides of the same post
-  const Rectangle* main = nullptr;
-  for (const Rectangle* r : seen.upright())
-    if (ground.height(r->center) > height + config.min_back_height_m &&
-        (!main || r->size.prod() > main->size.prod()))
-      main = r;
-  Mixture m, back;
-  Vec3 out = Vec3::Zero();
-  if (main) {
-    out = (main->normal - up * up.dot(main->normal)).normalized();
-    for (const Rectangle* r : seen.upright())
-      if (ground.height(r->center) > height + config.min_back_height_m && std::abs(r->normal.dot(out)) > 0.9)
-        back.add(r->size.prod() * config.thickness_m, r->center - 0.5 * config.thickness_m * r->normal);
-  } else {
-    // too broken up for faces: what is seen of it, as thick as a plate
-    for (std::size_t i = 0; i < seen.target().points.size(); ++i) {
-      const Vec3 p = seen.target().points[i].cast<double>();
-      if (ground.height(p) > height + config.above_clearance_m)
-        back.add(seen.pixel_m() * seen.pixel_m() * config.thickness_m, p);
-    }
-  }
-  const Vec3 floor = ground.foot(seat.center);
+  Mixture m;
   m.add(seat.size.prod() * t, seat.center - 0.5 * t * up);
-  m.add(4 * a * a * (height - t), floor + 0.5 * (height - t) * up);
-  if (back.mass > 0) {
-    Vec3 at = back.centroid();
-    if (main) {
-      // symmetric about the seat's middle: the back's middle lies where the seat's is across the chair
-      const Vec3 across = up.cross(out);
-      at += across * across.dot(seat.center - at);
-    }
-    m.add(back.mass, at);
+  m.add(4 * a * a * (height - t), ground.foot(seat.center) + 0.5 * (height - t) * up);
+  s.box = seen.footprint();
+  const double side = 0.5 * config.shape_sigma * seat.size.maxCoeff() * 0.5 + seen.end_sigma(seat.size.x());
+  s.covariance = spread(s.box.axes, Vec3(side, side, 0.5 * config.shape_sigma * height));
+  std::string with = "without a back";
+  if (const auto back = find_chair_back(seen, seat, config)) {
+    const Vec3 rest = m.centroid();
+    const double area = back->fill * back->width_m * back->height_m;
+    m.add(area * config.thickness_m, back->center);
+    // heavier or lighter than it looks, it moves the centroid along the line to it
+    const double part = area * config.thickness_m / m.mass;
+    const Vec3 shift = part * (1 - part) * back->relative_sigma * (back->center - rest);
+    s.covariance += shift * shift.transpose();
+    with = fmt::format("with a back of {:.0f} cm2, {:.0f} % of its {:.2f} x {:.2f} m {}", 1e4 * area,
+                       100 * back->fill, back->width_m, back->height_m,
+                       back->seen_from_front ? "seen" : "assumed");
   }
   s.cog = m.centroid();
-  s.box = seen.footprint();
-  const double horizontal = std::max(config.shape_sigma * 0.5 * seen.footprint().size.head<2>().maxCoeff(),
-                                     seen.end_sigma(seat.size.x()));
-  s.covariance =
-      spread(s.box.axes, Vec3(horizontal, horizontal, config.shape_sigma * seen.footprint().size[2]));
   s.reason = fmt::format(
-      "a {:.2f} x {:.2f} m seat {:.2f} m over the ground with a back of {:.0f} cm2 seen above it and four "
-      "legs, symmetric about the seat's middle",
-      seat.size.x(), seat.size.y(), height, 1e4 * back.mass / config.thickness_m);
+      "a {:.2f} x {:.2f} m seat {:.2f} m over the ground {} and four legs, symmetric about the seat's middle",
+      seat.size.x(), seat.size.y(), height, with);
   return s;
 }
 

@@ -183,8 +183,7 @@ Lift lift_with(const Fault& fault, Task in) {
   const auto tables = std::make_shared<planner::HandCollision>(hand, config.candidates.collision);
   const hal::SteadyClock wall;
   const control::RigView rig{model, hand, tables, X_WC};
-  control::TaskRunner runner(robot, rig, config, {control::Method::Fast, 1, false, world->truth().mass_kg},
-                             wall);
+  control::TaskRunner runner(robot, rig, config, {control::Method::Fast, 1}, wall);
   Lift lift;
   std::optional<hal::Timestamp> failed_at;
   if (in == Task::Observe) {

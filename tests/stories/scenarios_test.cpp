@@ -50,6 +50,15 @@ void check_lifted(const std::string& name, double tilt_deg) {
   // what the robot says of itself agrees with the truth
   CHECK(lift.record.lift->tilt_rad * 57.2958 == Approx(lift.tilt_deg).margin(1.5));
   CHECK(lift.record.lift->share_robot == Approx(lift.share_robot).margin(0.05));
+  // the mass, of which nobody told it, is as true as the centre of gravity of the seen shape
+  REQUIRE(lift.record.lift->load);
+  const control::LoadEstimate& load = *lift.record.lift->load;
+  CHECK(load.source == control::MassSource::Shape);
+  CHECK(load.mass_kg == Approx(lift.at_end.mass_kg).epsilon(0.08));
+  CHECK(load.mass_95.low < lift.at_end.mass_kg);
+  CHECK(load.mass_95.high > lift.at_end.mass_kg);
+  CHECK(load.share_95.low < lift.share_robot);
+  CHECK(load.share_95.high > lift.share_robot);
 }
 
 }  // namespace

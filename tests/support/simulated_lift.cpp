@@ -98,7 +98,7 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
   hal::Pose X_WC = sim_hal::camera_pose(scenario.camera);
   if (over) X_WC.pretranslate(over->camera_off_m);
   const control::RigView rig{model, hand, tables, X_WC};
-  control::TaskRunner runner(robot, rig, config, {method, seed, false, world->truth().mass_kg}, wall);
+  control::TaskRunner runner(robot, rig, config, {method, seed}, wall);
 
   SimulatedLift lift;
   std::optional<hal::Vec3> partner;

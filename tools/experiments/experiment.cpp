@@ -13,7 +13,8 @@ const std::vector<Experiment>& all_experiments() {
       grasps_experiment(),      realtime_experiment(), tilt_experiment(),      load_experiment(),
       complex_experiment(),     robust_experiment(),   wrong_cog_experiment(), slip_experiment(),
       tasks_experiment(),       agents_experiment(),   let_go_experiment(),    people_experiment(),
-      false_stops_experiment(), faults_experiment(),   stalls_experiment(),    share_experiment()};
+      false_stops_experiment(), faults_experiment(),   stalls_experiment(),    share_experiment(),
+      mass_experiment()};
   return all;
 }
 

@@ -93,6 +93,7 @@ struct Experiment {
 [[nodiscard]] Experiment false_stops_experiment();
 [[nodiscard]] Experiment faults_experiment();
 [[nodiscard]] Experiment stalls_experiment();
+[[nodiscard]] Experiment mass_experiment();
 [[nodiscard]] Experiment share_experiment();
 
 }  // namespace colift::experiments

@@ -119,8 +119,7 @@ int cmd_run(const CommonOptions& common, const RunOptions& options, const RunPar
     truth_log.truth.mass_kg = rig->truth->mass_kg;
     truth_log.truth.cog = rig->truth->cog;
   }
-  control::JobOptions job{setup->method, options.seed, options.dry_run,
-                          rig->truth ? rig->truth->mass_kg : 0.0, rig->drive};
+  control::JobOptions job{setup->method, options.seed, options.dry_run, rig->drive};
   const auto speed = speed_of(options.live, rig->drive);
   if (!speed) return report_error("run", speed.error());
   hal::Result<std::unique_ptr<LiveView>> live = nullptr;

@@ -40,9 +40,21 @@ Json partner(const RunView& view) {
 Json lift(const control::RunRecord& record) {
   if (!record.lift) return nullptr;
   const control::LiftSummary& l = *record.lift;
-  return {{"height_m", number(l.height_m)},       {"tilt_deg", number(hal::kDegPerRad * l.tilt_rad)},
-          {"share_robot", number(l.share_robot)}, {"share_predicted", number(l.share_predicted)},
-          {"slip_m", number(l.slip_m)},           {"mass_kg", number(l.mass_kg)}};
+  const auto interval = [&](control::Interval control::LoadEstimate::*of) {
+    return l.load ? Json::array({(*l.load.*of).low, (*l.load.*of).high}) : Json(nullptr);
+  };
+  return {{"height_m", number(l.height_m)},
+          {"tilt_deg", number(hal::kDegPerRad * l.tilt_rad)},
+          {"share_robot", number(l.share_robot)},
+          {"share_predicted", number(l.share_predicted)},
+          {"share_robot_interval", interval(&control::LoadEstimate::share_95)},
+          {"slip_m", number(l.slip_m)},
+          {"mass_kg", number(l.mass_kg)},
+          {"mass_kg_interval", interval(&control::LoadEstimate::mass_95)},
+          {"cog", l.load ? json_array(l.load->cog) : Json(nullptr)},
+          {"cog_sigma_m", l.load ? number(l.load->cog_sigma_m) : Json(nullptr)},
+          {"mass_source", l.load ? Json(control::word(l.load->source)) : Json(nullptr)},
+          {"mass_because", l.load_reason}};
 }
 
 Json test_lifts(const control::RunRecord& record) {

@@ -37,7 +37,6 @@ hal::Result<telemetry::RunDescription> describe(const CommonOptions& common, con
   run.method = job.method;
   run.seed = job.seed;
   run.dry_run = job.dry_run;
-  run.known_mass_kg = job.known_mass_kg;
   run.drive = job.drive;
   const auto robot = read_robot_file(options.robot);
   if (!robot) return tl::unexpected(robot.error());
@@ -138,9 +137,7 @@ hal::Result<std::unique_ptr<RunRecording>> open_recording(
     sinks.push_back(impl->recorder.get());
   }
   impl->telemetry = std::make_unique<telemetry::RunTelemetry>(
-      telemetry::RunTelemetry::Setting{rig.model.get(), rig.X_WC, job.known_mass_kg, job.drive, true,
-                                       &setup.hand},
-      sinks, wall);
+      telemetry::RunTelemetry::Setting{rig.model.get(), rig.X_WC, job.drive, true, &setup.hand}, sinks, wall);
   impl->telemetry->tap(rig.robot);
   if (impl->recorder)
     impl->telemetry->on_fault([r = impl->recorder.get()](const std::string&) { r->fault(); });

@@ -79,7 +79,11 @@ std::vector<picture::ReportCard> cards(const RunView& view) {
     const control::LiftSummary& l = *r.lift;
     out.push_back({metres_text(l.height_m), "lifted", note(truth ? truth->height_m : 0, metres_text)});
     out.push_back({percent_text(l.share_robot), "carried by the robot",
-                   fmt::format("predicted {}{}", percent_text(l.share_predicted),
+                   fmt::format("{}predicted {}{}",
+                               l.load ? fmt::format("{:.0f} to {:.0f} %, ", 100 * l.load->share_95.low,
+                                                    100 * l.load->share_95.high)
+                                      : "",
+                               percent_text(l.share_predicted),
                                truth ? fmt::format(", truth {}", percent_text(truth->share_robot)) : "")});
     out.push_back(
         {degrees_text(l.tilt_rad), "tilt at the top",
@@ -87,7 +91,12 @@ std::vector<picture::ReportCard> cards(const RunView& view) {
                      degrees_text(view.setting.max_tilt_rad))});
     out.push_back({metres_text(l.slip_m), "slip in the hand", note(truth ? truth->slip_m : 0, metres_text)});
     out.push_back({std::isfinite(l.mass_kg) ? fmt::format("{:.2f} kg", l.mass_kg) : "unknown",
-                   "estimated mass", view.truth ? fmt::format("truth {:.2f} kg", view.truth->mass_kg) : ""});
+                   "estimated mass",
+                   fmt::format("{}{}",
+                               l.load ? fmt::format("{:.1f} to {:.1f} kg, from {}", l.load->mass_95.low,
+                                                    l.load->mass_95.high, control::word(l.load->source))
+                                      : "",
+                               view.truth ? fmt::format(", truth {:.2f} kg", view.truth->mass_kg) : "")});
   }
   if (const auto error = partner_error_m(view))
     out.push_back({metres_text(*error), "partner's grasp off", "observed against truth"});

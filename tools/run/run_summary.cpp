@@ -46,7 +46,7 @@ std::string lift_text(const RunView& view, const std::optional<TrueLift>& truth)
 
 std::string share_text(const RunView& view, const std::optional<TrueLift>& truth) {
   const control::LiftSummary& l = *view.record.lift;
-  std::string text = fmt::format("the robot carried {}", percent_text(l.share_robot));
+  std::string text = fmt::format("the robot carried {}{}", percent_text(l.share_robot), share_95_text(l));
   if (truth) text += fmt::format(" (truth {})", percent_text(truth->share_robot));
   text += fmt::format("; predicted {}", percent_text(l.share_predicted));
   if (view.setting.share) {
@@ -58,8 +58,7 @@ std::string share_text(const RunView& view, const std::optional<TrueLift>& truth
 }
 
 std::string mass_text(const RunView& view) {
-  const double kg = view.record.lift->mass_kg;
-  std::string text = std::isfinite(kg) ? fmt::format("{:.2f} kg estimated from the load", kg) : "unknown";
+  std::string text = mass_95_text(*view.record.lift);
   if (view.truth) text += fmt::format(" (truth {:.2f} kg)", view.truth->mass_kg);
   return text;
 }

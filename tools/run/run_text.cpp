@@ -114,6 +114,29 @@ std::string percent_text(double part) {
   return std::isfinite(part) ? fmt::format("{:.0f} %", 100 * part) : "unknown";
 }
 
+std::string share_95_text(const control::LiftSummary& lift) {
+  if (!lift.load) return "";
+  return fmt::format(", {:.0f} to {:.0f} %", 100 * lift.load->share_95.low, 100 * lift.load->share_95.high);
+}
+
+std::string mass_95_text(const control::LiftSummary& lift) {
+  if (!lift.load) return "not known" + (lift.load_reason.empty() ? "" : ": " + lift.load_reason);
+  const control::LoadEstimate& load = *lift.load;
+  const auto by = [&] {
+    switch (load.source) {
+      case control::MassSource::Told:
+        return "as told";
+      case control::MassSource::TestLift:
+        return "by the centre of gravity that test lifts found";
+      case control::MassSource::Shape:
+        break;
+    }
+    return "if it is where the shape has its centre of gravity";
+  };
+  return fmt::format("{:.2f} kg, {:.1f} to {:.1f} kg, {}", load.mass_kg, load.mass_95.low, load.mass_95.high,
+                     by());
+}
+
 std::string place_text(const hal::Vec3& p) {
   // no minus before a zero
   const hal::Vec3 cm = (100.0 * p).array().round() + 0.0;

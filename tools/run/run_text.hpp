@@ -29,6 +29,10 @@ namespace colift::tools {
 [[nodiscard]] std::string metres_text(double m);  ///< "5.0 cm", "8 mm", "1.20 m".
 [[nodiscard]] std::string degrees_text(double rad);
 [[nodiscard]] std::string percent_text(double part);
+/// ", 45 to 53 %"; empty where it is not known.
+[[nodiscard]] std::string share_95_text(const control::LiftSummary& lift);
+/// "3.97 kg, 3.7 to 4.3 kg, by the shape's centre of gravity", or why it is not known.
+[[nodiscard]] std::string mass_95_text(const control::LiftSummary& lift);
 [[nodiscard]] std::string place_text(const hal::Vec3& p);
 
 }  // namespace colift::tools

@@ -9,8 +9,6 @@ namespace colift::control {
 namespace {
 
 constexpr double kMeanLoad = 0.005;  // of a cycle in the slow mean of the load: some 200 cycles
-constexpr double kMinLever =
-    0.05;  // of the span between the hands: with less the load says nothing of the mass
 
 }  // namespace
 
@@ -89,6 +87,8 @@ std::optional<TaskEvent> LiftPhase::hold() {
   if (auto end = object_.end_of_reach()) return end;
   c_.done = c_.in_state_s() / std::max(hold_s, 1e-3);
   c_.doing = "holds the object up";
+  if (c_.readings.frame)
+    if (const auto load = summary_of_hold().load) share_robot_ = load->share_robot;
   if (auto limit = object_.beyond_limits()) return limit;
   if (auto partner = partner_gone_or_lowers()) return partner;
   if (auto lost = load_lost()) return lost;
@@ -128,7 +128,9 @@ std::optional<TaskEvent> LiftPhase::load_lost() {
 }
 
 void LiftPhase::begin_lower() {
-  summarise_hold();
+  const auto held = [](const LiftSample& c) { return c.state == Task::Hold; };
+  if (std::any_of(c_.record.curve.begin(), c_.record.curve.end(), held)) c_.record.lift = summary_of_hold();
+  share_robot_.reset();
   moved_at_ = unsupported_at_ = c_.now;
   seeks_ = found_ = lowers_ = false;
   // whoever comes here for a limit stands still while it is announced
@@ -216,13 +218,33 @@ std::optional<TaskEvent> LiftPhase::judge_lowering() {
                                arm.load_n, 1e3 * carry.seek_m)};
 }
 
+KnownBefore LiftPhase::known_before() const {
+  const planner::UncertainScene scene =
+      uncertain_scene(c_.session.analysis(), *c_.record.decision->partner, c_.config.decision);
+  KnownBefore known;
+  known.cog = scene.cog;
+  known.cog_covariance = scene.cog_covariance;
+  known.partner = scene.partner;
+  known.partner_covariance = scene.partner_covariance;
+  known.grasp = planner::load_point(c_.chosen());
+  known.mass_kg = c_.config.decision.known_mass_kg;
+  if (const auto& tested = c_.test_lifts.known()) {
+    known.cog = tested->cog;
+    known.cog_covariance.topLeftCorner<2, 2>() = tested->belief.covariance();
+    known.weighed = true;
+  }
+  return known;
+}
+
 // means over the time at the top
-void LiftPhase::summarise_hold() {
+LiftSummary LiftPhase::summary_of_hold() const {
   LiftSummary s;
   double load = 0.0;
   int n = 0, seen = 0;
+  std::vector<CarriedSample> carried;
   for (const LiftSample& c : c_.record.curve) {
     if (c.state != Task::Hold) continue;
+    if (c.X_WTnow_WTref) carried.push_back({c.wrench_W, c.palm_W, *c.X_WTnow_WTref});
     load += c.load_n;
     s.height_m += c.palm_height_m;
     ++n;
@@ -231,23 +253,21 @@ void LiftPhase::summarise_hold() {
     s.slip_m += c.slip_m;
     ++seen;
   }
-  if (n == 0) return;
+  if (n == 0) return s;
   load /= n;
   s.load_n = load;
   s.height_m /= n;
   s.tilt_rad = seen ? s.tilt_rad / seen : NAN;
   s.slip_m = seen ? s.slip_m / seen : NAN;
   s.share_predicted = c_.record.decision->decision.share;
-  // what the robot bears says the mass when the lever is known: the centre of gravity between both hands
-  const hal::Vec3 grip = object_.X_WH_grip().translation(), partner = c_.record.decision->partner->position;
-  const Eigen::Vector2d span = (grip - partner).head<2>();
-  const auto& tested = c_.test_lifts.known();
-  const hal::Vec3& cog = tested ? tested->cog : c_.session.analysis().scene.target->cog;
-  const double lever = (cog - partner).head<2>().dot(span) / span.squaredNorm();
-  if (lever > kMinLever) s.mass_kg = load / (hal::kGravity_m_s2 * lever);
-  const double mass = c_.options.known_mass_kg > 0.0 ? c_.options.known_mass_kg : s.mass_kg;
-  if (mass > 0.0) s.share_robot = load / (mass * hal::kGravity_m_s2);
-  c_.record.lift = s;
+  if (auto known = balance_load(carried, known_before(), c_.config.load)) {
+    s.mass_kg = known->mass_kg;
+    s.share_robot = known->share_robot;
+    s.load = *known;
+  } else {
+    s.load_reason = known.error().detail;
+  }
+  return s;
 }
 
 }  // namespace colift::control

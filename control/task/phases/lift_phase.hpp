@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "control/lift/load_balance.hpp"
 #include "control/task/let_go_monitor.hpp"
 #include "control/task/lift_evidence.hpp"
 #include "control/task/object_monitor.hpp"
@@ -23,6 +24,8 @@ class LiftPhase {
   /// Writes the summary of the hold into the record, too.
   void begin_lower();
   [[nodiscard]] std::optional<TaskEvent> lower();
+  /// The robot's share of the weight, newest estimate of the hold; unset where it is not known.
+  [[nodiscard]] std::optional<double> share_robot() const { return share_robot_; }
 
  private:
   /// Starts the arm once that was announced; who follows the partner starts at once.
@@ -35,7 +38,8 @@ class LiftPhase {
   [[nodiscard]] std::optional<TaskEvent> load_lost();
   /// What lowering has come to: the object stands, met something, or still hangs at the end of the search.
   [[nodiscard]] std::optional<TaskEvent> judge_lowering();
-  void summarise_hold();
+  [[nodiscard]] LiftSummary summary_of_hold() const;
+  [[nodiscard]] KnownBefore known_before() const;
 
   TaskContext& c_;
   ObjectMonitor& object_;
@@ -45,10 +49,11 @@ class LiftPhase {
   Task from_ = Task::AwaitReady;                    ///< Where this lift began.
   bool raises_ = false, lowers_ = false;            ///< The arm was started.
   hal::Timestamp moved_at_{0}, unsupported_at_{0};  ///< The palm; the object without the ground: last time.
-  double mean_load_n_ = NAN;                        ///< Slow mean while held.
-  hal::Timestamp carried_at_{0};                    ///< When the hand last carried something.
-  bool found_ = false;                              ///< ... and has found what bears it.
-  bool seeks_ = false;                              ///< Goes below where it grasped, to set down what hangs.
+  std::optional<double> share_robot_;
+  double mean_load_n_ = NAN;      ///< Slow mean while held.
+  hal::Timestamp carried_at_{0};  ///< When the hand last carried something.
+  bool found_ = false;            ///< ... and has found what bears it.
+  bool seeks_ = false;            ///< Goes below where it grasped, to set down what hangs.
 };
 
 }  // namespace colift::control

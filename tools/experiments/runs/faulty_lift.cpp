@@ -153,7 +153,6 @@ hal::Result<FaultyLift> run_faulty_lift(const FaultyScene& scene, const control:
   control::JobOptions options;
   options.method = method;
   options.seed = seed;
-  options.known_mass_kg = world.truth().mass_kg;
   const auto enter = [&](control::Task to) {
     const std::string state(word(to));
     world.task_state(state);

@@ -39,7 +39,6 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
   control::JobOptions options;
   options.method = method;
   options.seed = seed;
-  options.known_mass_kg = (*world)->truth().mass_kg;
   control::TaskRunner runner(robot, rig, config, options, wall);
 
   WholeLift lift;

@@ -56,7 +56,6 @@ RunDocuments documents_of(const RunDescription& run) {
                            {"config", run.config_complete ? kComplete : ""},
                            {"seed", std::to_string(run.seed)},
                            {"dry_run", run.dry_run ? "true" : "false"},
-                           {"known_mass_kg", fmt::format("{}", run.known_mass_kg)},
                            {"arm_cycle", run.drive == control::Drive::InStep ? "in-step" : "thread"}}});
   return out;
 }
@@ -82,7 +81,6 @@ hal::Result<RunDescription> description_of(const McapReader& file, const std::st
   run.config_complete = text("config") == kComplete;
   run.seed = std::strtoull(text("seed").c_str(), nullptr, 10);
   run.dry_run = text("dry_run") == "true";
-  run.known_mass_kg = std::strtod(text("known_mass_kg").c_str(), nullptr);
   run.drive = text("arm_cycle") == "thread" ? control::Drive::Thread : control::Drive::InStep;
   const auto config = file.attachment("config.yaml");
   if (!config) return tl::unexpected(config.error());

@@ -28,7 +28,6 @@ struct RunDescription {
   control::Method method = control::Method::Fast;
   std::uint64_t seed = 0;
   bool dry_run = false;
-  double known_mass_kg = 0.0;
   control::Drive drive = control::Drive::InStep;
 };
 

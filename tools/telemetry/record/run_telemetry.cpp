@@ -256,9 +256,8 @@ struct RunTelemetry::Impl {
     kept.record = nullptr;
     kept.map = nullptr;
     publish(Topic::Status, at, [kept] { return status_message(kept); });
-    LoadNow load{view.wrench_W, view.load_n, {}, share_predicted, s.height_m, s.tilt_rad, s.slip_m};
-    if (setting.known_mass_kg > 0.0 && control::is_loaded(s.state))
-      load.share = view.load_n / (setting.known_mass_kg * hal::kGravity_m_s2);
+    LoadNow load{view.wrench_W, view.load_n, s.share_robot, share_predicted,
+                 s.height_m,    s.tilt_rad,  s.slip_m};
     publish(Topic::Load, at, [load] { return load_message(load); });
   }
 

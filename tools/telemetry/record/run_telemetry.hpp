@@ -29,7 +29,6 @@ class RunTelemetry {
   struct Setting {
     const hal::RobotModel* model = nullptr;  ///< Borrowed.
     hal::Pose X_WC = hal::Pose::Identity();
-    double known_mass_kg = 0.0;  ///< 0: unknown.
     control::Drive drive = control::Drive::InStep;
     bool asks_devices = true;  ///< For their health; not those of a replay, whose every answer is counted.
     const planner::HandModel* hand = nullptr;  ///< Borrowed; null: the chosen gripper pose is not shown.

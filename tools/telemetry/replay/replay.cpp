@@ -121,8 +121,7 @@ hal::Result<ReplayReport> replay(const McapReader& file, const std::string& name
     sinks.push_back(watchers.back().get());
   }
   Playback of_then(file, setting.watchers.empty() ? std::set<Topic>() : kOfThen, setting.watchers);
-  RunTelemetry telemetry({setting.model.get(), run.X_WC, run.known_mass_kg, run.drive, false, &setting.hand},
-                         sinks, wall);
+  RunTelemetry telemetry({setting.model.get(), run.X_WC, run.drive, false, &setting.hand}, sinks, wall);
   if (!setting.watchers.empty()) telemetry.tap(robot);
 
   control::JobHooks mine;
@@ -144,7 +143,6 @@ hal::Result<ReplayReport> replay(const McapReader& file, const std::string& name
   options.method = run.method;
   options.seed = run.seed;
   options.dry_run = run.dry_run;
-  options.known_mass_kg = run.known_mass_kg;
   if (run.drive == control::Drive::Thread)
     options.recorded_views = [&](control::ArmView& view) {
       if (tape.now().view) view = *tape.now().view;

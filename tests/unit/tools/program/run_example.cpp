@@ -167,7 +167,21 @@ RunExample lift_table() {
     e.truth.curve.push_back({t, 19.2 * air, 20.04 * air, kMass * kGravity * (1 - air), 0.0085 * up,
                              0.0492 * up, 0.0008 * ramp(t, 11.9, 12.6)});
   }
-  r.lift = control::LiftSummary{0.0497, 0.0094, 0.49, r.decision->decision.share, 0.001, 4.04};
+  control::LoadEstimate load;
+  load.mass_kg = 4.04;
+  load.mass_95 = {3.6, 4.5};
+  load.share_robot = 0.49;
+  load.share_95 = {0.44, 0.55};
+  load.cog = r.analysis->scene.target->cog;
+  load.cog_sigma_m = 0.02;
+  r.lift.emplace();
+  r.lift->height_m = 0.0497;
+  r.lift->tilt_rad = 0.0094;
+  r.lift->share_robot = load.share_robot;
+  r.lift->share_predicted = r.decision->decision.share;
+  r.lift->slip_m = 0.001;
+  r.lift->mass_kg = load.mass_kg;
+  r.lift->load = load;
   r.frame_lifted = frame_of(with_person(0.05), e.setting.X_WC, 3, 14.7);
   r.timing = {0.12, 4.1, 14.3, 24.2, 3.2};
   e.truth.partner = kContact;

@@ -134,7 +134,10 @@ TEST_CASE("a scenario's times may count from every state that the task has", "[r
 TEST_CASE("no number of a run's document is NaN or infinite", "[run]") {
   RunExample e = tests::lifted_run();
   const double nan = std::nan("");
-  e.record.lift = control::LiftSummary{nan, nan, nan, nan, nan, std::numeric_limits<double>::infinity()};
+  e.record.lift.emplace();
+  e.record.lift->height_m = e.record.lift->tilt_rad = e.record.lift->share_robot = nan;
+  e.record.lift->share_predicted = e.record.lift->slip_m = nan;
+  e.record.lift->mass_kg = std::numeric_limits<double>::infinity();
   e.record.timing.grasp_to_decision_s = nan;
   e.truth.curve.clear();
   e.record.reason = "bytes that are no text: \xFF";

@@ -123,7 +123,6 @@ Recorded run(const sim_hal::Scenario& scenario, const std::filesystem::path* fil
   const hal::Pose X_WC = sim_hal::camera_pose(scenario.camera);
   control::JobOptions options;
   options.seed = kSeed;
-  options.known_mass_kg = (*world)->truth().mass_kg;
 
   std::unique_ptr<live::LiveServer> server;
   std::optional<DeafViewer> deaf;
@@ -136,7 +135,6 @@ Recorded run(const sim_hal::Scenario& scenario, const std::filesystem::path* fil
     about.robot_urdf = built_in_robot_urdf();
     about.X_WC = X_WC;
     about.seed = kSeed;
-    about.known_mass_kg = options.known_mass_kg;
     RecorderConfig recording;
     recording.file = *file;
     recording.wait_when_full = true;
@@ -150,7 +148,7 @@ Recorded run(const sim_hal::Scenario& scenario, const std::filesystem::path* fil
     server = std::move(*opened);
     deaf.emplace(*server);
     telemetry = std::make_unique<RunTelemetry>(
-        RunTelemetry::Setting{&model, X_WC, options.known_mass_kg, control::Drive::InStep, true, &hand},
+        RunTelemetry::Setting{&model, X_WC, control::Drive::InStep, true, &hand},
         std::vector<TelemetrySink*>{recorder.get(), server.get()}, wall);
     telemetry->tap(robot);
   }
