@@ -162,6 +162,7 @@ struct CarryConfig {
   double max_release_force_n = 60.0;
   double partner_lag_m = 0.035;
   double load_gain_n = 25.0;
+  double pull_n = 30.0;
   double load_loss_fraction = 0.3;
   double load_loss_s = 0.15;
   double regrasp_s = 0.5;
@@ -195,6 +196,8 @@ struct CarryConfig {
     v("partner_lag_m", partner_lag_m, hal::Range{0.005, 0.2},
       "The partner does not lift, or has let go, when his end is lower than the palm by this and more than "
       "it was (m).");
+    v("pull_n", pull_n, hal::Range{1, 500},
+      "Change of the sideways force on the hand against its mean of the last 0.3 s that is a pull (N).");
     v("load_gain_n", load_gain_n, hal::Range{1, 200},
       "He has let go, too, when the load grows by this within a quarter of a second (N).");
     v("load_loss_fraction", load_loss_fraction, hal::kFraction,

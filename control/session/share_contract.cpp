@@ -37,6 +37,15 @@ double sigma_of(const planner::UncertainScene& s, const Vec3& robot) {
   return std::sqrt(std::max(0.0, variance));
 }
 
+// Of hands that resist a tilt: their torque over the weight's between them.
+double grip_sigma(const planner::UncertainScene& s, const Vec3& robot, const planner::DecisionConfig& config,
+                  std::optional<double> mass_kg) {
+  const Vec3 between = robot - s.partner;
+  const double span_m = (between - between.dot(s.up) * s.up).norm();
+  const double weight_n = hal::kGravity_m_s2 * mass_kg.value_or(config.usual_mass_kg);
+  return span_m > 0.0 ? config.grip_torque_nm / (weight_n * span_m) : 0.0;
+}
+
 void add_line(const Vec3& from, const Vec3& to, std::vector<Vec3>& places) {
   const int n = std::max(1, static_cast<int>(std::ceil((to - from).norm() / kPlaceStep_m)));
   for (int i = 0; i <= n; ++i) places.push_back(from + (to - from) * (static_cast<double>(i) / n));
@@ -166,7 +175,8 @@ ShareContract share_contract(const Outcome& outcome, const SceneAnalysis& analys
                                  : tl::unexpected(unlimited.error());
   if (!sharing) return c;  // the decision has failed with the same error
   if (d.chosen) {
-    const double half = k95 * sigma_of(scene, planner::load_point(outcome.candidates[*d.chosen]));
+    const Vec3 robot = planner::load_point(outcome.candidates[*d.chosen]);
+    const double half = k95 * std::hypot(sigma_of(scene, robot), grip_sigma(scene, robot, config, c.mass_kg));
     c.predicted = d.share;
     c.interval =
         planner::ShareRange{std::clamp(d.share - half, 0.0, 1.0), std::clamp(d.share + half, 0.0, 1.0)};

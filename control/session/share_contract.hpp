@@ -24,7 +24,8 @@ struct ShareContract {
   std::optional<double> wanted;
   std::optional<planner::ShareRange> reachable;  ///< Over all feasible candidates; unset: there is none.
   std::optional<double> predicted;               ///< Of the chosen candidate.
-  /// 95 % of the prediction, by the covariances of the centre of gravity and of the partner's position.
+  /// 95 % of the prediction, by the covariances of the centre of gravity and of the partner's position, and
+  /// by what torque hands may resist a tilt with (DecisionConfig::grip_torque_nm).
   std::optional<planner::ShareRange> interval;
   /// Whether the prediction may be called the wanted share: within share_window of it, and the half width of
   /// the interval within share_sure. Unset where none is wanted or nothing was chosen.

@@ -8,6 +8,9 @@ namespace colift::control {
 namespace {
 
 constexpr double kMeanLoad_s = 0.25;  // a person's jerk is quicker, a lift slower
+constexpr double kMeanPull_s = 0.3;
+constexpr int kPulledCycles = 4;      // in a row; a knock is shorter
+constexpr double kSteady = 0.3;       // of the pull that stops a lift
 constexpr double kUsual = 0.1;        // of a frame in the mean of what is seen of his hand
 constexpr int kFramesToKnow = 3;      // before it counts as known how much of his hand is seen
 constexpr int kFramesLow = 2;         // in a row with his end too low
@@ -27,6 +30,9 @@ void LetGoMonitor::start() {
   hand_motion_.start();
   mean_load_n_ = load_before_n_ = c_.arm.view().load_n;
   gain_n_ = 0.0;
+  mean_sideways_n_.reset();
+  pull_n_ = 0.0;
+  cycles_pulled_ = 0;
   updated_at_ = c_.now;
 }
 
@@ -92,6 +98,21 @@ void LetGoMonitor::update_load() {
   updated_at_ = c_.now;
   mean_load_n_ += dt_s / (kMeanLoad_s + dt_s) * (load_n - mean_load_n_);
   if (c_.state != Task::Pause && in_the_air()) load_before_n_ = mean_load_n_;
+  update_pull(dt_s);
+}
+
+void LetGoMonitor::update_pull(double dt_s) {
+  const auto& wrench_W = c_.arm.view().wrench_W;
+  if (!wrench_W) return;
+  const Eigen::Vector2d now = wrench_W->force.head<2>();
+  if (!mean_sideways_n_) mean_sideways_n_ = now;
+  pull_n_ = (now - *mean_sideways_n_).norm();
+  cycles_pulled_ = pull_n_ > c_.config.task.carry.pull_n ? cycles_pulled_ + 1 : 0;
+  *mean_sideways_n_ += dt_s / (kMeanPull_s + dt_s) * (now - *mean_sideways_n_);
+}
+
+bool LetGoMonitor::is_steady() const {
+  return pull_n_ < kSteady * c_.config.task.carry.pull_n;
 }
 
 std::optional<bool> LetGoMonitor::hand_seen() const {
@@ -124,6 +145,11 @@ std::optional<TaskEvent> LetGoMonitor::let_go() const {
     return TaskEvent{Event::PartnerLetGo,
                      fmt::format("sudden gain of load: {:.0f} N more at once (limit {:.0f} N)", gain_n_,
                                  carry.load_gain_n)};
+  if (in_the_air() && cycles_pulled_ >= kPulledCycles)
+    return TaskEvent{
+        Event::PartnerPulls,
+        fmt::format("the sideways force on the hand changed by {:.0f} N at once (limit {:.0f} N)", pull_n_,
+                    carry.pull_n)};
   return std::nullopt;
 }
 
@@ -142,6 +168,7 @@ void LetGoMonitor::ask_again() {
   hand_motion_.start();
   mean_load_n_ = c_.arm.view().load_n;
   gain_n_ = 0.0;
+  cycles_pulled_ = 0;
 }
 
 }  // namespace colift::control

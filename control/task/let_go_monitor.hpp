@@ -12,8 +12,9 @@ namespace colift::control {
 
 /// Whether the partner still holds the object, from first finger contact to the end of lowering: his hand in
 /// the picture at his contact, which moves with the object; his end, which has to stay with the palm; the
-/// load, which grows when he lets go. Any one of them says so. Early in a lift the load alone does not: an
-/// object whose far end is on the floor weighs no more than one that is carried.
+/// load, which grows when he lets go. Any one of them says so. A sudden sideways force is a pull. Early in a
+/// lift the load alone does not: an object whose far end is on the floor weighs no more than one that is
+/// carried.
 class LetGoMonitor {
  public:
   LetGoMonitor(TaskContext& context, const ObjectMonitor& object) : c_(context), object_(object) {}
@@ -24,6 +25,8 @@ class LetGoMonitor {
   void update();
   /// The event when he has let go.
   [[nodiscard]] std::optional<TaskEvent> let_go() const;
+  /// The sideways force on the hand is steady: nobody pulls at the object.
+  [[nodiscard]] bool is_steady() const;
   /// He holds a raised object again: his hand is seen and his end is up; where his hand cannot be seen, his
   /// end is up and the load is what it was.
   [[nodiscard]] bool holds_again() const;
@@ -40,6 +43,7 @@ class LetGoMonitor {
  private:
   void update_hand();
   void update_load();
+  void update_pull(double dt_s);
   [[nodiscard]] bool in_the_air() const;
   /// His end is seen in the air beside the palm: he carries, whatever hides his hand.
   [[nodiscard]] bool his_end_is_up() const;
@@ -58,6 +62,9 @@ class LetGoMonitor {
   int frames_ = 0, frames_gone_ = 0, frames_low_ = 0;
   double mean_load_n_ = 0.0, load_before_n_ = 0.0;
   double gain_n_ = 0.0;
+  std::optional<Eigen::Vector2d> mean_sideways_n_;  ///< Of the hand; W.
+  double pull_n_ = 0.0;                             ///< Off that mean.
+  int cycles_pulled_ = 0;                           ///< In a row.
   hal::Timestamp updated_at_{0};
 };
 

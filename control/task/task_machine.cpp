@@ -27,7 +27,8 @@ constexpr std::string_view kReachEnds =
     "joint near its limit: holds, the grip stays closed; lower the object on request";
 constexpr std::string_view kAlone =
     "the partner let go while the object was carried; holds, the grip stays closed, asks him to grasp again";
-
+constexpr std::string_view kPulled =
+    "sudden pull at the carried object; holds, asks the partner to stand still";
 constexpr std::string_view kStaysNear = "somebody stayed near the arm for too long; holds";
 constexpr std::string_view kStaysNearLoaded =
     "somebody stayed near the arm for too long; holds, the grip stays closed; lower the object on request";
@@ -154,6 +155,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {TestLift, EndOfReach, Stopped, kReachEnds},
     {TestLift, TimeOut, Lower, "the test lift took too long: sets the object down"},
     {TestLift, PartnerLetGo, Pause, kAlone},
+    {TestLift, PartnerPulls, Pause, kPulled},
     {TestLift, HandEmpty, Stopped, kFell},
     {TestLift, Blocked, Yield, kPushed},
     {TestLift, StaysNear, Stopped, kStaysNearLoaded},
@@ -169,6 +171,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Lift, EndOfReach, Stopped, kReachEnds},
     {Lift, TimeOut, Lower, "the height was not reached in time: sets the object down"},
     {Lift, PartnerLetGo, Pause, kAlone},
+    {Lift, PartnerPulls, Pause, kPulled},
     {Lift, HandEmpty, Stopped, kFell},
     {Lift, Blocked, Yield, kPushed},
     {Lift, StaysNear, Stopped, kStaysNearLoaded},
@@ -183,6 +186,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Hold, EndOfReach, Stopped, kReachEnds},
     {Hold, TimeOut, Lower, "held long enough: sets the object down"},
     {Hold, PartnerLetGo, Pause, kAlone},
+    {Hold, PartnerPulls, Pause, kPulled},
     {Hold, HandEmpty, Stopped, kFell},
     {Hold, Blocked, Yield, kPushed},
     {Hold, ArmLost, Stopped, kArmGone},
@@ -196,6 +200,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Lower, EndOfReach, Stopped, kReachEnds},
     {Lower, TimeOut, Stopped, "found no ground under the object; holds, the grip stays closed"},
     {Lower, PartnerLetGo, Pause, kAlone},
+    {Lower, PartnerPulls, Pause, kPulled},
     {Lower, HandEmpty, Stopped, kFell},
     {Lower, Blocked, Yield, kPushed},
     {Lower, StaysNear, Stopped, kStaysNearLoaded},
@@ -332,6 +337,8 @@ std::string_view word(Event event) {
       return "partner moved";
     case PartnerLetGo:
       return "partner let go";
+    case PartnerPulls:
+      return "partner pulls";
     case NobodyCame:
       return "nobody came";
     case GraspChosen:

@@ -40,6 +40,7 @@ enum class Event {
   PartnerGrasped,
   PartnerMoved,
   PartnerLetGo,
+  PartnerPulls,  ///< PartnerPulls: a sudden sideways force through the object that he holds.
   NobodyCame,
   GraspChosen,
   NoGraspFits,

@@ -22,6 +22,8 @@ struct DecisionConfig {
   double share_sure = 0.15;
   double partner_load_n = 245.0;
   std::optional<double> known_mass_kg;
+  double grip_torque_nm = 1.0;
+  double usual_mass_kg = 4.0;
   SharingWeights weights;
   SharingLimits limits;
   double mass_kg = 1.0;
@@ -61,6 +63,11 @@ struct DecisionConfig {
     v("known_mass_kg", known_mass_kg, hal::kPositive,
       "Mass of the object where somebody knows it (kg), for partner_load_n. ~: unknown; then the load is "
       "compared with the limit when it is measured.");
+    v("grip_torque_nm", grip_torque_nm, hal::kNotNegative,
+      "Standard deviation of the torque with which hands resist a tilt of the object, in the interval of the "
+      "predicted share (N m).");
+    v("usual_mass_kg", usual_mass_kg, hal::kPositive,
+      "Mass that this torque is compared with where the object's is not known (kg).");
     v("weights", weights, "Cost weights of effort, thesis eq. 4.5.");
     v("limits", limits, "What either agent can exert; without entries there is no limit.");
     v("mass_kg", mass_kg, hal::kPositive,

@@ -145,3 +145,25 @@ TEST_CASE("an object that a partner let go of is lowered only when a person conf
   CHECK(lift.record.reason.find("confirmed") != std::string::npos);
   CHECK_FALSE(lift.record.hand_keeps_grip);
 }
+
+TEST_CASE("a partner who stumbles pulls at the object: the lift pauses, and continues when he stands",
+          "[force]") {
+  sim_hal::Scenario table = scenario("table");
+  sim_hal::PartnerScriptEvent stumble{1.0, "stumble", std::nullopt};
+  stumble.in_state = "lift";
+  stumble.force_n = 80.0;
+  stumble.for_s = 0.4;
+  table.partner.events = {stumble};
+  const tests::SimulatedLift lift = run(table);
+  INFO(tests::line("stumble", lift) << ": " << lift.record.reason);
+  const control::StateChange* lifting = nullptr;
+  for (const control::StateChange& s : lift.record.states)
+    if (!lifting && s.state == Task::Lift) lifting = &s;
+  REQUIRE(lifting);
+  const auto* pause = next_state(lift, hal::seconds(lifting->at) + 0.001);
+  REQUIRE(pause);
+  CHECK(pause->state == Task::Pause);
+  CHECK(pause->reason.find("pull") != std::string::npos);
+  CHECK(hal::seconds(pause->at) - hal::seconds(lifting->at) < 1.2);
+  CHECK(lift.record.outcome == Result::Lifted);
+}

@@ -85,6 +85,7 @@ set(COLIFT_PUBLIC_HEADERS
   planner/grasp/grasp_decision.hpp
   planner/grasp/grasp_stability.hpp
   planner/grasp/robust_choice.hpp
+  planner/grasp/share_choice.hpp
   planner/grasp/task_choice.hpp
   planner/grasp_candidate.hpp
   planner/hand/hand_model.hpp
@@ -116,6 +117,7 @@ set(COLIFT_PUBLIC_HEADERS
   control/config/test_lift_config.hpp
   control/config/resolve_config.hpp
   control/session/decide.hpp
+  control/session/share_contract.hpp
   control/session/library_layout.hpp
   control/session/scene_analysis.hpp
   control/session/suggest.hpp
@@ -132,6 +134,7 @@ set(COLIFT_PUBLIC_HEADERS
   control/config/setpoint_limits.hpp
   control/config/task_config.hpp
   control/config/recovery_config.hpp
+  control/lift/load_balance.hpp
   control/lift/load_estimator.hpp
   control/task/job_status.hpp
   control/test_lift/cog_belief.hpp

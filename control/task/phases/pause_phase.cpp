@@ -9,6 +9,7 @@ namespace colift::control {
 void PausePhase::begin(Task from, Event event) {
   from_ = from;
   obstructed_ = event == Event::Obstructed;
+  pulled_ = event == Event::PartnerPulls;
   not_since_ = c_.now;
   load_at_start_n_ = c_.arm.view().load_n;
   c_.arm.pause();
@@ -16,16 +17,20 @@ void PausePhase::begin(Task from, Event event) {
   if (from == Task::TestLift) {
     // what was measured until now says nothing: it is set down, and measured anew
     c_.attempts.failed = c_.attempts.regrasp = true;
-    c_.attempts.failure = "the partner let go during the test lift";
+    c_.attempts.failure =
+        pulled_ ? "the partner pulled during the test lift" : "the partner let go during the test lift";
   }
-  const std::string request = obstructed_
-                                  ? "asks to lift the object off what is under it, and to clear that away"
-                                  : "asks the partner to grasp again where he held, and to lift his end";
-  c_.record.asked.push_back({c_.now - c_.began, partner_.place(), request});
+  c_.record.asked.push_back({c_.now - c_.began, partner_.place(), request()});
+}
+
+const char* PausePhase::request() const {
+  if (obstructed_) return "asks to lift the object off what is under it, and to clear that away";
+  if (pulled_) return "asks the partner to stand still";
+  return "asks the partner to grasp again where he held, and to lift his end";
 }
 
 std::optional<hal::Vec3> PausePhase::asked_place() const {
-  if (obstructed_) return std::nullopt;
+  if (obstructed_ || pulled_) return std::nullopt;
   return partner_.place();
 }
 
@@ -34,11 +39,12 @@ void PausePhase::lowering_confirmed() {
   partner_.stop();
   c_.attempts.lifted = c_.attempts.failed = true;
   c_.attempts.regrasp = false;
-  c_.attempts.failure = "the partner let go; set down when a person confirmed it";
+  c_.attempts.failure = pulled_ ? "the partner pulled; set down when a person confirmed it"
+                                : "the partner let go; set down when a person confirmed it";
 }
 
 bool PausePhase::goes_on() const {
-  if (!obstructed_) return partner_.holds_again();
+  if (!obstructed_) return partner_.holds_again() && (!pulled_ || partner_.is_steady());
   // what stood on something hangs in the hand again
   const CarryConfig& carry = c_.config.task.carry;
   const double load_n = c_.arm.view().load_n;
@@ -50,7 +56,8 @@ std::optional<TaskEvent> PausePhase::pause() {
   partner_.update();
   const CarryConfig& carry = c_.config.task.carry;
   c_.doing =
-      obstructed_
+      pulled_ ? "holds: somebody pulled at the object; please stand still, or confirm lowering"
+      : obstructed_
           ? "something is under the object: lift it off and clear it away, or confirm lowering"
           : "holds: please grasp the object again where you held it, and lift your end; or confirm lowering";
   c_.done = c_.in_state_s() / carry.regrasp_timeout_s;

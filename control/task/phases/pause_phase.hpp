@@ -25,12 +25,13 @@ class PausePhase {
 
  private:
   [[nodiscard]] bool goes_on() const;
+  [[nodiscard]] const char* request() const;
 
   TaskContext& c_;
   ObjectMonitor& object_;
   LetGoMonitor& partner_;
   Task from_ = Task::Lift;
-  bool obstructed_ = false;
+  bool obstructed_ = false, pulled_ = false;
   double load_at_start_n_ = 0.0;
   hal::Timestamp not_since_{0};  ///< When it was last not to go on.
 };

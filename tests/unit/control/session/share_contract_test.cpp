@@ -103,8 +103,10 @@ TEST_CASE("the place that is named gives the wanted share", "[share]") {
 TEST_CASE("the interval is the uncertainty of the lever, and too wide a one makes no promise", "[share]") {
   const Outcome sure = decided(table(0.01), config_with(0.5), kEnd);
   REQUIRE((sure.share.interval && sure.share.as_wished));
-  // 10 mm on a line of 0.8 m
-  CHECK(sure.share.interval->high - sure.share.interval->low == Approx(2 * 1.96 * 0.0125).epsilon(0.02));
+  // 10 mm on a line of 0.8 m; and 1 N m of hands that resist a tilt, of 4 kg on it
+  const double grip = 1.0 / (4.0 * 9.80665 * 0.8);
+  CHECK(sure.share.interval->high - sure.share.interval->low ==
+        Approx(2 * 1.96 * std::hypot(0.0125, grip)).epsilon(0.02));
   CHECK(*sure.share.as_wished);
   const Outcome vague = decided(table(0.10), config_with(0.5), kEnd);
   CHECK_FALSE(*vague.share.as_wished);
