@@ -140,7 +140,7 @@ def state_at(document, t):
 def stood(document):
     """What was said of arm and hand beyond the pace: that one was lost, or stood."""
     return [f for f in document["faults"]
-            if f["device"] != "camera" and "slowly" not in f["what"] and "full speed" not in f["what"]]
+            if f["device"] != "camera" and "reduced speed" not in f["what"] and "full speed" not in f["what"]]
 
 
 def machine_had_no_time(document):
