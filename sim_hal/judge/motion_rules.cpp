@@ -13,7 +13,6 @@ constexpr double kTolerance = 1.02, kFirstStep_rad = 0.01;
 constexpr double kGapCycles = 5.5, kAlike_s = 0.0005;
 constexpr double kBraking_s = 0.5, kMoved_rad = 0.02;  // after a stop
 constexpr double kStands_rad_s = 0.01, kFollows = 0.8;
-constexpr double kTrails_rad = 0.004;  // more than the sag of a loaded arm
 // 30 N is where a contact has to be noticed; half as much again for what an estimate of it may lack
 constexpr double kPush_n = 45.0, kMoves_rad_s = 0.05, kNotice_s = 0.010, kStop_s = 0.5, kSlower = 0.01;
 
@@ -97,13 +96,10 @@ void MotionRules::standstill(const TickReport& r, bool stopped, std::vector<std:
 }
 
 // Who pushes a yielding arm moves it faster than the commands that follow, and in their direction. Along a
-// trajectory both are equally fast. A set point that lies behind the arm, against its own motion, slackens
-// the spring that pulls the arm: moving on it takes energy out of it, whatever the arm does meanwhile.
+// trajectory both are equally fast.
 bool MotionRules::drives(const TickReport& r) const {
   const double speed = command_rad_s_.norm(), measured = r.dq_rad_s.norm();
   if (speed < kStands_rad_s) return false;
-  const double ahead_rad = (command_rad_ - r.truth.q_rad).dot(command_rad_s_) / speed;
-  if (ahead_rad < -kTrails_rad) return false;
   const bool follows =
       speed < kFollows * measured && command_rad_s_.dot(r.dq_rad_s) > kFollows * speed * measured;
   return !follows;
