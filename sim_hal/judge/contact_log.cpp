@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "sim_hal/judge/commanded_energy.hpp"
 #include "sim_hal/judge/force_limits.hpp"
 
 namespace colift::sim_hal {
@@ -17,24 +18,26 @@ constexpr double kOpposed = -0.5;     // cosine between the pushes of two sides
 constexpr double kAtRest_m_s = 0.02;  // a surface that comes no faster came not
 
 bool opposes(const BodyContact& a, const BodyContact& b) {
-  return a.person == b.person && a.region == b.region && b.force_n > kPressed_n && a.force_n > kPressed_n &&
-         a.force_W.normalized().dot(b.force_W.normalized()) < kOpposed;
+  return a.person == b.person && a.region == b.region && a.left == b.left && b.force_n > kPressed_n &&
+         a.force_n > kPressed_n && a.force_W.normalized().dot(b.force_W.normalized()) < kOpposed;
 }
 
 }  // namespace
 
-void ContactLog::tick(double t_s, const std::vector<BodyContact>& contacts, RobotMotion motion) {
+void ContactLog::tick(double t_s, const std::vector<BodyContact>& contacts, RobotMotion motion,
+                      double commanded_j) {
   for (const BodyContact& c : contacts) {
     if (c.by == BodyContact::By::Static) continue;
     const bool opposed =
         std::any_of(contacts.begin(), contacts.end(), [&](const BodyContact& o) { return opposes(c, o); });
-    add(t_s, c, opposed, motion);
+    add(t_s, c, opposed, motion, commanded_j);
   }
 }
 
-void ContactLog::add(double t_s, const BodyContact& c, bool opposed, RobotMotion motion) {
+void ContactLog::add(double t_s, const BodyContact& c, bool opposed, RobotMotion motion, double commanded_j) {
   const auto same = std::find_if(touches_.rbegin(), touches_.rend(), [&](const Touch& t) {
-    return t.judged.person == c.person && t.region == c.region && t.by == c.by && t_s - t.last_s < kPause_s;
+    return t.judged.person == c.person && t.region == c.region && t.left == c.left && t.by == c.by &&
+           t_s - t.last_s < kPause_s;
   });
   const bool is_new = same == touches_.rend();
   if (is_new) {
@@ -47,6 +50,7 @@ void ContactLog::add(double t_s, const BodyContact& c, bool opposed, RobotMotion
     touch.by = c.by;
     touch.motion = motion;
     touch.region = c.region;
+    touch.left = c.left;
     touches_.push_back(touch);
   }
   Touch& touch = is_new ? touches_.back() : *same;
@@ -59,8 +63,11 @@ void ContactLog::add(double t_s, const BodyContact& c, bool opposed, RobotMotion
   peak = std::max(peak, c.force_n);
   if (c.by == BodyContact::By::Robot) robot_peak_n_ = std::max(robot_peak_n_, c.force_n);
   // until the peak: what springs back afterwards came not towards him
-  if (c.force_n >= touch.judged.force_n)
+  if (c.force_n >= touch.judged.force_n) {
+    touch.peak_motion = motion;
     touch.judged.robot_m_s = std::max(touch.judged.robot_m_s, c.other_m_s);
+    touch.judged.commanded_j = std::max(touch.judged.commanded_j, commanded_j);
+  }
   touch.judged.force_n = std::max(touch.judged.force_n, c.force_n);
 }
 
@@ -73,11 +80,12 @@ void ContactLog::add_to(Verdict& verdict) const {
     judged.limit_n = clamped_is_worse ? limit.quasi_static_n : limit.transient_n;
     const double counts_n = judged.counts_n = clamped_is_worse ? touch.clamped_n : touch.transient_n;
     // who runs into a robot that has long been at rest is hurt by nothing that a program does, nor is he by
-    // what swings back from his own push: all of that energy was his. But one that keeps him pressed has not
-    // yielded, however that began
+    // what swings back from his own push, as long as no command puts energy into it: all of it was his. What
+    // an object does that is let go is not, nor is it of one that keeps him pressed, however that began
     const bool came_not = touch.motion == RobotMotion::AtRest && judged.robot_m_s < kAtRest_m_s;
-    judged.his_own = (came_not || touch.motion == RobotMotion::Pushed) && !touch.opposed &&
-                     touch.clamped_n <= limit.quasi_static_n;
+    const bool gives_way = touch.motion != RobotMotion::Driven && touch.peak_motion == RobotMotion::Pushed &&
+                           touch.by == BodyContact::By::Robot && judged.commanded_j <= kGivesWay_j;
+    judged.his_own = (came_not || gives_way) && !touch.opposed && touch.clamped_n <= limit.quasi_static_n;
     if (counts_n > judged.limit_n && !judged.his_own)
       verdict.breaches.push_back(fmt::format("{}: {:.0f} N {} by the {} at {:.3f} s (limit {:.0f} N)",
                                              judged.region, counts_n, clamped_is_worse ? "clamped" : "hit",

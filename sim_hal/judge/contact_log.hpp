@@ -18,8 +18,8 @@ enum class RobotMotion {
 /// Contacts of every millisecond as touches, each judged against its region's limits.
 class ContactLog {
  public:
-  /// `motion`: up to this millisecond.
-  void tick(double t_s, const std::vector<BodyContact>& contacts, RobotMotion motion);
+  /// `motion`: up to this millisecond. `commanded_j`: CommandedEnergy.
+  void tick(double t_s, const std::vector<BodyContact>& contacts, RobotMotion motion, double commanded_j);
   void add_to(Verdict& verdict) const;
   /// Peak of what the robot itself did to anybody (N).
   [[nodiscard]] double robot_peak_n() const { return robot_peak_n_; }
@@ -29,13 +29,15 @@ class ContactLog {
     JudgedContact judged;
     BodyContact::By by = BodyContact::By::Robot;
     BodyRegion region = BodyRegion::Hand;
+    bool left = false;
     double first_s = 0.0, last_s = 0.0;
     double transient_n = 0.0, clamped_n = 0.0;
-    RobotMotion motion = RobotMotion::Driven;  // when it began
+    RobotMotion motion = RobotMotion::Driven;       // when it began
+    RobotMotion peak_motion = RobotMotion::Driven;  // when it was hardest
     bool opposed = false;                      // pressed against something else at least once
   };
 
-  void add(double t_s, const BodyContact& contact, bool opposed, RobotMotion motion);
+  void add(double t_s, const BodyContact& contact, bool opposed, RobotMotion motion, double commanded_j);
 
   std::vector<Touch> touches_;
   double robot_peak_n_ = 0.0;

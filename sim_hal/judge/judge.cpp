@@ -7,6 +7,7 @@
 #include <limits>
 #include <mutex>
 
+#include "sim_hal/judge/commanded_energy.hpp"
 #include "sim_hal/judge/contact_log.hpp"
 #include "sim_hal/judge/load_rules.hpp"
 #include "sim_hal/judge/motion_rules.hpp"
@@ -30,6 +31,7 @@ struct Judge::Impl {
 
   mutable std::mutex mutex;
   bool exact_time;
+  CommandedEnergy energy;
   ContactLog contacts;
   MotionRules motion;
   LoadRules load;
@@ -60,15 +62,17 @@ void Judge::tick(const TickReport& report) {
     if (c.by == BodyContact::By::Object && !report.truth.robot_touches_object) c.by = BodyContact::By::Static;
   // of the millisecond before: the touch itself sets joints in motion
   const RobotMotion motion = impl_->robot_motion();
-  impl_->contacts.tick(report.t_s, impl_->touched, motion);
-  impl_->last_s = report.t_s;
-  if (report.dq_rad_s.cwiseAbs().maxCoeff() > kAtRest_rad_s) impl_->moved_s = report.t_s;
   const bool by_robot = std::any_of(impl_->touched.begin(), impl_->touched.end(),
                                     [](const BodyContact& c) { return c.by == BodyContact::By::Robot; });
+  impl_->energy.tick(report, motion == RobotMotion::AtRest && !by_robot);
+  const double commanded_j = impl_->energy.energy_j();
+  impl_->contacts.tick(report.t_s, impl_->touched, motion, commanded_j);
+  impl_->last_s = report.t_s;
+  if (report.dq_rad_s.cwiseAbs().maxCoeff() > kAtRest_rad_s) impl_->moved_s = report.t_s;
   const bool rested = report.t_s - impl_->moved_s > kRested_s;
-  impl_->pushed =
-      (impl_->pushed ? !rested : motion == RobotMotion::AtRest && by_robot) && !impl_->motion.drives(report);
-  impl_->motion.tick(report, impl_->stopped, impl_->breaches);
+  impl_->pushed = (impl_->pushed ? !rested : motion == RobotMotion::AtRest && by_robot && !rested) &&
+                  commanded_j <= kGivesWay_j;
+  impl_->motion.tick(report, impl_->stopped, commanded_j, impl_->breaches);
   impl_->load.tick(report, impl_->breaches);
   impl_->people_m = std::min(impl_->people_m, report.people_distance_m);
   impl_->partner_m = std::min(impl_->partner_m, report.partner_distance_m);

@@ -16,15 +16,14 @@ class MotionRules {
   /// `exact_time`: commands come when the robot's clock says, so that their steps can be judged (I2, I10).
   MotionRules(const hal::RobotModel& model, bool exact_time);
 
-  void tick(const TickReport& report, bool stopped, std::vector<std::string>& breaches);
+  /// `commanded_j`: CommandedEnergy, this millisecond in it.
+  void tick(const TickReport& report, bool stopped, double commanded_j, std::vector<std::string>& breaches);
   [[nodiscard]] std::optional<double> stop_latency_s() const { return latency_s_; }
-  /// The commands move the arm by themselves: they neither stand nor follow who pushes it.
-  [[nodiscard]] bool drives(const TickReport& report) const;
 
  private:
   void command(const TickReport& report, std::vector<std::string>& breaches);
   void standstill(const TickReport& report, bool stopped, std::vector<std::string>& breaches);
-  void push(const TickReport& report, std::vector<std::string>& breaches);
+  void push(const TickReport& report, double commanded_j, std::vector<std::string>& breaches);
   void breach(const char* rule, std::string what, std::vector<std::string>& breaches);
 
   hal::JointVector lower_, upper_, velocity_;
@@ -38,7 +37,8 @@ class MotionRules {
   std::optional<hal::JointVector> rests_at_;
   double touched_s_ = 0.0;
   std::optional<double> pushed_s_;  // a push that has to stop the arm, and its speed then
-  double pushed_rad_s_ = 0.0;
+  double pushed_rad_s_ = 0.0, pushed_j_ = 0.0;
+  std::optional<double> late_j_;  // when it should stand
   bool brakes_ = false;
   std::optional<double> latency_s_;
 };

@@ -17,9 +17,11 @@ struct JudgedContact {
   double counts_n = 0.0;                ///< Peak of the kind (transient or clamped) that the limit is for.
   double clamped_s = 0.0;               ///< Pressed against something else, or without a pause beyond 0.5 s.
   double closing_m_s = 0.0;             ///< How fast they came together, the person's own motion in it.
-  double robot_m_s = 0.0;  ///< How fast the robot's (the object's) surface came towards him, at most.
-  bool his_own = false;  ///< He ran into a robot that had been at rest and did not come towards him, and was
-                         ///< not clamped: reported, no breach.
+  double commanded_j = 0.0;  ///< What commands had put into the arm since it last rested, at the peak (J).
+  double robot_m_s = 0.0;    ///< How fast the robot's (the object's) surface came towards him, at most.
+  /// He ran into a robot that had been at rest, whose surface did not come towards him or whose commands put
+  /// no energy into what then did, and was not clamped: reported, no breach.
+  bool his_own = false;
 };
 
 /// What the simulation says of a run, whatever the program says.

@@ -27,6 +27,8 @@ class ArmControl {
                                       const hal::JointVector& bias_nm, const hal::JointVector& inertia);
 
   [[nodiscard]] const hal::JointVector& set_point_rad() const { return set_point_rad_; }
+  /// The command in force; its position is reached step by step (set_point_rad()).
+  [[nodiscard]] const hal::ImpedanceCommand& active() const { return command_; }
   [[nodiscard]] const hal::JointVector& torque_nm() const { return torque_nm_; }
 
  private:

@@ -151,6 +151,7 @@ void SimPeople::touch(int index, Person& person, Physics& physics) {
       c.by = t.solid->by;
       c.person = index;
       c.region = region_of(part.part, t.nearest.along, t.out_W, person.facing_W);
+      c.left = part.left;
       c.at_W = t.nearest.on_axis_W - (t.nearest.distance_m + part.size[0]) * t.out_W;
       Vec3 v_W = Vec3::Zero(), other_W = Vec3::Zero();
       if (moved_on) v_W = velocity_at(as_capsule(part), as_capsule(person.before[t.part]), t.nearest.along);

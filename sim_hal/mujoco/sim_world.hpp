@@ -59,6 +59,7 @@ struct TickReport {
   const hal::JointVector& command_rad;               ///< The client's last one ...
   bool commanded = false;                            ///< ... which came since the last report.
   const hal::JointVector &set_point_rad, &dq_rad_s;  ///< Inside the controller; measured.
+  const hal::ImpedanceCommand& impedance;            ///< Stiffness and torque inside the controller.
   const hal::HandState& hand;
   bool pushed = false;  ///< A push of the scenario's faults is on the arm.
 };

@@ -71,7 +71,8 @@ void SimWorld::Impl::report() {
   const SimTruth now = truth();
   const hal::HandState fingers = hand_state();
   observer({now_s(), now, people.contacts(), people.distance_m(), people.partner_distance_m(), command_rad,
-            std::exchange(commanded, false), arm.set_point_rad(), arm_reading.dq_rad_s, fingers, pushed()});
+            std::exchange(commanded, false), arm.set_point_rad(), arm_reading.dq_rad_s, arm.active(), fingers,
+            pushed()});
 }
 
 void SimWorld::Impl::note_grasp() {

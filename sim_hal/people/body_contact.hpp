@@ -14,6 +14,7 @@ struct BodyContact {
   By by = By::Robot;
   int person = 0;  ///< Place in the scenario's people; kPartner: who carries the other side.
   BodyRegion region = BodyRegion::Hand;
+  bool left = false;  ///< Of a limb.
   Vec3 at_W = Vec3::Zero();
   Vec3 force_W = Vec3::Zero();  ///< On the person (N).
   double force_n = 0.0;         ///< Normal part of it.

@@ -26,6 +26,7 @@ Json judge_json(const std::optional<sim_hal::Verdict>& verdict) {
                         {"clamped_s", c.clamped_s},
                         {"closing_m_s", c.closing_m_s},
                         {"robot_m_s", c.robot_m_s},
+                        {"commanded_j", c.commanded_j},
                         {"his_own", c.his_own}});
   for (const auto& [name, why] : verdict->not_judged) not_judged[name] = why;
   return {{"breaches", verdict->breaches},

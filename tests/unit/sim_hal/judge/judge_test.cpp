@@ -19,19 +19,25 @@ struct Room {
   std::vector<BodyContact> contacts;
   double people_m = INFINITY, partner_m = INFINITY;
   hal::JointVector command = SimConfig::home_rad(), set_point = command, speed = hal::JointVector::Zero();
+  hal::ImpedanceCommand impedance;
+  hal::JointVector pushed_rad = hal::JointVector::Zero();  // how far the arm is off its set point
   hal::HandState hand;
   double t_s = 0.0;
 
   Room() {
     truth.q_rad = command;
     truth.mass_kg = 4.0;
+    impedance.stiffness_nm_rad.setConstant(1000.0);
   }
   void ms(int n = 1, const std::function<void()>& each_cycle = {}) {
     for (int i = 0; i < n; ++i) {
       t_s += 0.001;
       const bool cycle = static_cast<int>(std::lround(t_s * 1000.0)) % 5 == 0;
       if (cycle && each_cycle) each_cycle();
-      judge.tick({t_s, truth, contacts, people_m, partner_m, command, cycle, set_point, speed, hand});
+      truth.q_rad = set_point + pushed_rad;
+      if (cycle) set_point = command;
+      judge.tick(
+          {t_s, truth, contacts, people_m, partner_m, command, cycle, set_point, speed, impedance, hand});
     }
   }
   /// A constant speed of A1, reached within limits.
@@ -40,6 +46,7 @@ struct Room {
       const double off = rad_s - now_rad_s;
       now_rad_s += std::clamp(off, -0.025, 0.025);
       command[0] += 0.005 * now_rad_s;
+      speed[0] = now_rad_s;
     });
   }
   void touch(BodyRegion region, double force_n, double other_m_s = 0.25,
@@ -128,6 +135,38 @@ TEST_CASE("a short hit counts against the transient limit, a long or clamped one
   }
 }
 
+TEST_CASE("what springs back from his own push is his, what commands drive at him is not") {
+  Room room;
+  room.ms(200);
+  room.touch(BodyRegion::Thigh, 400.0, 0.0);
+  room.speed[0] = 1.0;
+  room.pushed_rad[0] = -0.05;
+  room.ms(30);
+  room.contacts.clear();
+  room.ms(100);
+  const bool driven = GENERATE(true, false);
+  CAPTURE(driven);
+  if (driven) room.drive(100, 0.2);  // 1000 N m/rad stretched by 0.05 rad: 10 W
+  room.speed[0] = 0.5;
+  room.touch(BodyRegion::Thigh, 600.0, 0.5);
+  room.ms(10);
+  const JudgedContact back = room.judge.verdict(false).contacts.at(1);
+  CHECK(back.his_own != driven);
+  CHECK(breaches(room).empty() != driven);
+  CHECK(back.commanded_j == Approx(driven ? 0.95 : 0.0).margin(0.15));
+}
+
+TEST_CASE("two legs that are pushed apart are not clamped") {
+  Room room;
+  room.ms(200);
+  room.touch(BodyRegion::LowerLeg, 140.0, 0.0);
+  room.touch(BodyRegion::LowerLeg, 140.0, 0.0, BodyContact::By::Robot, -Vec3::UnitX());
+  const bool same = GENERATE(true, false);
+  room.contacts.back().left = !same;
+  room.ms(100);
+  CHECK(breaches(room).empty() != same);
+}
+
 TEST_CASE("limits are those of the reference table") {
   CHECK(force_limit(BodyRegion::Hand).quasi_static_n == 140.0);
   CHECK(force_limit(BodyRegion::Back).transient_n == 420.0);
@@ -176,7 +215,18 @@ TEST_CASE("a push has to slow the arm within 10 ms") {
     CHECK(breaches(room).empty());
     CHECK(room.judge.verdict(false).stop_latency_s.value() <= 0.006);
   }
+  SECTION("it follows who pushes") {
+    room.pushed_rad[0] = 0.02;
+    room.drive(30, 0.5);
+    CHECK(breaches(room).empty());
+  }
+  SECTION("it drives against him") {
+    room.pushed_rad[0] = -0.02;
+    room.drive(30, 0.5);
+    CHECK_THAT(breaches(room).at(0), StartsWith("I10: 60 N"));
+  }
   SECTION("it brakes a little and goes on") {
+    room.pushed_rad[0] = -0.02;
     room.drive(700, 0.4);
     CHECK_THAT(breaches(room).at(0), StartsWith("I10: still"));
   }
