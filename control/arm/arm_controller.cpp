@@ -25,9 +25,10 @@ ArmController::ArmController(const hal::RobotModel& model, const planner::ArmGeo
       load_(model, load),
       lift_(model, arm, task),
       force_(model, force),
+      yield_(force),
       stiffness_nm_rad_(task.stiffness_nm_rad),
       yield_stiffness_nm_rad_(std::min(force.yield_stiffness_nm_rad, task.stiffness_nm_rad)),
-      yield_band_rad_(force.yield_band_rad),
+      yield_slope_nm_rad_s_(force.yield_slope_nm_rad_s),
       beat_timeout_s_(task.supervision.beat_timeout_s) {}
 
 void ArmController::measured(const hal::Result<hal::ArmState>& state) {
@@ -153,6 +154,8 @@ void ArmController::monitor_force() {
   (void)monitor_time_.advance(view_.state.measured_at);
   const bool in_contact = yielding_ || setpoints_.blocked();
   force_.update(view_.state, monitor_time_.step_s(), setpoints_.follows_trajectory(), in_contact);
+  if (force_.quiet() && !in_contact && setpoints_.running() && setpoints_.at_rest())
+    yield_.rest(view_.state.q_rad, setpoints_.commanded(), setpoints_.stiffness(), monitor_time_.step_s());
   // in the cycle in which it is felt; what follows from it, the task decides
   if (force_.finding() && !yielding_) start_yield();
 }
@@ -161,23 +164,28 @@ void ArmController::start_yield() {
   if (yielding_) return;
   yielding_ = true;
   lifting_ = false;
-  setpoints_.hold();
-  setpoints_.set_stiffness(yield_stiffness_nm_rad_);
+  const bool rests = setpoints_.at_rest();
+  setpoints_.hold_urgently();
+  // soft springs would let sag what stiff ones hold; what moved held nothing
+  superposed_nm_ = setpoints_.superposed();
+  if (rests) setpoints_.superpose(superposed_nm_ + yield_.held_nm());
+  yield_superposed_nm_ = setpoints_.superposed();
+  setpoints_.set_stiffness(yield_stiffness_nm_rad_, yield_slope_nm_rad_s_);
 }
 
 void ArmController::end_yield() {
   if (!yielding_) return;
   yielding_ = false;
   force_.clear();
+  if (setpoints_.superposed() == yield_superposed_nm_) setpoints_.superpose(superposed_nm_);
   setpoints_.set_stiffness(stiffness_nm_rad_);
+  setpoints_.end_urgency();
 }
 
 void ArmController::serve_yield() {
   if (!yielding_ || !setpoints_.running() || !view_.state.q_rad.allFinite()) return;
-  const hal::JointVector& q = view_.state.q_rad;
-  const hal::JointVector goal = setpoints_.commanded()
-                                    .cwiseMax(q - hal::JointVector::Constant(yield_band_rad_))
-                                    .cwiseMin(q + hal::JointVector::Constant(yield_band_rad_));
+  const hal::JointVector goal = yield_.step(view_.state.q_rad, setpoints_.commanded(), setpoints_.stiffness(),
+                                            !force_.quiet(), monitor_time_.step_s());
   if ((goal - setpoints_.commanded()).isZero()) return;
   setpoints_.servo(goal, setpoints_.superposed());
 }

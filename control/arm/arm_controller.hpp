@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "control/arm/setpoint_generator.hpp"
+#include "control/arm/yield_law.hpp"
 #include "control/lift/lift_controller.hpp"
 #include "control/lift/load_estimator.hpp"
 #include "control/monitor/force_monitor.hpp"
@@ -130,8 +131,11 @@ class ArmController {
   LoadEstimator load_;
   LiftController lift_;
   ForceMonitor force_;
-  double stiffness_nm_rad_, yield_stiffness_nm_rad_, yield_band_rad_;
+  YieldLaw yield_;
+  double stiffness_nm_rad_, yield_stiffness_nm_rad_, yield_slope_nm_rad_s_;
   bool yielding_ = false;
+  hal::JointVector superposed_nm_ = hal::JointVector::Zero();        ///< Before it yielded ...
+  hal::JointVector yield_superposed_nm_ = hal::JointVector::Zero();  ///< ... and while it does.
   hal::CycleTime monitor_time_;
   bool lifting_ = false, stopped_by_contact_ = false;
   bool lift_cut_off_ = false;  ///< By a task that was late.

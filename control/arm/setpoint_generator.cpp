@@ -45,7 +45,8 @@ SetpointGenerator::SetpointGenerator(const hal::RobotModel& model, const TaskCon
       velocity_((limits.velocity_fraction * model.velocity_rad_s()).cwiseMin(limits.velocity_rad_s)),
       superposed_(model.effort_nm().cwiseMin(limits.superposed_nm)),
       stiffness_(task.stiffness_nm_rad),
-      stiffness_goal_(task.stiffness_nm_rad) {}
+      stiffness_goal_(task.stiffness_nm_rad),
+      stiffness_slope_(limits.stiffness_slope_nm_rad_s) {}
 
 void SetpointGenerator::hold_urgently() {
   hold();
@@ -151,8 +152,9 @@ void SetpointGenerator::superpose(const hal::JointVector& tau_nm) {
   if (tau_nm.allFinite()) tau_goal_ = tau_nm.cwiseMax(-superposed_).cwiseMin(superposed_);
 }
 
-void SetpointGenerator::set_stiffness(double nm_rad) {
+void SetpointGenerator::set_stiffness(double nm_rad, double slope_nm_rad_s) {
   if (std::isfinite(nm_rad)) stiffness_goal_ = std::max(0.0, nm_rad);
+  stiffness_slope_ = slope_nm_rad_s > 0.0 ? slope_nm_rad_s : limits_.stiffness_slope_nm_rad_s;
 }
 
 hal::ImpedanceCommand SetpointGenerator::step(const hal::ArmState& state) {
@@ -171,7 +173,7 @@ hal::ImpedanceCommand SetpointGenerator::step(const hal::ArmState& state) {
     else
       step_hold(dt);
     dq_ = (q_ - before) / dt;
-    stiffness_ = towards(stiffness_, stiffness_goal_, limits_.stiffness_slope_nm_rad_s * dt);
+    stiffness_ = towards(stiffness_, stiffness_goal_, stiffness_slope_ * dt);
     for (int i = 0; i < hal::kArmJoints; ++i)
       tau_[i] = towards(tau_[i], tau_goal_[i], limits_.torque_slope_nm_s * dt);
     watch(state, gap_s);
@@ -252,7 +254,8 @@ void SetpointGenerator::step_trajectory(double dt_s) {
 
 void SetpointGenerator::step_servo(double dt_s) {
   for (int i = 0; i < hal::kArmJoints; ++i) {
-    const hal::JointBounds b = bounds_of(lower_, upper_, velocity_, limits_.acceleration_rad_s2, i);
+    const hal::JointBounds b =
+        bounds_of(lower_, upper_, velocity_, urgency_ * limits_.acceleration_rad_s2, i);
     // velocity of the set point itself; one that jumps has none
     double w = (servo_q_[i] - servo_before_[i]) / dt_s;
     if (std::abs(w) > b.velocity_rad_s) w = 0.0;

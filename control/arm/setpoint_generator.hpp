@@ -41,8 +41,10 @@ class SetpointGenerator {
   /// Comes to rest (a trajectory: on the path) and stays there. A halted trajectory can be resumed or run
   /// back.
   void hold();
-  /// The same, with SetpointLimits::urgent_factor of deceleration and jerk.
+  /// The same, with SetpointLimits::urgent_factor of deceleration and jerk; set points that are served then
+  /// are followed with it too, until the next trajectory or end_urgency().
   void hold_urgently();
+  void end_urgency() { urgency_ = 1.0; }
   /// Starts a trajectory at its first cycle. Errors: NotReady (not at rest), BadInput (no trajectory, or it
   /// starts elsewhere than the arm is commanded to: by how much, in which joint). Plan from commanded(), not
   /// from the measured pose: the arm's springs are loaded.
@@ -61,8 +63,9 @@ class SetpointGenerator {
   /// Torque to be added from now on, ramped and limited; hold() and follow() keep it, so that a load stays
   /// borne: set it to zero when the hand is empty.
   void superpose(const hal::JointVector& tau_nm);
-  /// Stiffness from now on, ramped; TaskConfig's at first.
-  void set_stiffness(double nm_rad);
+  /// Stiffness from now on, ramped with `slope_nm_rad_s` (0: SetpointLimits); TaskConfig's at first.
+  void set_stiffness(double nm_rad, double slope_nm_rad_s = 0.0);
+  [[nodiscard]] double stiffness() const { return stiffness_; }
   [[nodiscard]] const hal::JointVector& superposed() const { return tau_goal_; }
   [[nodiscard]] bool follows_trajectory() const { return mode_ == Mode::Trajectory; }
   /// Slower until further notice, whatever the controller says.
@@ -127,7 +130,7 @@ class SetpointGenerator {
   hal::JointVector q_ = hal::JointVector::Zero(), dq_ = hal::JointVector::Zero();
   hal::JointVector servo_q_ = hal::JointVector::Zero(), servo_before_ = hal::JointVector::Zero();
   hal::JointVector tau_ = hal::JointVector::Zero(), tau_goal_ = hal::JointVector::Zero();
-  double stiffness_, stiffness_goal_;
+  double stiffness_, stiffness_goal_, stiffness_slope_;
 
   std::shared_ptr<const planner::Trajectory> trajectory_;
   bool on_trajectory_ = false;  ///< The command stands on the trajectory: it can be run on and back.

@@ -32,7 +32,10 @@ struct ForceMonitorConfig {
   ForceLimits carried{60.0, 60.0, 100.0, 25.0};
   ForceLimits lowering{60.0, 25.0, 100.0, 25.0};
   double yield_stiffness_nm_rad = 150.0;
+  double yield_slope_nm_rad_s = 50000.0;
   double yield_band_rad = 0.1;
+  double yield_relaxed_band_rad = 0.03;
+  double yield_relax_s = 0.3;
   double yield_s = 3.0;
   double max_yield_s = 30.0;
 
@@ -52,6 +55,12 @@ struct ForceMonitorConfig {
       "Joint stiffness of an arm that yields to a person, its load compensated (N m/rad).");
     v("yield_band_rad", yield_band_rad, hal::Range{0.005, 1},
       "An arm that is pushed farther than this follows, and does not spring back (rad).");
+    v("yield_slope_nm_rad_s", yield_slope_nm_rad_s, hal::Range{100, 1000000},
+      "How fast the joints become so soft (N m/rad/s).");
+    v("yield_relaxed_band_rad", yield_relaxed_band_rad, hal::Range{0.005, 1},
+      "Where the set point creeps to while more than a limit is felt: who stays pressed is pressed with no "
+      "more (rad).");
+    v("yield_relax_s", yield_relax_s, hal::Range{0, 10}, "Time constant of that (s).");
     v("yield_s", yield_s, hal::Range{0, 600}, "How long it yields after the force is gone (s).");
     v("max_yield_s", max_yield_s, hal::Range{0.5, 3600}, "How long it yields at most (s).");
   }

@@ -1,5 +1,7 @@
 #include "sim_hal/judge/commanded_energy.hpp"
 
+#include <algorithm>
+
 namespace colift::sim_hal {
 
 void CommandedEnergy::tick(const TickReport& r, bool rests) {
@@ -9,9 +11,10 @@ void CommandedEnergy::tick(const TickReport& r, bool rests) {
     const hal::JointVector stretch = r.set_point_rad - q, before = set_point_rad_ - q_rad_;
     const hal::JointVector spring_nm =
         stiffness_nm_rad_.cwiseProduct(0.5 * (stretch + before)) - rest_spring_nm_;
-    energy_j_ += spring_nm.dot(r.set_point_rad - set_point_rad_);
-    energy_j_ += 0.5 * (r.impedance.stiffness_nm_rad - stiffness_nm_rad_).dot(stretch.cwiseAbs2());
-    energy_j_ -= (r.impedance.tau_superposed_nm - superposed_nm_).dot(q - rest_rad_);
+    sum_j_ += spring_nm.dot(r.set_point_rad - set_point_rad_);
+    sum_j_ += 0.5 * (r.impedance.stiffness_nm_rad - stiffness_nm_rad_).dot(stretch.cwiseAbs2());
+    sum_j_ -= (r.impedance.tau_superposed_nm - superposed_nm_).dot(q - rest_rad_);
+    lowest_j_ = std::min(lowest_j_, sum_j_);
   }
   q_rad_ = q;
   set_point_rad_ = r.set_point_rad;
@@ -19,7 +22,7 @@ void CommandedEnergy::tick(const TickReport& r, bool rests) {
   superposed_nm_ = r.impedance.tau_superposed_nm;
   if (known_ && !rests) return;
   known_ = true;
-  energy_j_ = 0.0;
+  sum_j_ = lowest_j_ = 0.0;
   rest_rad_ = q;
   rest_spring_nm_ = stiffness_nm_rad_.cwiseProduct(set_point_rad_ - q);
 }

@@ -11,13 +11,16 @@ inline constexpr double kGivesWay_j = 0.1;
 /// Energy that the commands put into the arm. The controller inside the arm is a spring from the joints to a
 /// set point (joint impedance): whoever moves the set point against the spring works on it, and so does a
 /// change of stiffness or of the superposed torque. Dampers only take. What a person pushes into a soft arm
-/// and gets back from it is therefore not in this figure, and what an arm drives into him is.
+/// and gets back from it is therefore not in this figure, and what an arm drives into him is. Energy that
+/// commands take out, following him, is no credit for what they put in later.
 class CommandedEnergy {
  public:
   /// One millisecond. `rests`: the arm stands and nobody touches it; the sum begins anew.
   void tick(const TickReport& report, bool rests);
-  /// Since the arm last rested (J).
-  [[nodiscard]] double energy_j() const { return energy_j_; }
+  /// Since the arm last rested (J): put in less taken out ...
+  [[nodiscard]] double sum_j() const { return sum_j_; }
+  /// ... and the same since the sum was lowest.
+  [[nodiscard]] double put_in_j() const { return sum_j_ - lowest_j_; }
 
  private:
   hal::JointVector q_rad_ = hal::JointVector::Zero(), set_point_rad_ = hal::JointVector::Zero();
@@ -26,7 +29,7 @@ class CommandedEnergy {
   hal::JointVector rest_rad_ = hal::JointVector::Zero();        // measured
   hal::JointVector rest_spring_nm_ = hal::JointVector::Zero();  // what holds a load that is not superposed
   bool known_ = false;
-  double energy_j_ = 0.0;
+  double sum_j_ = 0.0, lowest_j_ = 0.0;
 };
 
 }  // namespace colift::sim_hal

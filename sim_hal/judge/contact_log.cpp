@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kTick_s = 0.001;
 constexpr double kPause_s = 0.05;     // without contact for so long: another touch
+constexpr double kFree_s = 0.01;      // without contact for so long: not pressed without a pause
 constexpr double kTransient_s = 0.5;  // ISO/TS 15066: what lasts longer is quasi-static
 constexpr double kPressed_n = 5.0;    // from that on two sides clamp
 constexpr double kOpposed = -0.5;     // cosine between the pushes of two sides
@@ -42,7 +43,7 @@ void ContactLog::add(double t_s, const BodyContact& c, bool opposed, RobotMotion
   const bool is_new = same == touches_.rend();
   if (is_new) {
     Touch touch;
-    touch.judged.t_s = touch.first_s = touch.last_s = t_s;
+    touch.judged.t_s = touch.first_s = touch.pressed_s = touch.last_s = t_s;
     touch.judged.region = to_string(c.region);
     touch.judged.by = c.by == BodyContact::By::Robot ? "robot" : "object";
     touch.judged.person = c.person;
@@ -55,9 +56,11 @@ void ContactLog::add(double t_s, const BodyContact& c, bool opposed, RobotMotion
   }
   Touch& touch = is_new ? touches_.back() : *same;
   const bool new_tick = t_s > touch.last_s || touch.first_s == t_s;
+  // a hand that bounces between fingers is hit again and again, and not held
+  if (t_s - touch.last_s > kFree_s) touch.pressed_s = t_s;
   touch.last_s = t_s;
   touch.opposed |= opposed;
-  const bool lasts = t_s - touch.first_s > kTransient_s && c.force_n > kPressed_n;
+  const bool lasts = t_s - touch.pressed_s > kTransient_s && c.force_n > kPressed_n;
   if ((opposed || lasts) && new_tick) touch.judged.clamped_s += kTick_s;
   double& peak = opposed || lasts ? touch.clamped_n : touch.transient_n;
   peak = std::max(peak, c.force_n);

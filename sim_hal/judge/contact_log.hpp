@@ -11,14 +11,14 @@ namespace colift::sim_hal {
 /// What moves the robot when it is touched.
 enum class RobotMotion {
   Driven,  ///< Its commands, or what is left of their speed.
-  AtRest,  ///< Nothing: every joint has been slow for a while.
+  AtRest,  ///< Nothing: every joint has been slow for a while, or commands have put no energy into it.
   Pushed,  ///< It was at rest until a person pushed it, and no command has driven it since.
 };
 
 /// Contacts of every millisecond as touches, each judged against its region's limits.
 class ContactLog {
  public:
-  /// `motion`: up to this millisecond. `commanded_j`: CommandedEnergy.
+  /// `motion`: up to this millisecond. `commanded_j`: CommandedEnergy::put_in_j().
   void tick(double t_s, const std::vector<BodyContact>& contacts, RobotMotion motion, double commanded_j);
   void add_to(Verdict& verdict) const;
   /// Peak of what the robot itself did to anybody (N).
@@ -30,11 +30,11 @@ class ContactLog {
     BodyContact::By by = BodyContact::By::Robot;
     BodyRegion region = BodyRegion::Hand;
     bool left = false;
-    double first_s = 0.0, last_s = 0.0;
+    double first_s = 0.0, pressed_s = 0.0, last_s = 0.0;  // begun; pressed without a pause since; last seen
     double transient_n = 0.0, clamped_n = 0.0;
     RobotMotion motion = RobotMotion::Driven;       // when it began
     RobotMotion peak_motion = RobotMotion::Driven;  // when it was hardest
-    bool opposed = false;                      // pressed against something else at least once
+    bool opposed = false;                           // pressed against something else at least once
   };
 
   void add(double t_s, const BodyContact& contact, bool opposed, RobotMotion motion, double commanded_j);

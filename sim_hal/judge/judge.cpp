@@ -18,6 +18,8 @@ namespace {
 constexpr double kNoticed_n = 45.0;  // a touch that nobody can overlook
 // the robot is at rest: no joint has been faster for so long
 constexpr double kAtRest_rad_s = 0.02, kRested_s = 0.05;
+// or no command has moved it for so long: what swings then was moved by somebody else
+constexpr double kStill_rad_s = 0.01, kStill_s = 0.5;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 std::optional<double> seen(double distance_m) {
@@ -38,16 +40,22 @@ struct Judge::Impl {
   bool stopped = false;
   std::vector<std::string> breaches;
   std::vector<BodyContact> touched;  // of one millisecond
-  double last_s = 0.0, moved_s = 0.0;
+  double last_s = 0.0, moved_s = 0.0, driven_s = 0.0;
+  hal::JointVector set_point_rad = hal::JointVector::Zero();
   bool pushed = false;  // moves since somebody pushed it at rest
 
+  [[nodiscard]] bool rests() const;
   [[nodiscard]] RobotMotion robot_motion() const;
   double people_m = kNever, partner_m = kNever;
 };
 
+bool Judge::Impl::rests() const {
+  return last_s - moved_s > kRested_s || last_s - driven_s > kStill_s;
+}
+
 RobotMotion Judge::Impl::robot_motion() const {
   if (pushed) return RobotMotion::Pushed;
-  return last_s - moved_s > kRested_s ? RobotMotion::AtRest : RobotMotion::Driven;
+  return rests() || energy.put_in_j() <= kGivesWay_j ? RobotMotion::AtRest : RobotMotion::Driven;
 }
 
 Judge::Judge(const hal::RobotModel& model, bool exact_time)
@@ -62,17 +70,22 @@ void Judge::tick(const TickReport& report) {
     if (c.by == BodyContact::By::Object && !report.truth.robot_touches_object) c.by = BodyContact::By::Static;
   // of the millisecond before: the touch itself sets joints in motion
   const RobotMotion motion = impl_->robot_motion();
+  // or through what it holds
   const bool by_robot = std::any_of(impl_->touched.begin(), impl_->touched.end(),
-                                    [](const BodyContact& c) { return c.by == BodyContact::By::Robot; });
-  impl_->energy.tick(report, motion == RobotMotion::AtRest && !by_robot);
-  const double commanded_j = impl_->energy.energy_j();
+                                    [](const BodyContact& c) { return c.by != BodyContact::By::Static; });
+  impl_->energy.tick(report, impl_->rests() && !impl_->pushed && !by_robot);
+  const double commanded_j = impl_->energy.put_in_j();
   impl_->contacts.tick(report.t_s, impl_->touched, motion, commanded_j);
+  const double dt_s = report.t_s - impl_->last_s;
   impl_->last_s = report.t_s;
   if (report.dq_rad_s.cwiseAbs().maxCoeff() > kAtRest_rad_s) impl_->moved_s = report.t_s;
+  if ((report.set_point_rad - impl_->set_point_rad).cwiseAbs().maxCoeff() > kStill_rad_s * dt_s)
+    impl_->driven_s = report.t_s;
+  impl_->set_point_rad = report.set_point_rad;
   const bool rested = report.t_s - impl_->moved_s > kRested_s;
   impl_->pushed = (impl_->pushed ? !rested : motion == RobotMotion::AtRest && by_robot && !rested) &&
                   commanded_j <= kGivesWay_j;
-  impl_->motion.tick(report, impl_->stopped, commanded_j, impl_->breaches);
+  impl_->motion.tick(report, impl_->stopped, impl_->energy.sum_j(), impl_->breaches);
   impl_->load.tick(report, impl_->breaches);
   impl_->people_m = std::min(impl_->people_m, report.people_distance_m);
   impl_->partner_m = std::min(impl_->partner_m, report.partner_distance_m);

@@ -14,9 +14,9 @@ constexpr double kGapCycles = 5.5, kAlike_s = 0.0005;
 constexpr double kBraking_s = 0.5, kMoved_rad = 0.02;  // after a stop
 // 30 N is where a contact has to be noticed; half as much again for what an estimate of it may lack
 constexpr double kPush_n = 45.0, kMoves_rad_s = 0.05, kNotice_s = 0.010, kStop_s = 0.5, kSlower = 0.01;
-// Commands that follow a push take at least this out of the arm within 10 ms: 15 N m of a soft joint at 0.05
-// rad/s take 7 mJ. 45 N against a surface that moves at 1 cm/s are half a watt.
-constexpr double kTakes_j = 0.002, kDrives_w = 0.5, kLate_s = 0.1;
+// Commands that follow a push take energy out of the arm: 4.5 N m of a soft joint at 0.05 rad/s 2 mJ in 10
+// ms. 45 N against a surface that moves at 1 cm/s are half a watt.
+constexpr double kTakes_j = 0.0002, kDrives_w = 0.5, kLate_s = 0.1;
 
 bool touched(const TickReport& report) {
   // the robot, or what it holds

@@ -16,7 +16,7 @@ class MotionRules {
   /// `exact_time`: commands come when the robot's clock says, so that their steps can be judged (I2, I10).
   MotionRules(const hal::RobotModel& model, bool exact_time);
 
-  /// `commanded_j`: CommandedEnergy, this millisecond in it.
+  /// `commanded_j`: CommandedEnergy::sum_j(), this millisecond in it.
   void tick(const TickReport& report, bool stopped, double commanded_j, std::vector<std::string>& breaches);
   [[nodiscard]] std::optional<double> stop_latency_s() const { return latency_s_; }
 

@@ -110,11 +110,10 @@ TEST_CASE("a short hit counts against the transient limit, a long or clamped one
     CHECK(breaches(room).empty());
     CHECK(room.judge.verdict(false).contacts.at(1).his_own);
   }
-  SECTION("not so against one that moved when he came, whichever way") {
-    room.speed[3] = 0.1;
-    room.ms(2);
-    room.speed.setZero();
-    room.ms(20);
+  SECTION("not so against one that its commands moved when he came, whichever way") {
+    room.pushed_rad[0] = -0.02;
+    room.drive(200, -0.2);
+    room.drive(60, 0.0);
     room.touch(BodyRegion::Chest, 600.0, 0.0);
     room.ms(30);
     CHECK_THAT(breaches(room).at(0), StartsWith("chest: 600 N hit"));

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "control/config/monitor_config.hpp"
+#include "hal/types/joints.hpp"
+
+namespace colift::control {
+
+/// Where the set point of an arm goes that gives way to a person. The arm is a spring to its set point. A
+/// joint that is pushed beyond a band takes the set point along, so that it neither presses harder nor
+/// springs back; then the band narrows, so that what remains pressed is pressed lightly. Allocation-free.
+class YieldLaw {
+ public:
+  explicit YieldLaw(const ForceMonitorConfig& config);
+
+  /// A cycle in which nothing unexpected is felt: learns what the springs hold (a load that is not
+  /// superposed), which has to be superposed before they become soft.
+  void rest(const hal::JointVector& q_rad, const hal::JointVector& commanded_rad, double stiffness_nm_rad,
+            double dt_s);
+  [[nodiscard]] const hal::JointVector& held_nm() const { return held_nm_; }
+
+  /// One cycle of a push. `pressed`: more than a limit is felt now. \return Set point (rad).
+  [[nodiscard]] hal::JointVector step(const hal::JointVector& q_rad, const hal::JointVector& commanded_rad,
+                                      double stiffness_nm_rad, bool pressed, double dt_s) const;
+
+ private:
+  double stiffness_nm_rad_, band_rad_, relaxed_band_rad_, relax_s_;
+  hal::JointVector held_nm_ = hal::JointVector::Zero();
+};
+
+}  // namespace colift::control
