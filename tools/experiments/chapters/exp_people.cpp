@@ -17,31 +17,34 @@ namespace {
 
 constexpr double kSeenBefore_s = 0.5;  // in view so long before: the arm has to be at rest when he is touched
 constexpr double kAtRest_rad_s = 0.02;
-constexpr const char* kRanInto = "he came against an arm at rest";
 
 /// What the robot did to people in one lift.
 struct Touches {
   int count = 0;
-  std::string region;  ///< Of the touch that comes nearest to its limit ...
-  double peak_n = NAN, of_limit = NAN;
-  double clamped_s = 0.0, robot_m_s = NAN;
-  bool within = true, own_beyond = false;
+  /// Of the touch that is worst: first one beyond its limit that is not his own, then one that is, then the
+  /// one nearest to its limit.
+  std::string region;
+  double peak_n = NAN, of_limit = NAN, robot_m_s = NAN, commanded_j = NAN;
+  double clamped_s = 0.0;
+  int worst = -1;  ///< 0 within, 1 his own beyond, 2 the robot's beyond.
+
+  [[nodiscard]] const char* forces() const { return worst == 2 ? "beyond" : worst == 1 ? "own" : "within"; }
 };
 
 Touches touches(const sim_hal::Verdict& verdict) {
   Touches t;
   for (const sim_hal::JudgedContact& c : verdict.contacts) {
     // whatever pressed him, the object too; who ran into an arm at rest is counted on its own
-    const bool beyond = c.counts_n > c.limit_n;
-    t.within = t.within && (!beyond || c.his_own);
-    t.own_beyond = t.own_beyond || (beyond && c.his_own);
     if (c.by == "robot" && c.person >= 0) ++t.count;
     t.clamped_s = std::max(t.clamped_s, c.clamped_s);
-    t.robot_m_s = std::max(std::isnan(t.robot_m_s) ? 0.0 : t.robot_m_s, c.robot_m_s);
     const double of_limit = c.counts_n / c.limit_n;
-    if (of_limit <= t.of_limit) continue;
+    const int kind = of_limit <= 1.0 ? 0 : c.his_own ? 1 : 2;
+    if (kind < t.worst || (kind == t.worst && of_limit <= t.of_limit)) continue;
+    t.worst = kind;
     t.of_limit = of_limit;
-    t.peak_n = c.force_n;
+    t.peak_n = c.counts_n;
+    t.robot_m_s = c.robot_m_s;
+    t.commanded_j = c.commanded_j;
     t.region = (c.person < 0 ? "partner's " : "") + c.region + (c.by == "robot" ? "" : " by the object");
   }
   return t;
@@ -60,7 +63,7 @@ TrialRows run(const Trial& trial) {
   hooks.each_tick = [&](const sim_hal::TickReport& report) { view->tick(report); };
   const auto lift = run_whole_lift(scene.scenario, trial.method, trial.own_seed(32), hooks);
   if (!lift) {
-    rows.row.resize(rows.row.size() + 17);
+    rows.row.resize(rows.row.size() + 18);
     rows.row.push_back(lift.error().text());
     rows.words = name + ": " + lift.error().text();
     return rows;
@@ -75,25 +78,29 @@ TrialRows run(const Trial& trial) {
   if (in_view && !rested)
     missed.push_back(fmt::format("touched at {:.2f} s by an arm at {:.2f} rad/s", *view->touched_s(),
                                  view->joint_rad_s()));
-  if (!t.within)
+  if (t.worst == 2)
     missed.push_back(
         fmt::format("{}: {:.0f} N, {:.0f} % of its limit", t.region, t.peak_n, 100.0 * t.of_limit));
-  // why, as far as the world tells
+  // why, as far as the world tells, of the touch that is beyond its limit
   std::string reason;
-  if (!missed.empty()) reason = "nobody was touched by the robot";
-  if (!missed.empty() && touched)
-    reason = rested ? kRanInto : in_view ? "the arm still moved" : "not in view 0.5 s before, the arm moved";
+  if (!missed.empty() && t.worst == 2)
+    reason = t.commanded_j > 0.1 ? fmt::format("commands had put {:.1f} J into the arm", t.commanded_j)
+                                 : "held between two sides, or pressed for more than 0.5 s";
+  if (t.worst == 1) reason = "he ran into an arm that no command drove";
+  if (reason.empty() && !missed.empty())
+    reason = !touched  ? "nobody was touched by the robot"
+             : rested  ? "the arm was at rest when he touched it"
+             : in_view ? "the arm still moved"
+                       : "not in view 0.5 s before, the arm moved";
   const bool came = v.min_distance_m.has_value();
   for (const std::string& text :
        {std::string(word(lift->record.outcome)), cell(came), cell(t.count),
         touched ? cell(*view->touched_s()) : std::string(), t.region, cell(t.peak_n), cell(t.of_limit),
-        std::string(!t.within      ? "beyond"
-                    : t.own_beyond ? "own"
-                                   : "within"),
-        cell(t.clamped_s), cell(t.robot_m_s), touched ? cell(view->joint_rad_s()) : std::string(),
-        touched ? cell(in_view) : std::string(), cell(v.min_distance_m.value_or(NAN)),
-        cell(v.stop_latency_s.value_or(NAN)), cell(static_cast<int>(v.breaches.size())),
-        fmt::format("{}", fmt::join(missed, "; ")), reason, lift->record.reason})
+        std::string(t.forces()), cell(t.clamped_s), cell(t.robot_m_s), cell(t.commanded_j),
+        touched ? cell(view->joint_rad_s()) : std::string(), touched ? cell(in_view) : std::string(),
+        cell(v.min_distance_m.value_or(NAN)), cell(v.stop_latency_s.value_or(NAN)),
+        cell(static_cast<int>(v.breaches.size())), fmt::format("{}", fmt::join(missed, "; ")), reason,
+        lift->record.reason})
     rows.row.push_back(text);
   rows.words = fmt::format("{}, {}, {}+{:.1f}: {}{}{}", name, scene.scenario.object.kind, person.in_state,
                            person.enters_s, word(lift->record.outcome),
@@ -102,18 +109,15 @@ TrialRows run(const Trial& trial) {
 }
 
 std::vector<Figure> figures(const Results& r) {
-  int n = 0, came = 0, touched = 0, silent = 0, within = 0, own = 0, others = 0, others_within = 0, seen = 0,
-      rested = 0;
+  int n = 0, came = 0, touched = 0, silent = 0, within = 0, own = 0, beyond = 0, seen = 0, rested = 0;
   std::vector<double> distances, latencies;
   for (const Row& row : r.trials.rows()) {
     if (r.trials.text(row, "outcome").empty()) continue;
     ++n;
     silent += r.trials.number(row, "breaches") == 0.0;
-    within += r.trials.text(row, "forces") != "beyond";
-    const bool ran_into = r.trials.text(row, "reason") == kRanInto;
-    own += ran_into;
-    others += !ran_into;
-    others_within += !ran_into && r.trials.text(row, "forces") != "beyond";
+    within += r.trials.text(row, "forces") == "within";
+    own += r.trials.text(row, "forces") == "own";
+    beyond += r.trials.text(row, "forces") == "beyond";
     if (r.trials.number(row, "came") == 0.0) continue;
     ++came;
     distances.push_back(r.trials.number(row, "min_distance_m"));
@@ -124,17 +128,16 @@ std::vector<Figure> figures(const Results& r) {
     ++seen;
     rested += r.trials.number(row, "joint_rad_s") < kAtRest_rad_s;
   }
-  return {
-      {"came", "trials in which somebody came", rate(came, n), "%"},
-      {"touched", "of them: robot and he touched", rate(touched, came), "%"},
-      {"at_rest", "touched, in view 0.5 s before: arm at rest", rate(rested, seen), "%", 0.99, true},
-      {"within_limits", "all forces within the region's limits", rate(within, n), "%", 1.0, true},
-      {"ran_into", "missed: he came against an arm at rest", rate(own, n), "%"},
-      {"others_within", "all others: forces within the limits", rate(others_within, others), "%", 1.0, true},
-      {"silent", "trials without a breach of the judge", rate(silent, n), "%", 1.0, true},
-      {"distance_p05", "smallest distance, 5 % below", quantile_estimate(distances, 0.05), "m"},
-      {"stop_latency_p95", "45 N to the first slower command, 95 % below", quantile_estimate(latencies, 0.95),
-       "ms", 10.0, false}};
+  return {{"came", "trials in which somebody came", rate(came, n), "%"},
+          {"touched", "of them: robot and he touched", rate(touched, came), "%"},
+          {"at_rest", "touched, in view 0.5 s before: arm at rest", rate(rested, seen), "%", 0.99, true},
+          {"within_limits", "all forces within the region's limits", rate(within, n), "%", 1.0, true},
+          {"own", "beyond them by his own motion alone", rate(own, n), "%"},
+          {"beyond", "beyond them, and the robot had a part in it", rate(beyond, n), "%", 0.0, false},
+          {"silent", "trials without a breach of the judge", rate(silent, n), "%", 1.0, true},
+          {"distance_p05", "smallest distance, 5 % below", quantile_estimate(distances, 0.05), "m"},
+          {"stop_latency_p95", "45 N to the first slower command, 95 % below",
+           quantile_estimate(latencies, 0.95), "ms", 10.0, false}};
 }
 
 picture::Canvas plot(const Results& r) {
@@ -170,10 +173,10 @@ Experiment people_experiment() {
       "those "
       "of the simulation's judge. In view: at least 10 of 160 x 120 rays of the camera meet him first.";
   e.default_trials = 1000;
-  e.columns = {"scene",          "object",    "state",     "enters_s",    "speed",   "outcome",
-               "came",           "touches",   "touched_s", "region",      "peak_n",  "of_limit",
-               "forces",         "clamped_s", "robot_m_s", "joint_rad_s", "in_view", "min_distance_m",
-               "stop_latency_s", "breaches",  "missed",    "reason",      "because"};
+  e.columns = {"scene",          "object",         "state",     "enters_s",    "speed",       "outcome",
+               "came",           "touches",        "touched_s", "region",      "peak_n",      "of_limit",
+               "forces",         "clamped_s",      "robot_m_s", "commanded_j", "joint_rad_s", "in_view",
+               "min_distance_m", "stop_latency_s", "breaches",  "missed",      "reason",      "because"};
   e.run = run;
   e.figures = figures;
   e.plot = plot;

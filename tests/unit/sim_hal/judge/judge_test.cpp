@@ -111,7 +111,8 @@ TEST_CASE("a short hit counts against the transient limit, a long or clamped one
     CHECK(room.judge.verdict(false).contacts.at(1).his_own);
   }
   SECTION("not so against one that its commands moved when he came, whichever way") {
-    room.pushed_rad[0] = -0.02;
+    room.drive(20, -0.2);
+    room.pushed_rad[0] = 0.02;
     room.drive(200, -0.2);
     room.drive(60, 0.0);
     room.touch(BodyRegion::Chest, 600.0, 0.0);
