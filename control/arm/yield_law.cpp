@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kRest_s = 0.2;     // time constant of what the springs hold
 constexpr double kMaxHeld_nm = 10;  // more is no error of a load's estimate
+constexpr double kSwings_rad_s = 0.1;
 
 }  // namespace
 
@@ -26,16 +27,22 @@ void YieldLaw::rest(const hal::JointVector& q_rad, const hal::JointVector& comma
 }
 
 hal::JointVector YieldLaw::step(const hal::JointVector& q_rad, const hal::JointVector& commanded_rad,
-                                double stiffness_nm_rad, bool pressed, double dt_s) const {
-  const auto within = [&](const hal::JointVector& from, double band) -> hal::JointVector {
-    return from.cwiseMax((q_rad.array() - band).matrix()).cwiseMin((q_rad.array() + band).matrix());
-  };
+                                double stiffness_nm_rad, bool pressed, double dt_s) {
   // while the joints are still stiff the band is the narrower: what counts is the torque
   const double soft = std::min(1.0, stiffness_nm_rad_ / std::max(stiffness_nm_rad, 1.0));
-  hal::JointVector goal = within(commanded_rad, soft * band_rad_);
-  if (!pressed || dt_s <= 0.0) return goal;
-  const double part = relax_s_ > 0.0 ? 1.0 - std::exp(-dt_s / relax_s_) : 1.0;
-  goal += part * (within(goal, soft * relaxed_band_rad_) - goal);
+  const double band = soft * band_rad_, relaxed = soft * relaxed_band_rad_;
+  const double part = pressed && dt_s > 0.0 && relax_s_ > 0.0 ? 1.0 - std::exp(-dt_s / relax_s_) : 0.0;
+  hal::JointVector goal = commanded_rad;
+  for (int i = 0; i < hal::kArmJoints; ++i) {
+    const double away = q_rad[i] - commanded_rad[i];
+    const double moved = last_known_ ? q_rad[i] - last_rad_[i] : 0.0;
+    const bool swings_out = std::copysign(1.0, away) * moved > kSwings_rad_s * dt_s;
+    if (pressed || swings_out) goal[i] += away - std::clamp(away, -band, band);
+    const double left = q_rad[i] - goal[i];
+    goal[i] += part * (left - std::clamp(left, -relaxed, relaxed));
+  }
+  last_rad_ = q_rad;
+  last_known_ = true;
   return goal;
 }
 

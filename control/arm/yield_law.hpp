@@ -7,7 +7,8 @@ namespace colift::control {
 
 /// Where the set point of an arm goes that gives way to a person. The arm is a spring to its set point. A
 /// joint that is pushed beyond a band takes the set point along, so that it neither presses harder nor
-/// springs back; then the band narrows, so that what remains pressed is pressed lightly. Allocation-free.
+/// springs back; then the band narrows, so that what remains pressed is pressed lightly. A load that is
+/// compensated wrongly drifts slowly and breaks no limit: it is not followed. Allocation-free.
 class YieldLaw {
  public:
   explicit YieldLaw(const ForceMonitorConfig& config);
@@ -20,10 +21,12 @@ class YieldLaw {
 
   /// One cycle of a push. `pressed`: more than a limit is felt now. \return Set point (rad).
   [[nodiscard]] hal::JointVector step(const hal::JointVector& q_rad, const hal::JointVector& commanded_rad,
-                                      double stiffness_nm_rad, bool pressed, double dt_s) const;
+                                      double stiffness_nm_rad, bool pressed, double dt_s);
 
  private:
   double stiffness_nm_rad_, band_rad_, relaxed_band_rad_, relax_s_;
+  hal::JointVector last_rad_ = hal::JointVector::Zero();  // measured one cycle ago
+  bool last_known_ = false;
   hal::JointVector held_nm_ = hal::JointVector::Zero();
 };
 
