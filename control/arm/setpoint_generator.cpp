@@ -12,6 +12,7 @@ namespace colift::control {
 namespace {
 
 constexpr double kAtRest_rad_s = 1e-9;   // of what is commanded: rounding errors only
+constexpr double kGapCycles = 5.5;       // the controller moves on by itself over no more
 constexpr double kRejoin_s = 0.5;        // searched: of a trajectory, on both sides of where it was cut off
 constexpr int kRejoinSteps = 50;         // of 10 ms: a few cycles
 constexpr double kRateSlope_s = 25.0;    // 1/s: where a trajectory hardly moves its speed may change at once
@@ -160,7 +161,9 @@ void SetpointGenerator::set_stiffness(double nm_rad, double slope_nm_rad_s) {
 hal::ImpedanceCommand SetpointGenerator::step(const hal::ArmState& state) {
   const double gap_s = time_.advance(state.measured_at);
   const bool usable = state.may_command && state.q_rad.allFinite();
-  if (!usable || !running_ || std::abs(gap_s) > limits_.gap_s) {
+  // with a long period of the arm a few of its cycles are no gap
+  const double longest_s = std::max(limits_.gap_s, kGapCycles * time_.period_s());
+  if (!usable || !running_ || std::abs(gap_s) > longest_s) {
     start_from(state, usable);
   } else if (gap_s > 0.0) {
     const double dt = time_.step_s();

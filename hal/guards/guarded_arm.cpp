@@ -25,6 +25,7 @@ constexpr double kStartTorque_nm = 1.0;       // the arm's controller asks for n
 constexpr double kBeyondStop_rad = 0.1;       // the arm's own limits end there; a state beyond is garbage
 constexpr double kJumpParts = 2.0;  // of the velocity limit: faster than any arm, slower than garbage
 constexpr double kJump_rad = 0.01;
+constexpr double kGapCycles = 5.5;  // over no more the arm moves on by itself
 constexpr double kStuck_s = 0.1;
 constexpr double kStuck_rad = 0.01;
 
@@ -259,7 +260,8 @@ Result<ArmState> GuardedArm::wait_cycle() {
                     fmt::format("a state {:.3f} ms after the last one: doubled or out of order",
                                 1e3 * seconds(state->measured_at - *g.time.last())));
   const double gap_s = g.time.advance(state->measured_at);
-  if (!state->may_command || gap_s > g.config.stale_s) g.engaged = false;
+  if (!state->may_command || gap_s > std::max(g.config.stale_s, kGapCycles * g.time.period_s()))
+    g.engaged = false;
 
   if (const auto why = g.implausible(*state)) {
     g.brake();

@@ -9,8 +9,7 @@ namespace colift::hal {
 namespace {
 
 constexpr double kRounding = 1e-6;
-constexpr double kMinSlack_s = 0.001;   // an ordinary kernel's jitter is not a lost datagram
-constexpr double kShortest_s = 0.0005;  // a sample time below that is none
+constexpr double kMinSlack_s = 0.001;  // an ordinary kernel's jitter is not a lost datagram
 constexpr double kWrenchSlope_n_s = 500.0, kWrenchSlope_nm_s = 100.0;
 constexpr int kGapCycles = 5;
 
@@ -58,7 +57,9 @@ FriDriver::FriDriver(const FriConfig& c, const Endpoint& krc, std::unique_ptr<Da
       hand_shake(make_hand_shake(c.script, mode.strategy)),
       joint_({lwr_limit_rad(), c.velocity_fraction * lwr_velocity_rad_s(), c.acceleration_rad_s2}),
       cart_({c.cart_velocity_m_s, c.cart_velocity_rad_s, 1.0, 3.0}),
-      period_s_(1e-3 * c.cycle_ms) {
+      sample_(1e-3 * c.cycle_ms),
+      period_s_(sample_.period_s()),
+      limit_s_(period_s_) {
   start_gains();
 }
 
@@ -69,7 +70,8 @@ void FriDriver::reset() {
   m = FriMeasurement{};
   open = seen = quiet = commanded_ = first_ = false;
   arrived_at_ = due_ = Timestamp{0};
-  period_s_ = 1e-3 * config.cycle_ms;
+  sample_ = SamplePeriod(1e-3 * config.cycle_ms);
+  period_s_ = limit_s_ = sample_.period_s();
   steps_ = 1;
   krl_ = KrlChannels{};
   status = FriStatus{};
@@ -102,7 +104,8 @@ FriDriver::Took FriDriver::take() {
     const Timestamp then = clock.now();
     due_ = std::max(due_ + period, then + period);
     const double silent_s = seconds(then - arrived_at_);
-    const bool lost = silent_s > config.silent_s, broken = got == FriExchange::Got::Broken;
+    const bool lost = silent_s > std::max(config.silent_s, (kGapCycles + 0.5) * period_s_),
+               broken = got == FriExchange::Got::Broken;
     // a quarter of a period for the clock's and the machine's own jitter
     session.silence(std::floor(silent_s / period_s_ - 0.25), seen && lost, broken);
     if (lost) wire.gate().unlock();
@@ -112,8 +115,10 @@ FriDriver::Took FriDriver::take() {
   seen = open = true;
   commanded_ = false;
   arrived_at_ = packet.arrived_at;
-  if (static_cast<double>(m.measurement_period_s) >= kShortest_s)
-    period_s_ = static_cast<double>(m.measurement_period_s);
+  sample_.packet(static_cast<double>(m.measurement_period_s), arrived_at_, packet.cycles,
+                 packet.first || packet.restarted, m.state == FriState::Command);
+  period_s_ = sample_.period_s();
+  limit_s_ = sample_.limit_s();
   due_ = arrived_at_ + Duration(static_cast<Duration::rep>(1e9 * period_s_)) + slack;
   measured_at_ = packet.first || packet.restarted
                      ? packet_clock_.start(arrived_at_)
@@ -215,15 +220,20 @@ FriLimit FriDriver::set(const ImpedanceCommand& c) {
       return {What::Torque, axis, c.tau_superposed_nm[i], most};
   }
   if (const FriLimit bad = set_position(c.q_rad); bad.what != What::None) return bad;
-  const double change = config.superposed_slope_nm_s * period_s_;
+  const double change = config.superposed_slope_nm_s * limit_s_;
   for (int i = 0; i < kArmJoints; ++i) tau_[i] = towards(tau_[i], c.tau_superposed_nm[i], change);
   stiffness_ = c.stiffness_nm_rad;
   damping_ = c.damping_ratio;
   return {};
 }
 
+double FriDriver::speed_fraction() const {
+  const double reported = m.safety_limits > 0.0F ? static_cast<double>(m.safety_limits) : 1.0;
+  return reported * limit_s_ / period_s_;
+}
+
 FriLimit FriDriver::set_position(const JointVector& q_rad) {
-  const FriLimit bad = joint_.command(q_rad, steps_, period_s_, static_cast<double>(m.safety_limits));
+  const FriLimit bad = joint_.command(q_rad, steps_, period_s_, speed_fraction());
   if (bad.what != FriLimit::What::None) return bad;
   commanded_ = true;
   first_ = false;
@@ -243,13 +253,13 @@ FriLimit FriDriver::set(const JointVector* posture_rad, const Pose& X, const Six
       return {What::Damping, axis, damping_ratio[i], 1.0};
     if (!(std::abs(wrench[i]) <= most)) return {What::Wrench, axis, wrench[i], most};
   }
-  const double part = static_cast<double>(m.safety_limits);
+  const double part = speed_fraction();
   if (const FriLimit bad = cart_.command(X, steps_, period_s_, part); bad.what != What::None) return bad;
   if (posture_rad != nullptr && !mirrors_joints())
     if (const FriLimit bad = joint_.command(*posture_rad, steps_, period_s_, part); bad.what != What::None)
       return bad;
   for (int i = 0; i < 6; ++i)
-    wrench_[i] = towards(wrench_[i], wrench[i], (i < 3 ? kWrenchSlope_n_s : kWrenchSlope_nm_s) * period_s_);
+    wrench_[i] = towards(wrench_[i], wrench[i], (i < 3 ? kWrenchSlope_n_s : kWrenchSlope_nm_s) * limit_s_);
   cart_stiffness_ = stiffness;
   cart_damping_ = damping_ratio;
   commanded_ = true;
@@ -302,6 +312,8 @@ void FriDriver::publish() {
   s.safety_limits = m.safety_limits;
   s.krc_misses = m.misses;
   s.period_s = period_s_;
+  s.claimed_period_s = static_cast<double>(m.measurement_period_s);
+  s.arrivals_s = sample_.disagrees_s().value_or(0.0);
   s.pose_mismatch_rad = 0.0;
   const FriJoints followed = JointSetPoint::followed(m);
   for (std::size_t i = 0; i < followed.size(); ++i) {

@@ -9,6 +9,7 @@
 #include "hal/drivers/kuka_fri/fri_exchange.hpp"
 #include "hal/drivers/kuka_fri/fri_status.hpp"
 #include "hal/drivers/kuka_fri/wire/packet_clock.hpp"
+#include "hal/drivers/kuka_fri/wire/sample_period.hpp"
 #include "hal/types/latest_value.hpp"
 #include "hal/types/spsc_ring.hpp"
 
@@ -71,12 +72,16 @@ class FriDriver {
   void brake();
   void start_gains();
   [[nodiscard]] bool mirrors_joints() const;
+  /// Of the velocity limits: the controller's own, and less while a datagram says a shorter sample time.
+  [[nodiscard]] double speed_fraction() const;
 
   JointSetPoint joint_;
   CartSetPoint cart_;
   PacketClock packet_clock_;
   Timestamp measured_at_{0}, arrived_at_{0}, due_{0};
-  double period_s_;
+  SamplePeriod sample_;
+  double period_s_;         ///< Of sample_: time ...
+  double limit_s_;          ///< ... and what a step may use.
   int steps_ = 1;           ///< Periods that the open cycle's command may span.
   bool commanded_ = false;  ///< The open cycle has the user's command.
   bool led_ = false;        ///< The open cycle's set point was mirrored or braked already.

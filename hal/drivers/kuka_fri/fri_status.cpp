@@ -268,6 +268,10 @@ std::string why_slow(const FriStatus& s, const FriConfig& c) {
   if (s.warning != 0) text += fmt::format("drive warning of {}; ", joints_of(s.warning));
   if (static_cast<double>(s.hottest_c) >= c.warm_c)
     text += fmt::format("a drive has {:.0f} deg C (warm from {:.0f}); ", s.hottest_c, c.warm_c);
+  if (s.arrivals_s > 0.0)
+    text += fmt::format(
+        "the KRC reports a sample time of {:.1f} ms, its datagrams come every {:.1f} ms: {:.1f} ms is used; ",
+        1e3 * s.claimed_period_s, 1e3 * s.arrivals_s, 1e3 * s.period_s);
   if (!text.empty()) text.resize(text.size() - 2);
   return text;
 }

@@ -28,8 +28,10 @@ struct FriStatus {
   FriControl control = FriControl::Other;
   std::uint16_t power = 0, error = 0, warning = 0;
   float answer_rate = 0, latency_s = 0, jitter_s = 0, hottest_c = 0, safety_limits = 0;
-  std::uint32_t krc_misses = 0;  ///< Answers that the KRC says never came.
-  double period_s = 0.0;
+  std::uint32_t krc_misses = 0;    ///< Answers that the KRC says never came.
+  double period_s = 0.0;           ///< Sample time that is used ...
+  double claimed_period_s = 0.0;   ///< ... that the last datagram says ...
+  double arrivals_s = 0.0;         ///< ... and that the arrivals show, where it is another one; else 0.
   double pose_mismatch_rad = 0.0;  ///< Greatest distance of the measured from the commanded pose,
   int mismatch_joint = 0;          ///< and its joint, from 0.
   Endpoint krc;
