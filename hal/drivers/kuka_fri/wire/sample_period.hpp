@@ -20,8 +20,8 @@ class SamplePeriod {
   /// One datagram, `cycles` after the last one by its counter; `anew`: the first, or after a restart.
   /// `frozen`: it is commanded with this period, which does not change then.
   void packet(double claimed_s, Timestamp arrived_at, int cycles, bool anew, bool frozen) {
-    claimed_s_ =
-        claimed_s >= kShortest_s && claimed_s <= kLongest_s ? std::optional(claimed_s) : std::nullopt;
+    const bool possible = claimed_s > 0.99 * kShortest_s && claimed_s < 1.01 * kLongest_s;  // a float
+    claimed_s_ = possible ? std::optional(claimed_s) : std::nullopt;
     if (frozen && believed_) return begin(arrived_at);
     if (anew || !claimed_s_ || std::abs(*claimed_s_ - window_s_) > kAlike * window_s_) {
       window_s_ = claimed_s_.value_or(0.0);

@@ -126,7 +126,8 @@ TEST_CASE("an arm with a long period can be moved", "[fri][faults]") {
     REQUIRE(state->may_command);
     q[0] += 0.1 * period_s * std::min(1.0, 0.1 * i);
     const auto taken = arm->command(hold_at(q));
-    INFO(i << " " << (taken ? "" : taken.error().text()));
+    INFO(i << " " << period_s << " " << (taken ? "" : taken.error().text()) << " "
+           << arm->status().last_refused.found << " of " << arm->status().last_refused.limit);
     REQUIRE(taken);
   }
   CHECK(krc.followed()[0] > start + 3.0 * period_s);
