@@ -155,7 +155,10 @@ void FriDriver::move_set_points(const FriExchange::Packet& packet, bool may_befo
   if (session.may_command()) {
     first_ = first_ || !may_before || gap;
     if (first_) {
-      joint_.expect_first(JointSetPoint::joints(m.q_measured_rad));
+      // a stiffness of no spring: positions are followed whatever hangs there
+      const bool springs = mode.control == FriControl::JointImpedance;
+      joint_.expect_first(JointSetPoint::joints(m.q_measured_rad), state().tau_external_nm,
+                          springs ? stiffness_ : JointVector(JointVector::Zero()));
       cart_.expect_first(m.cart_measured);
     }
     return;
@@ -223,6 +226,7 @@ FriLimit FriDriver::set(const ImpedanceCommand& c) {
   const double change = config.superposed_slope_nm_s * limit_s_;
   for (int i = 0; i < kArmJoints; ++i) tau_[i] = towards(tau_[i], c.tau_superposed_nm[i], change);
   stiffness_ = c.stiffness_nm_rad;
+  joint_.set_stiffness(stiffness_);
   damping_ = c.damping_ratio;
   return {};
 }

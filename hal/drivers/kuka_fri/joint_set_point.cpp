@@ -1,6 +1,7 @@
 #include "hal/drivers/kuka_fri/joint_set_point.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "hal/guards/braking_law.hpp"
 
@@ -12,6 +13,8 @@ constexpr double kWalk_rad_s = 0.2;   // of the offset
 constexpr double kWalk_rad_s2 = 2.0;  // added to what the user's own commands accelerate with
 constexpr double kInTransit_rad = 2e-5;
 constexpr double kStart_rad = 1e-3;  // a first command this near to the measured pose is there
+// Of what torque and stiffness explain: their errors, and no more than a loaded arm can hang.
+constexpr double kExplains = 1.3, kExplains_rad = 5e-4, kMaxHeld_rad = 0.1, kSoftest_nm_rad = 10.0;
 
 }  // namespace
 
@@ -36,17 +39,46 @@ void JointSetPoint::mirror(const FriJoints& followed) {
   wire_ = followed;
   q_ = goal_ = joints(followed);
   dq_.setZero();
-  offset_.setZero();
-  doffset_.setZero();
+  release();
   first_at_.reset();
   bridged_ = false;
+}
+
+void JointSetPoint::release() {
+  offset_.setZero();
+  doffset_.setZero();
+  held_.setZero();
+  load_nm_.setZero();
+}
+
+void JointSetPoint::hold_load() {
+  for (int i = 0; i < kArmJoints; ++i) {
+    held_[i] = 0.0;
+    if (start_stiffness_[i] < kSoftest_nm_rad) continue;
+    // a spring that a torque stretches: the set point is on the other side
+    const double explained = -start_load_nm_[i] / start_stiffness_[i];
+    if (explained * offset_[i] > 0.0)
+      held_[i] = std::copysign(
+          std::min({std::abs(offset_[i]), kExplains * std::abs(explained) + kExplains_rad, kMaxHeld_rad}),
+          offset_[i]);
+  }
+  load_nm_ = held_.cwiseProduct(start_stiffness_);
+}
+
+void JointSetPoint::set_stiffness(const JointVector& stiffness_nm_rad) {
+  for (int i = 0; i < kArmJoints; ++i)
+    if (load_nm_[i] != 0.0 && stiffness_nm_rad[i] > kSoftest_nm_rad)
+      held_[i] = std::clamp(load_nm_[i] / stiffness_nm_rad[i], -kMaxHeld_rad, kMaxHeld_rad);
 }
 
 void JointSetPoint::restart(const FriJoints& followed) {
   mirror(followed);
 }
 
-void JointSetPoint::expect_first(const JointVector& measured_rad) {
+void JointSetPoint::expect_first(const JointVector& measured_rad, const JointVector& load_nm,
+                                 const JointVector& stiffness_nm_rad) {
+  start_load_nm_ = load_nm;
+  start_stiffness_ = stiffness_nm_rad;
   if (first_at_) {
     first_at_ = measured_rad;
     return;
@@ -54,8 +86,7 @@ void JointSetPoint::expect_first(const JointVector& measured_rad) {
   first_at_ = measured_rad;
   goal_ = q_;
   dq_.setZero();
-  offset_.setZero();
-  doffset_.setZero();
+  release();
   bridged_ = false;
 }
 
@@ -92,10 +123,11 @@ FriLimit JointSetPoint::command(const JointVector& q_rad, int steps, double peri
   if (first_at_) {
     offset_ = q_ - q_rad;
     doffset_.setZero();
+    hold_load();
     first_at_.reset();
     // nearer than one step from rest: there at once
     const double at_once = limits_.acceleration_rad_s2 * period_s * period_s;
-    if (offset_.cwiseAbs().maxCoeff() <= at_once) offset_.setZero();
+    if ((offset_ - held_).cwiseAbs().maxCoeff() <= at_once) offset_ = held_;
   } else if (bridged_) {
     offset_ = q_ + dq_ * period_s - q_rad;
     doffset_.setZero();
@@ -112,16 +144,18 @@ FriLimit JointSetPoint::command(const JointVector& q_rad, int steps, double peri
 }
 
 void JointSetPoint::ramp(double period_s) {
-  if (offset_.isZero()) return;
+  if (offset_ == held_) return;
   for (int i = 0; i < kArmJoints; ++i) {
-    if (offset_[i] == 0.0) continue;
-    const double far = std::abs(offset_[i]), side = offset_[i] > 0.0 ? 1.0 : -1.0;
+    const double off = offset_[i] - held_[i];
+    if (off == 0.0) continue;
+    const double far = std::abs(off), side = off > 0.0 ? 1.0 : -1.0;
     const double speed = std::min(kWalk_rad_s, stoppable_speed(far, period_s, kWalk_rad_s2));
     const double change = kWalk_rad_s2 * period_s;
     doffset_[i] = std::clamp(-side * speed, doffset_[i] - change, doffset_[i] + change);
     const double step = doffset_[i] * period_s;
     if (far < 1e-7 || (step * side < 0.0 && std::abs(step) >= far)) {
-      offset_[i] = doffset_[i] = 0.0;
+      offset_[i] = held_[i];
+      doffset_[i] = 0.0;
     } else {
       offset_[i] += step;
     }
@@ -145,8 +179,7 @@ void JointSetPoint::brake(double period_s) {
   }
   if (!dq_.isZero()) send(next);
   goal_ = q_;
-  offset_.setZero();
-  doffset_.setZero();
+  release();
   bridged_ = false;
 }
 

@@ -32,8 +32,9 @@ struct FriLimit {
 /// bit; in command mode it moves with its user's commands, comes to rest when it is told to, and never steps.
 ///
 /// The user's first command is the measured pose, but the controller follows its own commanded one, and an
-/// arm on springs hangs between the two. The difference is kept as an offset and walked down within
-/// acceleration limits: a step of it would be a jerk, or the end of command mode.
+/// arm on springs hangs between the two. The difference is kept as an offset. What of it a load explains
+/// (external torque over stiffness) stays, or the arm would sink by it at every start; the rest is walked
+/// down within acceleration limits: a step of it would be a jerk, or the end of command mode.
 ///
 /// After lost datagrams the controller has gone on by itself (it extrapolates). If it says so, the set point
 /// goes on from there, and what the user lags behind becomes such an offset.
@@ -51,8 +52,12 @@ class JointSetPoint {
 
   /// Outside of command mode.
   void mirror(const FriJoints& followed);
-  /// The next command is a first one; `measured` is where it has to be.
-  void expect_first(const JointVector& measured_rad);
+  /// The next command is a first one; `measured` is where it has to be. `load_nm`: external torque on the arm
+  /// that hangs on springs of `stiffness_nm_rad`; zero where it does not.
+  void expect_first(const JointVector& measured_rad, const JointVector& load_nm = JointVector::Zero(),
+                    const JointVector& stiffness_nm_rad = JointVector::Zero());
+  /// The springs' stiffness from now on: a load hangs higher on stiffer ones.
+  void set_stiffness(const JointVector& stiffness_nm_rad);
   /// Lost datagrams: `cycles` were not answered. True when the controller has gone on by itself.
   bool bridge(const FriJoints& followed, int cycles, double period_s);
   /// A longer gap: from where the controller is now, at rest.
@@ -67,17 +72,22 @@ class JointSetPoint {
 
   [[nodiscard]] const FriJoints& wire() const { return wire_; }
   [[nodiscard]] const JointVector& q_rad() const { return q_; }
-  [[nodiscard]] bool at_rest() const { return dq_.isZero() && offset_.isZero(); }
+  [[nodiscard]] bool at_rest() const { return dq_.isZero() && offset_ == held_; }
 
  private:
   void send(const JointVector& q_rad);
   void ramp(double period_s);
+  void release();
+  void hold_load();
 
   Limits limits_;
   FriJoints wire_{};
   JointVector q_ = JointVector::Zero(), dq_ = JointVector::Zero();            ///< As on the wire.
   JointVector goal_ = JointVector::Zero();                                    ///< The user's last command.
   JointVector offset_ = JointVector::Zero(), doffset_ = JointVector::Zero();  ///< wire = goal + offset
+  JointVector held_ = JointVector::Zero();     ///< Part of the offset that a load explains.
+  JointVector load_nm_ = JointVector::Zero();  ///< That load: held_ times the stiffness.
+  JointVector start_load_nm_ = JointVector::Zero(), start_stiffness_ = JointVector::Zero();
   std::optional<JointVector> first_at_;
   bool bridged_ = false;
 };

@@ -1,0 +1,103 @@
+// An arm on springs with something in its hand: it hangs below its commanded pose. A start from the measured
+// pose must not make that the commanded one.
+
+#include "fri_arm_rig.hpp"
+
+namespace colift {
+
+using namespace test;
+
+namespace {
+
+constexpr double kDegree = 0.0174533;
+
+/// A load on A2 and A4, and how far the springs give way under it.
+struct Loaded {
+  FakeKrc krc;
+  std::unique_ptr<hal::FriArm> arm;
+  std::array<float, 7> before{};
+
+  explicit Loaded(float a2_nm, float a4_nm) {
+    krc.m.tau_external_nm[1] = a2_nm;
+    krc.m.tau_external_nm[3] = a4_nm;
+    hang(1000.0f);
+    before = krc.followed();
+    arm = krc.arm();
+    REQUIRE(arm->configure());
+  }
+  void hang(float stiffness_nm_rad) {
+    for (const std::size_t i : {1u, 3u})
+      if (krc.m.tau_external_nm[i] != 0.0f) krc.sag_rad[i] = krc.m.tau_external_nm[i] / stiffness_nm_rad;
+  }
+  /// Holds where it is for a second, as every user begins.
+  void start_and_hold(double stiffness_nm_rad = 1000.0) {
+    REQUIRE(arm->activate());
+    std::optional<JointVector> at;
+    for (int i = 0; i < 500; ++i) {
+      const auto state = next(*arm);
+      if (!state.may_command) continue;
+      if (!at) at = state.q_rad;
+      hal::ImpedanceCommand c = hold_at(*at);
+      c.stiffness_nm_rad.setConstant(stiffness_nm_rad);
+      REQUIRE(arm->command(c));
+      hang(static_cast<float>(stiffness_nm_rad));
+    }
+  }
+  void stop() {
+    arm->deactivate();
+    krc.monitor_mode();
+    hang(1000.0f);
+    krc.start_when_good = true;
+  }
+  [[nodiscard]] double sunk_rad(std::size_t joint) const {
+    return static_cast<double>(krc.followed()[joint] - before[joint]);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("five starts under 15 N m do not let the arm sink", "[fri][faults]") {
+  Loaded run(15.0f, -12.0f);
+  for (int i = 0; i < 5; ++i) {
+    run.start_and_hold();
+    CHECK(std::abs(run.sunk_rad(1)) < 0.2 * kDegree);
+    CHECK(std::abs(run.sunk_rad(3)) < 0.2 * kDegree);
+    run.stop();
+  }
+  CHECK(run.krc.worst_dv_rad_s < 0.05);
+}
+
+TEST_CASE("nor does a quality that was bad for a while", "[fri][faults]") {
+  Loaded run(15.0f, 0.0f);
+  run.start_and_hold();
+  for (int i = 0; i < 4; ++i) {
+    run.krc.m.quality = hal::FriQuality::Bad;
+    for (int k = 0; k < 50; ++k) (void)run.arm->wait_cycle();
+    run.krc.m.quality = hal::FriQuality::Perfect;
+    std::optional<JointVector> at;
+    for (int k = 0; k < 300; ++k) {
+      const auto state = run.arm->wait_cycle();
+      if (!state || !state->may_command) continue;
+      if (!at) at = state->q_rad;
+      REQUIRE(run.arm->command(hold_at(*at)));
+    }
+  }
+  CHECK(std::abs(run.sunk_rad(1)) < 0.2 * kDegree);
+}
+
+TEST_CASE("on stiffer springs the same load hangs higher", "[fri][faults]") {
+  Loaded run(15.0f, 0.0f);
+  run.start_and_hold(1500.0);
+  // 15 mrad before; 10 mrad hold it now, so that the measured pose stays
+  CHECK(run.sunk_rad(1) == Approx(15.0 / 1000.0 - 15.0 / 1500.0).margin(1e-3));
+}
+
+TEST_CASE("a difference that no load explains is walked down as before", "[fri][faults]") {
+  Loaded run(0.0f, 0.0f);
+  run.krc.sag_rad[1] = 0.02f;
+  run.start_and_hold();
+  CHECK(run.sunk_rad(1) == Approx(0.02).margin(2e-3));
+  CHECK(run.krc.worst_dv_rad_s < 0.05);
+}
+
+}  // namespace colift
