@@ -34,6 +34,7 @@ class Finder {
   Finder(const ArmView& view, const hal::RobotModel& model) : v_(view), model_(model) {}
 
   std::vector<Obstacle> find() {
+    stall();
     if (silent()) return std::move(found_);
     quality();
     drives();
@@ -52,6 +53,14 @@ class Finder {
   }
   void remark(const char* kind, std::string what, std::string next) {
     remarks_.push_back({kind, std::move(what), std::move(next), false});
+  }
+
+  void stall() {
+    if (const std::string what = describe_stall(v_.status); !what.empty())
+      refuse("stall", what,
+             "this explains lost quality, a command mode that ended and drives that went off: run \"colift "
+             "doctor\", mend its rows on priority, kernel and governor, close what else runs here, and start "
+             "the KRL program anew");
   }
 
   bool silent() {

@@ -12,6 +12,7 @@ constexpr double kRounding = 1e-6;
 constexpr double kMinSlack_s = 0.001;  // an ordinary kernel's jitter is not a lost datagram
 constexpr double kWrenchSlope_n_s = 500.0, kWrenchSlope_nm_s = 100.0;
 constexpr int kGapCycles = 5;
+constexpr double kStall_s = 0.02, kStallForgotten_s = 3.0;  // a kernel's ordinary jitter is shorter
 
 FriQuality quality(const std::string& name) {
   return name == "perfect" ? FriQuality::Perfect : name == "bad" ? FriQuality::Bad : FriQuality::Ok;
@@ -69,7 +70,8 @@ void FriDriver::reset() {
   hand_shake = make_hand_shake(config.script, mode.strategy);
   m = FriMeasurement{};
   open = seen = quiet = commanded_ = first_ = false;
-  arrived_at_ = due_ = Timestamp{0};
+  arrived_at_ = due_ = left_at_ = commanding_since_ = Timestamp{0};
+  stall_s_ = 0.0;
   sample_ = SamplePeriod(1e-3 * config.cycle_ms);
   period_s_ = limit_s_ = sample_.period_s();
   steps_ = 1;
@@ -98,7 +100,9 @@ FriDriver::Took FriDriver::take() {
   const Timestamp now = clock.now();
   if (!seen && arrived_at_ == Timestamp{0}) arrived_at_ = now;  // silence counts from here
   FriExchange::Packet packet;
-  const auto got = wire.receive(std::max(due_, now + period / 2), period_s_, m, packet);
+  const Timestamp until = std::max(due_, now + period / 2);
+  const auto got = wire.receive(until, period_s_, m, packet);
+  note_stall(now, until);
   if (got != FriExchange::Got::Packet) {
     ++status.timeouts;
     const Timestamp then = clock.now();
@@ -130,6 +134,22 @@ FriDriver::Took FriDriver::take() {
   move_set_points(packet, may_before);
   publish();
   return Took::Packet;
+}
+
+// A process that is stopped, swapped out or starved sleeps past the end of its wait, or comes to it late.
+// What the controller does then (quality, command mode, drives) has this one cause.
+void FriDriver::note_stall(Timestamp asked, Timestamp until) {
+  const Timestamp now = clock.now();
+  const double overslept_s = seconds(now - std::max(asked, until));
+  const double came_late_s = left_at_ == Timestamp{0} ? 0.0 : seconds(asked - left_at_);
+  left_at_ = now;
+  if (!session.may_command()) commanding_since_ = now;
+  if (seconds(now - commanding_since_) > kStallForgotten_s) stall_s_ = 0.0;
+  const double stall_s = std::max(overslept_s, came_late_s);
+  if (seen && stall_s > std::max(kStall_s, kGapCycles * period_s_)) {
+    stall_s_ = std::max(stall_s_, stall_s);
+    commanding_since_ = now;
+  }
 }
 
 void FriDriver::move_set_points(const FriExchange::Packet& packet, bool may_before) {
@@ -315,6 +335,7 @@ void FriDriver::publish() {
   s.hottest_c = *std::max_element(m.temperature_c.begin(), m.temperature_c.end());
   s.safety_limits = m.safety_limits;
   s.krc_misses = m.misses;
+  s.stall_s = stall_s_;
   s.period_s = period_s_;
   s.claimed_period_s = static_cast<double>(m.measurement_period_s);
   s.arrivals_s = sample_.disagrees_s().value_or(0.0);

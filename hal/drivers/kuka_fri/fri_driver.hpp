@@ -68,6 +68,7 @@ class FriDriver {
   SpscRing<FriEvent, 256> events;
 
  private:
+  void note_stall(Timestamp asked, Timestamp until);
   void move_set_points(const FriExchange::Packet& packet, bool may_before);
   void brake();
   void start_gains();
@@ -86,6 +87,9 @@ class FriDriver {
   bool commanded_ = false;  ///< The open cycle has the user's command.
   bool led_ = false;        ///< The open cycle's set point was mirrored or braked already.
   bool first_ = false;      ///< The next command is a first one.
+  // how long this thread did not run although a datagram was due
+  Timestamp left_at_{0}, commanding_since_{0};
+  double stall_s_ = 0.0;
   KrlChannels krl_;
   JointVector tau_ = JointVector::Zero(), stiffness_, damping_;
   SixVector wrench_ = SixVector::Zero(), cart_stiffness_, cart_damping_;

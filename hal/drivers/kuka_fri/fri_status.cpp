@@ -112,9 +112,7 @@ std::string no_command_mode(const FriStatus& s, const FriConfig& c) {
                             link(s), s.power);
 }
 
-}  // namespace
-
-std::string why_not(const FriStatus& s, const FriConfig& c) {
+std::string reason_words(const FriStatus& s, const FriConfig& c) {
   switch (s.reason) {
     case FriReason::None:
       return s.may_command ? "" : "command mode is not active; nobody has asked for it";
@@ -198,6 +196,35 @@ std::string why_not(const FriStatus& s, const FriConfig& c) {
                          s.number);
   }
   return "for an unknown reason";
+}
+
+}  // namespace
+
+std::string describe_stall(const FriStatus& s) {
+  if (s.stall_s <= 0.0) return {};
+  return fmt::format(
+      "this program did not run for {:.0f} ms (it was stopped, or the machine had no time for it) and the "
+      "KRC "
+      "got no answers meanwhile{}",
+      1e3 * s.stall_s, s.krc_misses > 0 ? fmt::format(" ({} missed by its count)", s.krc_misses) : "");
+}
+
+std::string why_not(const FriStatus& s, const FriConfig& c) {
+  const std::string reason = reason_words(s, c);
+  switch (s.reason) {
+    case FriReason::LinkLost:
+    case FriReason::Gap:
+    case FriReason::QualityLow:
+    case FriReason::QualityLost:
+    case FriReason::ScriptSilent:
+    case FriReason::ScriptHalted:
+    case FriReason::ScriptRefused:
+    case FriReason::DrivesOff:
+    case FriReason::LeftCommand:
+      return s.stall_s > 0.0 ? describe_stall(s) + "; after that: " + reason : reason;
+    default:
+      return reason;
+  }
 }
 
 std::string words(const FriLimit& l) {

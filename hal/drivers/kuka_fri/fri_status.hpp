@@ -29,6 +29,8 @@ struct FriStatus {
   std::uint16_t power = 0, error = 0, warning = 0;
   float answer_rate = 0, latency_s = 0, jitter_s = 0, hottest_c = 0, safety_limits = 0;
   std::uint32_t krc_misses = 0;    ///< Answers that the KRC says never came.
+  double stall_s = 0.0;            ///< Longest time for which this program did not answer by its own fault,
+                                   ///< until it has commanded for 3 s without another (s).
   double period_s = 0.0;           ///< Sample time that is used ...
   double claimed_period_s = 0.0;   ///< ... that the last datagram says ...
   double arrivals_s = 0.0;         ///< ... and that the arrivals show, where it is another one; else 0.
@@ -56,6 +58,8 @@ struct FriEvent {
 
 /// Why commands are not taken and what to do about it, in sentences; empty when they are.
 [[nodiscard]] std::string why_not(const FriStatus& status, const FriConfig& config);
+/// For how long this program did not answer by its own fault, in a sentence; empty when it did.
+[[nodiscard]] std::string describe_stall(const FriStatus& status);
 /// A command that was refused, in a sentence with its numbers.
 [[nodiscard]] std::string words(const FriLimit& limit);
 /// The same in at most 15 characters.
