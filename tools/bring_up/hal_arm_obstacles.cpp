@@ -241,7 +241,10 @@ class Finder {
       if (static_cast<hal::FriDrop>(i) != hal::FriDrop::Superseded) dropped += s.drops[i];
     if (dropped > 0)
       remark("dropped", fmt::format("{} datagrams were dropped: {}", dropped, traffic(s)),
-             "another sender on this port, or a second KRC: set krc: ADDRESS in the file behind --robot");
+             s.drops[static_cast<std::size_t>(hal::FriDrop::Content)] > 0
+                 ? fmt::format("the last one: {}", to_string(s.last_refusal))
+                 : std::string("another sender on this port, or a second KRC: set krc: ADDRESS in the file "
+                               "behind --robot"));
     if (s.lost > 0)
       remark("lost", fmt::format("{} of {} datagrams of the KRC never came", s.lost, s.lost + s.received),
              "a cable of its own, no switch; see the error counters of the card (ip -s link)");

@@ -41,7 +41,10 @@ hal::Result<> KrcServer::start() {
   if (!(config_.speed >= 0.0 && config_.speed <= 1000.0))
     return hal::failure(hal::ErrorCode::BadConfig, "krc.speed",
                         "the speed has to be a number from 0 to 1000");
-  link_ = hal::make_udp_link({0, config_.from_port});
+  // a client on this machine: nobody else reaches the emulator
+  constexpr std::uint32_t kLoopback = 0x7F000001;
+  const bool here = config_.krc.to.address >> 24 == kLoopback >> 24;
+  link_ = hal::make_udp_link({here ? kLoopback : 0, config_.from_port});
   if (auto done = link_->open(); !done) return done;
   krc_ = std::make_unique<KrcEmulator>(config_.krc, dynamics_, *plant_, *link_,
                                        [this](double t_s, const std::string& text) {

@@ -127,6 +127,20 @@ std::string_view to_string(FriRefusal refusal) noexcept {
       return "size in the header is wrong";
     case FriRefusal::NotFinite:
       return "a number is not finite";
+    case FriRefusal::NotFiniteKrl:
+      return "a real variable of the KRL program is not finite";
+    case FriRefusal::NotFiniteLink:
+      return "time stamp, sample time or statistics of the link are not finite";
+    case FriRefusal::NotFiniteTemperature:
+      return "a drive's temperature is not finite";
+    case FriRefusal::NotFiniteJoint:
+      return "a joint position is not finite";
+    case FriRefusal::NotFiniteFrame:
+      return "a frame is not finite";
+    case FriRefusal::NotFiniteTorque:
+      return "a joint torque or the wrench is not finite";
+    case FriRefusal::NotFiniteModel:
+      return "Jacobian, mass matrix or gravity is not finite";
     case FriRefusal::State:
       return "no such state of the interface";
     case FriRefusal::Quality:
@@ -165,14 +179,20 @@ std::string_view to_string(FriRefusal refusal) noexcept {
 
 FriRefusal implausible(const FriMeasurement& m) noexcept {
   using enum FriRefusal;
-  bool all = finite(m.krl.real) && finite(m.timestamp_s) && finite(m.measurement_period_s) &&
-             finite(m.command_period_s) && finite(m.safety_limits) && finite(m.answer_rate) &&
-             finite(m.latency_s) && finite(m.jitter_s) && finite(m.miss_rate);
-  all = all && finite(m.temperature_c) && finite(m.q_measured_rad) && finite(m.cart_measured) &&
-        finite(m.q_commanded_rad) && finite(m.q_commanded_fri_rad) && finite(m.cart_commanded) &&
-        finite(m.cart_commanded_fri) && finite(m.tau_measured_nm) && finite(m.tau_external_nm) &&
-        finite(m.wrench_external) && finite(m.jacobian) && finite(m.mass_matrix) && finite(m.gravity_nm);
-  if (!all) return NotFinite;
+  // a number that is none says that the sender is not sound, also where this driver does not read it
+  if (!finite(m.krl.real)) return NotFiniteKrl;
+  if (!finite(m.timestamp_s) || !finite(m.measurement_period_s) || !finite(m.command_period_s) ||
+      !finite(m.safety_limits) || !finite(m.answer_rate) || !finite(m.latency_s) || !finite(m.jitter_s) ||
+      !finite(m.miss_rate))
+    return NotFiniteLink;
+  if (!finite(m.temperature_c)) return NotFiniteTemperature;
+  if (!finite(m.q_measured_rad) || !finite(m.q_commanded_rad) || !finite(m.q_commanded_fri_rad))
+    return NotFiniteJoint;
+  if (!finite(m.cart_measured) || !finite(m.cart_commanded) || !finite(m.cart_commanded_fri))
+    return NotFiniteFrame;
+  if (!finite(m.tau_measured_nm) || !finite(m.tau_external_nm) || !finite(m.wrench_external))
+    return NotFiniteTorque;
+  if (!finite(m.jacobian) || !finite(m.mass_matrix) || !finite(m.gravity_nm)) return NotFiniteModel;
   if (m.state != FriState::Off && m.state != FriState::Monitor && m.state != FriState::Command) return State;
   if (m.quality > FriQuality::Perfect) return Quality;
   if (m.control > FriControl::JointImpedance) return Control;

@@ -14,7 +14,14 @@ enum class FriRefusal : std::uint8_t {
   Size,
   HeaderId,
   HeaderSize,
-  NotFinite,
+  NotFinite,  // of a command
+  NotFiniteKrl,
+  NotFiniteLink,
+  NotFiniteTemperature,
+  NotFiniteJoint,
+  NotFiniteFrame,
+  NotFiniteTorque,
+  NotFiniteModel,
   State,
   Quality,
   Control,
@@ -32,7 +39,7 @@ enum class FriRefusal : std::uint8_t {
   Stiffness,
   Damping,
 };
-inline constexpr std::size_t kFriRefusals = 21;
+inline constexpr std::size_t kFriRefusals = 28;
 [[nodiscard]] std::string_view to_string(FriRefusal refusal) noexcept;
 
 /// What decoding looks at besides the size. Some servers leave their header empty: then `header` is off.
