@@ -43,6 +43,7 @@ void set_method_defaults(Method method, Config& config) {
   // a grasp beside the partner's is as good as its cost (section 5.3.4); the collision world keeps the arm
   // off the person afterwards
   config.decision.near_partner_m = 0.0;
+  config.thesis.partner_reference = "object";  // section 5.3.3
   config.tracker.dwell_s = kDwell_s;
   config.tracker.let_go_s = kLetGo_s;
   config.tracker.moved_m = kMoved_m;

@@ -133,6 +133,7 @@ TEST_CASE("by the thesis's method the cost alone judges a grasp beside the partn
   };
   CHECK(id_chosen("thesis") == 0);
   CHECK(id_chosen("fast") == 1);
+  CHECK(made(with({}, "thesis")).config.thesis.partner_reference == "object");
   CHECK(made(with({"decision.near_partner_m=0.2"}, "thesis")).config.decision.near_partner_m == 0.2);
 }
 
