@@ -125,6 +125,8 @@ struct PerceptionSession::Impl {
     points.reserve(analysis.scene.target->points.size() + own_slivers.size());
     for (const auto& p : analysis.scene.target->points) points.emplace_back(p.cast<double>());
     for (const std::uint32_t i : own_slivers) points.push_back(analysis.cloud.point(i));
+    const std::vector<hal::Vec3> more = pipeline->target_obstacle(analysis, config);
+    points.insert(points.end(), more.begin(), more.end());
     map.set_target(points);
   }
 };

@@ -49,6 +49,12 @@ class Pipeline {
   [[nodiscard]] virtual std::vector<std::uint32_t> target_pixels(const SceneAnalysis& analysis,
                                                                  const Config& config) const = 0;
 
+  /// What of the target is an obstacle in the collision world beside its points (W). The scene has a target.
+  [[nodiscard]] virtual std::vector<hal::Vec3> target_obstacle(const SceneAnalysis& /*analysis*/,
+                                                               const Config& /*config*/) const {
+    return {};
+  }
+
   /// The partner in a second frame, of the same size. The look has a target.
   [[nodiscard]] virtual hal::Result<perception::PartnerObservation> find_partner(
       const SceneAnalysis& analysis, const hal::DepthFrame& frame, const Config& config) const = 0;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "control/session/pipeline.hpp"
+#include "perception/thesis/thesis_mesh.hpp"
 #include "perception/thesis/thesis_partner.hpp"
 #include "perception/thesis/thesis_target.hpp"
 
@@ -46,7 +47,7 @@ class ThesisSight final : public PartnerSight {
     const hal::Vec3 beside = hal::Vec3::Constant(kBeside_m);
     near_.crop_min_m = config.crop_min_m.cwiseMax(target.aabb.min() - beside);
     near_.crop_max_m = config.crop_max_m.cwiseMin(target.aabb.max() + beside);
-    before_ = thesis_cloud(reference.analysis.cloud, near_);
+    before_.emplace(reference.analysis.cloud, object_, reference.analysis.scene.ground, near_);
   }
 
   hal::Result<PartnerObservation> find(hal::DepthFrame& frame,
@@ -55,7 +56,7 @@ class ThesisSight final : public PartnerSight {
     for (const std::uint32_t p : never_seen_)
       if (p < frame.depth_m.size()) frame.depth_m[p] = NAN;
     const auto now = thesis_cloud(deproject(frame, X_WC_), near_);
-    const auto changed = changed_points(before_, now, near_);
+    const auto changed = before_->changed(now, near_);
     observation.grasp = thesis_grasp(changed, object_, near_, &observation.reason);
     observation.kind = observation.grasp ? PartnerKind::Grasp : PartnerKind::None;
     points.clear();
@@ -68,7 +69,7 @@ class ThesisSight final : public PartnerSight {
   hal::Pose X_WC_;
   std::vector<Eigen::Vector3f> object_;
   std::vector<std::uint32_t> never_seen_;  ///< Pixels that showed the robot or lay in its shadow then.
-  PclCloud before_;
+  std::optional<ReferenceCloud> before_;
 };
 
 class ThesisPipeline final : public Pipeline {
@@ -90,17 +91,23 @@ class ThesisPipeline final : public Pipeline {
   [[nodiscard]] hal::Result<PartnerObservation> find_partner(const SceneAnalysis& analysis,
                                                              const hal::DepthFrame& frame,
                                                              const Config& c) const override {
-    const auto before = thesis_cloud(analysis.cloud, c.thesis);
+    const auto& object = analysis.scene.target->points;
+    const ReferenceCloud before(analysis.cloud, object, analysis.scene.ground, c.thesis);
     const auto now = thesis_cloud(deproject(frame, analysis.cloud.X_WC), c.thesis);
     PartnerObservation observation;
-    observation.grasp =
-        thesis_partner(before, now, analysis.scene.target->points, c.thesis, &observation.reason);
+    observation.grasp = thesis_grasp(before.changed(now, c.thesis), object, c.thesis, &observation.reason);
     return observation;
   }
 
   [[nodiscard]] hal::Result<std::unique_ptr<PartnerSight>> observe_partner(const ReferenceView& reference,
                                                                            const Config& c) const override {
     return std::make_unique<ThesisSight>(reference, c.thesis);
+  }
+
+  [[nodiscard]] std::vector<hal::Vec3> target_obstacle(const SceneAnalysis& analysis,
+                                                       const Config& c) const override {
+    if (c.thesis.mesh_edge_m <= 0.0) return {};
+    return points_on(triangulate(analysis.cloud, target_pixels(analysis, c), c.thesis), 0.5 * c.map.cell_m);
   }
 
   [[nodiscard]] int frames_per_sight() const override { return kFramesPerSight; }

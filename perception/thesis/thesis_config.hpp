@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "hal/config/range.hpp"
 #include "hal/types/geometry.hpp"
@@ -38,6 +39,10 @@ struct ThesisConfig {
   double rectangle_cell_m = 0.02;
   double rectangle_min_size_m = 0.015;
 
+  double mesh_edge_m = 0.05;
+  int mesh_gap_px = 8;
+
+  std::string partner_reference = "scene";
   double partner_difference_m = 0.03;
   int partner_points = 100;
   double partner_reach_m = 0.1;
@@ -85,6 +90,12 @@ struct ThesisConfig {
     v("rectangle_cell_m", rectangle_cell_m, Range{0.002, 0.2},
       "Side of the cells that measure the covered fraction; at least two voxels are used (m).");
     v("rectangle_min_size_m", rectangle_min_size_m, Range{0.0, 1.0}, "Min short side of a rectangle (m).");
+    v("mesh_edge_m", mesh_edge_m, Range{0.0, 0.5},
+      "Max edge of the triangles that make the object's cloud an obstacle; 0: its points alone are (m).");
+    v("mesh_gap_px", mesh_gap_px, Range{0, 64}, "Max width of missing pixels that triangles span (px).");
+    v("partner_reference", partner_reference, hal::Choices{"object", "scene"},
+      "Cloud that a frame is compared with for the partner's grasp: the object's, as in the thesis, where "
+      "all else above the ground is new, or the whole scene's.");
     v("partner_difference_m", partner_difference_m, Range{0.001, 0.5},
       "Min distance of a changed point from the reference cloud (m).");
     v("partner_points", partner_points, Range{1, 1e5},

@@ -31,6 +31,24 @@ PclCloud changed_points(const PclCloud& reference, const PclCloud& current, cons
   return PclCloud{std::move(changed)};
 }
 
+ReferenceCloud::ReferenceCloud(const OrganisedCloud& before, std::span<const Eigen::Vector3f> object,
+                               const std::optional<Ground>& ground, const ThesisConfig& config) {
+  if (config.partner_reference == "scene") {
+    before_ = thesis_cloud(before, config);
+    return;
+  }
+  before_ = PclCloud{object};
+  if (ground) ground_ = ground->plane;
+}
+
+PclCloud ReferenceCloud::changed(const PclCloud& current, const ThesisConfig& config) const {
+  if (!ground_) return changed_points(before_, current, config);
+  auto above = std::make_shared<PclCloud::Points>();
+  for (const pcl::PointXYZ& p : *current.get())
+    if (ground_->height(p.getVector3fMap().cast<double>()) > config.ground_distance_m) above->push_back(p);
+  return changed_points(before_, PclCloud{std::move(above)}, config);
+}
+
 std::optional<PartnerGrasp> thesis_grasp(const PclCloud& changed, std::span<const Eigen::Vector3f> object,
                                          const ThesisConfig& config, std::string* reason) {
   const auto answer = [&](std::string why) {

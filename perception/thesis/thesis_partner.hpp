@@ -20,6 +20,23 @@ namespace colift::perception {
 [[nodiscard]] PclCloud changed_points(const PclCloud& reference, const PclCloud& current,
                                       const ThesisConfig& config);
 
+/// What a frame is compared with, and which of its points are: by partner_reference either the whole scene as
+/// it was, or the object's cloud alone (thesis section 5.3.3). Then the ground, which the thesis's chain
+/// takes out of every frame, is taken out here by its plane; what else stood there before is new in every
+/// frame, and a partner's grasp where it is near enough to the object.
+class ReferenceCloud {
+ public:
+  ReferenceCloud(const OrganisedCloud& before, std::span<const Eigen::Vector3f> object,
+                 const std::optional<Ground>& ground, const ThesisConfig& config);
+
+  /// The changed points of a frame's thesis_cloud().
+  [[nodiscard]] PclCloud changed(const PclCloud& current, const ThesisConfig& config) const;
+
+ private:
+  PclCloud before_;
+  std::optional<hal::Plane> ground_;  ///< Points on or below it are left out.
+};
+
 /// Where the partner holds the object (thesis section 5.3.3): the mean of the partner_points changed points
 /// that are nearest to the object. `changed` are those of a frame against the cloud before the partner came,
 /// `object` the target's points in that cloud; all in W. Its covariance is the scatter of those points, since

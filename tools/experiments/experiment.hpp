@@ -95,5 +95,6 @@ struct Experiment {
 [[nodiscard]] Experiment stalls_experiment();
 [[nodiscard]] Experiment mass_experiment();
 [[nodiscard]] Experiment share_experiment();
+[[nodiscard]] Experiment lift_alone_experiment();
 
 }  // namespace colift::experiments

@@ -9,6 +9,8 @@
 #include <limits>
 #include <regex>
 
+#include "planner/grasp/grasp_decision.hpp"
+
 using namespace colift;
 using namespace colift::control;
 
@@ -111,6 +113,28 @@ TEST_CASE("the method's defaults come with its name, wherever that stands") {
   in_file.options.push_back({"method", "fast", "--method"});
   CHECK(values(made(in_file)) == values(made(with({}))));
   CHECK(refusal(with({}, "quick")).find("--method quick") == 0);
+}
+
+TEST_CASE("by the thesis's method the cost alone judges a grasp beside the partner's") {
+  // the partner holds almost under the centre of gravity; the cheapest grasp is 12 cm from his hand
+  const auto id_chosen = [](const char* method) {
+    planner::GraspCandidate beside, far;
+    beside.position = {0.07, 0.0, 0.7};
+    far.position = {0.6, 0.0, 0.7};
+    far.id = 1;
+    std::vector<planner::GraspCandidate> candidates{beside, far};
+    planner::DecisionInput input;
+    input.partner.position = {-0.05, 0.0, 0.7};
+    input.cog = {0.0, 0.0, 0.7};
+    const auto decision = planner::decide_grasp(candidates, input, made(with({}, method)).config.decision);
+    REQUIRE(decision);
+    REQUIRE(decision->chosen);
+    return candidates[*decision->chosen].id;
+  };
+  CHECK(id_chosen("thesis") == 0);
+  CHECK(id_chosen("fast") == 1);
+  CHECK(made(with({}, "thesis")).config.thesis.partner_reference == "object");
+  CHECK(made(with({"decision.near_partner_m=0.2"}, "thesis")).config.decision.near_partner_m == 0.2);
 }
 
 TEST_CASE("share and epsilon say the same thing, and the last word counts") {

@@ -88,3 +88,43 @@ TEST_CASE("the person is what hangs together with his grasp", "[thesis][partner]
   CHECK(person.size() > 500);
   for (const auto& p : person) REQUIRE(p.y() > 0.5f);
 }
+
+TEST_CASE("against the object's cloud alone a thing that always stood beside it is a grasp",
+          "[thesis][partner]") {
+  // a carton 4 cm beside the board, there from the start, and a palm at the other end of the side later
+  Board board;
+  const auto carton = SampledShapes(0.01).rectangle({0.5, 0.54, 0.1}, {0.2, 0, 0}, {0, 0, 0.2});
+  const auto palm = SampledShapes(0.01).rectangle({0.1, 0.54, 0.2}, {0.12, 0, 0}, {0, 0, 0.12});
+  board.reference.insert(board.reference.end(), carton.points.begin(), carton.points.end());
+  OrganisedCloud before;
+  for (const auto& p : board.reference) {
+    before.depth_m.push_back(1.0f);
+    before.x.push_back(p.x()), before.y.push_back(p.y()), before.z.push_back(p.z());
+  }
+  board.config.voxel_leaf_m = 0.0;
+  Ground floor;
+  floor.plane = {Vec3::UnitZ(), 0.0};
+  const auto grasp = [&](const char* with, const std::vector<Eigen::Vector3f>& now) {
+    board.config.partner_reference = with;
+    const ReferenceCloud reference(before, board.object, floor, board.config);
+    return thesis_grasp(reference.changed(PclCloud{now}, board.config), board.object, board.config);
+  };
+  std::vector<Eigen::Vector3f> later = board.reference;
+  later.insert(later.end(), palm.points.begin(), palm.points.end());
+
+  CHECK_FALSE(grasp("scene", board.reference));
+  const auto seen = grasp("scene", later);
+  REQUIRE(seen);
+  CHECK(seen->position.x() == Approx(0.16).margin(0.02));
+  // the floor is no grasp, though no part of the object either; the carton is the thesis's weakness
+  const auto taken_for_hand = grasp("object", board.reference);
+  REQUIRE(taken_for_hand);
+  CHECK(taken_for_hand->position.x() == Approx(0.60).margin(0.05));
+  board.reference.erase(board.reference.end() - static_cast<std::ptrdiff_t>(carton.points.size()),
+                        board.reference.end());
+  CHECK_FALSE(grasp("object", board.reference));
+  board.reference.insert(board.reference.end(), palm.points.begin(), palm.points.end());
+  const auto alone = grasp("object", board.reference);
+  REQUIRE(alone);
+  CHECK(alone->position.x() == Approx(0.16).margin(0.02));
+}
