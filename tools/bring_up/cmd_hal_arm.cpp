@@ -10,8 +10,8 @@
 #include "tools/bring_up/hal_arm_json.hpp"
 #include "tools/bring_up/hal_arm_obstacles.hpp"
 #include "tools/bring_up/hal_arm_task.hpp"
-#include "tools/cli/session.hpp"
 #include "tools/cli/interrupt.hpp"
+#include "tools/cli/session.hpp"
 #include "tools/rig/rig_world.hpp"
 
 namespace colift::tools {
@@ -111,7 +111,7 @@ hal::Result<ArmTask> task_of(const HalOptions& o, const Bench& bench) {
                       kCarefulStiffness));
     task.stiffness_nm_rad = o.stiffness_nm_rad;
   }
-  if (task.kind != ArmTask::Kind::PerceptionSession && bench.fri.control != "joint_impedance")
+  if (task.kind != ArmTask::Kind::Watch && bench.fri.control != "joint_impedance")
     return hal::failure(hal::ErrorCode::BadConfig, "fri.control",
                         fmt::format("{}: this verb commands joint_impedance only", bench.fri.control));
   return task;
@@ -142,7 +142,7 @@ class Teller {
     if (screen_.live() &&
         (p.phase == ArmProgress::Phase::Watching || p.phase == ArmProgress::Phase::Commanding)) {
       std::string text = fmt::format("{}\n{}", arm_screen(view, model_), histogram_text(view.answers));
-      if (task_.kind != ArmTask::Kind::PerceptionSession)
+      if (task_.kind != ArmTask::Kind::Watch)
         text += fmt::format("\n{}\n", progress_line(p, task_, view.at_s));
       screen_.draw(text, view.at_s);
       return;
@@ -188,7 +188,7 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
   if (!made) return report_error("hal arm", made.error());
   hal::FriArm& fri = **made;
   std::unique_ptr<hal::Arm> arm = std::move(*made);
-  if (task.kind != ArmTask::Kind::PerceptionSession)
+  if (task.kind != ArmTask::Kind::Watch)
     arm = std::make_unique<hal::GuardedArm>(std::move(arm), *bench.model, bench.guard);
 
   const InterruptGuard signals;
@@ -234,7 +234,7 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
     std::puts(arm_document(options.verb, view, *bench.model, task, end).c_str());
   } else if (view.status.received > 0) {
     std::string text;
-    if (task.kind != ArmTask::Kind::PerceptionSession)
+    if (task.kind != ArmTask::Kind::Watch)
       text = task_summary(task, end);
     else if (options.verb == "state" || (!common.quiet && !teller.shown()))
       text = arm_screen(view, *bench.model);

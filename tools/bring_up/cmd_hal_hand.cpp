@@ -1,16 +1,18 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <thread>
 
+#include "hal/drivers/barrett_can/emergency_open.hpp"
 #include "hal/guards/guarded_hand.hpp"
 #include "hal/os/make_can_bus.hpp"
 #include "hal/types/units.hpp"
 #include "tools/bring_up/bring_up.hpp"
 #include "tools/bring_up/hal_hand_task.hpp"
-#include "tools/cli/session.hpp"
 #include "tools/cli/interrupt.hpp"
+#include "tools/cli/session.hpp"
 
 namespace colift::tools {
 namespace {
@@ -72,6 +74,33 @@ bool may_hold(hal::CanBus& bus, const hal::BarrettHandConfig& config, const hal:
   return hand.configure() && hand.report().loaded;
 }
 
+/// A faulty hand is opened with what still works; nothing is configured, so that nothing can refuse.
+int open_at_once(const CommonOptions& common, const HalOptions& options, const Bench& bench) {
+  if (!options.yes) {
+    std::fputs("colift hal hand emergency-open: what the hand holds will fall: support it, and say --yes\n",
+               stderr);
+    return kBadInput;
+  }
+  const hal::SteadyClock clock;
+  auto bus = hal::make_can_bus(bench.barrett.can);
+  if (!bus) return report_error("hal hand", bus.error());
+  const InterruptGuard signals;
+  const auto fingers =
+      hal::emergency_open(**bus, clock, bench.barrett, [] { return InterruptGuard::asked(); });
+  if (!fingers) {
+    report_failure("hand", options.verb, fingers.error().text(),
+                   fmt::format("next: {}\n", hand_advice(fingers.error().code, bench.barrett.can)));
+    return kDeviceFailed;
+  }
+  const auto opened = [](const hal::FingerOpening& f) { return f.answers && f.rests; };
+  const bool all = std::all_of(fingers->begin(), fingers->end(), opened);
+  if (common.json)
+    std::puts(hand_emergency_document(*fingers).c_str());
+  else
+    std::fputs(hal::describe(*fingers).c_str(), stdout);
+  return all ? 0 : kDeviceFailed;
+}
+
 int run(const CommonOptions& common, const HalOptions& options, const Bench& bench, const HandTask& task) {
   const hal::SteadyClock clock;
   auto bus = hal::make_can_bus(bench.barrett.can);
@@ -126,7 +155,7 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
     std::puts(hand_document(options.verb, view, task, end).c_str());
   } else {
     std::string text;
-    if (task.kind != HandTask::Kind::PerceptionSession)
+    if (task.kind != HandTask::Kind::Watch)
       text = hand_summary(task, end);
     else if (end.states > 0 && options.verb == "tactile")
       text = tactile_text(view);
@@ -148,6 +177,7 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
 int cmd_hal_hand(const CommonOptions& common, const HalOptions& options) {
   const auto bench = load_bench(common, options);
   if (!bench) return report_error("hal hand", bench.error());
+  if (options.verb == "emergency-open") return open_at_once(common, options, *bench);
   const auto task = task_of(options, *bench);
   if (!task) {
     const std::string where = fmt::format("hal hand {}", options.verb);

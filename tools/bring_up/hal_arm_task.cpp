@@ -54,7 +54,7 @@ class Runner {
   ArmTaskEnd run() {
     go_on(Phase::Opening);
     if (auto opened = arm_.configure(); !opened) return finish(How::Refused, opened.error().text());
-    if (task_.kind == ArmTask::Kind::PerceptionSession) return watch();
+    if (task_.kind == ArmTask::Kind::Watch) return watch();
     if (!first_state()) return finish(How::Refused, "no usable state came: " + why("of the arm"));
     if (task_.kind == ArmTask::Kind::Move)
       if (std::string bad =
@@ -85,7 +85,9 @@ class Runner {
     p.in_phase_s = in_phase();
     p.done = setpoints_.progress();
     for (int i = 0; i < hal::kArmJoints; ++i) {
-      p.commanded_rad[static_cast<std::size_t>(i)] = setpoints_.commanded()[i];
+      // before the first command of this program: where the controller commands it
+      const auto& commanded = setpoints_.running() ? setpoints_.commanded() : state_.q_commanded_rad;
+      p.commanded_rad[static_cast<std::size_t>(i)] = commanded[i];
       p.measured_rad[static_cast<std::size_t>(i)] = state_.q_rad[i];
     }
     hooks_.progress.write(p);

@@ -19,11 +19,11 @@ namespace colift::tools {
 /// What the arm is asked to do during bring-up.
 struct ArmTask {
   enum class Kind {
-    PerceptionSession,  ///< Nothing moves and nothing is asked for.
-    Hold,               ///< Command mode, the measured pose.
-    Move,               ///< Command mode, one joint by an angle.
+    Watch,  ///< Nothing moves and nothing is asked for.
+    Hold,   ///< Command mode, the measured pose.
+    Move,   ///< Command mode, one joint by an angle.
   };
-  Kind kind = Kind::PerceptionSession;
+  Kind kind = Kind::Watch;
   double for_s = std::numeric_limits<double>::infinity();  ///< Of watching or holding.
   double stiffness_nm_rad = 1000.0;
   double damping_ratio = 0.7;

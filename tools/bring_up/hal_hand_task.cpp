@@ -28,7 +28,7 @@ class Runner {
     if (auto opened = hand_.configure(); !opened) return refused(opened.error());
     if (!first_state()) return end(How::Refused, trouble_);
     end_.before = end_.after = *state_;
-    if (task_.kind == HandTask::Kind::PerceptionSession) return watch();
+    if (task_.kind == HandTask::Kind::Watch) return watch();
     if (auto active = hand_.activate(); !active) return refused(active.error());
     HandTaskEnd done = move();
     hand_.deactivate();
@@ -93,7 +93,7 @@ class Runner {
       case HandTask::Kind::Close:
       case HandTask::Kind::Grip:
         return hand_.close(task_.torque_nm);
-      case HandTask::Kind::PerceptionSession:
+      case HandTask::Kind::Watch:
         break;
     }
     return {};
@@ -105,7 +105,7 @@ class Runner {
 
   HandTaskEnd move() {
     const bool loaded = state_->held || hooks_.report().loaded;
-    if (loaded && task_.kind != HandTask::Kind::PerceptionSession && !closes() && !task_.although_loaded)
+    if (loaded && task_.kind != HandTask::Kind::Watch && !closes() && !task_.although_loaded)
       return end(How::BadRequest,
                  "the hand may hold something, which would fall: support it, and say --yes if it shall open");
     if (loaded && task_.kind == HandTask::Kind::Preshape)

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "hal/drivers/barrett_can/barrett_hand.hpp"
+#include "hal/drivers/barrett_can/emergency_open.hpp"
 #include "hal/hand.hpp"
 #include "tools/bring_up/task_outcome.hpp"
 
@@ -16,13 +17,13 @@ namespace colift::tools {
 /// What the hand is asked to do during bring-up.
 struct HandTask {
   enum class Kind {
-    PerceptionSession,  ///< Nothing moves.
+    Watch,  ///< Nothing moves.
     Open,
     Preshape,
     Close,
     Grip,  ///< Close, then hold and watch the grip.
   };
-  Kind kind = Kind::PerceptionSession;
+  Kind kind = Kind::Watch;
   double for_s = std::numeric_limits<double>::infinity();  ///< Of watching, or of holding a grip.
   double spread_rad = 0.0, torque_nm = 0.5;
   bool although_loaded = false;  ///< Opens a hand that holds something.
@@ -72,6 +73,8 @@ struct HandView {
 [[nodiscard]] std::string hand_summary(const HandTask& task, const HandTaskEnd& end);
 /// What to do about an error of the start.
 [[nodiscard]] std::string hand_advice(hal::ErrorCode code, const std::string& bus);
+/// Document colift.hal.hand/1 of an emergency opening.
+[[nodiscard]] std::string hand_emergency_document(const std::array<hal::FingerOpening, 3>& fingers);
 /// Document colift.hal.hand/1.
 [[nodiscard]] std::string hand_document(const std::string& verb, const HandView& view, const HandTask& task,
                                         const HandTaskEnd& end);

@@ -138,6 +138,16 @@ std::string tactile_text(const HandView& v) {
   return t;
 }
 
+std::string hand_emergency_document(const std::array<hal::FingerOpening, 3>& fingers) {
+  Json j = {{"schema", "colift.hal.hand/1"}, {"verb", "emergency-open"}, {"fingers", Json::array()}};
+  for (std::size_t i = 0; i < fingers.size(); ++i)
+    j["fingers"].push_back({{"name", fmt::format("F{}", i + 1)},
+                            {"answers", fingers[i].answers},
+                            {"opened_deg", fingers[i].opened_deg()},
+                            {"rests", fingers[i].rests}});
+  return j.dump();
+}
+
 std::string hand_document(const std::string& verb, const HandView& v, const HandTask& task,
                           const HandTaskEnd& e) {
   const auto& r = v.report;

@@ -70,6 +70,10 @@ void add_hal_hand(CommandLine& line, CLI::App& hand, HalOptions& o) {
   for_s(add_verb(hand, "tactile", "Forces on the tactile pads; no motion", o, line),
         "Duration (default: until interrupted)");
   yes(add_verb(hand, "open", "Opens the fingers", o, line));
+  add_verb(hand, "emergency-open",
+           "Opens every finger that still answers, without configuring the hand; what it holds falls", o,
+           line)
+      .add_flag("--yes", o.yes, "Confirms that what the hand holds may fall");
   torque(add_verb(hand, "close", "Closes until each finger meets an object or its stop", o, line));
   CLI::App& preshape = add_verb(hand, "preshape", "Opens the fingers and turns the spread", o, line);
   preshape.add_option("DEG", o.spread_deg, "Spread, 0 to 180 degrees")->required();

@@ -25,7 +25,7 @@ struct BarrettHandConfig {
   double spread_speed_rad_s = 4.3;
 
   double warn_c = 60.0;
-  double limit_c = 70.0;
+  double limit_c = 65.0;
 
   double reply_ms = 8.0;
   double measure_ms = 10.0;

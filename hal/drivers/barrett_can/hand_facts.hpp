@@ -24,6 +24,7 @@ struct HandFacts {
       zero_lost{};  ///< Its encoder's zero is not that of the joint: it has to be found anew.
   std::array<bool, kPucks> mode_lost{};  ///< It fell out of the mode that it was told.
   std::array<double, kFingers> strain_idle{2048.0, 2048.0, 2048.0};  ///< Of an open hand.
+  std::array<double, kFingers> otemp_c{60.0, 60.0, 60.0};  ///< Where its puck gives no torque any more.
 };
 
 /// Words without allocation.
@@ -41,6 +42,15 @@ void say(ShortText& text, fmt::format_string<Args...> format, Args&&... args) {
   const bool twelve_bits = sg.value >= 0 && sg.value <= 4095;  // others do not come from a gauge
   if (!facts.has_strain || !sg.known || !twelve_bits) return std::numeric_limits<double>::quiet_NaN();
   return strain_nm(sg.value) - strain_nm(facts.strain_idle[index(finger)]);
+}
+
+/// Fraction of the torque asked for that a finger's puck gives at its temperature: all of it below OTEMP -
+/// 16, none at OTEMP (maker's library). 1 while the temperature is not known.
+[[nodiscard]] inline double torque_fraction(const PuckLink& link, const HandFacts& facts, Puck finger) {
+  constexpr double kDerates_k = 16.0;
+  const Reported& temp = link.reported(finger, Property::Temp);
+  if (!temp.known) return 1.0;
+  return std::clamp((facts.otemp_c[index(finger)] - temp.value) / kDerates_k, 0.0, 1.0);
 }
 
 /// Force on a pad (N); NaN without pads, or when the last whole scan is older than 0.3 s.

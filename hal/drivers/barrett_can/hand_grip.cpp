@@ -9,7 +9,10 @@ namespace {
 
 constexpr double kOneSide_rad = 2.6;  // of spread: all fingers press from one side, against the palm
 constexpr double kOpposed_rad = std::numbers::pi / 3;  // of spread: up to here F1 and F2 press against F3
-constexpr double kRelaxed_nm = 0.5;                    // a finger that its puck let off presses again below
+// Of the torque that a finger keeps up, measured at its gauge: less is no grip. The units per N m of a motor
+// are known to a third.
+constexpr double kHeldFraction = 0.4;
+constexpr double kRelaxed_nm = 0.5;  // a finger that its puck let off presses again below
 
 }  // namespace
 
@@ -132,6 +135,21 @@ void HandMotion::verify(Timestamp now) {
   }
   if (!opposed() || !any_measured) {
     if (opposed()) say(why_, "the fingers stopped, but neither strain gauges nor pads measure a force");
+    give_up_grip();
+    return;
+  }
+  for (const Puck finger : kFingerPucks) {
+    const double kept_nm = hold_units_[index(finger)] / config_.torque_units_per_nm;
+    const double strain = strain_above_idle(link_, facts_, finger);
+    if (!contact_[index(finger)] || !pressing_ || !(strain < kHeldFraction * kept_nm)) continue;
+    const double part = torque_fraction(link_, facts_, finger);
+    if (part < 1.0)
+      say(why_,
+          "{} holds with {:.2f} of {:.2f} N m: at {} C its puck gives {:.0f} % of its torque, let it cool",
+          name(finger), std::max(strain, 0.0), kept_nm, link_.reported(finger, Property::Temp).value,
+          100.0 * part);
+    else
+      say(why_, "{} holds with {:.2f} of {:.2f} N m", name(finger), std::max(strain, 0.0), kept_nm);
     give_up_grip();
     return;
   }

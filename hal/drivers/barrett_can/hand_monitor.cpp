@@ -1,6 +1,7 @@
 #include "hal/drivers/barrett_can/hand_monitor.hpp"
 
 #include <cstdlib>
+#include <utility>
 
 namespace colift::hal::barrett {
 namespace {
@@ -40,7 +41,7 @@ void HandMonitor::start() {
   torques_over_ = {};
   strained_at_ = {};
   was_quiet_ = failed_ = without_ = {};
-  warm_ = hot_ = over_torque_ = false;
+  warm_ = hot_ = fades_ = over_torque_ = false;
   warning_ = {};
 }
 
@@ -166,7 +167,11 @@ void HandMonitor::judge_heat() {
   const bool was_warm = warm_, was_hot = hot_;
   hot_ = now_c >= config_.limit_c - (hot_ ? kCooled_c : 0.0);
   warm_ = hot_ || now_c >= config_.warn_c - (warm_ ? kCooled_c : 0.0);
-  if (hot_ == was_hot && warm_ == was_warm) return;
+  // before the force fades, and long before the maker's limit: its pucks give less torque from OTEMP - 16 on
+  double part = 1.0;
+  for (const Puck finger : kFingerPucks) part = std::min(part, torque_fraction(link_, facts_, finger));
+  const bool faded = std::exchange(fades_, part < 1.0);
+  if (hot_ == was_hot && warm_ == was_warm && fades_ == faded) return;
   if (hot_)
     say(warning_, "the hand has {:.0f} C (limit {:.0f}): {}", now_c, config_.limit_c,
         motion_.loaded() ? "lower the object; the worms alone hold it"
@@ -174,6 +179,10 @@ void HandMonitor::judge_heat() {
   else if (warm_)
     say(warning_, "the hand has {:.0f} C (warning from {:.0f}): it holds with less torque", now_c,
         config_.warn_c);
+  else if (fades_)
+    say(warning_,
+        "the hand has {:.0f} C: its pucks give {:.0f} % of their torque, and less as it gets warmer", now_c,
+        100.0 * part);
   else
     warning_ = {};
   if (!over_torque_)

@@ -81,7 +81,7 @@ class HandMonitor {
   std::array<Timestamp, kPucks> torque_seen_{}, judged_at_{}, mode_suspected_{}, reset_suspected_{};
   std::array<Timestamp, kFingers> strained_at_{};  ///< When a gauge last showed its most.
   std::array<bool, kPucks> was_quiet_{}, failed_{}, without_{};
-  bool therm_next_ = false, warm_ = false, hot_ = false, over_torque_ = false;
+  bool therm_next_ = false, warm_ = false, hot_ = false, fades_ = false, over_torque_ = false;
   ShortText warning_;
 };
 

@@ -174,6 +174,10 @@ Result<> HandStartup::identify() {
                                kCountsPerTurn));
     marked_[index(puck)] = *ct == mark(puck);
     if (puck != Puck::Spread && (*role & kRoleStrain) == 0) facts_.has_strain = false;
+    if (puck != Puck::Spread) {
+      const auto otemp = read(puck, Property::Otemp, kOneAnswer_s);
+      if (otemp && *otemp >= 20 && *otemp <= 100) facts_.otemp_c[index(puck)] = *otemp;
+    }
     if (config_.tactile == "off" || (*role & kRoleTactile) == 0) continue;
     if (*version < kOldestTactile) {
       remark_ = fmt::format("{} has firmware {}: tactile pads need {}", name(puck), *version, kOldestTactile);

@@ -52,7 +52,7 @@ struct Stand {
   tools::ArmTaskEnd run(const ArmTask& task) {
     const tools::ArmTaskHooks hooks{interrupted, progress,
                                     [this] { return why_not(fri->status(), fri->config()); }};
-    hal::Arm& used = task.kind == ArmTask::Kind::PerceptionSession ? static_cast<hal::Arm&>(*fri) : *arm;
+    hal::Arm& used = task.kind == ArmTask::Kind::Watch ? static_cast<hal::Arm&>(*fri) : *arm;
     return run_arm_task(used, hal::built_in_robot(), guard, task, clock, hooks);
   }
 

@@ -46,7 +46,7 @@ struct Stand {
 
 TEST_CASE("watching a hand moves nothing", "[hal][hand]") {
   Stand s;
-  const auto end = s.run(Kind::PerceptionSession);
+  const auto end = s.run(Kind::Watch);
   CHECK(end.how == How::Done);
   CHECK(end.states > 100);
   CHECK_FALSE(end.moved);

@@ -21,6 +21,14 @@ hal::CanFrame frame(int id, std::initializer_list<int> bytes) {
   return f;
 }
 
+// the maker's cubic of a strain gauge, the other way round; 2048 is an open hand
+double gauge_counts(double nm) {
+  const auto cubic = [](double x) { return ((2.754e-10 * x - 1.708e-6) * x + 0.003764) * x - 2.85; };
+  double counts = 2048.0;
+  while (counts < 4095.0 && cubic(counts) - cubic(2048.0) < nm) counts += 1.0;
+  return counts;
+}
+
 }  // namespace
 
 void FakePuck::reset() {
@@ -62,7 +70,7 @@ void FakePuck::step(double dt_ms) {
   if (stat == 2 && mode() == 5) {
     const double goal = property[kE] - zero_shift, most = property[45] * dt_ms;
     if (!stuck) position += std::clamp(goal - position, -most, most);
-    position = std::min(position, std::max(blocked_at, std::min(before, goal)));
+    position = std::max(0.0, std::min(position, std::max(blocked_at, std::min(before, goal))));  // open stop
     property[42] = goal > position ? property[43] : 0;
     still_ms = position == before ? still_ms + dt_ms : 0.0;
     if (std::abs(position - goal) < 1.0)
@@ -74,7 +82,7 @@ void FakePuck::step(double dt_ms) {
   if (position < blocked_at)
     load_nm = 0.0;
   else if (mode() == 5)
-    load_nm = property[43] / 2900.0;
+    load_nm = property[43] / 2900.0 * std::clamp((property[11] - property[9]) / 16.0, 0.0, 1.0);  // its heat
 }
 
 FakeHand::FakeHand(hal::ManualClock& the_clock) : clock(the_clock), bus(the_clock) {
@@ -182,7 +190,7 @@ void FakeHand::answer(const FakePuck& puck, int p) {
   if (p == 5) v = puck.stat;
   if (p == 25)
     v = static_cast<std::int32_t>(
-        2048 + (puck.feels ? 1000.0 * std::min(puck.load_nm * puck.load_share, 1.3) : 0.0));
+        gauge_counts(puck.feels ? std::min(puck.load_nm * puck.load_share, 1.3) : 0.0));
   hal::CanFrame f = frame(to | 6, {0x80 | p, 0, v & 255, v >> 8 & 255});
   if (is_wide(p)) f = frame(to | 6, {0x80 | p, 0, v & 255, v >> 8 & 255, v >> 16 & 255, v >> 24 & 255});
   (void)node_->send(f);
