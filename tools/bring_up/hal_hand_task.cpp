@@ -17,6 +17,25 @@ constexpr double kMove_s = 12.0;  // the driver gives up before
 constexpr double kStart_s = 0.3;  // until a motion that was asked for shows
 constexpr double kFault_s = 1.0;  // of states that do not come
 constexpr double kStop_s = 0.3;
+// A grip whose strongest finger measures less than this part of the asked torque is none: a motor that has
+// faded with heat stops on an object as a strong one does. A choice, with room for the strain gauges'
+// unverified scale.
+constexpr double kGripPart = 0.4;
+
+/// The torque at the finger that has most of it; NaN without strain gauges. A broken-away finger's gauge says
+/// nothing about its inner link, which does the pressing; then the answer is NaN too.
+double strongest_nm(const hal::HandState& state, const hal::HandReport& report) {
+  double most = std::nan("");
+  for (std::size_t f = 0; f < hal::kFingers; ++f) {
+    if (report.broken_away[f]) return std::nan("");
+    most = std::fmax(most, state.torque_nm[f]);
+  }
+  return most;
+}
+
+bool is_weak(double strongest, double asked) {
+  return strongest < kGripPart * asked;  // false with NaN: unknown
+}
 
 class Runner {
  public:
@@ -154,17 +173,37 @@ class Runner {
     while (now() - since < kStop_s) (void)turn("stops");
   }
 
+  /// Why what stopped the fingers is not gripped as was asked.
+  std::optional<std::string> weak_grip() {
+    const hal::HandReport report = hooks_.report();
+    const double strongest = strongest_nm(*state_, report);
+    if (!is_weak(strongest, task_.torque_nm)) return std::nullopt;
+    end_.weak = true;
+    double hottest = std::nan("");
+    for (const double c : report.temperature_c) hottest = std::fmax(hottest, c);
+    return fmt::format(
+        "the fingers stopped on something, but the strongest measures {:.2f} of the {:.2f} N m that were "
+        "asked: "
+        "not a grip to lift with; {}",
+        strongest, task_.torque_nm,
+        std::isnan(hottest)
+            ? std::string("no temperature is known")
+            : fmt::format("the hottest puck or motor has {:.0f} C, and heat takes torque", hottest));
+  }
+
   HandTaskEnd judge_grip() {
     if (!state_->held) {
       const std::string why = hooks_.report().why.str();
       return end(How::NoGrip, why.empty() ? "the fingers met nothing" : why);
     }
+    if (const auto weak = weak_grip()) return end(How::NoGrip, *weak);
     if (task_.kind != HandTask::Kind::Grip) return end(How::Done, "");
     const double since = now();
     while (now() - since < task_.for_s && !hooks_.interrupted()) {
       if (!turn("holds")) return end(How::Failed, trouble_);
       if (hooks_.report().slipped || !state_->held)
         return end(How::NoGrip, fmt::format("the grip slipped after {:.1f} s", now() - since));
+      if (const auto weak = weak_grip()) return end(How::NoGrip, *weak);
       double force = 0.0;
       for (const double f : state_->tip_force_n) force += f;
       if (!(end_.min_force_n <= force)) end_.min_force_n = force;
@@ -203,11 +242,15 @@ std::string hand_summary(const HandTask& task, const HandTaskEnd& e) {
         hal::rad_to_deg(e.before.spread_rad), hal::rad_to_deg(e.after.spread_rad));
     if (task.kind == HandTask::Kind::Close || task.kind == HandTask::Kind::Grip)
       t += fmt::format("{}; strain {:.2f}, {:.2f}, {:.2f} N m, pads {:.1f}, {:.1f}, {:.1f} N\n",
-                       e.after.held ? "it holds something" : "it holds nothing", e.after.torque_nm[0],
-                       e.after.torque_nm[1], e.after.torque_nm[2], e.after.tip_force_n[0],
-                       e.after.tip_force_n[1], e.after.tip_force_n[2]);
+                       e.weak         ? "it touches something, too weakly for a grip"
+                       : e.after.held ? "it holds something"
+                                      : "it holds nothing",
+                       e.after.torque_nm[0], e.after.torque_nm[1], e.after.torque_nm[2],
+                       e.after.tip_force_n[0], e.after.tip_force_n[1], e.after.tip_force_n[2]);
     if (e.after.held)
-      t += "the motors rest now and the worm gears hold; \"colift hal hand open --yes\" lets go\n";
+      t += "the motors were commanded to rest (not read back), the worm gears hold; \"colift hal hand open "
+           "--yes\" "
+           "lets go\n";
   }
   if (e.how == How::Interrupted) t += fmt::format("interrupted: {}\n", e.reason);
   return t;
@@ -228,7 +271,8 @@ std::string hand_advice(hal::ErrorCode code, const std::string& bus) {
     default:
       if (bus.starts_with("socketcand:"))
         return fmt::format(
-            "does a gateway run there (socketcand -v -i can0; without a hand: colift emulate hand --bus {})? "
+            "does a gateway run there (socketcand -v -i can0 -l INTERFACE -e 1FFFFFFF; without a hand: "
+            "colift emulate hand --bus {})? "
             "behind it: supply on (48 V)? CAN termination on at the hand's supply (the usual cause)? bit "
             "rate "
             "1 Mbit/s? candump -e can0 on the gateway shows what the bus says",

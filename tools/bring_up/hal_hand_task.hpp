@@ -38,6 +38,7 @@ struct HandTaskEnd {
   double took_s = 0.0;                            ///< Of the motion.
   hal::HandState before, after;
   bool moved = false;
+  bool weak = false;  ///< It stopped on something, with far less torque than was asked.
   double min_force_n = std::numeric_limits<double>::quiet_NaN();  ///< Sum over the pads while gripping.
   std::uint64_t states = 0, bad_states = 0;
 };

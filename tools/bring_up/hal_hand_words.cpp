@@ -156,7 +156,8 @@ std::string hand_document(const std::string& verb, const HandView& v, const Hand
                  {"took_s", e.took_s},          {"states", e.states},  {"bad_states", e.bad_states}};
   if (task.kind == HandTask::Kind::Close || task.kind == HandTask::Kind::Grip) {
     j["result"]["torque_asked"] = task.torque_nm;
-    j["result"]["held"] = e.after.held;
+    j["result"]["held"] = e.after.held && !e.weak;
+    j["result"]["weak"] = e.weak;
     j["result"]["least_force"] = e.min_force_n;
   }
   j["bus"] = {{"name", v.bus},

@@ -13,12 +13,38 @@ using tools::HandTask;
 using How = tools::HandTaskEnd::How;
 using Kind = HandTask::Kind;
 
+/// A hand whose motors have faded with heat: it stops on the object as ever, and presses with `part` of the
+/// torque.
+class FadedHand final : public hal::Hand {
+ public:
+  FadedHand(hal::Hand& hand, double part) : hand_(hand), part_(part) {}
+  hal::Result<> configure() override { return hand_.configure(); }
+  hal::Result<> activate() override { return hand_.activate(); }
+  void deactivate() noexcept override { hand_.deactivate(); }
+  [[nodiscard]] hal::DeviceHealth health() const override { return hand_.health(); }
+  hal::Result<hal::HandState> state() override {
+    auto state = hand_.state();
+    if (state)
+      for (double& torque : state->torque_nm) torque *= part_;
+    return state;
+  }
+  hal::Result<> preshape(double spread_rad) override { return hand_.preshape(spread_rad); }
+  hal::Result<> close(double torque_nm) override { return hand_.close(torque_nm); }
+  hal::Result<> release() override { return hand_.release(); }
+  void stop() noexcept override { hand_.stop(); }
+
+ private:
+  hal::Hand& hand_;
+  double part_;
+};
+
 struct Stand {
   hal::ManualClock clock;
   sim_hal::HandScript script;
   std::unique_ptr<sim_hal::MockHand> hand;
   hal::HandReport report;
   bool interrupted = false;
+  double torque_part = 1.0;  ///< Of the asked torque that is measured; NaN: no gauges.
   double interrupt_at_s = std::numeric_limits<double>::infinity();
 
   explicit Stand(double contact_rad = std::numeric_limits<double>::infinity()) {
@@ -38,7 +64,8 @@ struct Stand {
     hooks.interrupted = [this] { return interrupted || hal::seconds(clock.now()) > interrupt_at_s; };
     hooks.pause = [this] { clock.advance(std::chrono::milliseconds(2)); };
     hooks.report = [this] { return report; };
-    return run_hand_task(*hand, task, clock, hooks);
+    FadedHand faded(*hand, torque_part);
+    return run_hand_task(faded, task, clock, hooks);
   }
 };
 
@@ -66,6 +93,27 @@ TEST_CASE("closing on something says that it is held, on nothing that it is not"
   CHECK(nothing.how == How::NoGrip);
   CHECK_FALSE(nothing.after.held);
   CHECK(nothing.reason == "the fingers met nothing");
+}
+
+TEST_CASE("a grip with a tenth of the torque that was asked is no grip", "[hal][hand]") {
+  Stand hot(1.2);
+  hot.torque_part = 0.1;
+  hot.report.temperature_c = {57, 55, 56, 50};
+  for (const Kind kind : {Kind::Close, Kind::Grip}) {
+    const auto end = hot.run(kind, [](HandTask& t) { t.torque_nm = 0.8; });
+    CHECK(end.how == How::NoGrip);
+    CHECK(end.reason.find("0.08 of the 0.80 N m") != std::string::npos);
+    CHECK(end.reason.find("57 C") != std::string::npos);
+    // the fingers did stop on something, and nobody opens them
+    CHECK(end.after.held);
+    HandTask task;
+    task.kind = kind;
+    CHECK(hand_summary(task, end).find("it holds something;") == std::string::npos);
+  }
+  // without gauges nothing is known against it
+  Stand blind(1.2);
+  blind.torque_part = std::nan("");
+  CHECK(blind.run(Kind::Grip).how == How::Done);
 }
 
 TEST_CASE("a hand that holds something opens with a word of consent only", "[hal][hand]") {
