@@ -185,7 +185,7 @@ const Row kHoldingAndLowering[] = {
     {"28 too hot",
      {"0.2:hot=75:60", Task::Hold},
      End::Stopped,
-     "the hand has 75 C (limit 70): lower the object"},
+     "the hand has 75 C (limit 65): lower the object"},
     // goes on slowly and sets it down; from 60 C on these pucks have no torque left to open
     {"28 warm", {"0.2:hot=62:60", Task::Hold}, End::Stopped, "62 C"},
     {"29 zero forgotten", {"0.2:jump=20000@F2", Task::Hold}, End::Stopped, "lost its zero"},
