@@ -125,10 +125,12 @@ class SocketcandBus final : public CanBus {
     for (const addrinfo* a = found; a != nullptr && socket_ < 0; a = a->ai_next) why = try_address(*a);
     ::freeaddrinfo(found);
     if (socket_ < 0)
-      return lost(
-          why == ECONNREFUSED
-              ? fmt::format("nobody listens there: start socketcand (socketcand -v -p {} -i {})", port_, bus_)
-              : fmt::format("no connection: {}", std::strerror(why)));
+      return lost(why == ECONNREFUSED
+                      ? fmt::format("nobody listens there: start socketcand (socketcand -v -p {} -i {} -l "
+                                    "INTERFACE -e 1FFFFFFF; without -e it reports no "
+                                    "error frames)",
+                                    port_, bus_)
+                      : fmt::format("no connection: {}", std::strerror(why)));
     const int on = 1;
     (void)::setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     return {};

@@ -16,7 +16,9 @@ void add_emulate(CLI::App& command, EmulateOptions& o) {
       .add_option("--scenario", o.scenario, "Scenario of the simulated rig, with its faults (default: table)")
       ->type_name("FILE");
   command.add_option("--for", o.for_s, "Duration (s)")->type_name("S");
-  command.add_option("--fault", o.faults, "Injects a fault at T (s); may be given several times")
+  command
+      .add_option("--fault", o.faults,
+                  "Injects a fault at T (s) for DURATION (default 0.5 s); may be given several times")
       ->type_name("T:KIND[:DURATION]")
       ->take_all()
       ->allow_extra_args(false);
