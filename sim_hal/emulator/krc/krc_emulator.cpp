@@ -132,15 +132,17 @@ void KrcEmulator::take(std::span<const std::byte> bytes, const hal::Endpoint& fr
     ++report_.duplicate;
     return;
   }
+  // what is not taken is no answer: a client whose counter jumped back loses the quality, and command mode
+  if (!newer) {
+    report_.late += answers ? 0 : 1;
+    ++report_.reordered;
+    return;
+  }
   if (answers && !answered_) {
     answered_ = true;
     latency_ = at - sent_at_;
   } else if (!answers) {
     ++report_.late;
-  }
-  if (!newer) {
-    ++report_.reordered;
-    return;
   }
   if (!client_there_) {
     client_there_ = true;

@@ -116,7 +116,7 @@ void KrcServer::note_missed(hal::Timestamp sent, std::uint64_t& before) {
 }
 
 void KrcServer::wait_for_answers(hal::Timestamp sent, hal::Timestamp until) {
-  std::array<std::byte, kCommandBytes + 1> buffer;
+  std::array<std::byte, 2048> buffer;  // more than a datagram of Ethernet, so that the true size is told
   const double speed = config_.speed > 0.0 ? config_.speed : 1.0;
   const auto emulated = [&](hal::Timestamp wall) {
     const auto since = std::chrono::duration_cast<hal::Duration>((wall - sent) * speed);

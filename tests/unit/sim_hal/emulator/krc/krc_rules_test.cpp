@@ -251,6 +251,18 @@ TEST_CASE("an old command never moves the arm", "[krc]") {
   CHECK(b.last.state() == 2);
 }
 
+TEST_CASE("a client whose counter jumps back in command mode loses command mode", "[krc]") {
+  Bench b;
+  REQUIRE(b.krc->start(b.clock.now()));
+  REQUIRE(b.command());
+  b.turns(50);
+  REQUIRE(b.last.state() == 2);
+  b.send = static_cast<std::uint16_t>(b.send - 1000);
+  b.turns(400);
+  CHECK(b.last.state() == 1);
+  CHECK(b.krc->report().reordered > 2);
+}
+
 TEST_CASE("a client that begins anew in monitor mode counts from its own beginning", "[krc]") {
   Bench b;
   b.send = 40000;
