@@ -29,6 +29,17 @@ std::string link_text(const hal::FriStatus& s) {
                      1e3 * static_cast<double>(s.jitter_s), 1e3 * s.period_s);
 }
 
+std::string dropped_advice(const hal::FriStatus& s) {
+  const auto count = [&](hal::FriDrop why) { return s.drops[static_cast<std::size_t>(why)]; };
+  std::string text;
+  if (const auto n = count(hal::FriDrop::Sender); n > 0)
+    text =
+        fmt::format("{} came from another sender on this port (a second KRC, or an emulator): end it; ", n);
+  if (const auto n = count(hal::FriDrop::Content); n > 0)
+    text += fmt::format("the last of {} with impossible content: {}; ", n, to_string(s.last_refusal));
+  return text + "set krc: ADDRESS in the file behind --robot";
+}
+
 class Finder {
  public:
   Finder(const ArmView& view, const hal::RobotModel& model) : v_(view), model_(model) {}
@@ -240,11 +251,7 @@ class Finder {
     for (std::size_t i = 1; i < s.drops.size(); ++i)
       if (static_cast<hal::FriDrop>(i) != hal::FriDrop::Superseded) dropped += s.drops[i];
     if (dropped > 0)
-      remark("dropped", fmt::format("{} datagrams were dropped: {}", dropped, traffic(s)),
-             s.drops[static_cast<std::size_t>(hal::FriDrop::Content)] > 0
-                 ? fmt::format("the last one: {}", to_string(s.last_refusal))
-                 : std::string("another sender on this port, or a second KRC: set krc: ADDRESS in the file "
-                               "behind --robot"));
+      remark("dropped", fmt::format("{} datagrams were dropped: {}", dropped, traffic(s)), dropped_advice(s));
     if (s.lost > 0)
       remark("lost", fmt::format("{} of {} datagrams of the KRC never came", s.lost, s.lost + s.received),
              "a cable of its own, no switch; see the error counters of the card (ip -s link)");

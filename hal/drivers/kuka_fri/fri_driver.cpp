@@ -12,7 +12,7 @@ constexpr double kRounding = 1e-6;
 constexpr double kMinSlack_s = 0.001;  // an ordinary kernel's jitter is not a lost datagram
 constexpr double kWrenchSlope_n_s = 500.0, kWrenchSlope_nm_s = 100.0;
 constexpr int kGapCycles = 5;
-constexpr double kStall_s = 0.02, kStallForgotten_s = 3.0;  // a kernel's ordinary jitter is shorter
+constexpr double kStall_s = 0.01, kStallForgotten_s = 3.0;  // a kernel's ordinary jitter is shorter
 
 FriQuality quality(const std::string& name) {
   return name == "perfect" ? FriQuality::Perfect : name == "bad" ? FriQuality::Bad : FriQuality::Ok;
@@ -72,6 +72,8 @@ void FriDriver::reset() {
   open = seen = quiet = commanded_ = first_ = false;
   arrived_at_ = due_ = left_at_ = commanding_since_ = Timestamp{0};
   stall_s_ = 0.0;
+  misses_at_ = Timestamp{0};
+  misses_ = misses_before_ = 0;
   sample_ = SamplePeriod(1e-3 * config.cycle_ms);
   period_s_ = limit_s_ = sample_.period_s();
   steps_ = 1;
@@ -108,8 +110,7 @@ FriDriver::Took FriDriver::take() {
     const Timestamp then = clock.now();
     due_ = std::max(due_ + period, then + period);
     const double silent_s = seconds(then - arrived_at_);
-    const bool lost = silent_s > std::max(config.silent_s, (kGapCycles + 0.5) * period_s_),
-               broken = got == FriExchange::Got::Broken;
+    const bool lost = silent_s > lost_after_s(), broken = got == FriExchange::Got::Broken;
     // a quarter of a period for the clock's and the machine's own jitter
     session.silence(std::floor(silent_s / period_s_ - 0.25), seen && lost, broken);
     if (lost) wire.gate().unlock();
@@ -131,6 +132,7 @@ FriDriver::Took FriDriver::take() {
   session.measured(m, packet.cycles, period_s_, packet.restarted);
   hand_shake->step(session.ask(), m, std::min(packet.cycles, kGapCycles) * period_s_, config.script_s, krl_);
   session.script(hand_shake->sign(), hand_shake->code());
+  note_misses();
   move_set_points(packet, may_before);
   publish();
   return Took::Packet;
@@ -150,6 +152,13 @@ void FriDriver::note_stall(Timestamp asked, Timestamp until) {
     stall_s_ = std::max(stall_s_, stall_s);
     commanding_since_ = now;
   }
+}
+
+void FriDriver::note_misses() {
+  if (!session.may_command() || seconds(arrived_at_ - misses_at_) < 1.0) return;
+  misses_before_ = misses_at_ == Timestamp{0} ? m.misses : misses_;
+  misses_ = m.misses;
+  misses_at_ = arrived_at_;
 }
 
 void FriDriver::move_set_points(const FriExchange::Packet& packet, bool may_before) {
@@ -251,6 +260,10 @@ FriLimit FriDriver::set(const ImpedanceCommand& c) {
   return {};
 }
 
+double FriDriver::lost_after_s() const {
+  return std::max(config.silent_s, (kGapCycles + 0.5) * period_s_);
+}
+
 double FriDriver::speed_fraction() const {
   const double reported = m.safety_limits > 0.0F ? static_cast<double>(m.safety_limits) : 1.0;
   return reported * limit_s_ / period_s_;
@@ -335,6 +348,8 @@ void FriDriver::publish() {
   s.hottest_c = *std::max_element(m.temperature_c.begin(), m.temperature_c.end());
   s.safety_limits = m.safety_limits;
   s.krc_misses = m.misses;
+  s.recent_misses = m.misses >= misses_before_ ? m.misses - misses_before_ : 0;
+  s.silent_s = lost_after_s();
   s.stall_s = stall_s_;
   s.period_s = period_s_;
   s.claimed_period_s = static_cast<double>(m.measurement_period_s);

@@ -69,10 +69,13 @@ class FriDriver {
 
  private:
   void note_stall(Timestamp asked, Timestamp until);
+  void note_misses();
   void move_set_points(const FriExchange::Packet& packet, bool may_before);
   void brake();
   void start_gains();
   [[nodiscard]] bool mirrors_joints() const;
+  /// Without a datagram for so long the link counts as lost: with a long period not after a few of them (s).
+  [[nodiscard]] double lost_after_s() const;
   /// Of the velocity limits: the controller's own, and less while a datagram says a shorter sample time.
   [[nodiscard]] double speed_fraction() const;
 
@@ -90,6 +93,9 @@ class FriDriver {
   // how long this thread did not run although a datagram was due
   Timestamp left_at_{0}, commanding_since_{0};
   double stall_s_ = 0.0;
+  // the KRC's count of misses one to two seconds ago, while it was commanded
+  Timestamp misses_at_{0};
+  std::uint32_t misses_ = 0, misses_before_ = 0;
   KrlChannels krl_;
   JointVector tau_ = JointVector::Zero(), stiffness_, damping_;
   SixVector wrench_ = SixVector::Zero(), cart_stiffness_, cart_damping_;

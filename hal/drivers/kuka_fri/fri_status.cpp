@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include <string_view>
 
 namespace colift::hal {
 namespace {
+
+constexpr std::uint32_t kManyMisses = 10;  // by the KRC's count
 
 std::string_view name(FriQuality q) {
   switch (q) {
@@ -124,7 +128,7 @@ std::string reason_words(const FriStatus& s, const FriConfig& c) {
       return fmt::format(
           "no datagram for {:.0f} ms: the link to the KRC is lost ({} came before); cable, KRC "
           "switched off, or friClose",
-          1e3 * c.silent_s, s.received);
+          1e3 * std::max(s.silent_s, c.silent_s), s.received);
     case FriReason::LinkBroken:
       return "the socket does not work any more; it has to be opened again";
     case FriReason::Gap:
@@ -221,7 +225,13 @@ std::string why_not(const FriStatus& s, const FriConfig& c) {
     case FriReason::ScriptRefused:
     case FriReason::DrivesOff:
     case FriReason::LeftCommand:
-      return s.stall_s > 0.0 ? describe_stall(s) + "; after that: " + reason : reason;
+      if (s.stall_s > 0.0) return describe_stall(s) + "; after that: " + reason;
+      // a person at the panel costs no answers: lost ones come first
+      if (s.recent_misses > kManyMisses && s.reason != FriReason::LinkLost)
+        return fmt::format(
+            "{} answers of this machine never came to the KRC (lost on the network, or late); {}",
+            s.recent_misses, reason);
+      return reason;
     default:
       return reason;
   }

@@ -28,14 +28,16 @@ struct FriStatus {
   FriControl control = FriControl::Other;
   std::uint16_t power = 0, error = 0, warning = 0;
   float answer_rate = 0, latency_s = 0, jitter_s = 0, hottest_c = 0, safety_limits = 0;
-  std::uint32_t krc_misses = 0;    ///< Answers that the KRC says never came.
-  double stall_s = 0.0;            ///< Longest time for which this program did not answer by its own fault,
-                                   ///< until it has commanded for 3 s without another (s).
-  double period_s = 0.0;           ///< Sample time that is used ...
-  double claimed_period_s = 0.0;   ///< ... that the last datagram says ...
-  double arrivals_s = 0.0;         ///< ... and that the arrivals show, where it is another one; else 0.
-  double pose_mismatch_rad = 0.0;  ///< Greatest distance of the measured from the commanded pose,
-  int mismatch_joint = 0;          ///< and its joint, from 0.
+  std::uint32_t krc_misses = 0;     ///< Answers that the KRC says never came.
+  std::uint32_t recent_misses = 0;  ///< Those of the last 1 to 2 s in which it was commanded, and since.
+  double silent_s = 0.0;            ///< Without a datagram for so long the link counts as lost (s).
+  double stall_s = 0.0;             ///< Longest time for which this program did not answer by its own fault,
+                                    ///< until it has commanded for 3 s without another (s).
+  double period_s = 0.0;            ///< Sample time that is used ...
+  double claimed_period_s = 0.0;    ///< ... that the last datagram says ...
+  double arrivals_s = 0.0;          ///< ... and that the arrivals show, where it is another one; else 0.
+  double pose_mismatch_rad = 0.0;   ///< Greatest distance of the measured from the commanded pose,
+  int mismatch_joint = 0;           ///< and its joint, from 0.
   Endpoint krc;
 
   // counters since configure()

@@ -71,8 +71,13 @@ TEST_CASE("nor does a quality that was bad for a while", "[fri][faults]") {
   Loaded run(15.0f, 0.0f);
   run.start_and_hold();
   for (int i = 0; i < 4; ++i) {
-    run.krc.m.quality = hal::FriQuality::Bad;
-    for (int k = 0; k < 50; ++k) (void)run.arm->wait_cycle();
+    run.krc.m.quality = hal::FriQuality::Unacceptable;
+    bool held = false;
+    for (int k = 0; k < 50; ++k) {
+      const auto state = run.arm->wait_cycle();
+      held = held || (state && !state->may_command);
+    }
+    REQUIRE(held);
     run.krc.m.quality = hal::FriQuality::Perfect;
     std::optional<JointVector> at;
     for (int k = 0; k < 300; ++k) {

@@ -53,6 +53,23 @@ TEST_CASE("a KRC that is silent, or loses datagrams, is no stall of this machine
   CHECK(run.arm->status().stall_s == 0.0);
 }
 
+TEST_CASE("answers that get lost on the network are said before an emergency stop", "[fri][faults]") {
+  Moving run;
+  run.krc.m.misses = 5000;  // of hours before
+  run.cycles(1500);
+  CHECK(run.arm->status().recent_misses == 0);
+  CHECK(run.arm->status().may_command);
+  const bool lossy = GENERATE(true, false);
+  if (lossy) run.krc.m.misses += 60;
+  run.krc.m.power = 0;
+  run.krc.monitor_mode();
+  run.cycles(20);
+  const std::string words = run.arm->health().last_error;
+  CAPTURE(words);
+  CHECK((words.find("60 answers of this machine never came") == 0) == lossy);
+  CHECK((words.find("the drives are off") != std::string::npos));
+}
+
 TEST_CASE("a stall is forgotten once the arm is commanded again for a while", "[fri][faults]") {
   Moving run;
   run.cycles(100);
