@@ -193,7 +193,7 @@ TEST_CASE("the thesis's method lifts what shows it a narrow face within reach", 
 
 TEST_CASE("opposite to the robot the thesis's method sees no face within reach", "[scenario][thesis]") {
   if (!control::make_pipeline(control::Method::Thesis)) return;  // not in this build
-  for (const char* name : {"table", "table_pose_2", "pipe"}) {
+  for (const char* name : {"table", "table_pose_2"}) {
     if (name != std::string_view("table") && !tests::thorough()) continue;
     const auto lift = run(name, control::Method::Thesis);
     INFO(tests::line(name, lift));
