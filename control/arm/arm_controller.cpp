@@ -164,10 +164,17 @@ void ArmController::start_yield() {
   if (yielding_) return;
   yielding_ = true;
   lifting_ = false;
+  superposed_nm_ = yield_superposed_nm_ = setpoints_.superposed();
+  // An object that is set down meets the ground with a force that looks like a push: an arm that became soft
+  // at once would leave it hanging on what compensates its load.
+  if (force_.load() == HandLoad::Lowering) {
+    setpoints_.hold();
+    setpoints_.set_stiffness(yield_stiffness_nm_rad_);
+    return;
+  }
   const bool rests = setpoints_.at_rest();
   setpoints_.hold_urgently();
   // soft springs would let sag what stiff ones hold; what moved held nothing
-  superposed_nm_ = setpoints_.superposed();
   if (rests) setpoints_.superpose(superposed_nm_ + yield_.held_nm());
   yield_superposed_nm_ = setpoints_.superposed();
   setpoints_.set_stiffness(yield_stiffness_nm_rad_, yield_slope_nm_rad_s_);
