@@ -49,7 +49,6 @@ struct BarrettHandConfig {
   double contact_n = 0.3;
   double slip_rad = 0.03;
   double slip_share = 0.5;
-  double spread_slip_rad = 0.1;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -99,8 +98,6 @@ struct BarrettHandConfig {
     v("slip_rad", slip_rad, kPositive,
       "Holding fingers that close by this much in the mean have slipped (rad).");
     v("slip_share", slip_share, kFraction, "A grip force that falls to this share at once is a slip.");
-    v("spread_slip_rad", spread_slip_rad, kPositive,
-      "A spread that turns by this much under a grip has given way; it has no worm gear (rad).");
   }
 };
 

@@ -3,7 +3,6 @@
 #include <numbers>
 
 #include "hal/drivers/barrett_can/hand_motion.hpp"
-#include "hal/types/units.hpp"
 
 namespace colift::hal::barrett {
 namespace {
@@ -13,7 +12,6 @@ constexpr double kOpposed_rad = std::numbers::pi / 3;  // of spread: up to here 
 // Of the torque that a finger keeps up, measured at its gauge: less is no grip. The units per N m of a motor
 // are known to a third.
 constexpr double kHeldFraction = 0.4;
-constexpr int kSpreadReadings = 2;   // in a row
 constexpr double kRelaxed_nm = 0.5;  // a finger that its puck let off presses again below
 
 }  // namespace
@@ -157,19 +155,6 @@ void HandMotion::verify(Timestamp now) {
   }
   phase_ = Phase::Held;
   slip_.start();
-  spread_held_ = position(Puck::Spread);
-  spread_off_ = 0;
-  spread_turned_ = false;
-}
-
-// The only joint without a worm gear: a load that is heavier than its motor turns it, with closed fingers.
-void HandMotion::watch_spread() {
-  if (facts_.zero_lost[index(Puck::Spread)] || link_.silent(Puck::Spread) || spread_turned_) return;
-  const double turned_rad = (position(Puck::Spread) - spread_held_) / kSpreadCounts_rad;
-  spread_off_ = std::abs(turned_rad) > config_.spread_slip_rad ? spread_off_ + 1 : 0;
-  if (spread_off_ < kSpreadReadings) return;
-  spread_turned_ = true;
-  say(why_, "the spread turned by {:.0f} degrees under load", rad_to_deg(turned_rad));
 }
 
 void HandMotion::watch_grip(Timestamp now) {
@@ -184,7 +169,6 @@ void HandMotion::watch_grip(Timestamp now) {
     at = std::min(at, p.at);
     if (contact_[f] && !facts_.zero_lost[f] && p.value >= kClosedCounts - kNear) contact_[f] = false;
   }
-  watch_spread();
   std::array<bool, kFingers> holding = contact_;
   for (std::size_t f = 0; f < kFingers; ++f) holding[f] = holding[f] && !facts_.zero_lost[f];
   const bool before = slip_.slipped();

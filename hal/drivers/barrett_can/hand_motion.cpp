@@ -80,7 +80,6 @@ void HandMotion::release() {
   turn_after_ = false;
   releasing_ = true;
   slip_.start();
-  spread_turned_ = false;
   open_fingers();
 }
 

@@ -40,7 +40,7 @@ class HandMotion {
   [[nodiscard]] bool held() const { return phase_ == Phase::Held; }
   /// From the first contact of a close() to the end of a release(): the hand must not open by itself.
   [[nodiscard]] bool loaded() const { return loaded_; }
-  [[nodiscard]] bool slipped() const { return slip_.slipped() || spread_turned_; }
+  [[nodiscard]] bool slipped() const { return slip_.slipped(); }
   /// The motors press now; a puck that says another mode than trapezoid has lost it.
   [[nodiscard]] bool pressing(Puck finger, Timestamp now) const;
   [[nodiscard]] const ShortText& why() const { return why_; }
@@ -98,10 +98,6 @@ class HandMotion {
   bool verify_timed_ = false;
   int press_tries_ = 0;
   SlipDetector slip_;
-  std::int32_t spread_held_ = 0;  ///< Counts when the grip began.
-  int spread_off_ = 0;            ///< Measurements in a row that are far from it.
-  bool spread_turned_ = false;
-  void watch_spread();
   ShortText why_;
 };
 

@@ -128,19 +128,3 @@ TEST_CASE("the state says what control has to react to", "[hand][pressure]") {
   CHECK(rig.look().hot);
   CHECK_THAT(rig.look().warning.str(), Contains("72 C"));
 }
-
-TEST_CASE("a spread that a load turns is a slip, with its angle", "[hand][faults]") {
-  HandRig rig;
-  rig.start();
-  rig.grip();
-  REQUIRE_FALSE(rig.hand.report().slipped);
-  const double by_deg = GENERATE(3.0, -20.0, 50.0);
-  constexpr double kCounts_deg = 17.5 * 4096.0 / 360.0;
-  rig.fake.pucks[3].position += by_deg * kCounts_deg;
-  rig.fake.pucks[3].stuck = true;  // its motor does not turn it back
-  rig.pass(std::chrono::milliseconds(100));
-  CAPTURE(by_deg, rig.why());
-  const bool given_way = std::abs(by_deg) > 5.0;
-  CHECK(rig.hand.report().slipped == given_way);
-  CHECK((rig.why().find("the spread turned by") == 0) == given_way);
-}
