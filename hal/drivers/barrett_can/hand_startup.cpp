@@ -208,20 +208,6 @@ Result<> HandStartup::join_group() {
   return {};
 }
 
-// A program that was killed leaves motors on, which grow hot: their worms hold what is held without them.
-Result<> HandStartup::switch_off() {
-  std::vector<std::string_view> pressing;
-  for (const Puck finger : kFingerPucks) {
-    if (read(finger, Property::Mode, kOneAnswer_s).value_or(kModeIdle) != kModeTrapezoid) continue;
-    pressing.push_back(name(finger));
-    link_.set(finger, Property::Mode, kModeIdle, true);
-  }
-  if (pressing.empty()) return {};
-  remark_ = fmt::format("{} still pressed, left so by a program that ended: the motors were switched off",
-                        fmt::join(pressing, ", "));
-  return settings_taken(1.0);
-}
-
 Result<> HandStartup::write_working_values(bool loaded) {
   for (const Puck puck : kAllPucks) {
     const bool spread = puck == Puck::Spread;
@@ -388,9 +374,6 @@ Result<HandStartup::Outcome> HandStartup::run(bool loaded) {
   if (auto awake = wake(); !awake) return tl::unexpected(awake.error());
   if (auto known = identify(); !known) return tl::unexpected(known.error());
   if (auto joined = join_group(); !joined) return tl::unexpected(joined.error());
-
-  if (!loaded)
-    if (auto off = switch_off(); !off) return tl::unexpected(off.error());
 
   Outcome outcome;
   bool needed = config_.initialise == "always";

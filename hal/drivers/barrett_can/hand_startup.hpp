@@ -31,7 +31,6 @@ class HandStartup {
   [[nodiscard]] Result<> wake();
   [[nodiscard]] Result<> identify();
   [[nodiscard]] Result<> join_group();
-  [[nodiscard]] Result<> switch_off();
   [[nodiscard]] Result<> write_working_values(bool loaded);
   [[nodiscard]] Result<> initialise();
   void start_finding(const Puck* first, std::size_t count);

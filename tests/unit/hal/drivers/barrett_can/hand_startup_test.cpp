@@ -176,18 +176,3 @@ TEST_CASE("a hand without gauges and pads works, and says that it has none", "[h
   CHECK(std::isnan(rig.look().tip_force_n[0]));
   rig.grip();
 }
-
-TEST_CASE("motors that a killed program left on are switched off and named, and the grip stays",
-          "[hand][faults]") {
-  HandRig rig;
-  rig.start();
-  rig.grip();
-  REQUIRE(rig.fake.pucks[0].mode() == 5);
-  const double at = rig.fake.pucks[0].position;
-  hal::BarrettHand next(*rig.fake.host, rig.config, rig.clock);
-  REQUIRE(next.configure());
-  for (std::size_t i = 0; i < 3; ++i) CHECK(rig.fake.pucks[i].mode() == 0);
-  CHECK(rig.fake.pucks[0].position == at);
-  CHECK(next.report().loaded);
-  CHECK(next.health().last_error.find("F1, F2, F3 still pressed") != std::string::npos);
-}
