@@ -36,7 +36,7 @@ HandMonitor::HandMonitor(const BarrettHandConfig& config, PuckLink& link, BusMon
 void HandMonitor::start() {
   good_ = {};
   jumps_ = {};
-  jumped_to_ = jumped_by_ = {};
+  jumped_to_ = {};
   judged_at_ = mode_suspected_ = reset_suspected_ = {};
   torques_over_ = {};
   strained_at_ = {};
@@ -96,7 +96,6 @@ void HandMonitor::judge_position(Puck puck) {
     const bool again = jumps_[index(puck)] > 0 && std::abs(p.value - there) <= reach;
     there = p.value;
     if (++jumps_[index(puck)] < (again ? 2 : kJumpsAbout)) return;
-    jumped_by_[index(puck)] = p.value - good.motor;
     lose_zero(puck);
   }
   jumps_[index(puck)] = 0;
@@ -264,14 +263,7 @@ std::optional<HandFault> HandMonitor::trouble() const {
     }
     if (facts_.zero_lost[index(puck)]) {
       t.code = ErrorCode::DeviceFault;
-      // a reset clears the encoder too: what STAT says decides
-      const Reported& stat = link_.reported(puck, Property::Stat);
-      const bool was_reset = jumped_by_[index(puck)] == 0 || (stat.known && stat.value == kStatReset);
-      if (was_reset)
-        say(t.words, "{} was reset and has lost its zero{}", name(puck), held);
-      else
-        say(t.words, "the encoder of {} jumped by {} counts without a reset and has lost its zero{}",
-            name(puck), jumped_by_[index(puck)], held);
+      say(t.words, "{} was reset and has lost its zero{}", name(puck), held);
       return t;
     }
   }

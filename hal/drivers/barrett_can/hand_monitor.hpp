@@ -78,7 +78,6 @@ class HandMonitor {
   std::array<GoodPosition, kPucks> good_{};
   std::array<int, kPucks> jumps_{}, torques_over_{};
   std::array<std::int32_t, kPucks> jumped_to_{};
-  std::array<std::int32_t, kPucks> jumped_by_{};  ///< Counts; 0: it did not.
   std::array<Timestamp, kPucks> torque_seen_{}, judged_at_{}, mode_suspected_{}, reset_suspected_{};
   std::array<Timestamp, kFingers> strained_at_{};  ///< When a gauge last showed its most.
   std::array<bool, kPucks> was_quiet_{}, failed_{}, without_{};
