@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -52,6 +54,57 @@ Result<int> pixels(const Json& json, const char* key, const std::string& name) {
   return static_cast<int>(*value);
 }
 
+// Names that drivers and calibration tools give to the one model that is known here.
+bool known_model(std::string model) {
+  for (char& c : model) c = c == '_' || c == ' ' ? '-' : static_cast<char>(std::tolower(c));
+  for (const char* known :
+       {"none", "brown-conrady", "plumb-bob", "rational", "rational-polynomial", "opencv"})
+    if (model == known) return true;
+  return false;
+}
+
+Result<LensDistortion> distortion(const Json& entry, const std::string& name) {
+  const std::string where = name + ": distortion";
+  const auto refuse = [&](const std::string& why) { return failure(ErrorCode::BadInput, where, why); };
+  const char* const expected =
+      "expected 4, 5 or 8 numbers k1 k2 p1 p2 k3 k4 k5 k6, or an object with model and coefficients";
+  if (entry.is_null()) return LensDistortion{};
+  const Json* list = &entry;
+  if (entry.is_object()) {
+    const auto model = entry.find("model");
+    if (model == entry.end() || !model->is_string()) return refuse(std::string("has no model; ") + expected);
+    const auto coefficients = entry.find("coefficients");
+    const bool has = coefficients != entry.end() && coefficients->is_array();
+    bool zero = true;
+    if (has)
+      for (const Json& k : *coefficients) zero = zero && k.is_number() && k.get<double>() == 0.0;
+    if (!known_model(model->get<std::string>()) && !(has && zero))
+      return refuse(fmt::format("the model {} is not known; expected none, brown-conrady or rational",
+                                shown(model->get<std::string>())));
+    if (!has) {
+      if (model->get<std::string>() == "none") return LensDistortion{};
+      return refuse(std::string("has no list of coefficients; ") + expected);
+    }
+    if (zero) return LensDistortion{};
+    list = &*coefficients;
+  }
+  if (!list->is_array() || (list->size() != 4 && list->size() != 5 && list->size() != 8 && !list->empty()))
+    return refuse(list->is_array() ? fmt::format("has {} numbers; {}", list->size(), expected)
+                                   : fmt::format("is a {}; {}", list->type_name(), expected));
+  LensDistortion lens;
+  const std::array<double LensDistortion::*, 8> fields{
+      &LensDistortion::k1, &LensDistortion::k2, &LensDistortion::p1, &LensDistortion::p2,
+      &LensDistortion::k3, &LensDistortion::k4, &LensDistortion::k5, &LensDistortion::k6};
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    const Json& k = (*list)[i];
+    // the rational model's numbers are large and cancel each other; beyond a thousand nobody measured them
+    if (!k.is_number() || !(std::abs(k.get<double>()) <= 1000.0))
+      return refuse(fmt::format("number {} is not one from -1000 to 1000", i + 1));
+    lens.*fields[i] = k.get<double>();
+  }
+  return lens;
+}
+
 }  // namespace
 
 Result<CameraFile> parse_camera_json(Bytes bytes, const std::string& name) {
@@ -92,6 +145,11 @@ Result<CameraFile> parse_camera_json(Bytes bytes, const std::string& name) {
     const auto value = number(json, e.key, e.low, e.high, e.unit, name);
     if (!value) return tl::unexpected(value.error());
     out.*e.field = *value;
+  }
+  if (const auto entry = json.find("distortion"); entry != json.end()) {
+    const auto lens = distortion(*entry, name);
+    if (!lens) return tl::unexpected(lens.error());
+    out.lens = *lens;
   }
   for (const auto& [key, field, centre] : {std::tuple{"width", &CameraFile::width, &CameraFile::cx},
                                            std::tuple{"height", &CameraFile::height, &CameraFile::cy}}) {

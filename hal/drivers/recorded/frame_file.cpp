@@ -135,6 +135,14 @@ Result<RecordedFrame> read_png(Bytes bytes, const fs::path& file,
   RecordedFrame out;
   out.frame.intrinsics = camera->intrinsics(image->width, image->height);
   out.frame.depth_m = std::move(image->depth_m);
+  if (!camera->lens.none()) {
+    if (!camera->lens.unique_within(out.frame.intrinsics))
+      return failure(
+          ErrorCode::BadInput, camera_path.string() + ": distortion",
+          "folds the image over itself within its rim; expected the coefficients of this camera, in the "
+          "order k1 k2 p1 p2 k3 k4 k5 k6");
+    out.frame.depth_m = rectify(out.frame.depth_m, out.frame.intrinsics, camera->lens);
+  }
   out.points = out.frame.depth_m.size();
   out.valid_points = static_cast<std::size_t>(std::count_if(
       out.frame.depth_m.begin(), out.frame.depth_m.end(), [](float z) { return !std::isnan(z); }));
@@ -144,6 +152,7 @@ Result<RecordedFrame> read_png(Bytes bytes, const fs::path& file,
   }
   out.note = fmt::format("depth image of {} x {} pixels with the camera of {}", image->width, image->height,
                          camera_path.string());
+  if (!camera->lens.none()) out.note += ", its lens distortion taken out";
   return check_range(std::move(out), name, "depth_scale_m should be metres per unit");
 }
 
