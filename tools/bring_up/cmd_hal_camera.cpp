@@ -12,11 +12,12 @@
 #include "hal/drivers/kinect/fakenect_writer.hpp"
 #include "hal/drivers/kinect/kinect_camera.hpp"
 #include "perception/calibration/grey_png.hpp"
+#include "perception/noise_fit.hpp"
 #include "tools/bring_up/bring_up.hpp"
 #include "tools/bring_up/hal_camera_view.hpp"
 #include "tools/cli/config_of.hpp"
-#include "tools/cli/session.hpp"
 #include "tools/cli/interrupt.hpp"
+#include "tools/cli/session.hpp"
 #include "tools/visualization/file_output.hpp"
 
 namespace colift::tools {
@@ -44,6 +45,7 @@ hal::Result<double> time_of(const HalCameraOptions& o) {
   if (o.hal.for_s) return *o.hal.for_s;
   if (o.hal.verb == "info") return 1.5;
   if (o.hal.verb == "tilt") return 4.0;
+  if (o.hal.verb == "noise") return 3.0;
   if (o.hal.verb == "watch" && (o.png || o.depth || o.infrared)) return 1.0;
   return std::numeric_limits<double>::infinity();
 }
@@ -91,6 +93,7 @@ class Session {
   }
   [[nodiscard]] const std::optional<hal::DepthFrame>& last() const { return last_; }
   [[nodiscard]] const std::optional<hal::InfraredFrame>& infrared() const { return infrared_; }
+  [[nodiscard]] hal::Result<perception::MeasuredNoise> noise() const { return noise_.result(); }
   [[nodiscard]] std::string recorded() const {
     return writer_ ? fmt::format("{} frames, {:.1f} MB in {}", writer_->frames(),
                                  static_cast<double>(writer_->bytes()) / 1e6, o_.folder.string())
@@ -119,6 +122,7 @@ class Session {
         if (lost) screen_.line(fmt::format("{:8.1f} s  frames again", view().at_s));
         lost = false;
         look_at_frame(*frame, view_);
+        if (o_.hal.verb == "noise") noise_.add(*frame);
         last_ = std::move(*frame);
       } else if (frame.error().code == hal::ErrorCode::LinkLost) {
         why = frame.error().detail;
@@ -146,6 +150,7 @@ class Session {
   hal::Timestamp began_{0};
   std::optional<hal::kinect::FakenectWriter> writer_;
   hal::Result<> disk_;
+  perception::NoiseFit noise_;
   std::optional<hal::DepthFrame> last_;
   std::optional<hal::InfraredFrame> infrared_;
   hal::ErrorCode code_ = hal::ErrorCode::LinkLost;
@@ -168,6 +173,40 @@ hal::Result<> write_depth(const std::filesystem::path& png, const hal::DepthFram
       k.width, k.height, k.fx, k.fy, k.cx, k.cy);
   return picture::write_file(png.parent_path() / "camera.json",
                              {reinterpret_cast<const std::uint8_t*>(camera.data()), camera.size()});
+}
+
+std::string noise_yaml(const perception::MeasuredNoise& n) {
+  return fmt::format(
+      "# colift hal camera noise: {} frames, {} flat blocks of 16 x 16 pixels from {:.2f} to {:.2f} m,\n"
+      "# model off by {:.0f} % (root mean square over bins of depth). For --config.\n"
+      "noise:\n  sigma0_m: {:.6f}\n  sigma2_per_m: {:.6f}\n  step2_per_m: {:.6f}\n",
+      n.frames, n.blocks, n.nearest_m, n.farthest_m, 100 * n.misfit, n.model.sigma0_m, n.model.sigma2_per_m,
+      n.model.step2_per_m);
+}
+
+// what was measured, beside what is configured; 0, or why not
+int say_noise(const CommonOptions& common, const HalCameraOptions& o,
+              const hal::Result<perception::MeasuredNoise>& noise, const perception::NoiseModel& configured) {
+  const char* const where = "hal camera noise";
+  if (!noise) return report_error(where, noise.error());
+  if (!common.quiet) {
+    std::fprintf(stderr,
+                 "noise at 1 m %.1f mm (configured %.1f), at 2 m %.1f mm (%.1f), at 3 m %.1f mm (%.1f)\n",
+                 1e3 * noise->model.sigma(1.0), 1e3 * configured.sigma(1.0), 1e3 * noise->model.sigma(2.0),
+                 1e3 * configured.sigma(2.0), 1e3 * noise->model.sigma(3.0), 1e3 * configured.sigma(3.0));
+    for (const std::string& doubt : noise->doubts) std::fprintf(stderr, "doubt: %s\n", doubt.c_str());
+  }
+  const std::string yaml = noise_yaml(*noise);
+  if (!o.out) {
+    if (!common.json) std::fputs(yaml.c_str(), stdout);
+    return kDone;
+  }
+  if (auto written =
+          picture::write_file(*o.out, {reinterpret_cast<const std::uint8_t*>(yaml.data()), yaml.size()});
+      !written)
+    return report_error(where, written.error());
+  if (!common.quiet) std::fprintf(stderr, "noise model: %s, for --config\n", o.out->c_str());
+  return kDone;
 }
 
 /// Ten bits, as bright as the file can show them.
@@ -210,9 +249,12 @@ int cmd_hal_camera(const CommonOptions& common, const HalCameraOptions& options)
     if (!common.quiet)
       std::fprintf(stderr, "depth image: %s, camera.json beside it\n", options.depth->c_str());
   }
+  if (options.hal.verb == "noise" && end.code == kDone)
+    if (const int code = say_noise(common, options, session.noise(), resolved->config.noise); code != kDone)
+      return code;
   if (common.json)
     std::puts(camera_document(options.hal.verb, view, end.word, end.reason).c_str());
-  else if (session.last())
+  else if (session.last() && options.hal.verb != "noise")
     std::fputs(camera_screen(view).c_str(), stdout);
   if (!session.recorded().empty() && !common.json) std::printf("recorded   %s\n", session.recorded().c_str());
   std::fflush(stdout);

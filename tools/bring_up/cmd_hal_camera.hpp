@@ -14,12 +14,13 @@ struct HalCameraOptions {
   std::optional<std::filesystem::path> png;    ///< Picture of one frame.
   std::optional<std::filesystem::path> depth;  ///< The frame itself: 16-bit PNG (mm), camera.json beside it.
   std::optional<std::filesystem::path> infrared;  ///< Picture of one infrared image.
+  std::optional<std::filesystem::path> out;       ///< Noise model as a configuration file.
   std::filesystem::path folder;                   ///< Of a recording.
   double tilt_deg = 0.0;
 };
 
-/// Bring-up of the Kinect: info, watch, record, tilt. 0 done, 2 bad request or file, 3 the camera is not
-/// there or went away, 130 interrupted.
+/// Bring-up of the Kinect: info, watch, record, noise, tilt. 0 done, 2 bad request or file, 3 the camera is
+/// not there or went away, 130 interrupted.
 [[nodiscard]] int cmd_hal_camera(const CommonOptions& common, const HalCameraOptions& options);
 
 }  // namespace colift::tools

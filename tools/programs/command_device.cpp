@@ -106,6 +106,9 @@ void add_hal_camera(CommandLine& line, CLI::App& camera, HalCameraOptions& o) {
   add("record", "Records raw depth for fakenect, 18 MB a second, until interrupted")
       .add_option("FOLDER", o.folder, "New or empty folder")
       ->required();
+  add("noise", "Measures the depth noise on an empty floor or wall (default: for 3 s), as a configuration")
+      .add_option("--out", o.out, "Writes it into a file for --config")
+      ->type_name("OUT.yaml");
   CLI::App& tilt = add("tilt", "Tilts the camera with its motor; invalidates the calibration");
   tilt.add_option("DEG", o.tilt_deg, "-31 to 31 degrees against the horizon")->required();
   tilt.add_flag("--yes", o.hal.yes, "Confirms that the camera may move");
