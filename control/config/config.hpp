@@ -20,8 +20,7 @@
 #include "perception/calibration/next_pose.hpp"
 #include "perception/calibration/pose_check.hpp"
 #include "perception/calibration/spot_finder.hpp"
-#include "perception/ground_and_target/ground.hpp"
-#include "perception/ground_and_target/target.hpp"
+#include "perception/ground/ground.hpp"
 #include "perception/map/world_map.hpp"
 #include "perception/motion/object_motion.hpp"
 #include "perception/noise_model.hpp"
@@ -31,6 +30,7 @@
 #include "perception/self_filter.hpp"
 #include "perception/shape/shape_completion.hpp"
 #include "perception/surfaces/surface_config.hpp"
+#include "perception/target/target_config.hpp"
 #include "perception/thesis/thesis_config.hpp"
 #include "planner/grasp/grasp_candidates.hpp"
 #include "planner/grasp/grasp_decision.hpp"
@@ -45,6 +45,7 @@ struct Config {
   std::string hand_file;
   std::string calibration_file;
   std::string arm_mode = "full";
+  std::string support = "auto";
   perception::NoiseModel noise;
   perception::GroundConfig ground;
   perception::TargetConfig target;
@@ -87,6 +88,10 @@ struct Config {
       "Result of colift calibrate: where the camera is; empty: as the scenario or --camera-pose says.");
     v("arm_mode", arm_mode, hal::Choices{"full", "t1"},
       "How fast the arm may be: as limits allow, or as the KRC's mode T1 does (0.24 rad/s in each joint).");
+    v("support", support, hal::Choices{"auto", "floor", "table"},
+      "What the object stands on: the floor, a table top above it, or a table where nothing on the floor can "
+      "be "
+      "the target.");
     v("noise", noise, "Depth noise of the camera.");
     v("ground", ground, "How the ground is found.");
     v("target", target, "Which object is the target.");

@@ -1,9 +1,11 @@
 // CoLift's own method: everything on the image grid.
 
+#include <fmt/format.h>
+
 #include <array>
 
 #include "control/session/pipeline.hpp"
-#include "perception/ground_and_target/block_planes.hpp"
+#include "perception/ground/block_planes.hpp"
 #include "perception/shape/shape_completion.hpp"
 #include "perception/surfaces/find_surfaces.hpp"
 
@@ -31,6 +33,24 @@ class FastSight final : public PartnerSight {
   hal::Pose X_WC_;
 };
 
+// The first table top with an object on it becomes the ground. What was refused on the floor stays refused.
+void look_on_tables(SceneAnalysis& out, const std::vector<BlockPlane>& blocks, const GroundResult& ground,
+                    const Config& c, const SceneAnalysisInput& input, TargetResult& found) {
+  const TargetConfig config = on_table(c.target);
+  for (const Plane& plane : ground.tables) {
+    const Ground table = refine_table(plane, out.cloud, c.noise, c.ground);
+    TargetResult on = find_target(out.cloud, blocks, table, c.noise, config, input.at_W);
+    if (!on.target) continue;
+    on.reason = fmt::format("on a table {:.2f} m above the floor: {}",
+                            ground.ground->plane.height(table.plane.foot(on.target->obb.center)), on.reason);
+    on.target->reason = on.reason;
+    on.rejected.insert(on.rejected.end(), found.rejected.begin(), found.rejected.end());
+    found = std::move(on);
+    out.scene.ground = table;
+    return;
+  }
+}
+
 class FastPipeline final : public Pipeline {
  public:
   void analyse(const SceneAnalysisInput& input, const Config& c, Stopwatch& watch,
@@ -49,7 +69,14 @@ class FastPipeline final : public Pipeline {
     out.scene.reason = ground.reason;
     if (!ground.ground) return;
 
-    TargetResult found = find_target(out.cloud, blocks, *ground.ground, c.noise, c.target, input.at_W);
+    TargetResult found;
+    if (c.support != "table")
+      found = find_target(out.cloud, blocks, *ground.ground, c.noise, c.target, input.at_W);
+    else
+      found.reason = "no target: there is no table with an object on it";
+    // A person is near: what stands on his chair or lies on his lap is no object on a table.
+    if (!found.target && c.support != "floor" && found.persons == 0)
+      look_on_tables(out, blocks, ground, c, input, found);
     out.ms.target = watch.lap();
     out.scene.reason = found.reason;
     out.rejected = std::move(found.rejected);

@@ -7,10 +7,10 @@
 #include <cmath>
 
 #include "control/session/pipeline.hpp"
-#include "perception/ground_and_target/slivers.hpp"
 #include "perception/motion/moved_object.hpp"
 #include "perception/partner/grasp_presence.hpp"
 #include "perception/reference_image.hpp"
+#include "perception/target/slivers.hpp"
 
 namespace colift::control {
 namespace {

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "bench_timing.hpp"
-#include "perception/ground_and_target/ground.hpp"
-#include "perception/ground_and_target/target.hpp"
+#include "perception/ground/ground.hpp"
 #include "perception/partner/partner_grasp.hpp"
 #include "perception/reference_image.hpp"
+#include "perception/target/target.hpp"
 #include "perception/thesis/thesis_partner.hpp"
 #include "sim_hal/synthetic/scenes.hpp"
 

@@ -14,10 +14,10 @@
 
 #include "bench_timing.hpp"
 #include "hal/drivers/recorded/frame_file.hpp"
-#include "perception/ground_and_target/ground.hpp"
-#include "perception/ground_and_target/target.hpp"
+#include "perception/ground/ground.hpp"
 #include "perception/shape/shape_completion.hpp"
 #include "perception/surfaces/find_surfaces.hpp"
+#include "perception/target/target.hpp"
 #include "perception/thesis/thesis_stages.hpp"
 #include "perception/thesis/thesis_surfaces.hpp"
 #include "perception/thesis/thesis_target.hpp"

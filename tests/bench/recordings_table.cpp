@@ -13,8 +13,8 @@
 
 #include "bench_timing.hpp"
 #include "hal/drivers/recorded/frame_file.hpp"
-#include "perception/ground_and_target/ground.hpp"
-#include "perception/ground_and_target/target.hpp"
+#include "perception/ground/ground.hpp"
+#include "perception/target/target.hpp"
 #include "perception/thesis/thesis_target.hpp"
 
 namespace {

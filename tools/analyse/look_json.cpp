@@ -35,6 +35,8 @@ Json target(const perception::Scene& scene) {
           {"obb", box(t.obb)},
           {"cog", json_array(t.cog)},
           {"cog_sigma", json_sigma(t.cog_covariance)},
+          {"confidence", t.confidence},
+          {"doubts", t.doubts},
           {"shape", box(t.shape)},
           {"because", t.reason}};
 }

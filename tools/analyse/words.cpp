@@ -39,6 +39,14 @@ const char* word(perception::RejectedObject::Kind kind) {
       return "wall";
     case Kind::Lesser:
       return "lesser";
+    case Kind::Floating:
+      return "floating";
+    case Kind::Large:
+      return "large";
+    case Kind::Attached:
+      return "attached";
+    case Kind::Unsure:
+      return "unsure";
   }
   return "?";
 }

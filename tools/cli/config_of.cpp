@@ -29,6 +29,18 @@ hal::Result<> add_method(ConfigRequest& request, const std::string& method) {
   return {};
 }
 
+hal::Result<> add_support(ConfigRequest& request, const LookOptions& options) {
+  if (options.support.empty()) return {};
+  if (options.support != "auto" && options.support != "floor" && options.support != "table")
+    return hal::failure(hal::ErrorCode::BadInput, "--support",
+                        fmt::format("\"{}\" is not known, expected auto, floor or table", options.support));
+  if (options.method == "thesis")
+    return hal::failure(hal::ErrorCode::BadInput, "--support",
+                        "goes with --method fast: the thesis takes the largest plane");
+  request.options.push_back({"support", options.support, "--support"});
+  return {};
+}
+
 hal::Result<> add_sharing(ConfigRequest& request, const std::string& share, const std::string& epsilon) {
   if (!share.empty() && !epsilon.empty())
     return hal::failure(hal::ErrorCode::BadInput, "--share",
@@ -84,6 +96,7 @@ hal::Result<control::ResolvedConfig> config_of_run(const CommonOptions& common, 
 hal::Result<control::ResolvedConfig> config_of_look(const CommonOptions& common, const LookOptions& options) {
   ConfigRequest request = request_of(common, control::Command::SceneAnalysis);
   if (auto added = add_method(request, options.method); !added) return tl::unexpected(added.error());
+  if (auto added = add_support(request, options); !added) return tl::unexpected(added.error());
   return control::resolve_config(request);
 }
 
@@ -91,6 +104,7 @@ hal::Result<control::ResolvedConfig> config_of_decide(const CommonOptions& commo
                                                       const DecideOptions& options) {
   ConfigRequest request = request_of(common, control::Command::Decide);
   if (auto added = add_method(request, options.look.method); !added) return tl::unexpected(added.error());
+  if (auto added = add_support(request, options.look); !added) return tl::unexpected(added.error());
   if (auto added = add_sharing(request, options.share, options.epsilon); !added)
     return tl::unexpected(added.error());
   if (auto added = add_strict(request, options.share_strict); !added) return tl::unexpected(added.error());

@@ -34,6 +34,7 @@ struct LookOptions {
   std::string method;       ///< Empty: as configured.
   std::string camera_pose;  ///< "X,Y,Z,QX,QY,QZ,QW"; empty: unknown.
   std::string at;           ///< "X,Y,Z"; empty: the largest object.
+  std::string support;      ///< "floor", "table" or "auto"; empty: as configured.
   std::optional<std::filesystem::path> camera;
   std::optional<std::filesystem::path> png;
   std::optional<std::filesystem::path> report;

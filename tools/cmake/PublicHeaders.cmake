@@ -57,16 +57,16 @@ set(COLIFT_PUBLIC_HEADERS
   perception/calibration/pose_check.hpp
   perception/calibration/spot_finder.hpp
   perception/footprint.hpp
-  perception/ground_and_target/block_planes.hpp
-  perception/ground_and_target/components.hpp
-  perception/ground_and_target/enclosed_pixels.hpp
-  perception/ground_and_target/fragments.hpp
-  perception/ground_and_target/ground.hpp
-  perception/ground_and_target/image_border.hpp
-  perception/ground_and_target/plane_vote.hpp
-  perception/ground_and_target/slivers.hpp
-  perception/ground_and_target/target.hpp
-  perception/ground_and_target/walls.hpp
+  perception/ground/block_planes.hpp
+  perception/target/components.hpp
+  perception/target/enclosed_pixels.hpp
+  perception/target/fragments.hpp
+  perception/ground/ground.hpp
+  perception/ground/image_border.hpp
+  perception/ground/plane_vote.hpp
+  perception/target/slivers.hpp
+  perception/target/target.hpp
+  perception/ground/walls.hpp
   perception/motion/moved_object.hpp
   perception/motion/object_motion_samples.hpp
   perception/noise_model.hpp

@@ -21,6 +21,12 @@ void add_look(CLI::App& command, LookOptions& o) {
       ->type_name("X,Y,Z,QX,QY,QZ,QW");
   command.add_option("--at", o.at, "Takes the object nearest to this point instead of the largest")
       ->type_name("X,Y,Z");
+  command
+      .add_option(
+          "--support", o.support,
+          "What the object stands on: floor, table, or auto (default): a table where nothing on the floor "
+          "can be the target")
+      ->type_name("WHAT");
   command.add_option("--png", o.png, "Writes a picture of scene and decision")->type_name("OUT.png");
   command.add_option("--report", o.report, "Writes one HTML page with picture, table and reasons")
       ->type_name("OUT.html");

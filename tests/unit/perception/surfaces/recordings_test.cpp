@@ -2,9 +2,9 @@
 #include <catch2/catch.hpp>
 
 #include "hal/drivers/recorded/frame_file.hpp"
-#include "perception/ground_and_target/block_planes.hpp"
-#include "perception/ground_and_target/ground.hpp"
-#include "perception/ground_and_target/target.hpp"
+#include "perception/ground/block_planes.hpp"
+#include "perception/ground/ground.hpp"
+#include "perception/target/target.hpp"
 #include "views.hpp"
 
 using namespace colift;

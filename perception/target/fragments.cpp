@@ -1,0 +1,350 @@
+#include "perception/target/fragments.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "perception/footprint.hpp"
+
+namespace colift::perception {
+namespace {
+
+// Resolution of footprints. It only has to be finer than the overlaps that FragmentConfig asks for.
+constexpr double kCell_m = 0.04;
+constexpr double kCellsPerMeter = 1.0 / kCell_m;
+constexpr std::size_t kFootprintStride = 4;  // every fourth pixel still hits each cell several times
+
+// std::floor is a library call on plain x86-64
+std::int64_t floor_of(double x) {
+  const auto whole = static_cast<std::int64_t>(x);
+  return whole - (x < static_cast<double>(whole) ? 1 : 0);
+}
+
+struct GroundAxes {
+  explicit GroundAxes(const Ground& ground) : plane(ground.plane) {
+    std::tie(s, t) = hal::tangents(plane.normal);
+  }
+  [[nodiscard]] std::int64_t cell(const Vec3& p) const {
+    const std::int64_t i = floor_of(s.dot(p) * kCellsPerMeter), j = floor_of(t.dot(p) * kCellsPerMeter);
+    return (i << 32) + (j + (std::int64_t{1} << 31));
+  }
+  [[nodiscard]] static Eigen::Vector2d center(std::int64_t cell) {
+    const auto i = static_cast<double>(cell >> 32);
+    const auto j = static_cast<double>((cell & 0xffffffff) - (std::int64_t{1} << 31));
+    return {(i + 0.5) * kCell_m, (j + 0.5) * kCell_m};
+  }
+  Plane plane;
+  Vec3 s, t;
+};
+
+// part of the smaller footprint that both share
+double footprint_overlap(const Fragment& a, const Fragment& b) {
+  std::size_t shared = 0;
+  auto i = a.cells.begin();
+  auto j = b.cells.begin();
+  while (i != a.cells.end() && j != b.cells.end()) {
+    shared += *i == *j;
+    const bool first = *i <= *j, second = *j <= *i;
+    i += first;
+    j += second;
+  }
+  const std::size_t smaller = std::min(a.cells.size(), b.cells.size());
+  return smaller ? static_cast<double>(shared) / static_cast<double>(smaller) : 0.0;
+}
+
+// the least rectangle around a fragment's footprint: it has the corner that the view hides
+FlatRectangle footprint_rectangle(const Fragment& f) {
+  std::vector<Eigen::Vector2d> centers;
+  centers.reserve(f.cells.size());
+  for (const std::int64_t c : f.cells) centers.push_back(GroundAxes::center(c));
+  return minimum_area_rectangle(convex_hull(centers));
+}
+
+double fraction_under(const Fragment& small, const FlatRectangle& r) {
+  if (small.cells.empty()) return 0.0;
+  std::size_t inside = 0;
+  for (const std::int64_t cell : small.cells) {
+    const Eigen::Vector2d d = GroundAxes::center(cell) - r.center;
+    // a cell's width of slack: a leg stands flush with the plate's rim
+    inside += std::abs(r.u.dot(d)) <= 0.5 * r.size.x() + kCell_m &&
+              std::abs(r.v().dot(d)) <= 0.5 * r.size.y() + kCell_m;
+  }
+  return static_cast<double>(inside) / static_cast<double>(small.cells.size());
+}
+
+/// Least distance in space between fragments, over pixels that follow one another in a row or column of the
+/// image with nothing of the mask between them. Fragments that nowhere follow one another are infinitely far
+/// apart.
+class Gaps {
+ public:
+  Gaps(const OrganisedCloud& cloud, const Components& components, const std::vector<std::int32_t>& slot,
+       std::size_t n)
+      : n_(n), square_(n * n, std::numeric_limits<float>::infinity()) {
+    // the image is walked row by row; what each column saw last is kept beside it
+    const std::size_t w = static_cast<std::size_t>(cloud.width());
+    std::vector<std::int32_t> slot_above(w, -1), row_above(w, 0);
+    int row = -1;
+    std::int32_t last_slot = -1;
+    std::size_t last = 0;
+    for (const Components::Run& run : components.runs) {
+      const std::int32_t s = slot[static_cast<std::size_t>(run.label)];
+      if (s < 0) continue;
+      const std::size_t line = static_cast<std::size_t>(run.row) * w;
+      if (run.row != row) last_slot = -1;
+      row = run.row;
+      if (last_slot >= 0 && last_slot != s)
+        near(cloud, s, line + static_cast<std::size_t>(run.first), last_slot, last);
+      last_slot = s;
+      last = line + static_cast<std::size_t>(run.last);
+      for (std::size_t u = static_cast<std::size_t>(run.first); u <= static_cast<std::size_t>(run.last);
+           ++u) {
+        if (slot_above[u] != s) {
+          if (slot_above[u] >= 0)
+            near(cloud, s, line + u, slot_above[u], static_cast<std::size_t>(row_above[u]) * w + u);
+          slot_above[u] = s;
+        }
+        row_above[u] = run.row;
+      }
+    }
+  }
+
+  [[nodiscard]] double between(std::size_t a, std::size_t b) const { return std::sqrt(square_[a * n_ + b]); }
+
+  // fragment b becomes part of a
+  void join(std::size_t a, std::size_t b) {
+    for (std::size_t k = 0; k < n_; ++k) {
+      const float d = std::min(square_[a * n_ + k], square_[b * n_ + k]);
+      square_[a * n_ + k] = square_[k * n_ + a] = d;
+    }
+  }
+
+ private:
+  // two pixels that follow one another, and the fragments that they belong to
+  void near(const OrganisedCloud& cloud, std::int32_t slot_a, std::size_t a, std::int32_t slot_b,
+            std::size_t b) {
+    const float dx = cloud.x[a] - cloud.x[b], dy = cloud.y[a] - cloud.y[b], dz = cloud.z[a] - cloud.z[b];
+    const float d = dx * dx + dy * dy + dz * dz;
+    const std::size_t i = static_cast<std::size_t>(slot_a), k = static_cast<std::size_t>(slot_b);
+    if (d < square_[i * n_ + k]) square_[i * n_ + k] = square_[k * n_ + i] = d;
+  }
+
+  std::size_t n_;
+  std::vector<float> square_;
+};
+
+Fragment joined(const Fragment& a, const Fragment& b) {
+  Fragment f = a;
+  f.labels.insert(f.labels.end(), b.labels.begin(), b.labels.end());
+  std::sort(f.labels.begin(), f.labels.end());
+  f.mean_depth_m =
+      (a.mean_depth_m * static_cast<double>(a.pixels) + b.mean_depth_m * static_cast<double>(b.pixels)) /
+      static_cast<double>(a.pixels + b.pixels);
+  f.pixels += b.pixels;
+  f.area_m2 += b.area_m2;
+  f.min_height_m = std::min(a.min_height_m, b.min_height_m);
+  f.max_height_m = std::max(a.max_height_m, b.max_height_m);
+  f.u_min = std::min(a.u_min, b.u_min);
+  f.u_max = std::max(a.u_max, b.u_max);
+  f.v_min = std::min(a.v_min, b.v_min);
+  f.v_max = std::max(a.v_max, b.v_max);
+  f.cut_left += b.cut_left;
+  f.cut_right += b.cut_right;
+  f.cut_top += b.cut_top;
+  f.cut_bottom += b.cut_bottom;
+  f.box.extend(b.box);
+  std::vector<std::int64_t> cells;
+  std::set_union(a.cells.begin(), a.cells.end(), b.cells.begin(), b.cells.end(), std::back_inserter(cells));
+  f.cells = std::move(cells);
+  return f;
+}
+
+// `gap_m`: distance between a and b along the image
+bool belong_together(const Fragment& a, const Fragment& b, double gap_m, const NoiseModel& noise,
+                     const FragmentConfig& c) {
+  // one surface with a hole in its depth
+  const double depth = std::min(a.mean_depth_m, b.mean_depth_m);
+  if (gap_m <= c.hole_gap_m + noise.step(depth)) return true;
+
+  // a small part that hangs in the air hangs on its neighbour
+  const Fragment& large = a.pixels >= b.pixels ? a : b;
+  const Fragment& small = &large == &a ? b : a;
+  const bool minor =
+      static_cast<double>(small.pixels) < c.max_small_fraction * static_cast<double>(large.pixels);
+  if (minor && small.min_height_m > c.min_hanging_height_m && gap_m <= c.hanging_gap_m) return true;
+
+  // one stands on the other
+  const Fragment& upper = a.min_height_m > b.min_height_m ? a : b;
+  const Fragment& lower = &upper == &a ? b : a;
+  const double step = upper.min_height_m - lower.max_height_m;
+  if (step > -c.height_overlap_m && step < c.standing_gap_m &&
+      footprint_overlap(a, b) >= c.min_standing_overlap)
+    return true;
+
+  // a leg under its plate: thin, no higher, and within its footprint
+  return minor && small.max_height_m < large.max_height_m &&
+         footprint_span(small) < std::max(c.max_leg_width_m, small.max_height_m - small.min_height_m) &&
+         fraction_under(small, footprint_rectangle(large)) >= c.under_fraction;
+}
+
+// sums over the pixels of one region
+struct Tally {
+  std::size_t pixels = 0;
+  double depth = 0.0, depth_squared = 0.0;
+  float lowest = std::numeric_limits<float>::infinity(), highest = -std::numeric_limits<float>::infinity();
+  Eigen::Array3f least = Eigen::Array3f::Constant(std::numeric_limits<float>::infinity());
+  Eigen::Array3f most = -least;
+
+  // false if the cell was met lately; most are met many times, and sorting them all would cost more than the
+  // rest
+  bool is_new(std::int64_t cell) {
+    const auto c = static_cast<std::uint64_t>(cell);
+    std::int64_t& met = recent[((c >> 32) * 8 + (c & 7)) % recent.size()];
+    if (met == cell) return false;
+    met = cell;
+    return true;
+  }
+  std::array<std::int64_t, 128> recent{};
+
+  // `count` pixels from `first` on; `height` is room for as many numbers
+  void add(const OrganisedCloud& cloud, std::size_t first, Eigen::Index count, const Eigen::Vector3f& up,
+           float offset, Eigen::ArrayXf& height) {
+    using Values = Eigen::Map<const Eigen::ArrayXf>;
+    const Values d(cloud.depth_m.data() + first, count), x(cloud.x.data() + first, count),
+        y(cloud.y.data() + first, count), z(cloud.z.data() + first, count);
+    pixels += static_cast<std::size_t>(count);
+    depth += static_cast<double>(d.sum());
+    depth_squared += static_cast<double>(d.square().sum());
+    auto h = height.head(count);
+    h = up.x() * x + up.y() * y + up.z() * z + offset;
+    lowest = std::min(lowest, h.minCoeff());
+    highest = std::max(highest, h.maxCoeff());
+    least = least.min(Eigen::Array3f(x.minCoeff(), y.minCoeff(), z.minCoeff()));
+    most = most.max(Eigen::Array3f(x.maxCoeff(), y.maxCoeff(), z.maxCoeff()));
+  }
+};
+
+// how many of first..last are at most, at least
+int up_to(int first, int last, int limit) {
+  return std::max(0, std::min(last, limit) - first + 1);
+}
+int from_on(int first, int last, int limit) {
+  return std::max(0, last - std::max(first, limit) + 1);
+}
+
+// where each region of the image stands among the fragments; -1 for speckle
+std::vector<std::int32_t> slots_of(const std::vector<Fragment>& fragments, std::size_t regions) {
+  std::vector<std::int32_t> slot(regions, -1);
+  for (std::size_t f = 0; f < fragments.size(); ++f)
+    for (const std::int32_t l : fragments[f].labels)
+      slot[static_cast<std::size_t>(l)] = static_cast<std::int32_t>(f);
+  return slot;
+}
+
+}  // namespace
+
+double footprint_span(const Fragment& f) {
+  if (f.cells.empty()) return 0.0;
+  Eigen::AlignedBox2d box;
+  for (const std::int64_t c : f.cells) box.extend(GroundAxes::center(c));
+  return box.diagonal().norm() + kCell_m;
+}
+
+double footprint_gap(const Fragment& a, const Fragment& b) {
+  double best = std::numeric_limits<double>::infinity();
+  for (const std::int64_t i : a.cells)
+    for (const std::int64_t k : b.cells)
+      best = std::min(best, (GroundAxes::center(i) - GroundAxes::center(k)).squaredNorm());
+  return std::sqrt(best);
+}
+
+std::vector<Fragment> describe_fragments(const OrganisedCloud& cloud, const Components& components,
+                                         const Ground& ground, const ImageBorder& border,
+                                         const FragmentConfig& config) {
+  std::vector<Fragment> fragments;
+  for (std::size_t l = 0; l < components.pixels.size(); ++l) {
+    if (components.pixels[l] < static_cast<std::uint32_t>(config.min_pixels)) continue;
+    fragments.emplace_back();
+    fragments.back().labels = {static_cast<std::int32_t>(l)};
+  }
+  if (fragments.empty()) return fragments;
+  const std::vector<std::int32_t> slot = slots_of(fragments, components.pixels.size());
+
+  const GroundAxes axes(ground);
+  const double pixel_area = 1.0 / (cloud.intrinsics.fx * cloud.intrinsics.fy);
+  const Eigen::Vector3f up = ground.plane.normal.cast<float>();
+  const float offset = static_cast<float>(ground.plane.offset);
+  std::vector<Tally> tallies(fragments.size());
+  const int lowest_top = *std::max_element(border.top.begin(), border.top.end());
+  const int highest_bottom = *std::min_element(border.bottom.begin(), border.bottom.end());
+  Eigen::ArrayXf heights(cloud.width());
+  for (const Components::Run& run : components.runs) {
+    const std::int32_t k = slot[static_cast<std::size_t>(run.label)];
+    if (k < 0) continue;
+    Fragment& f = fragments[static_cast<std::size_t>(k)];
+    Tally& t = tallies[static_cast<std::size_t>(k)];
+    const int v = run.row;
+    const std::size_t row = static_cast<std::size_t>(v) * static_cast<std::size_t>(cloud.width());
+    const std::size_t before = t.pixels;
+    t.add(cloud, row + static_cast<std::size_t>(run.first), run.last - run.first + 1, up, offset, heights);
+    f.u_min = std::min(f.u_min, run.first);
+    f.u_max = std::max(f.u_max, run.last);
+    f.v_min = std::min(f.v_min, v);
+    f.v_max = v;
+    f.cut_left += up_to(run.first, run.last, border.left[static_cast<std::size_t>(v)] + 1);
+    f.cut_right += from_on(run.first, run.last, border.right[static_cast<std::size_t>(v)] - 1);
+    for (int u = run.first; u <= run.last && v <= lowest_top + 1; ++u)
+      f.cut_top += v <= border.top[static_cast<std::size_t>(u)] + 1;
+    for (int u = run.first; u <= run.last && v >= highest_bottom - 1; ++u)
+      f.cut_bottom += v >= border.bottom[static_cast<std::size_t>(u)] - 1;
+    const std::size_t skip = (kFootprintStride - before % kFootprintStride) % kFootprintStride;
+    for (std::size_t u = static_cast<std::size_t>(run.first) + skip; u <= static_cast<std::size_t>(run.last);
+         u += kFootprintStride) {
+      const std::int64_t cell = axes.cell(cloud.point(row + u));
+      if (t.is_new(cell)) f.cells.push_back(cell);
+    }
+  }
+  for (std::size_t k = 0; k < fragments.size(); ++k) {
+    Fragment& f = fragments[k];
+    const Tally& t = tallies[k];
+    f.pixels = t.pixels;
+    f.mean_depth_m = t.depth / static_cast<double>(t.pixels);
+    f.area_m2 = t.depth_squared * pixel_area;
+    f.min_height_m = t.lowest;
+    f.max_height_m = t.highest;
+    f.box = Aabb(t.least.cast<double>(), t.most.cast<double>());
+    std::sort(f.cells.begin(), f.cells.end());
+    f.cells.erase(std::unique(f.cells.begin(), f.cells.end()), f.cells.end());
+  }
+  return fragments;
+}
+
+std::vector<Fragment> join_fragments(std::vector<Fragment> fragments, const OrganisedCloud& cloud,
+                                     const Components& components, const NoiseModel& noise,
+                                     const FragmentConfig& config) {
+  // large ones first: parts join the object that they belong to, and an object only grows
+  const auto larger = [](const Fragment& a, const Fragment& b) { return a.pixels > b.pixels; };
+  std::stable_sort(fragments.begin(), fragments.end(), larger);
+  const std::size_t n = fragments.size();
+  Gaps gaps(cloud, components, slots_of(fragments, components.pixels.size()), n);
+  std::vector<bool> gone(n, false);
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t k = i + 1; k < n; ++k) {
+        if (gone[i] || gone[k]) continue;
+        if (!belong_together(fragments[i], fragments[k], gaps.between(i, k), noise, config)) continue;
+        fragments[i] = joined(fragments[i], fragments[k]);
+        gaps.join(i, k);
+        gone[k] = changed = true;
+      }
+    }
+  }
+  std::vector<Fragment> objects;
+  for (std::size_t i = 0; i < n; ++i)
+    if (!gone[i]) objects.push_back(std::move(fragments[i]));
+  std::stable_sort(objects.begin(), objects.end(), larger);
+  return objects;
+}
+
+}  // namespace colift::perception

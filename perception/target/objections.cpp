@@ -1,0 +1,116 @@
+#include "perception/target/objections.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace colift::perception {
+namespace {
+
+// wider than any carton, as wide as a seat for two: a sofa or a bench whose depth the view hides
+constexpr double kWideAndClosed_m = 1.5;
+
+}  // namespace
+
+SideCut lateral_cut(const Fragment& f) {
+  const double rows = f.v_max - f.v_min + 1, columns = f.u_max - f.u_min + 1;
+  SideCut cut{f.cut_left / (2 * rows), "left"};
+  if (f.cut_right / (2 * rows) > cut.fraction) cut = {f.cut_right / (2 * rows), "right"};
+  if (f.cut_bottom / (2 * columns) > cut.fraction) cut = {f.cut_bottom / (2 * columns), "bottom"};
+  return cut;
+}
+
+double top_cut(const Fragment& f) {
+  return f.cut_top / (2.0 * (f.u_max - f.u_min + 1));
+}
+
+std::optional<RejectedObject> object_to(const Fragment& f, const TargetConfig& c) {
+  using Kind = RejectedObject::Kind;
+  const auto reject = [&](Kind kind, std::string why) {
+    return RejectedObject{kind, f.box.center(), f.pixels, std::move(why)};
+  };
+  if (f.area_m2 < c.min_area_m2 || f.pixels < static_cast<std::size_t>(c.min_pixels))
+    return reject(Kind::Small,
+                  fmt::format("it shows {:.0f} cm2 in {} pixels, {:.0f} cm2 and {} pixels are needed",
+                              1e4 * f.area_m2, f.pixels, 1e4 * c.min_area_m2, c.min_pixels));
+  if (f.max_height_m - std::max(0.0, f.min_height_m) < c.min_thickness_m &&
+      f.min_height_m < 2 * c.min_thickness_m)
+    return reject(Kind::Flat, fmt::format("it rises {:.0f} mm over the ground, {:.0f} are needed",
+                                          1e3 * f.max_height_m, 1e3 * c.min_thickness_m));
+  if (f.mean_depth_m > c.max_range_m)
+    return reject(Kind::Far,
+                  fmt::format("it is {:.1f} m away, the limit is {:.1f} m", f.mean_depth_m, c.max_range_m));
+  // wider than high is a desk with things on it, not a person
+  if (f.max_height_m > c.max_height_m && footprint_span(f) < c.tall_width_ratio * f.max_height_m)
+    return reject(
+        Kind::Person,
+        fmt::format("it is {:.2f} m tall, a person or furniture that is not carried (limit {:.2f} m)",
+                    f.max_height_m, c.max_height_m));
+  if (footprint_span(f) > c.max_span_m)
+    return reject(Kind::Large, fmt::format("it reaches over {:.1f} m, the limit is {:.1f} m",
+                                           footprint_span(f), c.max_span_m));
+  if (top_cut(f) > c.max_person_top_cut && f.max_height_m > c.min_person_slenderness * footprint_span(f)) {
+    auto no = reject(Kind::Person, fmt::format("it leaves the view at the top, {:.2f} m above the ground and "
+                                               "taller than wide: a person or furniture that is not carried",
+                                               f.max_height_m));
+    no.whole = true;  // a leg of it is no object
+    return no;
+  }
+  const SideCut cut = lateral_cut(f);
+  const double top = top_cut(f);
+  if (cut.fraction + c.top_cut_weight * top > c.max_cut)
+    return reject(
+        Kind::Cut,
+        fmt::format("its {} side leaves the view by {:.0f} %{}, so it is not known to stand free (limit "
+                    "{:.0f} %)",
+                    cut.fraction > top ? cut.side : "upper", 100 * std::max(cut.fraction, top),
+                    std::min(cut.fraction, top) > 0.05
+                        ? fmt::format(" and its {} side by {:.0f} %", cut.fraction > top ? "upper" : cut.side,
+                                      100 * std::min(cut.fraction, top))
+                        : "",
+                    100 * (cut.fraction > top ? c.max_cut : c.max_cut / c.top_cut_weight)));
+  if (f.min_height_m > c.max_floating_m)
+    return reject(
+        Kind::Floating,
+        fmt::format("nothing of it is seen below {:.2f} m above the ground (limit {:.2f} m), so it is not "
+                    "known to stand on it",
+                    f.min_height_m, c.max_floating_m));
+  return std::nullopt;
+}
+
+std::optional<RejectedObject> object_to_bulk(const Fragment& object, const Silhouette& silhouette,
+                                             const TargetConfig& c) {
+  const double width = silhouette.width(), height = object.max_height_m;
+  if (width < c.min_massive_width_m || height < c.massive_height_m) return std::nullopt;
+  const double volume = width * height * std::max(c.unseen_depth_m, silhouette.depth());
+  if (volume <= c.max_massive_m3 && width <= kWideAndClosed_m) return std::nullopt;
+  const double closed =
+      fill(silhouette.points(), {silhouette.left(), silhouette.left() + width, 0.0, c.massive_height_m});
+  if (closed < c.min_massive_fill) return std::nullopt;
+  return RejectedObject{
+      RejectedObject::Kind::Large, object.box.center(), object.pixels,
+      fmt::format("it is closed down to the ground and takes {:.2f} m^3, furniture that is not "
+                  "carried (limit {:.2f} m^3)",
+                  volume, c.max_massive_m3)};
+}
+
+std::optional<RejectedObject> object_to_outline(const Fragment& object, const Outline& outline,
+                                                const TargetConfig& c) {
+  if (outline.ground < c.min_on_ground)
+    return RejectedObject{
+        RejectedObject::Kind::Floating, object.box.center(), object.pixels,
+        fmt::format(
+            "along {:.0f} % of its outline it meets the ground, {:.0f} % are needed to know that it stands "
+            "on it",
+            100 * outline.ground, 100 * c.min_on_ground)};
+  const double attached = outline.same + outline.nearer + outline.rim;
+  if (attached <= c.max_attached) return std::nullopt;
+  return RejectedObject{
+      RejectedObject::Kind::Attached, object.box.center(), object.pixels,
+      fmt::format(
+          "it goes on, is hidden or leaves the view along {:.0f} % of its outline, so it is not known to "
+          "stand free (limit {:.0f} %)",
+          100 * attached, 100 * c.max_attached)};
+}
+
+}  // namespace colift::perception
