@@ -26,9 +26,9 @@ struct HalOptions {
   double torque_nm = 0.5;
 };
 
-/// Bring-up of the arm: state, watch, hold, move-joint, limits, stiffness. 0 done, 1 came to rest because
-/// something was in the way, 2 bad request or file, 3 the arm is not there, refuses, or went away, 130
-/// interrupted.
+/// Bring-up of the arm: state, watch, hold, move-joint, load, limits, stiffness. 0 done, 1 came to rest
+/// because something was in the way or the load data are wrong, 2 bad request or file, 3 the arm is not
+/// there, refuses, or went away, 130 interrupted.
 [[nodiscard]] int cmd_hal_arm(const CommonOptions& common, const HalOptions& options);
 
 /// Bring-up of the hand: init, state, watch, tactile, open, close, preshape, grip. Exit codes as above; 1: it

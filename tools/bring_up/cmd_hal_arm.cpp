@@ -20,6 +20,7 @@ namespace {
 using How = ArmTaskEnd::How;
 
 constexpr double kCareful_deg = 30.0, kCarefulStiffness = 50.0;
+constexpr double kLoadSpeed_deg_s = 10.0;
 constexpr double kTimeout_s = 2.0;  // of a person who waits for command mode
 constexpr auto kLook = std::chrono::milliseconds(50);
 
@@ -89,6 +90,15 @@ hal::Result<ArmTask> task_of(const HalOptions& o, const Bench& bench) {
     auto move = move_task(o, bench);
     if (!move) return move;
     task = *move;
+  } else if (o.verb == "load") {
+    if (!o.yes)
+      return hal::failure(
+          hal::ErrorCode::BadInput, "--yes",
+          "the arm will turn A4 to A7 by up to 15 deg both ways about the present pose, ten "
+          "times, with 10 deg/s, and come back (about a minute); if the hand is empty and the "
+          "path is free, confirm with --yes");
+    task.kind = ArmTask::Kind::Load;
+    task.speed_rad_s = hal::deg_to_rad(kLoadSpeed_deg_s);
   } else if (o.verb == "state") {
     // the KRC's figures are over 100 answers; the KRL program's heartbeat needs a second
     task.for_s = o.for_s.value_or(std::clamp(0.13 * bench.fri.cycle_ms, 1.2, 4.0));
@@ -210,7 +220,7 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
   ProgramMonitor program;
   Teller teller(common, options, task, *bench.model);
   std::optional<double> asking_since_s;
-  bool told_why = false;
+  bool told_why = false, told_remarks = task.kind == ArmTask::Kind::Watch || common.quiet;
   while (work.wait_for(kLook) != std::future_status::ready) {
     const ArmProgress p = progress.read();
     if (InterruptGuard::asked()) {
@@ -220,6 +230,13 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
     if (fri.status().received > 0) program.note(fri.measurement(), at_s());
     const ArmView view = view_of(fri, program, realtime, bench.guard.limit_margin_deg, at_s());
     teller.show(view, p);
+    if (!told_remarks && p.phase >= ArmProgress::Phase::Asking && view.status.received > 0) {
+      told_remarks = true;
+      for (const Obstacle& o : obstacles(view, *bench.model))
+        if (o.kind == std::string_view("unexplained-load") || o.kind == std::string_view("torque-sign") ||
+            o.kind == std::string_view("krc-address"))
+          std::fputs(fmt::format("{}\nnext: {}\n", o.what, o.next).c_str(), stderr);
+    }
     if (p.phase != ArmProgress::Phase::Asking) continue;
     if (!asking_since_s) asking_since_s = at_s();
     if (told_why || common.quiet || at_s() - *asking_since_s < kTimeout_s) continue;

@@ -96,6 +96,19 @@ Json result(const ArmTask& task, const ArmTaskEnd& e) {
   j["goal"] = list(e.goal_rad);
   j["drift"] = list(e.drift_rad);
   j["external_torque"] = list(e.external_nm);
+  if (e.load) {
+    j["load"] = {{"more_kg", e.load->more.mass_kg},
+                 {"more_kgm", list(e.load->more.moment_kgm)},
+                 {"sigma_kg", e.load->sigma.mass_kg},
+                 {"sigma_kgm", list(e.load->sigma.moment_kgm)},
+                 {"expected_kg", e.expected_load.mass_kg},
+                 {"expected_kgm", list(e.expected_load.moment_kgm)},
+                 {"unexplained_nm", e.load->residual_nm},
+                 {"unexplained_joint", fmt::format("A{}", e.load->residual_joint + 1)},
+                 {"poses", e.load_samples.size()},
+                 {"wrong", e.load->wrong()},
+                 {"says", describe(*e.load, e.expected_load)}};
+  }
   if (task.kind == ArmTask::Kind::Move) {
     j["joint"] = fmt::format("A{}", task.joint + 1);
     j["asked"] = task.by_rad;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "hal/drivers/kuka_fri/wire/krl_channels.hpp"
+#include "hal/os/udp_link.hpp"
 #include "hal/types/units.hpp"
 
 namespace colift::tools {
@@ -14,6 +15,7 @@ using hal::FriQuality;
 
 constexpr double kMismatch_rad = 0.02;  // as the driver's own words
 constexpr double kBeatWatch_s = 0.6;    // several heartbeats and rounds of the program
+constexpr double kStatic_nm = 0.5;      // 0.2 kg at half the reach: A2 or A4 shows it in most poses
 constexpr double kStraight_deg = 15.0;
 constexpr float kGoodRate = 0.99f, kMinRate = 0.95f;
 
@@ -29,6 +31,12 @@ std::string link_text(const hal::FriStatus& s) {
                      1e3 * static_cast<double>(s.jitter_s), 1e3 * s.period_s);
 }
 
+/// Without the port, which a restarted KRC may change.
+std::string address_text(const hal::Endpoint& e) {
+  const std::string text = hal::to_string(e);
+  return text.substr(0, text.find(':'));
+}
+
 std::string dropped_advice(const hal::FriStatus& s) {
   const auto count = [&](hal::FriDrop why) { return s.drops[static_cast<std::size_t>(why)]; };
   std::string text;
@@ -37,7 +45,8 @@ std::string dropped_advice(const hal::FriStatus& s) {
         fmt::format("{} came from another sender on this port (a second KRC, or an emulator): end it; ", n);
   if (const auto n = count(hal::FriDrop::Content); n > 0)
     text += fmt::format("the last of {} with impossible content: {}; ", n, to_string(s.last_refusal));
-  return text + "set krc: ADDRESS in the file behind --robot";
+  return text +
+         fmt::format("set krc: {} in the file behind --robot, if that is the KRC", address_text(s.krc));
 }
 
 class Finder {
@@ -53,6 +62,8 @@ class Finder {
     control();
     pose();
     external();
+    torque_sign();
+    address();
     joints();
     remarks();
     return std::move(found_);
@@ -217,6 +228,44 @@ class Finder {
                            v_.config.start_external_nm),
                "free the arm of whatever it touches; if it touches nothing, the tool's load data are wrong");
     }
+    unexplained();
+  }
+
+  void torque_sign() {
+    if (const std::string what = describe_torque_sign(v_.status, v_.config); !what.empty())
+      remark(
+          "torque-sign", what,
+          "correct it in the file behind --robot; push the arm by hand during \"colift hal arm watch\": the "
+          "torque has the sign of the push");
+  }
+
+  void address() {
+    const auto& s = v_.status;
+    if (!v_.config.krc.empty() || s.krc.address == 0) return;
+    const auto others = s.drops[static_cast<std::size_t>(hal::FriDrop::Sender)];
+    remark("krc-address",
+           fmt::format("fri.krc is empty: {}, which sent the first good datagram, is taken for the KRC; {} "
+                       "datagrams of other senders were dropped",
+                       hal::to_string(s.krc), others),
+           fmt::format("if that is the KRC, write krc: {} in the file behind --robot", address_text(s.krc)));
+  }
+
+  // In impedance control nothing but the springs holds such a load: the arm sinks by it.
+  void unexplained() {
+    if (v_.config.control == "position" || v_.status.may_command) return;
+    Eigen::Index joint = 0;
+    hal::JointVector tau;
+    for (int i = 0; i < hal::kArmJoints; ++i) tau[i] = v_.m.tau_external_nm[static_cast<std::size_t>(i)];
+    const double nm = tau.cwiseAbs().maxCoeff(&joint);
+    if (!(nm > kStatic_nm) || nm > v_.config.start_external_nm) return;
+    remark(
+        "unexplained-load",
+        fmt::format("the KRC does not explain a static torque of {:+.1f} N m at A{}: with impedance control "
+                    "the arm gives way to it",
+                    tau[joint], joint + 1),
+        "free the arm of whatever it touches; if it touches nothing, the tool's load data are wrong: "
+        "\"colift "
+        "hal arm load --yes\" says by how much");
   }
 
   void joints() {

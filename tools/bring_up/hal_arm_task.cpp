@@ -23,6 +23,8 @@ constexpr int kStatesToStart = 20;   // after the arm was opened, for a first go
 constexpr double kHeldUp_s = 1.0;    // commands may be held up that long: packets lost, quality
 constexpr double kSettle_s = 0.5;    // after a motion, for the arm to arrive
 constexpr double kMostRest_s = 3.0;  // for coming to rest
+// a pose of the load is felt after the arm has come to rest, over several periods of what it swings with
+constexpr double kLoadSettle_s = 1.0, kLoadFeel_s = 0.4;
 
 control::TaskConfig task_config() {
   control::TaskConfig c;
@@ -61,6 +63,12 @@ class Runner {
               beyond_limits(model_, guard_, task_.joint, state_.q_rad[task_.joint], task_.by_rad);
           !bad.empty())
         return finish(How::BadRequest, bad);
+    if (task_.kind == ArmTask::Kind::Load) {
+      auto poses = hal::load_poses(model_, hal::deg_to_rad(guard_.limit_margin_deg), state_.q_rad);
+      if (!poses) return finish(How::BadRequest, poses.error().text());
+      poses_ = std::move(*poses);
+      end_.load_samples.reserve(poses_.size());
+    }
     if (hooks_.interrupted) return finish(How::Interrupted, "asked to end");
     go_on(Phase::Asking);
     if (auto active = arm_.activate(); !active) {
@@ -69,6 +77,7 @@ class Runner {
       return leave(How::Refused, active.error().text());
     }
     command();
+    if (task_.kind == ArmTask::Kind::Load && how_ == How::Done) judge_load();
     return leave(how_, reason_);
   }
 
@@ -192,7 +201,7 @@ class Runner {
     if (!end_.commanded) begin(t);
     if (setpoints_.starts() != starts && starts > 0) {
       ++end_.restarts;
-      if (task_.kind == ArmTask::Kind::Move && !ending_)
+      if (task_.kind != ArmTask::Kind::Hold && !ending_)
         bring_to_rest(How::Stopped,
                       "the motion was cut off: " + (held_why_.empty() ? "a gap in the states" : held_why_),
                       t);
@@ -212,10 +221,16 @@ class Runner {
     end_.start_rad = state_.q_rad;
     began_s_ = t;
     setpoints_.set_stiffness(task_.stiffness_nm_rad);
-    if (task_.kind != ArmTask::Kind::Move) return;
-    const hal::JointVector from = setpoints_.commanded();
-    hal::JointVector to = from;
+    if (task_.kind == ArmTask::Kind::Hold) return;
+    home_ = setpoints_.commanded();
+    if (task_.kind == ArmTask::Kind::Load) return go_to(poses_.front(), t);
+    hal::JointVector to = home_;
     to[task_.joint] += task_.by_rad;
+    go_to(to, t);
+  }
+
+  void go_to(const hal::JointVector& to, double t) {
+    const hal::JointVector from = setpoints_.commanded();
     planner::MotionLimits limits;
     limits.velocity_rad_s.setConstant(task_.speed_rad_s);
     limits.acceleration_rad_s2.setConstant(task_.acceleration_rad_s2);
@@ -258,7 +273,45 @@ class Runner {
     if (setpoints_.blocked()) return bring_to_rest(How::Stopped, describe(setpoints_.blockage()), t);
     if (!setpoints_.done()) arrived_s_.reset();
     if (setpoints_.done() && !arrived_s_) arrived_s_ = t;
-    over_ = arrived_s_ && t - *arrived_s_ >= kSettle_s;
+    const double at_rest_s = arrived_s_ ? t - *arrived_s_ : 0.0;
+    if (task_.kind == ArmTask::Kind::Load && end_.load_samples.size() < poses_.size())
+      return feel(at_rest_s, t);
+    over_ = arrived_s_ && at_rest_s >= kSettle_s;
+  }
+
+  /// One pose of the load: the mean of what is measured at rest, then on to the next one or back.
+  void feel(double at_rest_s, double t) {
+    if (at_rest_s < kLoadSettle_s) {
+      felt_ = {};
+      felt_cycles_ = 0;
+      return;
+    }
+    felt_.q_rad += state_.q_rad;
+    felt_.tau_external_nm += state_.tau_external_nm;
+    ++felt_cycles_;
+    if (at_rest_s < kLoadSettle_s + kLoadFeel_s) return;
+    felt_.q_rad /= felt_cycles_;
+    felt_.tau_external_nm /= felt_cycles_;
+    end_.load_samples.push_back(felt_);
+    arrived_s_.reset();
+    const std::size_t next = end_.load_samples.size();
+    go_to(next < poses_.size() ? poses_[next] : home_, t);
+  }
+
+  void judge_load() {
+    end_.expected_load = hal::hand_load(model_);
+    const hal::ArmDynamics dynamics(model_, hal::ArmDynamics::Load::Hand);
+    auto load = hal::estimate_load_error(dynamics, end_.load_samples);
+    if (!load) {
+      how_ = How::Stopped;
+      reason_ = load.error().text();
+      return;
+    }
+    end_.load = *load;
+    if (!load->wrong() && !load->unexplained()) return;
+    how_ = How::WrongLoad;
+    reason_ = load->unexplained() ? "the arm feels torques that no load explains"
+                                  : "the KRC's load data do not fit what hangs on the flange";
   }
 
   hal::Arm& arm_;
@@ -278,6 +331,11 @@ class Runner {
   bool over_ = false, ending_ = false;
   double began_s_ = 0.0, ending_since_s_ = 0.0;
   std::optional<double> held_since_s_, arrived_s_;
+
+  std::vector<hal::JointVector> poses_;
+  hal::JointVector home_ = hal::JointVector::Zero();
+  hal::LoadSample felt_;
+  int felt_cycles_ = 0;
 };
 
 }  // namespace
@@ -336,6 +394,9 @@ std::string task_summary(const ArmTask& task, const ArmTaskEnd& e) {
           task.joint + 1, hal::rad_to_deg(e.end_rad[task.joint] - e.start_rad[task.joint]),
           hal::rad_to_deg(task.by_rad), e.commanded_s,
           hal::rad_to_deg(std::abs(e.end_rad[task.joint] - e.goal_rad[task.joint])));
+    } else if (task.kind == ArmTask::Kind::Load) {
+      t += fmt::format("felt the load in {} of {} poses in {:.1f} s\n", e.load_samples.size(),
+                       hal::kLoadPoses, e.commanded_s);
     } else {
       Eigen::Index moved = 0;
       const double most = (e.end_rad - e.start_rad).cwiseAbs().maxCoeff(&moved);
@@ -349,6 +410,7 @@ std::string task_summary(const ArmTask& task, const ArmTaskEnd& e) {
         "{} cycles, {} without a state, {} restarts from the measured pose\n",
         hal::rad_to_deg(drift), worst + 1, external, measured + 1, e.cycles, e.bad_cycles, e.restarts);
   }
+  if (e.load) t += describe(*e.load, e.expected_load);
   if (e.how == How::Interrupted) t += fmt::format("interrupted: {}\n", e.reason);
   return t;
 }

@@ -5,10 +5,13 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "hal/arm.hpp"
 #include "hal/guards/guarded_arm.hpp"
+#include "hal/robot_model/load_estimate.hpp"
 #include "hal/robot_model/robot_model.hpp"
 #include "hal/types/latest_value.hpp"
 #include "tools/bring_up/hal_arm_view.hpp"
@@ -22,6 +25,7 @@ struct ArmTask {
     Watch,  ///< Nothing moves and nothing is asked for.
     Hold,   ///< Command mode, the measured pose.
     Move,   ///< Command mode, one joint by an angle.
+    Load,   ///< Command mode, ten poses about the present one, in each of which the load is felt; then back.
   };
   Kind kind = Kind::Watch;
   double for_s = std::numeric_limits<double>::infinity();  ///< Of watching or holding.
@@ -55,6 +59,9 @@ struct ArmTaskEnd {
   hal::JointVector drift_rad = hal::JointVector::Zero();    ///< Greatest distance of measured from commanded.
   hal::JointVector external_nm = hal::JointVector::Zero();  ///< Greatest magnitude.
   std::uint64_t cycles = 0, bad_cycles = 0, restarts = 0;
+  std::vector<hal::LoadSample> load_samples;  ///< One for each pose of Kind::Load.
+  std::optional<hal::LoadError> load;
+  hal::FlangeLoad expected_load;  ///< The model's hand.
 };
 
 /// Runs the task in the calling thread, which is then the arm's: opens the arm, for all but watching gets

@@ -16,6 +16,8 @@ std::string_view to_string(TaskOutcome outcome) {
       return "refused";
     case TaskOutcome::Stopped:
       return "stopped";
+    case TaskOutcome::WrongLoad:
+      return "wrong-load";
     case TaskOutcome::NoGrip:
       return "no-grip";
     case TaskOutcome::Lost:
@@ -35,6 +37,7 @@ int exit_code(TaskOutcome outcome) {
     case TaskOutcome::BadRequest:
       return kBadInput;
     case TaskOutcome::Stopped:
+    case TaskOutcome::WrongLoad:
     case TaskOutcome::NoGrip:
       return kNoGoal;
     case TaskOutcome::Refused:

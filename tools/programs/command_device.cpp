@@ -42,6 +42,8 @@ void add_hal_arm(CommandLine& line, CLI::App& arm, HalOptions& o) {
   move.add_option("DEG", o.degrees, "Relative angle in degrees")->required();
   move.add_option("--speed", o.speed_deg_s, "Degrees per second (default 5)")->type_name("DEG/S");
   yes(move);
+  yes(add_verb(arm, "load", "Turns A4 to A7 through ten poses and compares the load with the KRC's load data",
+               o, line));
   add_verb(arm, "limits", "Joint limits: of the arm, of the guard, in T1", o, line);
   CLI::App& stiffness = add_verb(
       arm, "stiffness", "Joint impedance control with this stiffness, to be pushed by hand", o, line);

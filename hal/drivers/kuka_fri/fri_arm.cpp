@@ -279,6 +279,8 @@ DeviceHealth FriArm::health() const {
   for (const std::uint64_t d : s.drops) h.rejected += d;
   if (s.reason != FriReason::None && s.reason != FriReason::NotAsked && s.reason != FriReason::NotOpen)
     h.last_error = why_not(s, impl_->config);
+  if (s.torque_reversed)
+    h.last_error += (h.last_error.empty() ? "" : "; ") + describe_torque_sign(s, impl_->config);
   if (const std::string slow = why_slow(s, impl_->config); !slow.empty())
     h.last_error += (h.last_error.empty() ? "slow: " : "; slow: ") + slow;
   return h;

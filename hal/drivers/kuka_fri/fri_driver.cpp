@@ -112,7 +112,8 @@ FriDriver::Took FriDriver::take() {
     const double silent_s = seconds(then - arrived_at_);
     const bool lost = silent_s > lost_after_s(), broken = got == FriExchange::Got::Broken;
     // a quarter of a period for the clock's and the machine's own jitter
-    session.silence(std::floor(silent_s / period_s_ - 0.25), seen && lost, broken);
+    session.silence(std::floor(silent_s / period_s_ - 0.25), seen && lost, broken,
+                    wire.gate().counter_set_by());
     if (lost) wire.gate().unlock();
     publish();
     return broken ? Took::Broken : Took::Nothing;
@@ -361,6 +362,12 @@ void FriDriver::publish() {
     if (off <= s.pose_mismatch_rad) continue;
     s.pose_mismatch_rad = off;
     s.mismatch_joint = static_cast<int>(i);
+  }
+  // in monitor mode the arm rests on the program's springs; when commanded, motions would be taken for loads
+  if (m.state == FriState::Monitor) {
+    const ArmState now = state();
+    s.torque_reversed = mode.control != FriControl::Position &&
+                        JointSetPoint::pulls_backwards(now.q_rad - now.q_commanded_rad, now.tau_external_nm);
   }
   s.krc = wire.gate().sender().value_or(Endpoint{});
   s.received = wire.received;

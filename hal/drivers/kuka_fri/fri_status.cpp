@@ -191,7 +191,12 @@ std::string reason_words(const FriStatus& s, const FriConfig& c) {
           "commands begin at the measured pose",
           name(s.quality), link(s));
     case FriReason::KrcRestarted:
-      return "the KRC counts its datagrams anew: it was restarted, or FRI was opened again";
+      return s.number == 0.0
+                 ? std::string("the KRC counts its datagrams anew: it was restarted, or FRI was opened again")
+                 : fmt::format(
+                       "the KRC counts its datagrams anew ({:+.0f}), without a gap in what came: it was "
+                       "restarted, or FRI was opened again; it is not the cable",
+                       s.number);
     case FriReason::JointJump:
       return fmt::format("A{} was measured {:.3f} rad away from the datagram before: no arm does that",
                          s.joint + 1, s.number);
@@ -203,6 +208,15 @@ std::string reason_words(const FriStatus& s, const FriConfig& c) {
 }
 
 }  // namespace
+
+std::string describe_torque_sign(const FriStatus& s, const FriConfig& c) {
+  if (!s.torque_reversed) return "";
+  return fmt::format(
+      "the external torque has the wrong sign: it pulls the other way than the arm hangs, so that a start "
+      "lets the "
+      "arm sink (external_torque is {}, it should be {})",
+      c.external_torque, c.external_torque == "on_arm" ? "on_environment" : "on_arm");
+}
 
 std::string describe_stall(const FriStatus& s) {
   if (s.stall_s <= 0.0) return {};

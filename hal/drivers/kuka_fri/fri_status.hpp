@@ -38,6 +38,9 @@ struct FriStatus {
   double arrivals_s = 0.0;          ///< ... and that the arrivals show, where it is another one; else 0.
   double pose_mismatch_rad = 0.0;   ///< Greatest distance of the measured from the commanded pose,
   int mismatch_joint = 0;           ///< and its joint, from 0.
+  /// The KRC's external torque pulls the other way than the arm hangs on its springs: `external_torque` names
+  /// the wrong sign, and a start takes the load for no load and lets the arm sink.
+  bool torque_reversed = false;
   Endpoint krc;
 
   // counters since configure()
@@ -62,6 +65,8 @@ struct FriEvent {
 [[nodiscard]] std::string why_not(const FriStatus& status, const FriConfig& config);
 /// For how long this program did not answer by its own fault, in a sentence; empty when it did.
 [[nodiscard]] std::string describe_stall(const FriStatus& status);
+/// That `external_torque` has the wrong sign, in a sentence; empty when nothing says so.
+[[nodiscard]] std::string describe_torque_sign(const FriStatus& status, const FriConfig& config);
 /// A command that was refused, in a sentence with its numbers.
 [[nodiscard]] std::string words(const FriLimit& limit);
 /// The same in at most 15 characters.

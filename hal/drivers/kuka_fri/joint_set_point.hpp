@@ -48,6 +48,9 @@ class JointSetPoint {
 
   /// What the controller commands: cmdJntPos + cmdJntPosFriOffset, in float as on the wire.
   [[nodiscard]] static FriJoints followed(const FriMeasurement& m);
+  /// At rest, on springs: true where the load `tau_nm` on the arm has the sign opposite to what `off_rad`
+  /// (measured minus commanded) says of it, in a pattern over the joints that no accident explains.
+  [[nodiscard]] static bool pulls_backwards(const JointVector& off_rad, const JointVector& tau_nm);
   [[nodiscard]] static JointVector joints(const FriJoints& q);
 
   /// Outside of command mode.

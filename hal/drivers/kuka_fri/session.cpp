@@ -148,7 +148,8 @@ void SessionMachine::measured(const FriMeasurement& m, int cycles, double period
   if (first) {
     const FriReason lost = reason_;
     session_ = command ? FriSession::Command : FriSession::Monitor;
-    reason_ = lost == FriReason::LinkLost ? FriReason::LinkLost : FriReason::NotAsked;
+    const bool worth_keeping = lost == FriReason::LinkLost || lost == FriReason::KrcRestarted;
+    reason_ = worth_keeping ? lost : FriReason::NotAsked;
     engaged_ = held_ = false;
   }
   switch (session_) {
@@ -299,11 +300,14 @@ void SessionMachine::sent(const JointVector& q_rad, const JointVector& stiffness
   stiffness_ = stiffness_nm_rad;
 }
 
-void SessionMachine::silence(double cycles, bool lost, bool broken) {
+void SessionMachine::silence(double cycles, bool lost, bool broken, int counter_set_by) {
   if (cycles > kGapCycles && session_ == FriSession::Command && engaged_ && !held_) hold(FriReason::Gap);
   if (!lost && !broken) return;
   if (session_ == FriSession::GettingReady) stage_ = ReadyStage::Refused;
-  if (session_ != FriSession::Silent) reason_ = FriReason::LinkLost;
+  if (session_ != FriSession::Silent) {
+    reason_ = counter_set_by != 0 ? FriReason::KrcRestarted : FriReason::LinkLost;
+    number_ = counter_set_by;
+  }
   if (broken) reason_ = FriReason::LinkBroken;
   session_ = FriSession::Silent;
   engaged_ = held_ = was_command_ = have_joints_ = quit_ = false;

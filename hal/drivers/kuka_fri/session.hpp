@@ -74,7 +74,7 @@ class SessionMachine {
   /// What was sent last, to notice an arm that does not follow; `at_rest`: it has stopped moving.
   void sent(const JointVector& q_rad, const JointVector& stiffness_nm_rad, bool at_rest);
   /// Nothing came for `cycles` periods, or for so long that the link counts as `lost`, or it is `broken`.
-  void silence(double cycles, bool lost, bool broken);
+  void silence(double cycles, bool lost, bool broken, int counter_set_by = 0);
 
   /// A person or a controller confirms. In command mode, with all well, commands are taken from the next
   /// datagram on; else command mode is asked for.

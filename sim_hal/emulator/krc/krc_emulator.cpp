@@ -12,6 +12,7 @@ namespace colift::sim_hal {
 namespace {
 
 using Kind = KrcFault::Kind;
+constexpr double kGravity_m_s2 = 9.81;
 constexpr std::size_t kMostRules = 1000, kMostChanges = 10000;
 constexpr double kSilent_s = 1.0;  // a client that says nothing for so long is gone
 
@@ -216,13 +217,10 @@ void KrcEmulator::cycle() {
 
   plant_.set_brakes(!powered());
   plant_.command(motion_.set_point());
-  if (const KrcFault* push = active(Kind::Contact)) {
-    Vector6 wrench = Vector6::Zero();
-    wrench[2] = -push->value;
-    plant_.set_push(wrench);
-  } else {
-    plant_.set_push(Vector6::Zero());
-  }
+  Vector6 wrench = Vector6::Zero();
+  if (const KrcFault* push = active(Kind::Contact)) wrench[2] -= push->value;
+  if (const KrcFault* load = active(Kind::LoadData)) wrench[2] -= kGravity_m_s2 * load->value;
+  plant_.set_push(wrench);
   if (state_ != FriState::Off) send_measurement();
   fresh_ = false;
   plant_moved_ = false;

@@ -34,6 +34,7 @@ constexpr std::array kKinds{
     Row{"nan", Kind::NotANumber},
     Row{"torque-offset", Kind::TorqueOffset, 5, -200, 200},
     Row{"contact", Kind::Contact, 30, -500, 500},
+    Row{"load", Kind::LoadData, 0.2, -7, 7},
     Row{"unplug", Kind::Unplug},
     Row{"drop", Kind::Loss, 0, 1, 1e6},
     Row{"silent", Kind::Loss, 0, 1, 1e6},

@@ -32,6 +32,7 @@ struct KrcFault : TimedFault {
     NotANumber,     ///< The measured position of `joint` is NaN.
     TorqueOffset,   ///< The torque sensor of `joint` is off by `value` N m.
     Contact,        ///< A push of `value` N down on the tool.
+    LoadData,       ///< What hangs on the tool is `value` kg more than the KRC's load data say.
     Unplug,         ///< The controller is switched off and on again.
   };
   enum class Direction { Both, ToKrc, ToClient };

@@ -49,6 +49,11 @@ void PacketGate::unlock() noexcept {
   in_line_ = 0;
 }
 
+int PacketGate::counter_set_by() const noexcept {
+  if (!last_ || in_line_ < kAnewInLine) return 0;
+  return static_cast<std::int16_t>(static_cast<std::uint16_t>(out_of_line_ - in_line_ + 1 - *last_));
+}
+
 FriDrop PacketGate::order(std::uint16_t send, Timestamp at, double period_s, Passed& passed) {
   passed.first = !last_;
   if (!check_sequence_) return FriDrop::None;

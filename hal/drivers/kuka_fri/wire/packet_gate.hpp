@@ -56,6 +56,8 @@ class PacketGate {
     drops_.fill(0);
   }
   [[nodiscard]] const std::optional<Endpoint>& sender() const { return sender_; }
+  /// Datagrams come, but on from another counter: by how far it was set (less than 0: back); 0: it was not.
+  [[nodiscard]] int counter_set_by() const noexcept;
   [[nodiscard]] const std::array<std::uint64_t, kFriDrops>& drops() const { return drops_; }
 
  private:

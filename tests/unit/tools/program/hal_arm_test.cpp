@@ -359,6 +359,28 @@ TEST_CASE("each thing that stands against command mode is told with what to do",
   }
 }
 
+TEST_CASE("what a start should know is told with what to do, and does not refuse", "[hal][arm]") {
+  tools::ArmView v = healthy();
+  v.m.tau_external_nm[1] = 1.4f;
+  v.status.torque_reversed = true;
+  v.status.krc = {0x0A000001, 49938};
+  v.status.drops[static_cast<std::size_t>(hal::FriDrop::Sender)] = 17;
+  const auto found = obstacles(v, hal::built_in_robot());
+  INFO(obstacles_text(found));
+  for (const char* kind : {"unexplained-load", "torque-sign", "krc-address", "dropped"}) {
+    CAPTURE(kind);
+    REQUIRE(find(found, kind));
+    CHECK_FALSE(find(found, kind)->refuses);
+  }
+  CHECK(find(found, "unexplained-load")->next.find("hal arm load") != std::string::npos);
+  CHECK(find(found, "torque-sign")->what.find("should be on_environment") != std::string::npos);
+  const auto& address = *find(found, "krc-address");
+  CHECK(address.what.find("10.0.0.1:49938") != std::string::npos);
+  CHECK(address.what.find("17 datagrams of other senders") != std::string::npos);
+  CHECK(address.next.find("krc: 10.0.0.1 ") != std::string::npos);
+  CHECK(find(found, "dropped")->next.find("17 came from another sender") != std::string::npos);
+}
+
 TEST_CASE("an arm that stands straight, or near a limit, is worth a word and no refusal", "[hal][arm]") {
   tools::ArmView v = healthy();
   v.m.q_measured_rad = {2.96f, 0.02f, 0, 0.05f, 0, 0.5f, 0};

@@ -134,6 +134,22 @@ TEST_CASE("heat asks the KRL program to stop, after coming to rest (row 43)", "[
   CHECK(arm->status().reason == FriReason::DriveHot);
 }
 
+TEST_CASE("a counter that is set back is named, and is not the cable", "[fri][faults]") {
+  for (const int by : {300, 2000, -9000}) {
+    CAPTURE(by);
+    Moving run;
+    run.cycles(3000);
+    run.krc.count_back(by);
+    run.cycles(200);
+    const auto status = run.arm->status();
+    CHECK(status.reason == FriReason::KrcRestarted);
+    CHECK_FALSE(status.may_command);
+    const std::string text = why_not(status, run.arm->config());
+    INFO(text);
+    CHECK(text.find("counts its datagrams anew") != std::string::npos);
+  }
+}
+
 TEST_CASE("a controller that was switched off and on is met as a new one (row 44)", "[fri][faults]") {
   Moving run;
   run.cycles(300);

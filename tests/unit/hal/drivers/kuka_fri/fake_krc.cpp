@@ -68,6 +68,10 @@ void FakeKrc::reboot() {
   answered_.reset();
 }
 
+void FakeKrc::count_back(int by) {
+  send_ = static_cast<std::uint16_t>(send_ - by);
+}
+
 void FakeKrc::hear() {
   std::array<std::byte, 512> bytes{};
   int count = 0;

@@ -52,6 +52,8 @@ class FakeKrc {
   void monitor_mode();
   /// As if it was switched off and on.
   void reboot();
+  /// Its counter of datagrams jumps back, nothing else changes.
+  void count_back(int by);
 
   // what happened
   std::vector<FriCommand> heard;  ///< All answers, in order.

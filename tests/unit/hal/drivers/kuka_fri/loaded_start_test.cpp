@@ -97,6 +97,30 @@ TEST_CASE("on stiffer springs the same load hangs higher", "[fri][faults]") {
   CHECK(run.sunk_rad(1) == Approx(15.0 / 1000.0 - 15.0 / 1500.0).margin(1e-3));
 }
 
+TEST_CASE("a load with the wrong sign is named before a start", "[fri][faults]") {
+  const auto told = [](const char* sign, float load_nm) {
+    FakeKrc krc;
+    krc.m.tau_external_nm[1] = load_nm;
+    krc.m.tau_external_nm[3] = -0.4f * load_nm;
+    krc.sag_rad[1] = 0.015f;
+    krc.sag_rad[3] = -0.006f;
+    hal::FriConfig config = FakeKrc::quick();
+    config.external_torque = sign;
+    const auto arm = krc.arm(config);
+    REQUIRE(arm->configure());
+    for (int i = 0; i < 20; ++i) (void)next(*arm);
+    CHECK(arm->status().torque_reversed == !describe_torque_sign(arm->status(), config).empty());
+    if (arm->status().torque_reversed)
+      CHECK(arm->health().last_error.find("wrong sign") != std::string::npos);
+    return arm->status().torque_reversed;
+  };
+  CHECK(told("on_environment", 15.0f));
+  CHECK(told("on_arm", -15.0f));
+  CHECK_FALSE(told("on_arm", 15.0f));
+  CHECK_FALSE(told("on_environment", -15.0f));
+  CHECK_FALSE(told("on_environment", 1.0f));  // too little to say it
+}
+
 TEST_CASE("a difference that no load explains is walked down as before", "[fri][faults]") {
   Loaded run(0.0f, 0.0f);
   run.krc.sag_rad[1] = 0.02f;
