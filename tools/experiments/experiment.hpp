@@ -96,5 +96,6 @@ struct Experiment {
 [[nodiscard]] Experiment mass_experiment();
 [[nodiscard]] Experiment share_experiment();
 [[nodiscard]] Experiment lift_alone_experiment();
+[[nodiscard]] Experiment imperfect_experiment();
 
 }  // namespace colift::experiments
