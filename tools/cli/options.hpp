@@ -69,6 +69,7 @@ struct RunOptions {
   ViewOptions live;
   std::optional<std::filesystem::path> scenario;  ///< Unset: the built-in table.
   std::optional<std::filesystem::path> robot;     ///< Unset: the simulated rig.
+  std::optional<std::filesystem::path> rig;       ///< Unset: ideal sensors; "imperfect" or a file.
   std::string method;
   std::string share;
   std::string share_strict;

@@ -97,5 +97,6 @@ struct Experiment {
 [[nodiscard]] Experiment share_experiment();
 [[nodiscard]] Experiment lift_alone_experiment();
 [[nodiscard]] Experiment rooms_experiment();
+[[nodiscard]] Experiment imperfect_experiment();
 
 }  // namespace colift::experiments

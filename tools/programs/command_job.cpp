@@ -14,6 +14,11 @@ void add_run(CLI::App& command, RunOptions& o) {
       ->type_name("FILE");
   command.add_option("--robot", o.robot, "Robot file: which devices are used (default: the simulated rig)")
       ->type_name("FILE");
+  command
+      .add_option("--rig", o.rig,
+                  "Simulated rig with the faults of real sensors: imperfect, or a file as "
+                  "config/rig/imperfect.yaml")
+      ->type_name("FILE");
   command.add_option("--method", o.method, "fast (default) or thesis");
   command.add_option("--seed", o.seed, "Same scenario, seed and program: same result, bit for bit")
       ->type_name("N");

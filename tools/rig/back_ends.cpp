@@ -5,6 +5,8 @@
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_hand.hpp"
 #include "perception/calibration/calibration_file.hpp"
+#include "sim_hal/imperfect/imperfect_devices.hpp"
+#include "sim_hal/imperfect/rig_errors.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "sim_hal/mujoco/devices/sim_infrared.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
@@ -78,8 +80,19 @@ hal::Result<Rig> open_rig(const RigRequest& request, const control::Config& conf
   auto model = read_model(file->model);
   if (!model) return tl::unexpected(model.error());
   rig.model = std::move(*model);
-  const auto read = read_scenario(request.scenario);
+  auto read = read_scenario(request.scenario);
   if (!read) return tl::unexpected(read.error());
+  std::optional<sim_hal::RigErrors> errors;
+  if (request.errors) {
+    if (file->arm != "simulated" || file->hand != "simulated" || file->camera != "simulated")
+      return hal::failure(hal::ErrorCode::BadInput, "--rig",
+                          "is for a rig of which arm, hand and camera are simulated");
+    const auto figures = sim_hal::load_rig_figures(*request.errors);
+    if (!figures) return tl::unexpected(figures.error());
+    errors = sim_hal::draw_rig_errors(*figures, request.seed);
+    *read = sim_hal::with_errors(std::move(*read), *errors);
+    rig.name += ", " + request.errors->stem().string();
+  }
 
   if (!real_time || emulated || served_elsewhere)
     rig.X_WC = rig.true_X_WC = sim_hal::camera_pose(read->camera);
@@ -92,6 +105,7 @@ hal::Result<Rig> open_rig(const RigRequest& request, const control::Config& conf
     rig.X_WC = calibration->X_BC();
   }
   if (request.X_WC) rig.X_WC = *request.X_WC;
+  if (errors) rig.X_WC = rig.X_WC * errors->camera.X_CK;
 
   rig.simulated = !real_time || emulated || served_elsewhere;
   World world;
@@ -119,13 +133,17 @@ hal::Result<Rig> open_rig(const RigRequest& request, const control::Config& conf
   }
   auto arm = file->arm == "simulated" ? sim_hal::make_sim_arm(*world) : wired->arm(*file, far_ends, rig);
   if (!arm) return tl::unexpected(arm.error());
+  if (errors) arm = sim_hal::make_imperfect_arm(std::move(*arm), *rig.model, errors->arm);
   rig.robot.arm = std::make_unique<hal::GuardedArm>(std::move(*arm), *rig.model, config.guard_arm);
   auto hand = file->hand == "simulated" ? sim_hal::make_sim_hand(*world) : wired->hand(*file);
   if (!hand) return tl::unexpected(hand.error());
+  if (errors) hand = sim_hal::make_imperfect_hand(std::move(*hand), errors->hand);
   rig.robot.hand = std::make_unique<hal::GuardedHand>(std::move(*hand), config.guard_hand,
                                                       real_time ? rig.robot.clock.get() : nullptr);
   if (file->camera == "simulated") {
     rig.robot.camera = sim_hal::make_sim_camera(*world);
+    if (errors)
+      rig.robot.camera = sim_hal::make_imperfect_camera(std::move(rig.robot.camera), errors->camera);
     rig.infrared = sim_hal::make_sim_infrared(*world, {});
   } else {
     wired->camera(*file, *read, far_ends.get(), pose_known, config, rig);

@@ -72,6 +72,7 @@ struct RigRequest {
   std::uint64_t seed = 1;
   std::optional<hal::Pose> X_WC;  ///< Of the camera, when somebody knows it better than robot and scenario.
   bool calibrates = false;        ///< The robot's calibration is to be made: it is not read.
+  std::optional<std::filesystem::path> errors = {};  ///< Of a simulated rig's sensors; unset: ideal.
 };
 
 class WiredDevices;

@@ -106,7 +106,8 @@ int cmd_run(const CommonOptions& common, const RunOptions& options, const RunPar
   show_warnings("run", common, *setup);
   std::optional<hal::Pose> X_WC;
   if (setup->calibration) X_WC = setup->calibration->X_BC();
-  auto rig = open_rig({options.robot, options.scenario, options.seed, X_WC}, setup->config, parts.wired);
+  auto rig = open_rig({options.robot, options.scenario, options.seed, X_WC, false, options.rig},
+                      setup->config, parts.wired);
   if (!rig) return report_error("run", rig.error());
   if (options.recover && !rig->simulated)
     return report_error("run", {hal::ErrorCode::BadInput, "--recover",

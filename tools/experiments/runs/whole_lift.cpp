@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "control/task/task_runner.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_hand.hpp"
 #include "hal/types/units.hpp"
+#include "sim_hal/imperfect/imperfect_devices.hpp"
 #include "sim_hal/judge/judge.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "tools/experiments/trials/sighting.hpp"
@@ -29,12 +31,20 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
   if (with.configure) with.configure(config);
   if (with.started) with.started(**world);
   hal::Robot robot;
-  robot.arm = std::make_unique<hal::GuardedArm>(sim_hal::make_sim_arm(**world), model, config.guard_arm);
-  robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(**world), config.guard_hand);
+  auto arm = sim_hal::make_sim_arm(**world);
+  auto hand = sim_hal::make_sim_hand(**world);
   robot.camera = sim_hal::make_sim_camera(**world);
+  hal::Pose X_WC = sim_hal::camera_pose(scenario.camera);
+  if (with.errors) {
+    arm = sim_hal::make_imperfect_arm(std::move(arm), model, with.errors->arm);
+    hand = sim_hal::make_imperfect_hand(std::move(hand), with.errors->hand);
+    robot.camera = sim_hal::make_imperfect_camera(std::move(robot.camera), with.errors->camera);
+    X_WC = X_WC * with.errors->camera.X_CK;
+  }
+  robot.arm = std::make_unique<hal::GuardedArm>(std::move(arm), model, config.guard_arm);
+  robot.hand = std::make_unique<hal::GuardedHand>(std::move(hand), config.guard_hand);
   robot.clock = sim_hal::make_sim_clock(**world);
-  const control::RigView rig{model, shared_hand(method).hand, shared_hand(method).tables,
-                             sim_hal::camera_pose(scenario.camera)};
+  const control::RigView rig{model, shared_hand(method).hand, shared_hand(method).tables, X_WC};
   const hal::SteadyClock wall;
   control::JobOptions options;
   options.method = method;

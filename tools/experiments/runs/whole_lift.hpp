@@ -3,10 +3,12 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "control/config/config.hpp"
 #include "control/task/run_record.hpp"
 #include "hal/types/result.hpp"
+#include "sim_hal/imperfect/rig_errors.hpp"
 #include "sim_hal/judge/verdict.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
 #include "sim_hal/scenario/scenario.hpp"
@@ -37,6 +39,7 @@ struct LiftHooks {
   std::function<void(const sim_hal::SimWorld&)> each_frame;  ///< About 30 times a second.
   std::function<void(const sim_hal::TickReport&)> each_tick;
   CutShort cut = {};
+  std::optional<sim_hal::RigErrors> errors = {};  ///< Of the sensors; unset: ideal.
 };
 
 /// Errors: BadConfig (the scenario), and those of devices at the start.
