@@ -8,6 +8,7 @@
 #include "perception/ground/block_planes.hpp"
 #include "perception/shape/shape_completion.hpp"
 #include "perception/surfaces/find_surfaces.hpp"
+#include "perception/target/target.hpp"
 
 namespace colift::control {
 namespace {

@@ -12,6 +12,7 @@
 #include "hal/types/time.hpp"
 #include "perception/organised_cloud.hpp"
 #include "perception/scene.hpp"
+#include "perception/target/objections.hpp"
 #include "planner/grasp/grasp_candidates.hpp"
 
 namespace colift::control {

@@ -49,15 +49,16 @@ std::optional<RejectedObject> object_to(const Fragment& f, const TargetConfig& c
   if (footprint_span(f) > c.max_span_m)
     return reject(Kind::Large, fmt::format("it reaches over {:.1f} m, the limit is {:.1f} m",
                                            footprint_span(f), c.max_span_m));
-  if (top_cut(f) > c.max_person_top_cut && f.max_height_m > c.min_person_slenderness * footprint_span(f)) {
+  const SideCut cut = lateral_cut(f);
+  const double top = top_cut(f);
+  if (cut.fraction <= c.max_cut && top > c.max_person_top_cut &&
+      f.max_height_m > c.min_person_slenderness * footprint_span(f)) {
     auto no = reject(Kind::Person, fmt::format("it leaves the view at the top, {:.2f} m above the ground and "
                                                "taller than wide: a person or furniture that is not carried",
                                                f.max_height_m));
     no.whole = true;  // a leg of it is no object
     return no;
   }
-  const SideCut cut = lateral_cut(f);
-  const double top = top_cut(f);
   if (cut.fraction + c.top_cut_weight * top > c.max_cut)
     return reject(
         Kind::Cut,
