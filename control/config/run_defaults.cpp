@@ -16,6 +16,7 @@ const hal::Vec3 kSpaceMin_m(-0.3, -1.3, -1.5), kSpaceMax_m(2.3, 1.3, 1.9);
 
 Config run_defaults() {
   Config config;
+  config.support = "floor";  // the arm stands on it; a table as support has to be asked for
   config.candidates.collision.unseen_fraction = 1.0;
   config.candidates.collision.max_unseen_m = 0.25;
   config.candidates.side_clearance_m = 0.03;

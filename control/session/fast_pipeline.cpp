@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "control/session/pipeline.hpp"
@@ -33,6 +34,22 @@ class FastSight final : public PartnerSight {
   PartnerFinder finder_;
   hal::Pose X_WC_;
 };
+
+// What stands on a table: low, wholly in view, and seen to stand on it, because what is beyond the table's
+// rim, a person on a chair too, rises above its plane.
+TargetConfig on_table(TargetConfig config) {
+  config.max_height_m = 0.6;
+  config.min_on_ground = 0.2;
+  config.min_confidence = 0.6;
+  config.max_floating_m = 0.05;
+  config.max_cut = 0.1;
+  config.top_cut_weight = 1.0;
+  return config;
+}
+
+bool may_be_person(const RejectedObject& o) {
+  return o.kind == RejectedObject::Kind::Person;
+}
 
 // The first table top with an object on it becomes the ground. What was refused on the floor stays refused.
 void look_on_tables(SceneAnalysis& out, const std::vector<BlockPlane>& blocks, const GroundResult& ground,
@@ -75,8 +92,9 @@ class FastPipeline final : public Pipeline {
       found = find_target(out.cloud, blocks, *ground.ground, c.noise, c.target, input.at_W);
     else
       found.reason = "no target: there is no table with an object on it";
-    // A person is near: what stands on his chair or lies on his lap is no object on a table.
-    if (!found.target && c.support != "floor" && found.persons == 0)
+    // beside a person: what stands on his chair or lies on his lap is no object on a table
+    const bool nobody = std::none_of(found.rejected.begin(), found.rejected.end(), may_be_person);
+    if (!found.target && c.support != "floor" && (nobody || c.support == "table"))
       look_on_tables(out, blocks, ground, c, input, found);
     out.ms.target = watch.lap();
     out.scene.reason = found.reason;
@@ -84,9 +102,9 @@ class FastPipeline final : public Pipeline {
     if (!found.target) return;
 
     Target& target = *found.target;
-    out.scene.surfaces = find_surfaces(out.cloud, target, *ground.ground, c.noise, c.surfaces);
+    out.scene.surfaces = find_surfaces(out.cloud, target, *out.scene.ground, c.noise, c.surfaces);
     const CompletedShape shape =
-        complete_shape(out.cloud, target, out.scene.surfaces, *ground.ground, c.noise, c.completion);
+        complete_shape(out.cloud, target, out.scene.surfaces, *out.scene.ground, c.noise, c.completion);
     target.cog = shape.cog;
     target.cog_covariance = shape.covariance;
     target.shape = shape.box;

@@ -125,14 +125,4 @@ struct TargetConfig {
   }
 };
 
-/// What stands on a table: low, and seen to stand on it, because what is beyond the table's rim rises above
-/// its plane too.
-[[nodiscard]] inline TargetConfig on_table(TargetConfig config) {
-  config.max_height_m = 0.6;
-  config.min_on_ground = 0.2;
-  config.min_confidence = 0.6;
-  config.max_floating_m = 0.05;
-  return config;
-}
-
 }  // namespace colift::perception

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "recording.hpp"
+#include "sim_hal/synthetic/scenes.hpp"
 
 namespace colift::stories {
 namespace {
@@ -107,6 +108,35 @@ TEST_CASE("a point on a person or on a wall's furniture does not make it a targe
   CHECK_FALSE(at_person.scene.target);
   INFO(at_person.scene.reason);
   CHECK(at_person.scene.reason.find("given point is refused") != std::string::npos);
+}
+
+TEST_CASE(
+    "a table top that the view cuts can be the support of a box on it, when asked or when nothing else is "
+    "there",
+    "[real]") {
+  using namespace sim_hal;
+  World world;
+  world.shapes.push_back(half_space(Vec3::Zero(), Vec3::UnitZ(), Label::Ground));
+  world.shapes.push_back(
+      box({1.6, 0, 0.70}, {0.7, 5.0, 0.04}, 0, Label::Clutter));  // leaves the view on both sides
+  world.shapes.push_back(box({1.6, 0.1, 0.82}, {0.25, 0.35, 0.20}, 0.4, Label::Target));
+  const Rendering truth = cast_rays(world, {}, look_at(Vec3(0, 0, 1.5), Vec3(1.6, 0, 0.6)));
+  for (const char* support : {"auto", "table", "floor"}) {
+    control::SceneAnalysisInput input;
+    input.frame = measure(truth, {}, 11);
+    control::Config config;
+    control::set_method_defaults(control::Method::Fast, config);
+    config.support = support;
+    const auto seen =
+        control::analyse_scene(std::move(input), control::Method::Fast, config, {}, hal::ManualClock());
+    REQUIRE(seen);
+    INFO(support << ": " << seen->scene.reason);
+    CHECK(seen->scene.target.has_value() == (support != std::string("floor")));
+    if (!seen->scene.target) continue;
+    CHECK(seen->scene.reason.find("on a table 0.7") == 0);
+    CHECK(seen->scene.target->obb.size.z() == Approx(0.2).margin(0.03));
+    CHECK(seen->scene.ground->plane.height(seen->scene.target->obb.center) == Approx(0.1).margin(0.03));
+  }
 }
 
 }  // namespace colift::stories
