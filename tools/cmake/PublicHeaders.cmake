@@ -58,15 +58,22 @@ set(COLIFT_PUBLIC_HEADERS
   perception/calibration/spot_finder.hpp
   perception/footprint.hpp
   perception/ground/block_planes.hpp
+  perception/ground/ground.hpp
+  perception/ground/image_border.hpp
+  perception/ground/level_planes.hpp
+  perception/ground/plane_vote.hpp
+  perception/ground/walls.hpp
   perception/target/components.hpp
   perception/target/enclosed_pixels.hpp
   perception/target/fragments.hpp
-  perception/ground/ground.hpp
-  perception/ground/image_border.hpp
-  perception/ground/plane_vote.hpp
+  perception/target/objections.hpp
+  perception/target/outline.hpp
+  perception/target/person_shape.hpp
+  perception/target/second_look.hpp
+  perception/target/silhouette.hpp
   perception/target/slivers.hpp
   perception/target/target.hpp
-  perception/ground/walls.hpp
+  perception/target/target_config.hpp
   perception/motion/moved_object.hpp
   perception/motion/object_motion_samples.hpp
   perception/noise_model.hpp
