@@ -16,8 +16,9 @@ class Silhouette {
  public:
   static constexpr double kBin_m = 0.03;  ///< A quarter of a head's width, half of a table leg's.
 
+  /// A point of the object (m).
   struct Point {
-    float across, height, along;
+    float across, height, along;  ///< Across the view, over the ground, away from the camera.
   };
   /// A part of the view: across and height from .. to.
   struct Window {
