@@ -57,7 +57,7 @@ struct Target {
   OrientedBox obb;                      ///< Of the visible points; third axis is the ground's normal.
   Vec3 cog = Vec3::Zero();              ///< Estimated centre of gravity.
   Eigen::Matrix3d cog_covariance = Eigen::Matrix3d::Zero();
-  OrientedBox shape;   ///< The box that the completed shape fills; equals obb where nothing was completed.
+  OrientedBox shape;  ///< The box that the completed shape fills; equals obb where nothing was completed.
   double confidence = 1.0;          ///< 0 to 1: that this is one whole object that stands free.
   std::vector<std::string> doubts;  ///< What speaks against it, in a person's words, with numbers.
   std::string reason;               ///< Why this object was chosen, in a person's words, with numbers.

@@ -26,7 +26,7 @@ struct FlangeLoad {
 struct LoadError {
   FlangeLoad more;  ///< Of the real load.
   FlangeLoad sigma;
-  double residual_nm = 0.0;  ///< What no load explains: greatest mean of a joint ...
+  double residual_nm = 0.0;  ///< What no load explains: max over the joints of the mean ...
   int residual_joint = 0;    ///< ... and the joint, from 0.
 
   /// More than three standard deviations, and more than 0.1 kg or 0.02 kg m.

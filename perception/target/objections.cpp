@@ -90,9 +90,10 @@ std::optional<RejectedObject> object_to_bulk(const Fragment& object, const Silho
   if (closed < c.min_massive_fill) return std::nullopt;
   return RejectedObject{
       RejectedObject::Kind::Large, object.box.center(), object.pixels,
-      fmt::format("it is closed down to the ground and takes {:.2f} m^3, furniture that is not "
-                  "carried (limit {:.2f} m^3)",
-                  volume, c.max_massive_m3)};
+      fmt::format(
+          "it is closed down to the ground, {:.2f} m wide and takes {:.2f} m^3, furniture that is not "
+          "carried (limits {:.1f} m, {:.2f} m^3)",
+          width, volume, kWideAndClosed_m, c.max_massive_m3)};
 }
 
 std::optional<RejectedObject> object_to_outline(const Fragment& object, const Outline& outline,

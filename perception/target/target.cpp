@@ -246,13 +246,18 @@ class Search {
   int persons_ = 0;
 };
 
+struct Confidence {
+  double value = 1.0;
+  std::vector<std::string> doubts;
+};
+
 // how sure it is that this is one whole object that stands free, and what speaks against it
-void judge(const Candidate& chosen, const Candidate* second, Target& t) {
+Confidence confidence_in(const Candidate& chosen, const Candidate* second) {
+  Confidence out;
   const auto doubt = [&](double weight, std::string why) {
-    t.confidence *= 1.0 - std::clamp(weight, 0.0, 1.0);
-    t.doubts.push_back(std::move(why));
+    out.value *= 1.0 - std::clamp(weight, 0.0, 1.0);
+    out.doubts.push_back(std::move(why));
   };
-  t.confidence = 1.0;
   const double top = top_cut(chosen.object);
   if (top > kReportedTopCut)
     doubt(0.3 * top,
@@ -271,6 +276,7 @@ void judge(const Candidate& chosen, const Candidate* second, Target& t) {
   if (second && second->rank > kCloseRank * chosen.rank)
     doubt(0.2, fmt::format("another object shows nearly as much: {:.0f} of {:.0f} cm2",
                            1e4 * second->object.area_m2, 1e4 * chosen.object.area_m2));
+  return out;
 }
 
 }  // namespace
@@ -304,11 +310,8 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
     search.add(f);
   search.add_parts();
   search.drop_limbs();
-  result.persons = search.persons();
   result.rejected.insert(result.rejected.end(), std::make_move_iterator(search.rejected.begin()),
                          std::make_move_iterator(search.rejected.end()));
-  std::stable_sort(result.rejected.begin(), result.rejected.end(),
-                   [](const auto& a, const auto& b) { return a.pixels > b.pixels; });
 
   const Candidate* chosen = nullptr;
   const Candidate* second = nullptr;
@@ -324,17 +327,15 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
       second = &k;
     }
   }
+  Confidence confidence;
+  if (chosen) confidence = confidence_in(*chosen, second);
   std::string why_not;
-  if (chosen && !at_W) {
-    Target sure;
-    judge(*chosen, second, sure);
-    if (sure.confidence < c.min_confidence) {
-      why_not = fmt::format(
-          "the best object is not sure enough, {:.2f} of {:.2f}, so it has to be pointed at (--at): {}",
-          sure.confidence, c.min_confidence, fmt::join(sure.doubts, "; "));
-      result.rejected.push_back(
-          {RejectedObject::Kind::Unsure, chosen->object.box.center(), chosen->object.pixels, why_not});
-    }
+  if (chosen && !at_W && confidence.value < c.min_confidence) {
+    why_not = fmt::format(
+        "the best object is not sure enough, {:.2f} of {:.2f}, so it has to be pointed at (--at): {}",
+        confidence.value, c.min_confidence, fmt::join(confidence.doubts, "; "));
+    result.rejected.push_back(
+        {RejectedObject::Kind::Unsure, chosen->object.box.center(), chosen->object.pixels, why_not});
   }
   for (const Candidate& k : search.candidates) {
     if (&k == chosen || at_W) continue;
@@ -365,7 +366,8 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
     return result;
   }
   result.target = make_target(chosen->object, cloud, *chosen->components, ground, on_wall, jump, c);
-  judge(*chosen, second, *result.target);
+  result.target->confidence = confidence.value;
+  result.target->doubts = std::move(confidence.doubts);
   if (at_W) {
     result.reason = fmt::format("the object {:.0f} mm from the given point", 1000 * away);
   } else {

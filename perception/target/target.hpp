@@ -18,7 +18,6 @@ struct TargetResult {
   std::optional<Target> target;  ///< Without surfaces and completion: shape equals obb, cog its centre.
   std::vector<RejectedObject> rejected;  ///< Largest first.
   std::string reason;
-  int persons = 0;  ///< Known by head and shoulders.
 };
 
 /// The object to be carried: the largest free-standing one on the ground, or the one nearest to `at_W`.

@@ -142,23 +142,20 @@ hal::CameraIntrinsics intrinsics_of(DepthSensor sensor) {
 }
 
 hal::DepthFrame measure_with(DepthSensor sensor, const Rendering& truth, std::uint64_t seed) {
-  KinectNoise light;
-  light.holes = sensor == DepthSensor::Kinect;
-  if (sensor == DepthSensor::Kinect || sensor == DepthSensor::Xtion) {
-    hal::DepthFrame frame = measure(truth, light, seed);
-    for (std::size_t i = 0; i < frame.depth_m.size(); ++i)  // a window, a mirror
-      if (truth.shape[i] >= 0 && truth.reflectivity[static_cast<std::size_t>(truth.shape[i])] <= 0.0f)
-        frame.depth_m[i] = kNothing;
-    return frame;
-  }
   hal::DepthFrame frame;
-  frame.intrinsics = truth.intrinsics;
-  frame.depth_m.assign(truth.depth_m.size(), kNothing);
-  if (sensor == DepthSensor::ActiveStereo)
-    active_stereo(truth, seed, frame);
-  else
-    time_of_flight(truth, seed, frame);
-  for (std::size_t i = 0; i < frame.depth_m.size(); ++i)
+  if (sensor == DepthSensor::Kinect || sensor == DepthSensor::Xtion) {
+    KinectNoise light;
+    light.holes = sensor == DepthSensor::Kinect;
+    frame = measure(truth, light, seed);
+  } else {
+    frame.intrinsics = truth.intrinsics;
+    frame.depth_m.assign(truth.depth_m.size(), kNothing);
+    if (sensor == DepthSensor::ActiveStereo)
+      active_stereo(truth, seed, frame);
+    else
+      time_of_flight(truth, seed, frame);
+  }
+  for (std::size_t i = 0; i < frame.depth_m.size(); ++i)  // a window, a mirror
     if (truth.shape[i] >= 0 && truth.reflectivity[static_cast<std::size_t>(truth.shape[i])] <= 0.0f)
       frame.depth_m[i] = kNothing;
   return frame;

@@ -61,7 +61,6 @@ class RoomMaker {
               {back_ + 3, kWallThick_m, kRoomHeight_m}, 0, Label::Wall),
           draws_.between(0.4, 0.9));
       say("side wall");
-      (side < 0 ? right_ : left_) = away;
     }
     if (draws_.chance(0.4)) {  // a door with its frame, a little before the wall
       const double y = draws_.between(-1.3, 1.3), w = draws_.between(0.8, 1.0),
@@ -143,7 +142,6 @@ class RoomMaker {
       const double behind = at.x() + radius + gap;
       add(box({behind + 0.05, 0, 0.5 * kRoomHeight_m}, {0.1, 9, kRoomHeight_m}, 0, Label::Wall), 0.7);
       back_ = behind;
-      room_.object_gap_m = gap;
       // what stood behind it is hidden now, what reached through it is gone
       std::erase_if(room_.world.shapes, [&](const Shape& s) {
         return s.label == Label::Clutter && s.X_WS.translation().x() > at.x() - radius - 1.0;
@@ -240,7 +238,7 @@ class RoomMaker {
   Draws draws_;
   RandomRoom room_;
   std::string words_;
-  double back_ = 3.0, left_ = 9.0, right_ = 9.0, radius_ = 0.0;
+  double back_ = 3.0, radius_ = 0.0;
   Vec3 at_ = Vec3::Zero();
   std::optional<Vec3> seat_;
 };

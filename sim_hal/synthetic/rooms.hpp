@@ -18,7 +18,6 @@ struct RandomRoom {
   hal::CameraIntrinsics intrinsics;
   Pose X_WC = Pose::Identity();
   bool has_object = false, has_person = false;
-  double object_gap_m = 0.0;  ///< To the wall, cupboard or person next to it.
 };
 
 /// A room drawn from a seed, as laboratories, offices and kitchens are and as no scene of make_scene() is:

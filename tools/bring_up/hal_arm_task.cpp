@@ -23,8 +23,8 @@ constexpr int kStatesToStart = 20;   // after the arm was opened, for a first go
 constexpr double kHeldUp_s = 1.0;    // commands may be held up that long: packets lost, quality
 constexpr double kSettle_s = 0.5;    // after a motion, for the arm to arrive
 constexpr double kMostRest_s = 3.0;  // for coming to rest
-// a pose of the load is felt after the arm has come to rest, over several periods of what it swings with
-constexpr double kLoadSettle_s = 1.0, kLoadFeel_s = 0.4;
+// the load is measured in a pose after the arm has come to rest, over several periods of what it swings with
+constexpr double kLoadSettle_s = 1.0, kLoadMean_s = 0.4;
 
 control::TaskConfig task_config() {
   control::TaskConfig c;
@@ -275,24 +275,24 @@ class Runner {
     if (setpoints_.done() && !arrived_s_) arrived_s_ = t;
     const double at_rest_s = arrived_s_ ? t - *arrived_s_ : 0.0;
     if (task_.kind == ArmTask::Kind::Load && end_.load_samples.size() < poses_.size())
-      return feel(at_rest_s, t);
+      return measure_load(at_rest_s, t);
     over_ = arrived_s_ && at_rest_s >= kSettle_s;
   }
 
   /// One pose of the load: the mean of what is measured at rest, then on to the next one or back.
-  void feel(double at_rest_s, double t) {
+  void measure_load(double at_rest_s, double t) {
     if (at_rest_s < kLoadSettle_s) {
-      felt_ = {};
-      felt_cycles_ = 0;
+      load_mean_ = {};
+      mean_cycles_ = 0;
       return;
     }
-    felt_.q_rad += state_.q_rad;
-    felt_.tau_external_nm += state_.tau_external_nm;
-    ++felt_cycles_;
-    if (at_rest_s < kLoadSettle_s + kLoadFeel_s) return;
-    felt_.q_rad /= felt_cycles_;
-    felt_.tau_external_nm /= felt_cycles_;
-    end_.load_samples.push_back(felt_);
+    load_mean_.q_rad += state_.q_rad;
+    load_mean_.tau_external_nm += state_.tau_external_nm;
+    ++mean_cycles_;
+    if (at_rest_s < kLoadSettle_s + kLoadMean_s) return;
+    load_mean_.q_rad /= mean_cycles_;
+    load_mean_.tau_external_nm /= mean_cycles_;
+    end_.load_samples.push_back(load_mean_);
     arrived_s_.reset();
     const std::size_t next = end_.load_samples.size();
     go_to(next < poses_.size() ? poses_[next] : home_, t);
@@ -334,8 +334,8 @@ class Runner {
 
   std::vector<hal::JointVector> poses_;
   hal::JointVector home_ = hal::JointVector::Zero();
-  hal::LoadSample felt_;
-  int felt_cycles_ = 0;
+  hal::LoadSample load_mean_;
+  int mean_cycles_ = 0;
 };
 
 }  // namespace
@@ -395,7 +395,7 @@ std::string task_summary(const ArmTask& task, const ArmTaskEnd& e) {
           hal::rad_to_deg(task.by_rad), e.commanded_s,
           hal::rad_to_deg(std::abs(e.end_rad[task.joint] - e.goal_rad[task.joint])));
     } else if (task.kind == ArmTask::Kind::Load) {
-      t += fmt::format("felt the load in {} of {} poses in {:.1f} s\n", e.load_samples.size(),
+      t += fmt::format("measured the load in {} of {} poses in {:.1f} s\n", e.load_samples.size(),
                        hal::kLoadPoses, e.commanded_s);
     } else {
       Eigen::Index moved = 0;

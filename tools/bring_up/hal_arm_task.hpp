@@ -25,7 +25,8 @@ struct ArmTask {
     Watch,  ///< Nothing moves and nothing is asked for.
     Hold,   ///< Command mode, the measured pose.
     Move,   ///< Command mode, one joint by an angle.
-    Load,   ///< Command mode, ten poses about the present one, in each of which the load is felt; then back.
+    Load,   ///< Command mode, ten poses about the present one, in each of which the load is measured; then
+            ///< back.
   };
   Kind kind = Kind::Watch;
   double for_s = std::numeric_limits<double>::infinity();  ///< Of watching or holding.

@@ -16,7 +16,7 @@ constexpr double kStart_rad = 1e-3;  // a first command this near to the measure
 // Of what torque and stiffness explain: their errors, and no more than a loaded arm can hang.
 constexpr double kExplains = 1.3, kExplains_rad = 5e-4, kMaxHeld_rad = 0.1, kSoftest_nm_rad = 10.0;
 // A load that shows in both, and how much alike both patterns are (cosine): friction turns them a little.
-constexpr double kTold_rad = 3e-3, kTold_nm = 3.0, kAlike = 0.8;
+constexpr double kMinOff_rad = 3e-3, kMinTorque_nm = 3.0, kMinCosine = 0.8;
 
 }  // namespace
 
@@ -34,7 +34,7 @@ JointVector JointSetPoint::joints(const FriJoints& q) {
 
 bool JointSetPoint::pulls_backwards(const JointVector& off_rad, const JointVector& tau_nm) {
   const double off = off_rad.norm(), tau = tau_nm.norm();
-  return off > kTold_rad && tau > kTold_nm && off_rad.dot(tau_nm) < -kAlike * off * tau;
+  return off > kMinOff_rad && tau > kMinTorque_nm && off_rad.dot(tau_nm) < -kMinCosine * off * tau;
 }
 
 void JointSetPoint::send(const JointVector& q_rad) {

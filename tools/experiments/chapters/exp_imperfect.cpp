@@ -113,7 +113,7 @@ Experiment imperfect_experiment() {
   Experiment e;
   e.name = "imperfect";
   e.title = "A rig with the faults of real sensors";
-  e.thesis = "beyond";
+  e.thesis = "beyond it";
   e.question =
       "The same whole jobs on tables, boxes, pipes and chairs of random size and pose, once with ideal "
       "sensors and once with those of config/rig/imperfect.yaml, drawn anew for each trial: what is lifted, "

@@ -76,7 +76,8 @@ TEST_CASE("errors of a rig are those of its seed, and as large as the file says"
 TEST_CASE("an arm with no errors passes its values on, bit for bit, and one with a bias is off by it") {
   const auto at_rest = [](const ArmErrors& errors) {
     hal::ManualClock clock;
-    const auto arm = make_imperfect_arm(std::make_unique<MockArm>(ArmScript{}, clock), hal::built_in_robot(), errors);
+    const auto arm =
+        make_imperfect_arm(std::make_unique<MockArm>(ArmScript{}, clock), hal::built_in_robot(), errors);
     REQUIRE(arm->configure());
     REQUIRE(arm->activate());
     return arm->wait_cycle().value();
