@@ -1,7 +1,8 @@
 #include "control/lift/load_estimator.hpp"
 
-#include <Eigen/Cholesky>
 #include <cmath>
+
+#include "hal/types/symmetric.hpp"
 
 namespace colift::control {
 
@@ -21,12 +22,12 @@ hal::Wrench palm_wrench(const hal::RobotModel& model, const hal::JointVector& q_
                         const hal::JointVector& tau_external_nm) {
   const hal::ArmJacobian J = hal::jacobian(model, q_rad, hal::Vec3::Zero());
   Matrix6 JJ = J * J.transpose();
-  const double manipulability = std::sqrt(std::max(0.0, JJ.determinant()));
+  const double manipulability = std::sqrt(std::max(0.0, hal::determinant(JJ)));
   if (manipulability < kMinManipulability) {
     const double near = 1.0 - manipulability / kMinManipulability;
     JJ.diagonal().array() += kMostDamping * kMostDamping * near * near;
   }
-  const Vector6 F = JJ.ldlt().solve(J * tau_external_nm);
+  const Vector6 F = hal::solve_symmetric<double, 6>(JJ, J * tau_external_nm);
   return {F.head<3>(), F.tail<3>()};
 }
 

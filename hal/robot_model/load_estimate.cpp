@@ -6,11 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/types/units.hpp"
+
 namespace colift::hal {
 namespace {
 
-constexpr double kGravity_m_s2 = 9.81;  // as in ArmDynamics
-constexpr double kArm_m = 0.1;          // length that makes a moment comparable with a mass
+constexpr double kArm_m = 0.1;  // length that makes a moment comparable with a mass
 constexpr double kTurn_deg = 15.0;
 constexpr int kFirstWrist = 3;
 constexpr double kMostSigma_kg = 0.3;

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
+#include "hal/types/symmetric.hpp"
 #include "hal/types/units.hpp"
 #include "perception/ground/plane_vote.hpp"
 
@@ -157,7 +157,7 @@ Ground refine(const Plane& start, const OrganisedCloud& cloud, const NoiseModel&
     if (inliers < kMinInliers) break;
     Eigen::Matrix3d A;
     A << sums[0], sums[1], sums[2], sums[1], sums[3], sums[4], sums[2], sums[4], sums[5];
-    const Vec3 solved = A.ldlt().solve(Vec3(sums[6], sums[7], sums[8]));
+    const Vec3 solved = hal::solve_symmetric(A, Vec3(sums[6], sums[7], sums[8]));
     if (!solved.allFinite()) break;
     height = solved.cast<float>();
   }

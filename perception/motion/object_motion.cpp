@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "hal/types/symmetric.hpp"
 #include "hal/types/units.hpp"
 namespace colift::perception {
 namespace {
@@ -158,12 +157,12 @@ struct ObjectFollower::Impl {
   // normals seem to hold must not wander with them, and is tied to where it was.
   [[nodiscard]] Information hold(const Sums& sums, double per_variance) const {
     const double part = static_cast<double>(sums.found) / static_cast<double>(samples.size());
-    const Eigen::SelfAdjointEigenSolver<Information> eigen(sums.information - part * uncertain_normals);
-    const Information& basis = eigen.eigenvectors();
+    const hal::SymmetricEigen6 eigen = hal::symmetric_eigen(sums.information - part * uncertain_normals);
+    const Information& basis = eigen.vectors;
     Twist pull;
     for (int i = 0; i < 6; ++i) {
       const double seeming = basis.col(i).dot(sums.information * basis.col(i));
-      const double sure = std::max({eigen.eigenvalues()[i], 0.01 * seeming, 1e-9});
+      const double sure = std::max({eigen.values[i], 0.01 * seeming, 1e-9});
       const double doubt = std::max(0.0, seeming / sure - 1.0);
       pull[i] = per_variance + seeming * doubt * doubt;
     }
@@ -181,7 +180,8 @@ struct ObjectFollower::Impl {
       Twist moved;
       moved << motion.shift - last.shift, kTurn_m * rotation_vector(motion.turn * last.turn.transpose());
       const Information prior = hold(sums, per_variance);
-      const Twist step = Information(sums.information + prior).ldlt().solve(sums.right - prior * moved);
+      const Twist step =
+          hal::solve_symmetric<double, 6>(sums.information + prior, sums.right - prior * moved);
       motion.shift += step.head<3>();
       const Vec3 turn = step.tail<3>() / kTurn_m;
       if (turn.norm() > 1e-12)
@@ -196,17 +196,16 @@ struct ObjectFollower::Impl {
   [[nodiscard]] Information covariance(const Sums& sums) const {
     const double part = static_cast<double>(sums.found) / static_cast<double>(samples.size());
     const Information sure = sums.information - part * uncertain_normals;
-    const Eigen::SelfAdjointEigenSolver<Information> eigen(sure);
+    const hal::SymmetricEigen6 eigen = hal::symmetric_eigen(sure);
     constexpr double kMin = 1.0 / (ObjectMotion::kUnknown * ObjectMotion::kUnknown);
     const double misfit = sums.squares / static_cast<double>(std::max<std::size_t>(1, sums.found));
     const double spread = config.shared_noise_factor * std::max(1.0, misfit);
     Twist variance;
-    for (int i = 0; i < 6; ++i)
-      variance[i] = std::min(spread / std::max(eigen.eigenvalues()[i], kMin), 1.0 / kMin);
+    for (int i = 0; i < 6; ++i) variance[i] = std::min(spread / std::max(eigen.values[i], kMin), 1.0 / kMin);
     Information to_W = Information::Zero();
     to_W.topLeftCorner<3, 3>() = X_WC.linear();
     to_W.bottomRightCorner<3, 3>() = X_WC.linear() / kTurn_m;
-    const Information basis = to_W * eigen.eigenvectors();
+    const Information basis = to_W * eigen.vectors;
     return basis * variance.asDiagonal() * basis.transpose();
   }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "hal/types/symmetric.hpp"
+
 namespace colift::perception {
 namespace {
 
@@ -92,7 +94,7 @@ class ObjectPixels {
         ++fit.n;
       }
     if (fit.n < 3 * kTerms) return fit;
-    const Vector x = normal.ldlt().solve(right);
+    const Vector x = hal::solve_symmetric(normal, right);
     fit.a = x[1], fit.b = x[2], fit.c = w0 + x[0];
     fit.rms = std::sqrt(std::max(0.0, (squares - x.dot(right)) / (fit.n - kTerms)));
     return fit;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "hal/types/symmetric.hpp"
+
 namespace colift::perception {
 namespace {
 
@@ -217,7 +219,7 @@ void LocalShape::find_bar(const std::vector<Eigen::Vector3f>& surface) {
     normal += row * row.transpose();
     right += row * (row.x() * row.x() + row.y() * row.y());
   }
-  const Vector3f solved = normal.ldlt().solve(right);
+  const Vector3f solved = hal::solve_symmetric(normal, right);
   float cx = 0.5F * solved.x(), cy = 0.5F * solved.y();
   float r = std::sqrt(std::max(1e-6F, solved.z() + cx * cx + cy * cy));
   float rms = 0.0F;
@@ -236,7 +238,7 @@ void LocalShape::find_bar(const std::vector<Eigen::Vector3f>& surface) {
       right += weight * error * row;
       rms += weight * error * error;
     }
-    const Vector3f step = (normal + 1e-3F * Matrix3f::Identity()).ldlt().solve(right);
+    const Vector3f step = hal::solve_symmetric<float, 3>(normal + 1e-3F * Matrix3f::Identity(), right);
     cx += step.x();
     cy += step.y();
     r += step.z();

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "hal/types/symmetric.hpp"
 #include "hal/types/units.hpp"
 
 namespace colift::perception {
@@ -105,7 +106,7 @@ bool fit_circle(const std::vector<FlatPoint>& points, Circle& circle) {
       g += w * e * J;
     }
     H.diagonal() *= 1.0 + 1e-6;
-    const Vec3 step = H.ldlt().solve(-g);
+    const Vec3 step = hal::solve_symmetric<double, 3>(H, -g);
     if (!step.allFinite()) return false;
     circle.center += step.head<2>();
     circle.radius += step[2];
@@ -224,7 +225,7 @@ bool refine(std::span<const SightedPoint> points, Cylinder& c, const Residual& r
       g += w * e * J;
     }
     H.diagonal() *= 1.0 + 1e-6;
-    const Vector5 step = H.selfadjointView<Eigen::Lower>().ldlt().solve(-g);
+    const Vector5 step = hal::solve_symmetric<double, 5>(H, -g);
     if (!step.allFinite()) return false;
     c.center += step[0] * e1 + step[1] * e2;
     c.axis = (c.axis + step[2] * e1 + step[3] * e2).normalized();

@@ -10,7 +10,6 @@
 namespace colift::sim_hal {
 namespace {
 
-constexpr double kGravity_m_s2 = 9.81;
 constexpr double kOpens_rad = 0.03;                         // of the fingers' mean
 constexpr double kSupported_n = 3.0, kSupportedPart = 0.1;  // below that somebody else bears the object
 constexpr double kFalls_s = 0.5, kDropped_m = 0.003, kTilted_rad = 0.009;  // what was not supported moves
@@ -28,7 +27,7 @@ void LoadRules::tick(const TickReport& r, std::vector<std::string>& breaches) {
   if (r.hand.held && r.truth.robot_touches_object) {
     closed_rad_ = std::max(closed_rad_.value_or(mean), mean);
   } else if (closed_rad_ && mean < *closed_rad_ - kOpens_rad) {
-    const double limit = std::max(kSupported_n, kSupportedPart * r.truth.mass_kg * kGravity_m_s2);
+    const double limit = std::max(kSupported_n, kSupportedPart * r.truth.mass_kg * hal::kGravity_m_s2);
     if (before.borne_n > limit) opening_ = Opening{r.t_s, before};
     closed_rad_.reset();
   }

@@ -12,7 +12,7 @@ FNR == 1 { files[++count] = FILENAME; own = 0 }
   text = $0
   sub(/\/\/.*/, "", text)
   if (text ~ /^using enum/) alone[count] = 1
-  else if (text ~ /^using [A-Za-z_:]*;/ || (own && text ~ /^[A-Za-z\[]/)) note(text)
+  else if (text ~ /^using [A-Za-z0-9_:]*;/ || (own && text ~ /^[A-Za-z\[]/)) note(text)
   # every name that occurs; what is looked up in something else (a.b, a->b, a::b) is not the file's own
   while (match(text, /[A-Za-z_][A-Za-z0-9_]*/)) {
     before = RSTART > 1 ? substr(text, RSTART - 1, 1) : ""
@@ -25,7 +25,7 @@ function note(text,  name) {
   sub(/^\[\[[^\]]*\]\] */, "", text)
   # the same alias twice is no contradiction; another one of its name is
   if (text ~ /^(using namespace|static_assert|template|friend|public|private|extern)/) return
-  if (text ~ /^using [A-Za-z_:]*;/) {
+  if (text ~ /^using [A-Za-z0-9_:]*;/) {
     name = text
     sub(/;.*/, "", name)
     sub(/.*[: ]/, "", name)
@@ -33,7 +33,7 @@ function note(text,  name) {
     aliases[count] = aliases[count] " " name
     return
   }
-  if (text ~ /^(using|namespace) [A-Za-z_]* =/) {
+  if (text ~ /^(using|namespace) [A-Za-z0-9_]* =/) {
     split(text, word, " ")
     alias[count, word[2]] = text
     aliases[count] = aliases[count] " " word[2]

@@ -6,13 +6,13 @@
 #include <limits>
 
 #include "hal/os/udp_link.hpp"
+#include "hal/types/units.hpp"
 #include "sim_hal/emulator/krc/plant/krc_measurement.hpp"
 
 namespace colift::sim_hal {
 namespace {
 
 using Kind = KrcFault::Kind;
-constexpr double kGravity_m_s2 = 9.81;
 constexpr std::size_t kMostRules = 1000, kMostChanges = 10000;
 constexpr double kSilent_s = 1.0;  // a client that says nothing for so long is gone
 
@@ -219,7 +219,7 @@ void KrcEmulator::cycle() {
   plant_.command(motion_.set_point());
   Vector6 wrench = Vector6::Zero();
   if (const KrcFault* push = active(Kind::Contact)) wrench[2] -= push->value;
-  if (const KrcFault* load = active(Kind::LoadData)) wrench[2] -= kGravity_m_s2 * load->value;
+  if (const KrcFault* load = active(Kind::LoadData)) wrench[2] -= hal::kGravity_m_s2 * load->value;
   plant_.set_push(wrench);
   if (state_ != FriState::Off) send_measurement();
   fresh_ = false;

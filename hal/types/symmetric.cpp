@@ -1,0 +1,31 @@
+#include "hal/types/symmetric.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+namespace colift::hal {
+
+template <typename Scalar, int N>
+Eigen::Matrix<Scalar, N, 1> solve_symmetric(const Eigen::Matrix<Scalar, N, N>& A,
+                                            const Eigen::Matrix<Scalar, N, 1>& b) {
+  return A.ldlt().solve(b);
+}
+
+template Eigen::Vector3f solve_symmetric(const Eigen::Matrix3f&, const Eigen::Vector3f&);
+template Eigen::Vector3d solve_symmetric(const Eigen::Matrix3d&, const Eigen::Vector3d&);
+template Eigen::Matrix<double, 5, 1> solve_symmetric(const Eigen::Matrix<double, 5, 5>&,
+                                                     const Eigen::Matrix<double, 5, 1>&);
+template Eigen::Matrix<double, 6, 1> solve_symmetric(const Eigen::Matrix<double, 6, 6>&,
+                                                     const Eigen::Matrix<double, 6, 1>&);
+
+SymmetricEigen6 symmetric_eigen(const Eigen::Matrix<double, 6, 6>& A) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(A);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+double determinant(const Eigen::Matrix<double, 6, 6>& A) {
+  return A.determinant();
+}
+
+}  // namespace colift::hal

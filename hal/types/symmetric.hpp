@@ -1,0 +1,25 @@
+#pragma once
+
+#include <Eigen/Core>
+
+// Small dense algebra that several rooms need. Eigen's decompositions of fixed sizes take seconds to compile,
+// in every file that calls one: they are compiled once here (symmetric.cpp), and called.
+namespace colift::hal {
+
+/// Solves A x = b for a symmetric, positive semi-definite A of NxN, of which the lower half is read (Eigen's
+/// pivoted LDLT). Sizes: 3 (double and float), 5, 6 (double). Not finite where A or b is not.
+template <typename Scalar, int N>
+[[nodiscard]] Eigen::Matrix<Scalar, N, 1> solve_symmetric(const Eigen::Matrix<Scalar, N, N>& A,
+                                                          const Eigen::Matrix<Scalar, N, 1>& b);
+
+/// Eigenvalues in ascending order, and their unit eigenvectors as columns, of a symmetric 6x6 matrix.
+struct SymmetricEigen6 {
+  Eigen::Matrix<double, 6, 1> values;
+  Eigen::Matrix<double, 6, 6> vectors;
+};
+[[nodiscard]] SymmetricEigen6 symmetric_eigen(const Eigen::Matrix<double, 6, 6>& A);
+
+/// Determinant of any 6x6 matrix (LU with partial pivots).
+[[nodiscard]] double determinant(const Eigen::Matrix<double, 6, 6>& A);
+
+}  // namespace colift::hal
