@@ -37,7 +37,6 @@ class IntentAnnouncer {
   /// A sentence for people that no motion follows.
   void request(std::string says, hal::Timestamp since_start);
 
-  [[nodiscard]] double lead_s() const { return lead_s_; }
 
  private:
   double lead_s_;

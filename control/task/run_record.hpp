@@ -9,7 +9,7 @@
 #include "control/session/decide.hpp"
 #include "control/session/scene_analysis.hpp"
 #include "control/task/intent.hpp"
-#include "control/task/task_machine.hpp"
+#include "control/task/machine/task_machine.hpp"
 #include "control/test_lift/test_lift.hpp"
 #include "hal/device.hpp"
 #include "planner/motion/motion_planner.hpp"

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <string_view>
 
-#include "control/task/task_machine.hpp"
+#include "control/task/machine/task_machine.hpp"
 
 namespace colift::tests {
 

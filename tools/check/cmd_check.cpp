@@ -4,7 +4,7 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
-#include "control/task/task_machine.hpp"
+#include "control/task/machine/task_machine.hpp"
 #include "tools/check/check_calibration.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"

@@ -132,7 +132,7 @@ set(COLIFT_PUBLIC_HEADERS
   control/task/intent.hpp
   control/task/run_job.hpp
   control/task/run_record.hpp
-  control/task/task_machine.hpp
+  control/task/machine/task_machine.hpp
   # ... and what these include
   control/arm/drive.hpp
   control/config/check_config.hpp

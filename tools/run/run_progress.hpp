@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "control/task/task_machine.hpp"
+#include "control/task/machine/task_machine.hpp"
 #include "hal/device.hpp"
 #include "hal/types/time.hpp"
 #include "tools/run/run_view.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "control/task/task_machine.hpp"
+#include "control/task/machine/task_machine.hpp"
 #include "tools/experiments/runs/drawn_faults.hpp"
 
 namespace colift::experiments {

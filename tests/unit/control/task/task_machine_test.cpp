@@ -1,4 +1,4 @@
-#include "control/task/task_machine.hpp"
+#include "control/task/machine/task_machine.hpp"
 
 #include <fmt/format.h>
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "control/task/task_machine.hpp"
+#include "control/task/machine/task_machine.hpp"
 
 namespace colift::control {
 
