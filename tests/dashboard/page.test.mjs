@@ -16,7 +16,8 @@ before(async () => {
     args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
       "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"],
   });
-  lift = await startLift("--speed", "3", "--allow-operator", "--record", RECORDING);
+  // it is held up for ten minutes, so that the browser, however busy, stops it and it does not end before
+  lift = await startLift("--speed", "3", "--allow-operator", "--record", RECORDING, "--set", "task.hold_s=600");
   page = await browser.newPage({ viewport: { width: 1366, height: 768 } });
   page.on("pageerror", (error) => { throw error; });
   // what is said for two seconds only is not missed by a browser that is busy
@@ -123,6 +124,8 @@ test("light and dark, by key", async () => {
 });
 
 test("an operator's stop ends the run safely", async () => {
+  const words = () => page.$$eval("#strip li:not(.to-come) b", (list) => list.map((b) => b.textContent));
+  await until(async () => (await words()).includes("hold"), "hold", 120000);
   await page.click("#stop");
   await until(async () => ["stopped", "aborted", "done", "refused"].includes(await page.textContent("#state")), "the end", 60000);
   assert.equal(await lift.end(), 130);
