@@ -2,6 +2,7 @@
 
 #include "tools/analyse/cmd_rank.hpp"
 #include "tools/analyse/recorded_scene.hpp"
+#include "tools/check/cmd_schema.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"
 #include "tools/programs/command_line.hpp"
@@ -109,6 +110,12 @@ void add_sight_commands(CommandLine& line) {
     camera->read_frame = [camera] { return read_depth(*camera->frame, camera->camera); };
     return cmd_check(common, *check, *camera, [&common] { return config_of_run(common, {}); });
   });
+
+  CLI::App& schema_command = line.command("schema");
+  const auto name = std::make_shared<std::string>();
+  schema_command.add_option("NAME", *name, "The document: run, look, decide, ... (without: which there are)");
+  line.add_common(schema_command);
+  line.when(schema_command, [&common, name] { return cmd_schema(*name, common.json); });
 }
 
 }  // namespace colift::tools

@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""Documents that the program prints are what `colift schema` publishes, key by key.
+
+    tests/docs/check_schemas.py PROGRAM ROOT
+
+Carries commands out on inputs of the repository and validates each document against the program's own schema, made strict: a key that
+the schema does not name fails too, though a reader has to expect new keys. Also each schema against the meta-schema, and documents
+with a wrong value or a missing key, which have to fail. Ends with 0 when all agree, 1 with what does not, 77 (skipped) without
+Debian's python3-jsonschema.
+"""
+
+import copy
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+try:
+    import jsonschema
+except ImportError:
+    print("skipped: there is no python3-jsonschema (tools/setup --dev installs it)")
+    sys.exit(77)
+
+PROBLEM = {"cog": [0, 0, 0], "partner": [-0.4, 0, 0], "candidates": [[0.4, 0, 0], [0.2, 0, 0]], "wrenches": [[0, 0, 40, 0, 0, 0]],
+           "weights": {"epsilon": 1, "omega1": 1, "omega2": 1}}
+TIGHT = dict(PROBLEM, limits={"partner": {"force": 1, "torque": 0.1}, "robot": {"force": 1}})
+
+
+def strict(schema):
+    """The schema with no other keys than those it names."""
+    if isinstance(schema, dict):
+        schema = {k: strict(v) for k, v in schema.items()}
+        if "properties" in schema:
+            schema.setdefault("additionalProperties", False)
+    elif isinstance(schema, list):
+        schema = [strict(v) for v in schema]
+    return schema
+
+
+class Checker:
+    def __init__(self, program):
+        self.program, self.wrong, self.valid = program, [], 0
+
+    def run(self, *words):
+        return subprocess.run([self.program, *map(str, words)], capture_output=True, text=True, check=False)
+
+    def schema(self, name):
+        return json.loads(self.run("schema", name).stdout)
+
+    def validate(self, name, document, what):
+        errors = list(jsonschema.Draft202012Validator(strict(self.schema(name))).iter_errors(document))
+        self.wrong += [f"{what}: {'.'.join(map(str, e.absolute_path)) or 'document'}: {e.message[:200]}" for e in errors[:5]]
+        self.valid += not errors
+
+    def command(self, name, *words):
+        done = self.run(*words, "--json", "--quiet")
+        try:
+            document = json.loads(done.stdout)
+        except json.JSONDecodeError:
+            self.wrong.append(f"colift {' '.join(map(str, words))}: no document, exit {done.returncode}: {done.stderr[-200:]}")
+            return None
+        self.validate(name, document, "colift " + " ".join(map(str, words)))
+        return document
+
+    def has_to_fail(self, name, document, change, what):
+        broken = copy.deepcopy(document)
+        change(broken)
+        if jsonschema.Draft202012Validator(self.schema(name)).is_valid(broken):
+            self.wrong.append(f"the schema {name} accepts {what}")
+
+
+def main():
+    program, root = sys.argv[1], pathlib.Path(sys.argv[2])
+    c = Checker(program)
+    names = json.loads(c.run("schema", "--json").stdout)
+    if sorted(names) != sorted(p.stem for p in (root / "config/schema").glob("*.json")):
+        c.wrong.append(f"colift schema names {names}; config/schema has others")
+    for name in names:
+        jsonschema.Draft202012Validator.check_schema(c.schema(name))
+    if c.run("schema", "rnu").returncode != 2:
+        c.wrong.append("a schema that is not there is no error")
+
+    real, scenarios = root / "tests/data/real", root / "config/scenario"
+    for folder in sorted(real.iterdir()):
+        if (folder / "depth.png").exists():
+            c.command("look", "look", folder / "depth.png")
+    c.command("decide", "decide", real / "01_office_chair_and_bottles/depth.png", "--partner=-0.45,-0.5,1.75", "--share", "0.3")
+    c.command("decide", "decide", real / "04_five_people/depth.png", "--partner=0,0,2")
+    run = c.command("run", "run", "--seed", "3")
+    c.command("run", "run", "--seed", "3", "--dry-run")
+    for name in ("pipe", "no_partner", "unreachable_optimum", "wrong_cog", "person_in_the_path", "partner_lets_go"):
+        c.command("run", "run", "--scenario", scenarios / f"{name}.yaml", "--seed", "3", "--set", "task.partner_timeout_s=5")
+    c.command("check", "check")
+    c.command("doctor", "doctor")
+    with tempfile.TemporaryDirectory() as folder:
+        for problem in (PROBLEM, TIGHT):
+            file = pathlib.Path(folder) / "problem.json"
+            file.write_text(json.dumps(problem))
+            c.validate("rank-problem", problem, "a problem of rank")
+            c.command("rank", "rank", file)
+        c.command("experiment", "experiment", "grasps", "--trials", "1", "--out", folder)
+
+    if run:
+        c.has_to_fail("run", run, lambda r: r.update(outcome="carried"), "an outcome that does not exist")
+        c.has_to_fail("run", run, lambda r: r.pop("judge"), "a run without judge")
+        c.has_to_fail("run", run, lambda r: r["lift"].update(share_robot="half"), "a share in words")
+        c.has_to_fail("run", run, lambda r: r["decision"]["position"].pop(), "a position of two numbers")
+    c.has_to_fail("rank-problem", PROBLEM, lambda p: p["weights"].update(epsilon=0), "epsilon = 0")
+    c.has_to_fail("rank-problem", PROBLEM, lambda p: p.update(candidates=[]), "a problem without candidates")
+    print("\n".join(c.wrong) or f"{c.valid} documents agree with {len(names)} schemas")
+    return 1 if c.wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
