@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "hal/drivers/recorded/camera_file.hpp"
-#include "hal/drivers/recorded/lens.hpp"
+#include "hal/lens.hpp"
 #include "writers.hpp"
 
 using namespace colift::hal;
