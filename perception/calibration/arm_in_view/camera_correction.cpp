@@ -156,8 +156,9 @@ class CameraFit {
     const auto at = [&](int u, int v) {
       return static_cast<double>(frame.depth_m[static_cast<std::size_t>(v * k.width + u)]);
     };
-    for (int v = 1; v < k.height - 1; ++v)
-      for (int u = 1; u < k.width - 1; ++u) {
+    const int border = config_.edge_px;
+    for (int v = border; v < k.height - border; ++v)
+      for (int u = border; u < k.width - border; ++u) {
         const bool of_arm = v % config_.stride == 0 && u % config_.stride == 0;
         const bool of_floor = v % config_.floor_stride == 0 && u % config_.floor_stride == 0;
         if (!of_arm && !of_floor) continue;
@@ -169,10 +170,14 @@ class CameraFit {
         const bool near_arm = of_arm && p.z() >= config_.min_arm_height_m && around.contains(p);
         const bool near_floor = of_floor && std::abs(p.z()) < config_.reach_m;
         if (!near_arm && !near_floor) continue;
-        // at a silhouette the depth is neither the arm's nor the background's
-        const double jump =
-            std::max(std::abs(at(u - 1, v) - at(u + 1, v)), std::abs(at(u, v - 1) - at(u, v + 1)));
-        if (!(jump < config_.max_depth_step_m)) continue;
+        // at a silhouette the depth is neither the arm's nor the background's, and the arm looks too thick
+        const auto inside = [&](int edge) {
+          for (int i = 1; i <= edge; ++i)
+            for (const double other : {at(u - i, v), at(u + i, v), at(u, v - i), at(u, v + i)})
+              if (!(std::abs(other - z) < config_.max_depth_step_m)) return false;
+          return true;
+        };
+        if (!inside(near_arm ? config_.edge_px : 1)) continue;
         if (near_arm && std::abs(surface_.nearest(p).distance_m) < config_.reach_m) arm_.push_back(s);
         if (near_floor && std::abs(surface_.nearest(p).distance_m) > config_.reach_m) floor_.push_back(s);
       }
@@ -331,7 +336,7 @@ CameraCorrection estimate_correction(const hal::DepthFrame& frame, int frames, c
   out.residual_before_m = fit.residual_m(CameraVector::Zero(), config.reach_m);
   out.residual_m = fit.residual_m(fit.x(), config.cut_m);
   judge_shift(fit, workspace_B, out);
-  const bool beyond = out.position_m() > config.max_position_m ||
+  const bool beyond = out.shift_m > config.max_shift_m || out.position_m() > config.max_position_m ||
                       hal::rad_to_deg(out.rotation_rad()) > config.max_rotation_deg ||
                       std::abs(out.depth_scale - 1.0) > config.max_depth_scale;
   if (out.shift_m < config.min_shift_m || out.shift_m < config.min_sigmas * out.sigma_m) {
@@ -340,8 +345,10 @@ CameraCorrection estimate_correction(const hal::DepthFrame& frame, int frames, c
   } else if (beyond) {
     out.verdict = Verdict::Refused;
     out.reason = fmt::format(
-        "arm and floor ask for a correction of {} (at most {:.0f} mm, {:.1f} deg, {:.1f} %)", figures_of(out),
-        1e3 * config.max_position_m, config.max_rotation_deg, 1e2 * config.max_depth_scale);
+        "arm and floor ask for a correction that moves the workspace by {:.0f} mm (at most {:.0f}): {} (at "
+        "most {:.0f} mm, {:.1f} deg, {:.1f} %)",
+        1e3 * out.shift_m, 1e3 * config.max_shift_m, figures_of(out), 1e3 * config.max_position_m,
+        config.max_rotation_deg, 1e2 * config.max_depth_scale);
   } else if (out.residual_m > config.max_residual_m) {
     out.verdict = Verdict::Refused;
     out.reason =

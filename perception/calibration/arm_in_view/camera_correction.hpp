@@ -21,6 +21,7 @@ struct CorrectionConfig {
   double floor_sigma_m = 0.003;
   double floor_tilt_sigma_deg = 0.1;
   double surface_sigma_m = 0.003;
+  double max_shift_m = 0.05;
   double max_position_m = 0.03;
   double max_rotation_deg = 1.5;
   double max_depth_scale = 0.025;
@@ -32,6 +33,7 @@ struct CorrectionConfig {
   double cut_m = 0.025;
   double min_arm_height_m = 0.08;
   double max_depth_step_m = 0.05;
+  int edge_px = 3;
   int stride = 2;
   int floor_stride = 6;
   int correlated_px = 5;
@@ -60,6 +62,8 @@ struct CorrectionConfig {
       "Standard deviation of the floor's tilt against the base (deg).");
     v("surface_sigma_m", surface_sigma_m, hal::Range{1e-5, 0.05},
       "Standard deviation of a measured point about a surface, beside the depth noise (m).");
+    v("max_shift_m", max_shift_m, hal::Range{0, 0.5},
+      "Max shift of the workspace by the correction, root mean square (m).");
     v("max_position_m", max_position_m, hal::Range{0, 0.5}, "Max correction of the position (m).");
     v("max_rotation_deg", max_rotation_deg, hal::Range{0, 20}, "Max correction of the orientation (deg).");
     v("max_depth_scale", max_depth_scale, hal::Range{0, 0.2},
@@ -79,6 +83,8 @@ struct CorrectionConfig {
       "Min height of the arm's points: what is lower is the floor or the base's foot (m).");
     v("max_depth_step_m", max_depth_step_m, hal::Range{0.001, 1},
       "Max depth difference around a pixel that is used; at a silhouette it is larger (m).");
+    v("edge_px", edge_px, hal::Range{1, 20},
+      "Min distance of the arm's pixels from a silhouette, where a near surface looks too large (px).");
     v("stride", stride, hal::Range{1, 32}, "Every n-th pixel of every n-th row of the arm is used.");
     v("floor_stride", floor_stride, hal::Range{1, 64}, "The same for the floor.");
     v("correlated_px", correlated_px, hal::Range{1, 64},
