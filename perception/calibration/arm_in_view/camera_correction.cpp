@@ -211,7 +211,10 @@ class CameraFit {
       const double weight = patch * robust_weight(residual, sigma, cut, near) / (sigma * sigma);
       if (weight <= 0.0) return;
       PointRow row;
-      row.head<kCamera>() = derivative(seen.p_C, seen.p_K).transpose() * n_K;
+      // at the surface, not at the measured point: else the noise of each point is a regressor of its own
+      // residual, and the depths shrink (errors in variables)
+      const Vec3 off_K = residual * n_K;
+      row.head<kCamera>() = derivative(seen.p_C - off_K, seen.p_K - off_K).transpose() * n_K;
       row.tail<kOwn>() = own;
       group.add(row, residual, weight);
     };

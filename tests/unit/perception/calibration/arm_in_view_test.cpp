@@ -146,8 +146,8 @@ TEST_CASE("a camera with the errors of a lab is corrected from the arm in its im
       quantile(before, 0.5), quantile(after, 0.5), quantile(after, 0.9), quantile(after, 1.0), applied));
   CHECK(checked == kTrials);
   CHECK(applied >= kTrials - 1);
-  CHECK(quantile(after, 0.5) < 6.0);
-  CHECK(quantile(after, 0.9) < 9.0);
+  CHECK(quantile(after, 0.5) < 3.0);
+  CHECK(quantile(after, 0.9) < 4.0);
 }
 
 TEST_CASE("an exact camera keeps its calibration, and the estimate is within its sigma", "[arm_in_view]") {
@@ -158,7 +158,7 @@ TEST_CASE("an exact camera keeps its calibration, and the estimate is within its
     const ArmView view(seed, {});
     const CameraCorrection c = view.estimate();
     applied += c.verdict != CameraCorrection::Verdict::Kept;
-    within += c.shift_m < 3.0 * c.sigma_m;
+    within += c.shift_m < c.sigma_m;
     shifts.push_back(1e3 * c.shift_m);
     UNSCOPED_INFO(fmt::format("{}: {:.1f} mm (sigma {:.1f}): {}; t {:.1f} {:.1f} {:.1f} mm", seed,
                               shifts.back(), 1e3 * c.sigma_m, c.reason, 1e3 * c.X_KC.translation().x(),
@@ -166,12 +166,12 @@ TEST_CASE("an exact camera keeps its calibration, and the estimate is within its
   }
   CHECK(applied == 0);
   CHECK(within == kTrials);
-  CHECK(quantile(shifts, 0.5) < 5.0);
+  CHECK(quantile(shifts, 1.0) < 2.0);
 }
 
 TEST_CASE("a camera that was pushed by more than a calibration is off is not corrected", "[arm_in_view]") {
   sim_hal::CameraErrors errors;
-  errors.X_CK.translate(Vec3(0.06, 0.0, 0.0));
+  errors.X_CK.translate(Vec3(0.08, 0.0, 0.0));
   for (std::uint64_t seed = 201; seed < 205; ++seed) {
     const CameraCorrection c = ArmView(seed, errors).estimate();
     INFO(c.reason);
