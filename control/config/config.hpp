@@ -16,6 +16,7 @@
 #include "hal/guards/guarded_hand.hpp"
 #include "perception/bodies/body_finder.hpp"
 #include "perception/bodies/body_tracker.hpp"
+#include "perception/calibration/arm_in_view/camera_correction.hpp"
 #include "perception/calibration/calibrate.hpp"
 #include "perception/calibration/next_pose.hpp"
 #include "perception/calibration/pose_check.hpp"
@@ -77,6 +78,7 @@ struct Config {
   perception::CalibrationConfig calibration;
   perception::PoseConfig calibration_poses;
   perception::SpotConfig spot;
+  perception::CorrectionConfig camera_correction;
   perception::PoseCheckConfig pose_check;
 
   template <class Visitor>
@@ -124,6 +126,8 @@ struct Config {
     v("calibration", calibration, "How the camera's pose is calibrated, and when that is refused.");
     v("calibration_poses", calibration_poses, "Poses of the arm for a calibration.");
     v("spot", spot, "How the emitter is found in infrared images.");
+    v("camera_correction", camera_correction,
+      "Correction of the camera's calibration from the arm in its image.");
     v("pose_check", pose_check, "Whether the camera still is where its calibration says.");
   }
 };

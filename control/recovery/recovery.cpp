@@ -352,7 +352,10 @@ std::optional<Recovery::Finding> Recovery::prepare_home() {
   }
   planned_ = false;
   if (why.empty()) {
-    if (auto seen = session.analyse_scene(posture()); !seen) {
+    auto seen = session.analyse_scene(posture());
+    if (const auto& correction = session.camera_correction(); correction && correction->applied())
+      hooks_->say(correction->reason);
+    if (!seen) {
       why = seen.error().detail;
     } else if (const auto& ground = session.analysis().scene.ground; !ground) {
       why = session.analysis().reason;

@@ -48,6 +48,9 @@ struct PerceptionSession::Impl {
   std::vector<hal::DepthFrame> reference_frames;
   std::optional<hal::DepthFrame> with_robot;  ///< The first of them, before the robot was taken out.
   RobotPosture robot_then;
+  std::vector<hal::DepthFrame> whole_frames;  ///< All of them, as long as the camera is not yet corrected.
+  std::vector<RobotPosture> postures;         ///< Of the robot in each of these.
+  std::optional<perception::CameraCorrection> correction;
   std::optional<perception::SelfFilter> filter;
   SceneAnalysis analysis;
   perception::WorldMap map;
@@ -62,6 +65,54 @@ struct PerceptionSession::Impl {
   int frames = 0;                             ///< That the partner might have been looked for in.
   std::vector<char> robot_hid;                ///< By pixel, in any frame of the reference.
   perception::PartnerObservation last_sight;  ///< Holds for the frames in which nobody is looked for.
+
+  void correct(hal::DepthFrame& frame) const {
+    if (correction) correction->correct(frame);
+  }
+
+  void take_reference(hal::DepthFrame frame, const RobotPosture& robot) {
+    const auto& hidden = hide_robot(frame, robot);
+    if (reference_frames.empty()) robot_hid.assign(frame.depth_m.size(), 0);
+    for (const std::uint32_t p : hidden)
+      if (p < robot_hid.size()) robot_hid[p] = 1;
+    reference_frames.push_back(std::move(frame));
+  }
+
+  hal::Result<perception::ReferenceImage> build_reference() const {
+    return perception::build_reference(reference_frames, rig.X_WC, config.noise, config.partner.reference);
+  }
+
+  /// Estimates the camera's correction from the frames with the robot; true: everything is to be seen anew
+  /// with it.
+  hal::Result<bool> correct_camera() {
+    std::vector<hal::DepthFrame> frames;
+    frames.swap(whole_frames);
+    const auto whole = perception::build_reference(frames, rig.X_WC, config.noise, config.partner.reference);
+    if (!whole) return tl::unexpected(whole.error());
+    hal::DepthFrame mean;
+    mean.intrinsics = frames.front().intrinsics;
+    mean.depth_m = whole->cloud.depth_m;
+    const hal::Vec3 middle = config.calibration.workspace_center_m,
+                    half = 0.5 * config.calibration.workspace_size_m;
+    correction = perception::estimate_correction(mean, whole->frames, rig.X_WC, rig.model,
+                                                 postures.front().q_rad, postures.front().hand, config.noise,
+                                                 {middle - half, middle + half}, config.camera_correction);
+    if (correction->verdict == perception::CameraCorrection::Verdict::Refused && config.pose_check.on)
+      return hal::failure(hal::ErrorCode::BadConfig, kCameraOff,
+                          fmt::format("the camera is not where its calibration says: {}; calibrate again",
+                                      correction->reason));
+    if (!correction->applied()) return false;
+    rig.X_WC = rig.X_WC * correction->X_KC;
+    filter.reset();
+    body_filter.reset();
+    reference_frames.clear();
+    for (std::size_t n = 0; n < frames.size(); ++n) {
+      correct(frames[n]);
+      if (n == 0 && with_robot) with_robot = frames[n];
+      take_reference(std::move(frames[n]), postures[n]);
+    }
+    return true;
+  }
 
   // the robot's own pixels are nobody's
   const std::vector<std::uint32_t>& hide_robot(hal::DepthFrame& frame, const RobotPosture& robot) {
@@ -138,15 +189,17 @@ PerceptionSession::~PerceptionSession() = default;
 
 void PerceptionSession::add_reference(hal::DepthFrame frame, const RobotPosture& robot) {
   if (!shows_anything(frame)) return;
-  if (impl_->reference_frames.empty() && impl_->config.pose_check.on) {
-    impl_->with_robot = frame;
-    impl_->robot_then = robot;
+  Impl& i = *impl_;
+  i.correct(frame);
+  if (i.reference_frames.empty() && i.config.pose_check.on) {
+    i.with_robot = frame;
+    i.robot_then = robot;
   }
-  const auto& hidden = impl_->hide_robot(frame, robot);
-  if (impl_->reference_frames.empty()) impl_->robot_hid.assign(frame.depth_m.size(), 0);
-  for (const std::uint32_t p : hidden)
-    if (p < impl_->robot_hid.size()) impl_->robot_hid[p] = 1;
-  impl_->reference_frames.push_back(std::move(frame));
+  if (i.config.camera_correction.on && !i.correction) {
+    i.whole_frames.push_back(frame);
+    i.postures.push_back(robot);
+  }
+  i.take_reference(std::move(frame), robot);
 }
 
 int PerceptionSession::reference_frames() const {
@@ -155,13 +208,20 @@ int PerceptionSession::reference_frames() const {
 
 void PerceptionSession::forget_reference() {
   impl_->reference_frames.clear();
+  impl_->whole_frames.clear();
+  impl_->postures.clear();
 }
 
 hal::Result<> PerceptionSession::analyse_scene(const RobotPosture& robot) {
   Impl& i = *impl_;
-  const auto reference =
-      perception::build_reference(i.reference_frames, i.rig.X_WC, i.config.noise, i.config.partner.reference);
+  auto reference = i.build_reference();
   if (!reference) return tl::unexpected(reference.error());
+  if (!i.whole_frames.empty()) {
+    const auto corrected = i.correct_camera();
+    if (!corrected) return tl::unexpected(corrected.error());
+    if (*corrected) reference = i.build_reference();
+    if (!reference) return tl::unexpected(reference.error());
+  }
 
   if (auto seen = i.take_look(*reference, i.reference_frames.back()); !seen) return seen;
   i.reference_frames.clear();
@@ -190,6 +250,14 @@ hal::Result<> PerceptionSession::object_moved(const hal::Pose& X, const RobotPos
   return i.make_rest(*reference, robot);
 }
 
+const std::optional<perception::CameraCorrection>& PerceptionSession::camera_correction() const {
+  return impl_->correction;
+}
+hal::DepthFrame PerceptionSession::corrected(hal::DepthFrame frame) const {
+  impl_->correct(frame);
+  return frame;
+}
+
 const SceneAnalysis& PerceptionSession::analysis() const {
   return impl_->analysis;
 }
@@ -210,6 +278,7 @@ hal::Result<Sight> PerceptionSession::observe_partner(hal::DepthFrame frame, con
     out.partner = i.last_sight;
     return out;
   }
+  i.correct(frame);
   i.hide_robot(frame, robot);
   const hal::Timestamp at = frame.exposed_at;
   auto observation = i.partner_sight->find(frame, i.partner_points);
@@ -241,14 +310,15 @@ const std::vector<Eigen::Vector3f>& PerceptionSession::partner_points() const {
 BodySighting PerceptionSession::observe_bodies(const hal::DepthFrame& frame, const RobotPosture& robot) {
   Impl& i = *impl_;
   if (!i.body_finder || !i.follower) return {};
-  if (!i.body_filter) {
-    perception::SelfFilterConfig padded = i.config.self_filter;
-    padded.padding_m = std::max(padded.padding_m, i.config.bodies.robot_padding_m);
-    i.body_filter.emplace(i.rig.model, frame.intrinsics, i.rig.X_WC, i.config.noise, padded);
-  }
   i.body_frame.exposed_at = frame.exposed_at;
   i.body_frame.intrinsics = frame.intrinsics;
   i.body_frame.depth_m.assign(frame.depth_m.begin(), frame.depth_m.end());
+  i.correct(i.body_frame);
+  if (!i.body_filter) {
+    perception::SelfFilterConfig padded = i.config.self_filter;
+    padded.padding_m = std::max(padded.padding_m, i.config.bodies.robot_padding_m);
+    i.body_filter.emplace(i.rig.model, i.body_frame.intrinsics, i.rig.X_WC, i.config.noise, padded);
+  }
   const auto& own = i.body_filter->remove(i.body_frame, robot.q_rad, robot.hand);
   const auto& bodies = i.body_finder->find(i.body_frame, own, i.follower->last().X_WTnow_WTref);
   return {bodies, i.body_tracker.update(frame.exposed_at, bodies), i.body_finder->points()};
@@ -258,6 +328,7 @@ std::optional<perception::ObjectMotion> PerceptionSession::watch_object(hal::Dep
                                                                         const RobotPosture& robot) {
   Impl& i = *impl_;
   if (!i.follower || !shows_anything(frame)) return std::nullopt;
+  i.correct(frame);
   i.hide_robot(frame, robot);
   return i.follower->update(perception::deproject(frame, i.rig.X_WC));
 }
@@ -268,6 +339,7 @@ std::optional<perception::HandSighting> PerceptionSession::hand_at_grasp(hal::De
   Impl& i = *impl_;
   if (!i.follower || !shows_anything(frame) || i.analysis.cloud.size() != frame.depth_m.size())
     return std::nullopt;
+  i.correct(frame);
   i.hide_robot(frame, robot);
   return perception::hand_at_contact(i.analysis.cloud, frame, X_Wnow_Wref, contact_W, i.config.noise,
                                      i.config.presence);

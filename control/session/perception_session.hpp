@@ -11,6 +11,7 @@
 #include "hal/robot_model/robot_model.hpp"
 #include "perception/bodies/body_finder.hpp"
 #include "perception/bodies/body_tracker.hpp"
+#include "perception/calibration/arm_in_view/camera_correction.hpp"
 #include "perception/map/world_map.hpp"
 #include "perception/motion/object_motion.hpp"
 #include "perception/partner/partner_grasp.hpp"
@@ -64,14 +65,21 @@ class PerceptionSession {
   void forget_reference();
 
   /// Makes scene, candidates, collision map and partner finder from the collected frames. Whether there is
-  /// something to carry stands in the look. Errors: NotFound (the frames show nothing, or things moved
-  /// meanwhile), BadInput.
+  /// something to carry stands in the look. The first time, the camera's calibration is corrected from the
+  /// arm in these frames. Errors: NotFound (the frames show nothing, or things moved meanwhile), BadInput,
+  /// BadConfig at kCameraOff.
   [[nodiscard]] hal::Result<> analyse_scene(const RobotPosture& robot);
 
   /// The object was put down elsewhere; X takes a point of it from where it stood to where it stands (W, a
   /// few centimetres). The scene is taken as if it had been seen so: everything is made anew. Errors: as
   /// analyse_scene().
   [[nodiscard]] hal::Result<> object_moved(const hal::Pose& X_Wnow_Wthen, const RobotPosture& robot);
+
+  /// What the first scene said about the camera's calibration; unset before it, or when switched off. All
+  /// frames that come in are corrected by it.
+  [[nodiscard]] const std::optional<perception::CameraCorrection>& camera_correction() const;
+  /// A frame as this session uses it: for pictures beside the scene.
+  [[nodiscard]] hal::DepthFrame corrected(hal::DepthFrame frame) const;
 
   [[nodiscard]] SceneAnalysis& analysis();
   [[nodiscard]] const SceneAnalysis& analysis() const;

@@ -12,6 +12,7 @@
 #include "control/task/machine/task_machine.hpp"
 #include "control/test_lift/test_lift.hpp"
 #include "hal/device.hpp"
+#include "perception/calibration/arm_in_view/camera_correction.hpp"
 #include "planner/motion/motion_planner.hpp"
 
 namespace colift::control {
@@ -110,8 +111,9 @@ struct RunRecord {
   enum class Result { Lifted, Aborted, Refused } outcome = Result::Refused;
   std::string reason;
   std::vector<StateChange> states;
-  std::optional<SceneAnalysis> analysis;  ///< Of the reference frame.
-  std::optional<Outcome> decision;        ///< The one that was carried out, or the last that was tried.
+  std::optional<SceneAnalysis> analysis;                          ///< Of the reference frame.
+  std::optional<perception::CameraCorrection> camera_correction;  ///< Unset: switched off, or no scene yet.
+  std::optional<Outcome> decision;  ///< The one that was carried out, or the last that was tried.
   std::optional<hal::DepthFrame> frame_partner, frame_lifted;  ///< When decided; at the top.
   std::optional<planner::MotionPlan> plan;
   std::vector<LiftSample> curve;

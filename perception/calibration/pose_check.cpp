@@ -9,96 +9,19 @@
 #include <vector>
 
 #include "hal/types/units.hpp"
+#include "perception/calibration/arm_in_view/arm_surface.hpp"
 
 namespace colift::perception {
 namespace {
 
-/// A link's solid with its place.
-struct Solid {
-  hal::LinkShape::Kind kind;
-  Pose X_SB;
-  Vec3 half;  // box: half lengths; cylinder: radius, half length; sphere: radius
-};
-
-/// Signed distance to a solid, and its direction.
-double distance_to(const Solid& s, const Vec3& p_B, Vec3& normal_B) {
-  const Vec3 p = s.X_SB * p_B;
-  Vec3 n = Vec3::UnitZ();
-  double d = 0.0;
-  switch (s.kind) {
-    case hal::LinkShape::Kind::Sphere: {
-      const double r = p.norm();
-      d = r - s.half.x();
-      if (r > 1e-9) n = p / r;
-      break;
-    }
-    case hal::LinkShape::Kind::Cylinder: {
-      const double r = std::hypot(p.x(), p.y());
-      const double a = r - s.half.x(), b = std::abs(p.z()) - s.half.y();
-      const Vec3 radial = r > 1e-9 ? Vec3(p.x() / r, p.y() / r, 0.0) : Vec3(Vec3::UnitX());
-      const Vec3 axial(0.0, 0.0, p.z() < 0 ? -1.0 : 1.0);
-      if (a > 0 && b > 0) {
-        d = std::hypot(a, b);
-        n = (a * radial + b * axial) / d;
-      } else {
-        d = std::max(a, b);
-        n = a > b ? radial : axial;
-      }
-      break;
-    }
-    case hal::LinkShape::Kind::Box: {
-      const Vec3 q = p.cwiseAbs() - s.half;
-      const Vec3 sign(p.x() < 0 ? -1.0 : 1.0, p.y() < 0 ? -1.0 : 1.0, p.z() < 0 ? -1.0 : 1.0);
-      const Vec3 out = q.cwiseMax(0.0);
-      if (out.norm() > 1e-9) {
-        d = out.norm();
-        n = out.cwiseProduct(sign) / d;
-      } else {
-        int axis = 0;
-        d = q.maxCoeff(&axis);
-        n = Vec3::Unit(axis) * sign[axis];
-      }
-      break;
-    }
-  }
-  normal_B = s.X_SB.linear().transpose() * n;
-  return d;
-}
-
-double distance_to(const std::vector<Solid>& solids, const Vec3& p_B, Vec3& normal_B) {
-  double best = 1e9;
-  Vec3 n;
-  for (const Solid& s : solids) {
-    const double d = distance_to(s, p_B, n);
-    if (d < best) best = d, normal_B = n;
-  }
-  return best;
-}
-
-std::vector<Solid> solids_of(const hal::RobotModel& robot, const hal::JointVector& q_rad,
-                             const hal::HandPosture& hand) {
-  std::vector<Pose> X_BL;
-  hal::link_poses(robot, q_rad, hand, X_BL);
-  std::vector<Solid> out;
-  for (std::size_t i = 0; i < robot.links.size(); ++i)
-    for (const hal::LinkShape& s : robot.links[i].shapes) {
-      Vec3 half = 0.5 * s.size;
-      if (s.kind == hal::LinkShape::Kind::Sphere) half.x() = s.size.x();
-      if (s.kind == hal::LinkShape::Kind::Cylinder) half = {s.size.x(), 0.5 * s.size.y(), 0.0};
-      out.push_back({s.kind, (X_BL[i] * s.X_LS).inverse(), half});
-    }
-  return out;
-}
-
 /// Points that may be the arm's: within reach of its model, above the floor.
-std::vector<Vec3> points_near(const hal::DepthFrame& frame, const Pose& X_BC,
-                              const std::vector<Solid>& solids, const hal::Aabb& around,
+std::vector<Vec3> points_near(const hal::DepthFrame& frame, const Pose& X_BC, const ArmSurface& surface,
                               const PoseCheckConfig& config) {
   std::vector<Vec3> out;
   const auto& k = frame.intrinsics;
   if (frame.depth_m.size() != static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height))
     return out;
-  Vec3 normal;
+  const hal::Aabb around = surface.around(0.35);
   for (int v = 1; v < k.height - 1; v += config.stride)
     for (int u = 1; u < k.width - 1; u += config.stride) {
       const auto at = [&](int x, int y) {
@@ -112,23 +35,21 @@ std::vector<Vec3> points_near(const hal::DepthFrame& frame, const Pose& X_BC,
       const double jump =
           std::max(std::abs(at(u - 1, v) - at(u + 1, v)), std::abs(at(u, v - 1) - at(u, v + 1)));
       if (!(jump < config.max_depth_step_m)) continue;
-      if (std::abs(distance_to(solids, p, normal)) < config.reach_m) out.push_back(p);
+      if (std::abs(surface.nearest(p).distance_m) < config.reach_m) out.push_back(p);
     }
   return out;
 }
 
 /// The shift of the points that brings them onto the model.
-Vec3 fit_shift(const std::vector<Vec3>& points, const std::vector<Solid>& solids,
-               const PoseCheckConfig& config) {
+Vec3 fit_shift(const std::vector<Vec3>& points, const ArmSurface& surface, const PoseCheckConfig& config) {
   const double reach_m = config.reach_m, robust_m = config.robust_m;
   Vec3 shift = Vec3::Zero();
   for (int round = 0; round < config.iterations; ++round) {
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     Vec3 g = Vec3::Zero();
-    Vec3 n;
     double weights = 0.0;
     for (const Vec3& p : points) {
-      const double d = distance_to(solids, p + shift, n);
+      const auto [d, n, body] = surface.nearest(p + shift);
       if (std::abs(d) > reach_m) continue;
       const double w = std::abs(d) > robust_m ? robust_m / std::abs(d) : 1.0;
       H += w * n * n.transpose();
@@ -163,18 +84,14 @@ PoseCheck check_pose(const hal::DepthFrame& frame, const Pose& X_BC,
     const Vec3 before_base(0.7, 0.0, 0.0);
     out.height_m = -ground_B->height(before_base) / std::max(0.1, ground_B->normal.z());
   }
-  const std::vector<Solid> solids = solids_of(robot, q_rad, hand);
-  hal::Aabb around;
-  for (const Solid& s : solids) around.extend(s.X_SB.inverse().translation());
-  around.min() -= Vec3::Constant(0.35);
-  around.max() += Vec3::Constant(0.35);
-  const std::vector<Vec3> points = points_near(frame, X_BC, solids, around, config);
+  const ArmSurface surface(robot, q_rad, hand);
+  const std::vector<Vec3> points = points_near(frame, X_BC, surface, config);
   const bool arm_seen =
       points.size() * static_cast<std::size_t>(config.stride) * static_cast<std::size_t>(config.stride) >=
       static_cast<std::size_t>(config.min_points);
   if (arm_seen) {
     out.arm_points = static_cast<int>(points.size());
-    out.arm_off_B = -fit_shift(points, solids, config);
+    out.arm_off_B = -fit_shift(points, surface, config);
   }
   const double off = out.arm_off_B.norm();
   if (ground_B && hal::rad_to_deg(out.tilt_rad) > config.max_tilt_deg) {

@@ -8,6 +8,7 @@
 #include "hal/config/config_file.hpp"
 #include "hal/drivers/recorded/depth_png.hpp"
 #include "hal/drivers/recorded/file_bytes.hpp"
+#include "hal/lens.hpp"
 #include "perception/calibration/grey_png.hpp"
 #include "perception/calibration/yaml_places.hpp"
 
@@ -100,10 +101,10 @@ hal::Result<std::optional<double>> read_depth(const std::filesystem::path& path,
 }  // namespace
 
 Eigen::Vector2d undistorted(const Eigen::Vector2d& pixel, const hal::CameraIntrinsics& k, double k1) {
-  const Eigen::Vector2d seen((pixel.x() - k.cx) / k.fx, (pixel.y() - k.cy) / k.fy);
-  Eigen::Vector2d x = seen;
-  for (int i = 0; i < 20; ++i) x = seen / (1.0 + k1 * x.squaredNorm());
-  return {k.fx * x.x() + k.cx, k.fy * x.y() + k.cy};
+  hal::LensDistortion lens;
+  lens.k1 = k1;
+  const auto [x, y] = lens.undistort((pixel.x() - k.cx) / k.fx, (pixel.y() - k.cy) / k.fy);
+  return {k.fx * x + k.cx, k.fy * y + k.cy};
 }
 
 hal::Result<SampleFile> parse_samples(const std::string& yaml, const std::string& name,

@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "hal/lens.hpp"
 #include "sim_hal/imperfect/imperfect_devices.hpp"
 
 namespace colift::sim_hal {
@@ -35,27 +36,36 @@ class ImperfectCamera final : public hal::DepthCamera {
   }
 
  private:
-  /// Every pixel shows the ray that the lens leads there: undistorted radius r (1 - k1 r^2), the first-order
-  /// inverse of r (1 + k1 r^2); nearest pixel, as depth has edges.
-  void distort(hal::DepthFrame& frame) const {
+  /// Every pixel shows the ray that the lens leads there; nearest pixel, as depth has edges.
+  void distort(hal::DepthFrame& frame) {
     if (errors_.distortion == 0.0) return;
-    const auto k = frame.intrinsics;
+    const auto& k = frame.intrinsics;
+    if (sources_.size() != frame.depth_m.size()) find_sources(k);
     std::vector<float> seen(frame.depth_m.size(), std::numeric_limits<float>::quiet_NaN());
+    for (std::size_t i = 0; i < seen.size(); ++i)
+      if (sources_[i] < seen.size()) seen[i] = frame.depth_m[sources_[i]];
+    frame.depth_m = std::move(seen);
+  }
+
+  /// One camera has one size of images.
+  void find_sources(const hal::CameraIntrinsics& k) {
+    hal::LensDistortion lens;
+    lens.k1 = errors_.distortion;
+    sources_.clear();
     for (int v = 0; v < k.height; ++v) {
       for (int u = 0; u < k.width; ++u) {
-        const double x = (u - k.cx) / k.fx, y = (v - k.cy) / k.fy;
-        const double s = 1.0 - errors_.distortion * (x * x + y * y);
-        const auto from_u = std::lround(k.cx + k.fx * x * s), from_v = std::lround(k.cy + k.fy * y * s);
-        if (from_u < 0 || from_v < 0 || from_u >= k.width || from_v >= k.height) continue;
-        seen[static_cast<std::size_t>(v * k.width + u)] =
-            frame.depth_m[static_cast<std::size_t>(from_v * k.width + from_u)];
+        const auto [x, y] = lens.undistort((u - k.cx) / k.fx, (v - k.cy) / k.fy);
+        const auto from_u = std::lround(k.cx + k.fx * x), from_v = std::lround(k.cy + k.fy * y);
+        const bool inside = from_u >= 0 && from_v >= 0 && from_u < k.width && from_v < k.height;
+        sources_.push_back(inside ? static_cast<std::size_t>(from_v * k.width + from_u)
+                                  : std::numeric_limits<std::size_t>::max());
       }
     }
-    frame.depth_m = std::move(seen);
   }
 
   std::unique_ptr<hal::DepthCamera> inner_;
   CameraErrors errors_;
+  std::vector<std::size_t> sources_;  // of each pixel; beyond the image: none
 };
 
 }  // namespace

@@ -51,6 +51,7 @@ set(COLIFT_PUBLIC_HEADERS
   perception/shape/shape_completion.hpp
   perception/surfaces/find_surfaces.hpp
   # ... and what these include
+  perception/calibration/arm_in_view/camera_correction.hpp
   perception/calibration/calibrate.hpp
   perception/calibration/emitter_model.hpp
   perception/calibration/next_pose.hpp

@@ -152,6 +152,26 @@ Json arm_link(const ArmLink& link) {
   return j;
 }
 
+Json camera_correction(const control::RunRecord& record) {
+  if (!record.camera_correction) return nullptr;
+  const perception::CameraCorrection& c = *record.camera_correction;
+  using Verdict = perception::CameraCorrection::Verdict;
+  return {{"verdict", c.applied()                     ? "applied"
+                      : c.verdict == Verdict::Refused ? "refused"
+                                                      : "kept"},
+          {"because", c.reason},
+          {"position_m", json_array(c.X_KC.translation())},
+          {"rotation_deg", number(hal::kDegPerRad * c.rotation_rad())},
+          {"depth_scale", number(c.depth_scale)},
+          {"focal_scale", number(c.focal_scale)},
+          {"shift_m", number(c.shift_m)},
+          {"sigma_m", number(c.sigma_m)},
+          {"arm_before_m", number(c.residual_before_m)},
+          {"arm_after_m", number(c.residual_m)},
+          {"arm_points", c.arm_points},
+          {"floor_points", c.floor_points}};
+}
+
 Json faults(const control::RunRecord& record) {
   Json all = Json::array();
   for (const control::DeviceNote& f : record.faults)
@@ -222,6 +242,7 @@ std::string run_document(const RunView& view) {
   j["judge"] = view.truth ? judge_json(view.truth->verdict) : Json(nullptr);
   if (view.arm_link != nullptr) j["arm_link"] = arm_link(*view.arm_link);
   if (!view.recovery.empty()) j["recovery"] = Json::parse(view.recovery);
+  j["camera_correction"] = camera_correction(record);
   j["monitor"] = monitor(record);
   j["faults"] = faults(record);
   j["hand_keeps_grip"] = record.hand_keeps_grip;

@@ -61,6 +61,8 @@ std::vector<std::string> summary(const RunView& view) {
     if (!r.decision->share.wanted) out.push_back(sentence(r.decision->share.text));
     out.push_back(sentence(r.decision->share.partner_text));
   }
+  if (r.camera_correction && r.camera_correction->applied())
+    out.push_back(sentence(r.camera_correction->reason));
   if (r.monitor.on && r.monitor.stops > 0)
     out.push_back(fmt::format("The arm stopped {} times for somebody near it and waited {:.1f} s.",
                               r.monitor.stops, r.monitor.waited_s));

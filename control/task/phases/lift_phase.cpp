@@ -79,7 +79,7 @@ void LiftPhase::begin_hold() {
 std::optional<TaskEvent> LiftPhase::hold() {
   const double hold_s = c_.config.task.hold_s;
   if (c_.readings.frame && !c_.record.frame_lifted && c_.in_state_s() > 0.5 * hold_s)
-    c_.record.frame_lifted = *c_.readings.frame;
+    c_.record.frame_lifted = c_.session.corrected(*c_.readings.frame);
   object_.update();
   partner_.update();
   evidence_.update();

@@ -23,7 +23,9 @@ std::optional<TaskEvent> ScenePhase::observe() {
                          ? fmt::format("the camera showed nothing for {:.1f} s", c_.in_state_s())
                          : last_error_};
   }
-  if (auto seen = session.analyse_scene(c_.posture()); !seen) {
+  auto seen = session.analyse_scene(c_.posture());
+  note_correction();
+  if (!seen) {
     const hal::Error& error = seen.error();
     // somebody walked through the picture
     if (error.code == hal::ErrorCode::NotFound && try_again(error.detail)) return std::nullopt;
@@ -42,6 +44,14 @@ std::optional<TaskEvent> ScenePhase::observe() {
   }
   use_scene();
   return TaskEvent{Event::SceneKnown, c_.record.analysis->reason};
+}
+
+void ScenePhase::note_correction() {
+  const auto& correction = c_.session.camera_correction();
+  if (!correction || c_.record.camera_correction) return;
+  c_.record.camera_correction = correction;
+  // a camera that is used otherwise than it was calibrated is never silent
+  if (correction->applied()) c_.note_device("camera", correction->reason);
 }
 
 bool ScenePhase::try_again(const std::string& error) {

@@ -22,6 +22,9 @@ class ScenePhase {
   /// Another picture may be better, for a while: forgets this one. False when time is over.
   [[nodiscard]] bool try_again(const std::string& error);
 
+  /// Puts what the session found about the camera's calibration into the record.
+  void note_correction();
+
   TaskContext& c_;
   GraspSelector& grasps_;
   std::string last_error_;  ///< Why the last picture of the scene was not good enough.

@@ -5,7 +5,7 @@
 
 #include "hal/depth_camera.hpp"
 #include "hal/drivers/recorded/file_bytes.hpp"
-#include "hal/drivers/recorded/lens.hpp"
+#include "hal/lens.hpp"
 
 namespace colift::hal {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "hal/drivers/recorded/camera_file.hpp"
-#include "hal/drivers/recorded/lens.hpp"
+#include "hal/lens.hpp"
 #include "writers.hpp"
 
 using namespace colift::hal;
@@ -120,4 +120,17 @@ TEST_CASE("a lens that folds the image is known", "[lens]") {
   LensDistortion lens;
   lens.k1 = -2.5;
   CHECK_FALSE(lens.unique_within(kCamera));
+}
+
+TEST_CASE("where a ray is imaged leads back to the ray") {
+  for (const double k1 : {-0.1, 0.02, 0.15}) {
+    const LensDistortion lens{k1, 0.01, 0.002, -0.001};
+    for (const double x : {-0.5, 0.0, 0.4}) {
+      for (const double y : {-0.4, 0.1}) {
+        const auto [u, v] = lens.distort(x, y);
+        const auto [a, b] = lens.undistort(u, v);
+        CHECK(std::hypot(a - x, b - y) < 1e-6);
+      }
+    }
+  }
 }

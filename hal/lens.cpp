@@ -1,4 +1,4 @@
-#include "hal/drivers/recorded/lens.hpp"
+#include "hal/lens.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,6 +22,19 @@ std::array<double, 2> LensDistortion::distort(double x, double y) const {
   const double radial = (1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))) / (1.0 + r2 * (k4 + r2 * (k5 + r2 * k6)));
   return {x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
           y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
+}
+
+std::array<double, 2> LensDistortion::undistort(double seen_x, double seen_y) const {
+  double x = seen_x, y = seen_y;
+  for (int i = 0; i < 20; ++i) {
+    const double r2 = x * x + y * y;
+    const double radial = (1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))) / (1.0 + r2 * (k4 + r2 * (k5 + r2 * k6)));
+    const double aside_x = 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+                 aside_y = p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y;
+    x = (seen_x - aside_x) / radial;
+    y = (seen_y - aside_y) / radial;
+  }
+  return {x, y};
 }
 
 bool LensDistortion::unique_within(const CameraIntrinsics& c) const {

@@ -16,6 +16,8 @@ struct LensDistortion {
   [[nodiscard]] bool none() const;
   /// Where the ray through (x, y) at unit depth is imaged.
   [[nodiscard]] std::array<double, 2> distort(double x, double y) const;
+  /// The ray that is imaged there: the inverse, by fixed-point iteration, for a lens that is unique_within().
+  [[nodiscard]] std::array<double, 2> undistort(double x, double y) const;
   /// Whether no two rays inside the image share a pixel along a line from its centre.
   [[nodiscard]] bool unique_within(const CameraIntrinsics& camera) const;
 };
