@@ -159,13 +159,14 @@ struct BarrettHand::Impl {
       for (int i = 0; i < 200 && pending() && clock.now() - start < limit; ++i)
         link.pump(std::chrono::milliseconds(1));
     };
-    pump_while(kToRest, [&] { return link.busy(); });
-    const Timestamp asked = clock.now();
-    for (const Puck puck : kAllPucks) link.ask(puck, Property::Mode);
-    pump_while(kToRest + kReadBack, [&] {
+    const auto asking = [&] {
       return std::any_of(kAllPucks.begin(), kAllPucks.end(),
                          [&](Puck p) { return link.pending(p, Property::Mode); });
-    });
+    };
+    pump_while(kToRest, [&] { return link.busy() || asking(); });
+    const Timestamp asked = clock.now();
+    for (const Puck puck : kAllPucks) link.ask(puck, Property::Mode);
+    pump_while(kToRest + kReadBack, asking);
     for (const Puck puck : kAllPucks) {
       const Reported& mode = link.reported(puck, Property::Mode);
       if (mode.known && mode.asked_at >= asked) mode_at_rest[index(puck)] = mode.value;

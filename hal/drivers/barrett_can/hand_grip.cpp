@@ -66,8 +66,9 @@ void HandMotion::renew_pressing(Timestamp now) {
     const Reported& mode = link_.reported(finger, Property::Mode);
     if (!pressing_ran_out(finger, now)) {
       // one that ended its pressing because of something else is not healed unseen: the monitor judges it
-      if (!mode.known || now - mode.asked_at > kFresh) link_.ask(finger, Property::Mode);
-      if (!mode.known || now - mode.asked_at > kFresh || mode.value != kModeTrapezoid) continue;
+      const bool fresh = mode.known && now - mode.asked_at <= kFresh + link_.round_trip().worst();
+      if (!fresh) link_.ask(finger, Property::Mode);
+      if (!fresh || mode.value != kModeTrapezoid) continue;
     }
     link_.set(finger, Property::Mode, kModeTrapezoid, false);
   }

@@ -303,6 +303,7 @@ Result<HandStartup::Outcome> HandStartup::run(bool loaded) {
   link_.clear_full();
   for (const Puck puck : kAllPucks) {
     link_.forget(puck);
+    link_.forget_settings(puck);
     (void)link_.take_refusal(puck);
   }
   facts_.mode_lost = {};

@@ -212,7 +212,7 @@ void PuckLink::answer(Puck puck, Property property, std::int32_t value, Timestam
   const bool waited_for = pending(puck, property) && q.sent;
   if (!waited_for && property == Property::Vers && ping_.pending && ping_.puck == puck) {
     ping_.pending = false;
-    round_trip_.note_answer(own_time(ping_.at, ping_.served, at), at);
+    round_trip_.note_answer(own_time(ping_.at, ping_.served, at));
     ++accepted_;
     return;
   }
@@ -228,7 +228,7 @@ void PuckLink::answer(Puck puck, Property property, std::int32_t value, Timestam
   if (overdue || age > round_trip_.deadline(at))
     round_trip_.note_late(age, at);
   else if (q.tries == 0 && at >= q.stale_until)
-    round_trip_.note_answer(age, at);
+    round_trip_.note_answer(age);
   // to which of several questions it is the answer nobody knows: to the first, at worst
   q.reported = {value, at, q.first_asked_at, true};
   close(q, at);

@@ -4,20 +4,22 @@
 
 namespace colift::hal::barrett {
 
-void RoundTrip::note_answer(Duration age, Timestamp now) {
+void RoundTrip::note_answer(Duration age) {
   worst_now_ = std::max(worst_now_, age);
   if (age > base_) ++late_now_;
-  (void)now;
+  measured_ = true;
 }
 
 void RoundTrip::note_late(Duration age, Timestamp now) {
   worst_now_ = std::max(worst_now_, std::min(age, kLatest));
   ++late_now_;
+  measured_ = true;
   if (patient_until_ < now) be_patient(kWindow, now);
 }
 
 void RoundTrip::step(Timestamp now) {
-  if (now - window_since_ < kWindow) return;
+  if (now - window_since_ < kWindow || !measured_) return;  // what is not measured has not become quick
+  measured_ = false;
   window_since_ = now;
   worst_before_ = worst_now_;
   late_before_ = late_now_;

@@ -12,7 +12,7 @@ class RoundTrip {
  public:
   explicit RoundTrip(Duration deadline) : base_(deadline) {}
 
-  void note_answer(Duration age, Timestamp now);  ///< To a question that was asked once.
+  void note_answer(Duration age);  ///< To a question that was asked once.
   /// After its deadline, at least this old.
   void note_late(Duration age, Timestamp now);
   /// Waits long from now on: at the start, and when answers came late.
@@ -35,6 +35,7 @@ class RoundTrip {
   Duration base_;
   Duration worst_now_{0}, worst_before_{0};
   int late_now_ = 0, late_before_ = 0;
+  bool measured_ = false;
   Timestamp window_since_{0}, patient_until_{0};
 };
 
