@@ -241,8 +241,8 @@ Result<> BarrettHand::configure() {
   h.life = Impl::Life::Configured;
   // everything is told once before the hand counts as configured
   const Timestamp start = h.clock.now();
-  for (int i = 0; i < 1000 && !h.watch.all_known() && h.clock.now() - start < std::chrono::milliseconds(100);
-       ++i)
+  const auto old = [&] { return !h.watch.all_known() || h.watch.oldest_position() < start; };
+  for (int i = 0; i < 1000 && old() && h.clock.now() - start < std::chrono::milliseconds(300); ++i)
     h.poll(std::chrono::milliseconds(1));
   h.publish();
   return {};
