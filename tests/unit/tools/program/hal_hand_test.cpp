@@ -214,20 +214,20 @@ TEST_CASE("a reading of the hand names who is silent, asleep, in error or on", "
     p.answers = true;
     p.values = {{Property::Stat, 2}, {Property::Mode, 0}, {Property::Vers, 200}, {Property::Ct, 194'987}};
   }
-  CHECK(hand_reading_fault(reading).empty());
+  CHECK(tools::hand_reading_fault(reading).empty());
   reading.pucks[0].values = {{Property::Stat, 0}, {Property::Vers, 200}};
   reading.pucks[1].values = {{Property::Stat, 2}, {Property::Mode, 5}, {Property::Tstop, 0}};
-  CHECK(hand_reading_fault(reading).empty());  // asleep is no fault
-  const std::string text = hand_reading_text("socketcan:can0", reading);
+  CHECK(tools::hand_reading_fault(reading).empty());  // asleep is no fault
+  const std::string text = tools::hand_reading_text("socketcan:can0", reading);
   INFO(text);
   CHECK(text.find("asleep") != std::string::npos);
   CHECK(text.find("hal hand init") != std::string::npos);
   CHECK(text.find("F2 is on (MODE 5), and nothing but a command ends that") != std::string::npos);
   reading.pucks[2] = {};
   reading.pucks[3].values = {{Property::Stat, 1}, {Property::Error, 7}};
-  CHECK(hand_reading_fault(reading).find("F3 is silent") != std::string::npos);
-  CHECK(hand_reading_fault(reading).find("spread reports an error (code 7)") != std::string::npos);
-  const std::string json = hand_reading_document("socketcan:can0", reading);
+  CHECK(tools::hand_reading_fault(reading).find("F3 is silent") != std::string::npos);
+  CHECK(tools::hand_reading_fault(reading).find("spread reports an error (code 7)") != std::string::npos);
+  const std::string json = tools::hand_reading_document("socketcan:can0", reading);
   CHECK(json.rfind("{\"schema\":\"colift.hal.hand/1\",\"verb\":\"state\"", 0) == 0);
   CHECK(json.find("\"outcome\":\"failed\"") != std::string::npos);
 }
