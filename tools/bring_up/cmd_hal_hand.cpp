@@ -8,6 +8,7 @@
 #include "hal/drivers/barrett_can/emergency_open.hpp"
 #include "hal/guards/guarded_hand.hpp"
 #include "hal/os/make_can_bus.hpp"
+#include "hal/os/realtime.hpp"
 #include "hal/types/units.hpp"
 #include "tools/bring_up/bring_up.hpp"
 #include "tools/bring_up/hal_hand_task.hpp"
@@ -20,6 +21,7 @@ namespace {
 using How = HandTaskEnd::How;
 
 constexpr auto kPause = std::chrono::milliseconds(2);
+constexpr int kPriority = 70;  // as HandThread's
 
 struct Bench {
   hal::BarrettHandConfig barrett;
@@ -45,7 +47,7 @@ hal::Result<HandTask> task_of(const HalOptions& o, const Bench& bench) {
   task.spread_rad = hal::deg_to_rad(o.spread_deg);
   if (o.verb == "watch" || o.verb == "tactile") {
     if (o.for_s) task.for_s = *o.for_s;
-  } else if (o.verb == "init" || o.verb == "state") {
+  } else if (o.verb == "init") {
     task.for_s = o.for_s.value_or(1.0);  // temperatures come every 0.4 s
   } else if (o.verb == "open") {
     task.kind = HandTask::Kind::Open;
@@ -101,6 +103,28 @@ int open_at_once(const CommonOptions& common, const HalOptions& options, const B
   return all ? 0 : kDeviceFailed;
 }
 
+/// Questions alone: a cold hand stays cold, and nothing that another program does with it is disturbed.
+int read_state(const CommonOptions& common, const HalOptions& options, const Bench& bench) {
+  const hal::SteadyClock clock;
+  auto bus = hal::make_can_bus(bench.barrett.can);
+  if (!bus) return report_error("hal hand", bus.error());
+  const auto reading = hal::read_hand(**bus, clock, bench.barrett);
+  if (!reading) {
+    report_failure("hand", options.verb, reading.error().text(),
+                   fmt::format("next: {}\n", hand_advice(reading.error().code, bench.barrett.can)));
+    return kDeviceFailed;
+  }
+  std::fputs((common.json ? hand_reading_document(bench.barrett.can, *reading) + "\n"
+                          : hand_reading_text(bench.barrett.can, *reading))
+                 .c_str(),
+             stdout);
+  const std::string fault = hand_reading_fault(*reading);
+  if (fault.empty()) return 0;
+  std::fflush(stdout);
+  report_failure("hand", options.verb, fault, std::nullopt);
+  return kDeviceFailed;
+}
+
 int run(const CommonOptions& common, const HalOptions& options, const Bench& bench, const HandTask& task) {
   const hal::SteadyClock clock;
   auto bus = hal::make_can_bus(bench.barrett.can);
@@ -117,6 +141,9 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
   const hal::BarrettHand& driver = *barrett;
   hal::GuardedHand hand(std::move(barrett), bench.guard, &clock);
 
+  // the driver runs in this thread: other programs' load must not make answers late
+  (void)hal::ask_for_realtime(
+      {.priority = kPriority, .lock_memory = false, .stack_bytes = 65536, .heap_bytes = 0});
   const InterruptGuard signals;
   LiveScreen screen = progress_screen(common, options, "state");
   const hal::Timestamp began = clock.now();
@@ -178,6 +205,7 @@ int cmd_hal_hand(const CommonOptions& common, const HalOptions& options) {
   const auto bench = load_bench(common, options);
   if (!bench) return report_error("hal hand", bench.error());
   if (options.verb == "emergency-open") return open_at_once(common, options, *bench);
+  if (options.verb == "state") return read_state(common, options, *bench);
   const auto task = task_of(options, *bench);
   if (!task) {
     const std::string where = fmt::format("hal hand {}", options.verb);

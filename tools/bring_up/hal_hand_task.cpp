@@ -51,6 +51,9 @@ class Runner {
     if (auto active = hand_.activate(); !active) return refused(active.error());
     HandTaskEnd done = move();
     hand_.deactivate();
+    const hal::HandReport report = hooks_.report();
+    done.motors = hal::motors_at_rest(report);
+    done.modes = report.mode_at_rest;
     return done;
   }
 
@@ -247,10 +250,8 @@ std::string hand_summary(const HandTask& task, const HandTaskEnd& e) {
                                       : "it holds nothing",
                        e.after.torque_nm[0], e.after.torque_nm[1], e.after.torque_nm[2],
                        e.after.tip_force_n[0], e.after.tip_force_n[1], e.after.tip_force_n[2]);
-    if (e.after.held)
-      t += "the motors were commanded to rest (not read back), the worm gears hold; \"colift hal hand open "
-           "--yes\" "
-           "lets go\n";
+    if (!e.motors.empty()) t += e.motors + "\n";
+    if (e.after.held) t += "the worm gears hold; \"colift hal hand open --yes\" lets go\n";
   }
   if (e.how == How::Interrupted) t += fmt::format("interrupted: {}\n", e.reason);
   return t;

@@ -9,6 +9,7 @@
 
 #include "hal/drivers/barrett_can/barrett_hand.hpp"
 #include "hal/drivers/barrett_can/emergency_open.hpp"
+#include "hal/drivers/barrett_can/service/hand_reading.hpp"
 #include "hal/hand.hpp"
 #include "tools/bring_up/task_outcome.hpp"
 
@@ -38,6 +39,8 @@ struct HandTaskEnd {
   double took_s = 0.0;                            ///< Of the motion.
   hal::HandState before, after;
   bool moved = false;
+  std::string motors;  ///< What was read back of them at the end; empty: nothing was switched off.
+  std::array<std::optional<std::int32_t>, 4> modes{};  ///< The same as MODE of each puck.
   bool weak = false;  ///< It stopped on something, with far less torque than was asked.
   double min_force_n = std::numeric_limits<double>::quiet_NaN();  ///< Sum over the pads while gripping.
   std::uint64_t states = 0, bad_states = 0;
@@ -74,6 +77,12 @@ struct HandView {
 [[nodiscard]] std::string hand_summary(const HandTask& task, const HandTaskEnd& end);
 /// What to do about an error of the start.
 [[nodiscard]] std::string hand_advice(hal::ErrorCode code, const std::string& bus);
+/// A table of what the pucks answered, and what follows from it.
+[[nodiscard]] std::string hand_reading_text(const std::string& bus, const hal::HandReading& reading);
+/// What is wrong with it; empty: four pucks answer, and none reports an error.
+[[nodiscard]] std::string hand_reading_fault(const hal::HandReading& reading);
+/// Document colift.hal.hand/1 of it.
+[[nodiscard]] std::string hand_reading_document(const std::string& bus, const hal::HandReading& reading);
 /// Document colift.hal.hand/1 of an emergency opening.
 [[nodiscard]] std::string hand_emergency_document(const std::array<hal::FingerOpening, 3>& fingers);
 /// Document colift.hal.hand/1.

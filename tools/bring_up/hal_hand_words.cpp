@@ -102,10 +102,11 @@ std::string hand_screen(const HandView& v) {
   }
   t += fmt::format("\npalm      {} N\nit        {}\n",
                    std::isnan(r.palm_force_n) ? "-" : fmt::format("{:.1f}", r.palm_force_n), doing(v));
+  if (!r.remark.empty()) t += fmt::format("start     {}\n", r.remark.str());
   if (!r.why.empty()) t += fmt::format("last move {}\n", r.why.str());
   if (!r.warning.empty()) t += fmt::format("warning   {}\n", r.warning.str());
   if (!v.health.last_error.empty() && v.health.last_error != r.why.str() &&
-      v.health.last_error != r.warning.str())
+      v.health.last_error != r.warning.str() && v.health.last_error != r.remark.str())
     t += fmt::format("says      {}\n", v.health.last_error);
   return t;
 }
@@ -148,6 +149,140 @@ std::string hand_emergency_document(const std::array<hal::FingerOpening, 3>& fin
   return j.dump();
 }
 
+namespace {
+
+using hal::barrett::Property;
+
+std::string puck_name(std::size_t i) {
+  return i == kSpread ? std::string("spread") : fmt::format("F{}", i + 1);
+}
+
+std::string status_word(const hal::PuckReading& p) {
+  if (!p.answers) return "silent";
+  const auto stat = p.of(Property::Stat);
+  if (!stat) return "-";
+  return *stat == 0 ? "asleep" : *stat == 1 ? "error" : *stat == 2 ? "ready" : fmt::format("{}", *stat);
+}
+
+std::string zero_word(const hal::PuckReading& p) {
+  return !p.awake() ? "-" : p.zero_known() ? "known" : "unknown";
+}
+
+Json number(const std::optional<std::int32_t>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+}  // namespace
+
+std::string hand_reading_fault(const hal::HandReading& reading) {
+  std::string t;
+  for (std::size_t i = 0; i < reading.pucks.size(); ++i) {
+    const hal::PuckReading& p = reading.pucks[i];
+    const char* comma = t.empty() ? "" : "; ";
+    if (!p.answers)
+      t += fmt::format("{}{} is silent, others answer: its puck or its cable inside the hand", comma,
+                       puck_name(i));
+    else if (p.of(Property::Stat) == 1)
+      t += fmt::format("{}{} reports an error (code {})", comma, puck_name(i),
+                       p.of(Property::Error).value_or(-1));
+  }
+  return t;
+}
+
+std::string hand_reading_text(const std::string& bus, const hal::HandReading& reading) {
+  std::string t = fmt::format("hand      {}: {} of 4 pucks answer, within {:.1f} ms; read only\n\n", bus,
+                              reading.answering(), 1e3 * hal::seconds(reading.round_trip));
+  t += "                      F1       F2       F3   spread\n";
+  const auto row = [&](const char* name, const auto& text_of) {
+    t += fmt::format("{:16}", name);
+    for (const hal::PuckReading& p : reading.pucks) t += fmt::format("{:>9}", text_of(p));
+    t += "\n";
+  };
+  const auto numbers = [&](const char* name, Property property, const char* unit = "") {
+    row(fmt::format("{:10}{}", name, unit).c_str(), [&](const hal::PuckReading& p) {
+      const auto v = p.of(property);
+      return v ? fmt::format("{}", *v) : std::string("-");
+    });
+  };
+  row("status", status_word);
+  numbers("firmware", Property::Vers);
+  numbers("serial no.", Property::Sn);
+  row("role", [](const hal::PuckReading& p) {
+    const auto role = p.of(Property::Role);
+    return role ? fmt::format("{:#06x}", *role & 0xffff) : std::string("-");
+  });
+  row("groups", [](const hal::PuckReading& p) {
+    const auto a = p.of(Property::GrpA), b = p.of(Property::GrpB), c = p.of(Property::GrpC);
+    return a && b && c ? fmt::format("{},{},{}", *a, *b, *c) : std::string("-");
+  });
+  numbers("mode", Property::Mode);
+  numbers("position", Property::P, "counts");
+  row("zero", zero_word);
+  numbers("torque T", Property::T, "units");
+  numbers("limit MT", Property::Mt, "units");
+  numbers("TSTOP", Property::Tstop, "ms");
+  numbers("strain", Property::Sg, "counts");
+  numbers("puck", Property::Temp, "deg C");
+  numbers("motor", Property::Therm, "deg C");
+  numbers("limit", Property::Otemp, "deg C");
+  numbers("supply", Property::Vbus, "V");
+  numbers("awake for", Property::Upsecs, "s");
+  bool asleep = false, lost = false;
+  for (std::size_t i = 0; i < reading.pucks.size(); ++i) {
+    const hal::PuckReading& p = reading.pucks[i];
+    asleep = asleep || p.of(Property::Stat) == 0;
+    lost = lost || (p.awake() && !p.zero_known());
+    const auto mode = p.of(Property::Mode);
+    if (i != kSpread && mode && *mode != 0)
+      t += fmt::format("{} is on (MODE {}){}\n", puck_name(i), *mode,
+                       p.of(Property::Tstop) == 0 ? ", and nothing but a command ends that (TSTOP 0)" : "");
+  }
+  if (asleep)
+    t += "a puck is asleep, as after switching on, and does not know its zero: colift hal hand init\n";
+  else if (lost)
+    t += "a zero is not known: colift hal hand init\n";
+  return t;
+}
+
+std::string hand_reading_document(const std::string& bus, const hal::HandReading& reading) {
+  const std::string fault = hand_reading_fault(reading);
+  Json j = {{"schema", "colift.hal.hand/1"}, {"verb", "state"}};
+  j["result"] = {{"outcome", to_string(fault.empty() ? TaskOutcome::Done : TaskOutcome::Failed)},
+                 {"because", fault},
+                 {"moved", false}};
+  j["bus"] = {{"name", bus}, {"round_trip_ms", 1e3 * hal::seconds(reading.round_trip)}};
+  j["pucks"] = Json::array();
+  for (std::size_t i = 0; i < reading.pucks.size(); ++i) {
+    const hal::PuckReading& p = reading.pucks[i];
+    Json puck = {{"name", puck_name(i)},
+                 {"silent", !p.answers},
+                 {"status", status_word(p)},
+                 {"zero_lost", p.awake() ? Json(!p.zero_known()) : Json(nullptr)},
+                 {"groups",
+                  {number(p.of(Property::GrpA)), number(p.of(Property::GrpB)), number(p.of(Property::GrpC))}},
+                 {"joint", number(p.joint)}};
+    constexpr std::array<std::pair<const char*, Property>, 16> kKeys{{{"error", Property::Error},
+                                                                      {"firmware", Property::Vers},
+                                                                      {"role", Property::Role},
+                                                                      {"serial", Property::Sn},
+                                                                      {"mode", Property::Mode},
+                                                                      {"position", Property::P},
+                                                                      {"torque_units", Property::T},
+                                                                      {"torque_limit_units", Property::Mt},
+                                                                      {"tstop_ms", Property::Tstop},
+                                                                      {"hold", Property::Hold},
+                                                                      {"strain_counts", Property::Sg},
+                                                                      {"puck_c", Property::Temp},
+                                                                      {"motor_c", Property::Therm},
+                                                                      {"limit_c", Property::Otemp},
+                                                                      {"supply_v", Property::Vbus},
+                                                                      {"awake_for_s", Property::Upsecs}}};
+    for (const auto& [key, property] : kKeys) puck[key] = number(p.of(property));
+    j["pucks"].push_back(std::move(puck));
+  }
+  return j.dump();
+}
+
 std::string hand_document(const std::string& verb, const HandView& v, const HandTask& task,
                           const HandTaskEnd& e) {
   const auto& r = v.report;
@@ -159,6 +294,11 @@ std::string hand_document(const std::string& verb, const HandView& v, const Hand
     j["result"]["held"] = e.after.held && !e.weak;
     j["result"]["weak"] = e.weak;
     j["result"]["least_force"] = e.min_force_n;
+  }
+  if (!e.motors.empty()) {
+    j["result"]["motors"] = e.motors;
+    j["result"]["modes"] = Json::array();
+    for (const auto& mode : e.modes) j["result"]["modes"].push_back(number(mode));
   }
   j["bus"] = {{"name", v.bus},
               {"state", word(r.bus)},
@@ -182,6 +322,7 @@ std::string hand_document(const std::string& verb, const HandView& v, const Hand
                           {"zero_lost", r.zero_lost[i]},
                           {"broken_away", i < kSpread && r.broken_away[i]},
                           {"temperature_c", r.temperature_c[i]}});
+  j["start"] = r.remark.str();
   j["palm_force"] = r.palm_force_n;
   j["loaded"] = r.loaded;
   j["slipped"] = r.slipped;

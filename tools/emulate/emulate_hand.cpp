@@ -122,6 +122,9 @@ std::string emulate_hand_json(const EmulateHandOptions& o, const HandEmulatorRep
     if (r.broken[i] > 0)
       rules.push_back(
           {{"rule", sim_hal::kHandRuleNames[i]}, {"times", r.broken[i]}, {"because", r.first[i]}});
+  Json excused = Json::array();
+  for (std::size_t i = 0; i < sim_hal::kHandRules; ++i)
+    if (r.excused[i] > 0) excused.push_back({{"rule", sim_hal::kHandRuleNames[i]}, {"times", r.excused[i]}});
   const Json j = {
       {"schema", "colift.emulate/1"},
       {"device", "hand"},
@@ -141,6 +144,7 @@ std::string emulate_hand_json(const EmulateHandOptions& o, const HandEmulatorRep
       {"initialised", r.initialised},
       {"broken_rules", rules},
       {"broken_rules_in_all", rules_broken(r)},
+      {"excused_by_faults", excused},
       {"timing", {{"late", timing.late}, {"worst_late_ms", timing.worst_late_ms}, {"wall_s", timing.wall_s}}},
   };
   return j.dump(-1, ' ', false, Json::error_handler_t::replace);

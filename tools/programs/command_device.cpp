@@ -66,7 +66,8 @@ void add_hal_hand(CommandLine& line, CLI::App& hand, HalOptions& o) {
   };
   yes(add_verb(hand, "init", "Wakes the pucks and opens all joints to their stops to find their zeros", o,
                line));
-  for_s(add_verb(hand, "state", "State; no motion", o, line), "Observation time (default 1)");
+  for_s(add_verb(hand, "state", "What each puck answers; read-only, also of a cold hand", o, line),
+        "Ignored: the state is read once");
   for_s(add_verb(hand, "watch", "State continuously; no motion", o, line),
         "Duration (default: until interrupted)");
   for_s(add_verb(hand, "tactile", "Forces on the tactile pads; no motion", o, line),

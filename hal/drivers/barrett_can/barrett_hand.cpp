@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <numbers>
@@ -28,6 +29,7 @@ const char* where_of(const HandFault& trouble) {
 }
 
 constexpr Duration kGap = std::chrono::milliseconds(30);  // nobody let the hand run
+constexpr Duration kToRest = std::chrono::milliseconds(75), kReadBack = std::chrono::milliseconds(25);
 constexpr Duration kCatchUp = std::chrono::milliseconds(3);
 
 Duration from_seconds(double s) {
@@ -66,6 +68,7 @@ struct BarrettHand::Impl {
   std::atomic<bool> stop_wished{false};
   Timestamp polled_at{0};
   ShortText last_error, bus_words, remark;
+  std::array<std::optional<std::int32_t>, kPucks> mode_at_rest{};
   LatestValue<Facts> told_health;
   LatestValue<HandReport> told_report;
 
@@ -110,6 +113,10 @@ struct BarrettHand::Impl {
     if (can.state == CanHealth::State::Warning || can.state == CanHealth::State::Passive)
       say(bus_words, "the bus is error {} ({} error frames): go slower, look at cable and termination",
           can.state == CanHealth::State::Warning ? "warning" : "passive", can.error_frames);
+    else if (link.round_trip().slow())
+      say(bus_words,
+          "slow link: the pucks answer after {:.0f} ms (expected within {:.0f}), faults show later",
+          1e3 * seconds(link.round_trip().worst()), config.reply_ms);
     else
       bus_words = {};
     const std::array<const ShortText*, 4> lesser{&watch.warning(), &bus_words, &motion.why(), &remark};
@@ -136,10 +143,34 @@ struct BarrettHand::Impl {
       const GoodPosition& p = watch.good(finger);
       r.broken_away[index(finger)] = broken_away(p.motor, p.joint);
     }
+    r.mode_at_rest = mode_at_rest;
     r.palm_force_n = pad_force(link, facts, Puck::Spread, clock.now());
     r.why = motion.why();
     r.warning = watch.warning();
+    r.remark = remark;
     told_report.write(r);
+  }
+
+  /// Nobody acknowledges a setting: the modes are read once they were all taken or the time is up.
+  void read_back_modes() {
+    mode_at_rest = {};
+    const Timestamp start = clock.now();
+    const auto pump_while = [&](Duration limit, const auto& pending) {
+      for (int i = 0; i < 200 && pending() && clock.now() - start < limit; ++i)
+        link.pump(std::chrono::milliseconds(1));
+    };
+    const auto asking = [&] {
+      return std::any_of(kAllPucks.begin(), kAllPucks.end(),
+                         [&](Puck p) { return link.pending(p, Property::Mode); });
+    };
+    pump_while(kToRest, [&] { return link.busy() || asking(); });
+    const Timestamp asked = clock.now();
+    for (const Puck puck : kAllPucks) link.ask(puck, Property::Mode);
+    pump_while(kToRest + kReadBack, asking);
+    for (const Puck puck : kAllPucks) {
+      const Reported& mode = link.reported(puck, Property::Mode);
+      if (mode.known && mode.asked_at >= asked) mode_at_rest[index(puck)] = mode.value;
+    }
   }
 
   [[nodiscard]] bool stale() const {
@@ -210,8 +241,8 @@ Result<> BarrettHand::configure() {
   h.life = Impl::Life::Configured;
   // everything is told once before the hand counts as configured
   const Timestamp start = h.clock.now();
-  for (int i = 0; i < 1000 && !h.watch.all_known() && h.clock.now() - start < std::chrono::milliseconds(100);
-       ++i)
+  const auto old = [&] { return !h.watch.all_known() || h.watch.oldest_position() < start; };
+  for (int i = 0; i < 1000 && old() && h.clock.now() - start < std::chrono::milliseconds(300); ++i)
     h.poll(std::chrono::milliseconds(1));
   h.publish();
   return {};
@@ -222,6 +253,7 @@ Result<> BarrettHand::activate() {
   if (h.life != Impl::Life::Configured && h.life != Impl::Life::Active)
     return h.fail(ErrorCode::NotReady, "hand.activate", "the hand is not open, call configure() first");
   h.life = Impl::Life::Active;
+  h.mode_at_rest = {};
   h.motion.resume();
   h.publish();
   return {};
@@ -232,9 +264,7 @@ void BarrettHand::deactivate() noexcept {
   if (h.life != Impl::Life::Active) return;
   h.life = Impl::Life::Configured;
   h.motion.idle();
-  const Timestamp start = h.clock.now();
-  for (int i = 0; i < 50 && h.link.busy() && h.clock.now() - start < std::chrono::milliseconds(20); ++i)
-    h.link.pump(std::chrono::milliseconds(1));
+  h.read_back_modes();
   h.publish();
 }
 
@@ -309,6 +339,38 @@ Result<> BarrettHand::release() {
 
 void BarrettHand::stop() noexcept {
   impl_->stop_wished = true;
+}
+
+bool fingers_rest(const HandReport& report) {
+  return std::all_of(kFingerPucks.begin(), kFingerPucks.end(),
+                     [&](Puck p) { return report.mode_at_rest[index(p)] == kModeIdle; });
+}
+
+std::string motors_at_rest(const HandReport& report) {
+  std::string rests, keeps, on, unknown;
+  const auto add = [](std::string& to, std::string words) {
+    to += to.empty() ? std::move(words) : ", " + words;
+  };
+  for (const Puck puck : kAllPucks) {
+    const auto& mode = report.mode_at_rest[index(puck)];
+    if (!mode)
+      add(unknown, std::string(name(puck)));
+    else if (*mode == kModeIdle)
+      add(rests, std::string(name(puck)));
+    else if (*mode == kModePid && puck == Puck::Spread)
+      add(keeps, std::string(name(puck)));
+    else
+      add(on, fmt::format("{} (MODE {})", name(puck), *mode));
+  }
+  std::string text;
+  const auto group = [&](const std::string& who, const char* what) {
+    if (!who.empty()) text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", what, who);
+  };
+  group(rests, "motors at rest, as read back");
+  group(keeps, "keeps its angle");
+  group(on, "STILL ON");
+  group(unknown, "not read back, unknown");
+  return text;
 }
 
 }  // namespace colift::hal

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "hal/can_bus.hpp"
 #include "hal/drivers/barrett_can/hand_config.hpp"
@@ -24,9 +26,18 @@ struct HandReport {
   std::array<double, 4> temperature_c{};     ///< Of puck or motor, the hotter; NaN when not told.
   double palm_force_n = 0.0;                 ///< NaN without tactile pads.
   std::uint64_t error_frames = 0, bus_offs = 0, not_sent = 0;
+  /// MODE of each motor as it was read back after deactivate(); nullopt: not read back, so not known.
+  std::array<std::optional<std::int32_t>, 4> mode_at_rest{};
   ShortText why;      ///< How the last move ended, if not as wished.
-  ShortText warning;  ///< Heat or torque.
+  ShortText warning;  ///< Heat, torque, another program that asks.
+  ShortText remark;   ///< Of the start: what does not keep the hand from working.
 };
+
+/// What deactivate() read back of the motors, in one sentence: who rests, who keeps its angle, who goes on
+/// pressing, of whom it is not known.
+[[nodiscard]] std::string motors_at_rest(const HandReport& report);
+/// All three fingers were read back as idle.
+[[nodiscard]] bool fingers_rest(const HandReport& report);
 
 /// The BarrettHand BH8-282 (and 280) over a CAN bus. The bus and the clock have to outlive the hand, and time
 /// stamps of frames have to be of that clock.
@@ -50,7 +61,8 @@ class BarrettHand final : public Hand {
   /// the hand is loaded nothing moves.
   Result<> configure() override;
   Result<> activate() override;
-  /// The motors rest, the worms keep what is held. Waits up to 20 ms to get that through.
+  /// The motors rest, the worms keep what is held; the spread of a loaded hand, which has none, keeps its
+  /// angle. Waits up to 0.1 s to get that through and to read it back: report().mode_at_rest.
   void deactivate() noexcept override;
   [[nodiscard]] DeviceHealth health() const override;
 

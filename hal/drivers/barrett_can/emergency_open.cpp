@@ -16,7 +16,7 @@ namespace {
 using namespace barrett;
 
 constexpr const char* kWhere = "hand.emergency_open";
-constexpr double kAnswer_s = 0.1;                                     // three tries of a puck that is awake
+constexpr double kAnswer_s = 0.35;                                    // three tries, on a slow link too
 constexpr double kSettings_s = 0.3;                                   // six settings, read back
 constexpr std::int32_t kTravel = kClosedCounts + kClosedCounts / 10;  // beyond the open stop from anywhere
 constexpr std::int32_t kStill = 50;                                   // counts between two looks
@@ -36,6 +36,7 @@ class Opener {
         link_(bus, clock, of_seconds(1e-3 * config.reply_ms), of_seconds(1e-3 * config.tactile_reply_ms)) {}
 
   Result<std::array<FingerOpening, 3>> run() {
+    link_.measure_round_trip(of_seconds(kAnswer_s));
     find();
     if (std::none_of(fingers_.begin(), fingers_.end(), [](const auto& f) { return f.answers; }))
       return failure(ErrorCode::LinkLost, kWhere,

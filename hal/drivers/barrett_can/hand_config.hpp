@@ -43,12 +43,14 @@ struct BarrettHandConfig {
   double still_s = 0.5;
   double stopped_ms = 100.0;
   double verify_s = 0.15;
+  double press_ms = 1000.0;
   double reopen_s = 1.0;
 
   double contact_nm = 0.08;
   double contact_n = 0.3;
   double slip_rad = 0.03;
   double slip_share = 0.5;
+  double spread_slip_rad = 0.1;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -90,6 +92,8 @@ struct BarrettHandConfig {
     v("still_s", still_s, kPositive, "A finger that does not move for this long does not move (s).");
     v("stopped_ms", stopped_ms, Range{20, 1000}, "A puck ends its move after this long without motion (ms).");
     v("verify_s", verify_s, kPositive, "Time for which a grip has to be measured before it counts (s).");
+    v("press_ms", press_ms, Range{200, 30'000},
+      "A pressing finger's motor rests this long after the driver's last word: its worm holds (ms).");
     v("reopen_s", reopen_s, Range{0.1, 60}, "A lost bus is opened again no more often than this (s).");
     v("contact_nm", contact_nm, kPositive, "Strain above idle that counts as contact (N m).");
     v.renamed("felt_nm", "contact_nm");
@@ -98,6 +102,8 @@ struct BarrettHandConfig {
     v("slip_rad", slip_rad, kPositive,
       "Holding fingers that close by this much in the mean have slipped (rad).");
     v("slip_share", slip_share, kFraction, "A grip force that falls to this share at once is a slip.");
+    v("spread_slip_rad", spread_slip_rad, kPositive,
+      "A loaded spread that turns by this much has given way: it has no worm gear (rad).");
   }
 };
 

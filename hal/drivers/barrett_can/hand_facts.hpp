@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "hal/drivers/barrett_can/hand_units.hpp"
@@ -15,6 +16,14 @@
 
 namespace colift::hal::barrett {
 
+/// A position that was judged: a jump that the motor cannot make is not taken over.
+struct GoodPosition {
+  std::int32_t motor = 0;
+  std::optional<std::int32_t> joint;
+  Timestamp at{0};
+  bool known = false;
+};
+
 /// What start-up found out about the hand, and what was lost of it since.
 struct HandFacts {
   bool has_strain = false, has_tactile = false;
@@ -22,7 +31,12 @@ struct HandFacts {
   std::array<bool, kPucks> pad_works{};
   std::array<bool, kPucks>
       zero_lost{};  ///< Its encoder's zero is not that of the joint: it has to be found anew.
+  /// Why the zero is lost: the encoder jumped by so many counts; 0: the puck was reset.
+  std::array<std::int32_t, kPucks> jumped_by{};
   std::array<bool, kPucks> mode_lost{};  ///< It fell out of the mode that it was told.
+  bool commanded_by_others = false;      ///< Nothing is renewed then: two programs would pull at one finger.
+  std::array<GoodPosition, kPucks> good{};
+  std::array<bool, kPucks> jump_pending{};  ///< Its last position was no possible one: it is asked once more.
   std::array<double, kFingers> strain_idle{2048.0, 2048.0, 2048.0};  ///< Of an open hand.
   std::array<double, kFingers> otemp_c{60.0, 60.0, 60.0};  ///< Where its puck gives no torque any more.
 };

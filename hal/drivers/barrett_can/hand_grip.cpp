@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "hal/drivers/barrett_can/hand_motion.hpp"
+#include "hal/types/units.hpp"
 
 namespace colift::hal::barrett {
 namespace {
@@ -12,17 +13,21 @@ constexpr double kOpposed_rad = std::numbers::pi / 3;  // of spread: up to here 
 // Of the torque that a finger keeps up, measured at its gauge: less is no grip. The units per N m of a motor
 // are known to a third.
 constexpr double kHeldFraction = 0.4;
+constexpr int kSpreadReadings = 2;  // in a row
+// Of the time after which a puck ends its pressing: when it is renewed, and from when on it may have run out
+// though the last renewal left (which nobody acknowledges).
+constexpr double kRenewAfter = 0.3, kRanOutAfter = 0.5;
+constexpr Duration kFresh = std::chrono::milliseconds(15);  // of a mode
 constexpr double kRelaxed_nm = 0.5;  // a finger that its puck let off presses again below
 
 }  // namespace
 
 bool HandMotion::measured(Puck finger, Timestamp now) const {
-  const Reported& p = link_.reported(finger, Property::P);
-  const Reported& joint = link_.reported(finger, Property::Jp);
+  const GoodPosition& p = facts_.good[index(finger)];
   // comparisons with NaN are false
   return strain_above_idle(link_, facts_, finger) > config_.contact_nm ||
          pad_force(link_, facts_, finger, now) > config_.contact_n ||
-         broken_away(p.value, joint.known ? std::optional(joint.value) : std::nullopt);
+         (p.known && broken_away(p.motor, p.joint));
 }
 
 // F3 bears what F1 and F2 press: no fingertip may get more than was wished, and no gauge more than it stands.
@@ -32,15 +37,41 @@ double HandMotion::share(Puck finger) const {
   return 0.5 / std::cos(spread_rad);
 }
 
-// The motor goes on pressing against what stopped it: without TSTOP the puck never ends the move.
+// The motor goes on pressing against what stopped it, for so long that it is renewed three times: a program
+// that dies leaves no motor on, and the worm holds without it.
 void HandMotion::press(Puck finger) {
   rests_[index(finger)] = false;
   link_.drop_settings(finger);
   link_.set(finger, Property::Mt, static_cast<std::int32_t>(hold_units_[index(finger)]), true);
-  link_.set(finger, Property::Tstop, 0, true);
+  link_.set(finger, Property::Tstop, static_cast<std::int32_t>(config_.press_ms), true);
   if (facts_.has_strain) link_.set(finger, Property::Hsg, 0, true);
   link_.set(finger, Property::E, kClosedCounts, true);
   link_.set(finger, Property::Mode, kModeTrapezoid, false);
+}
+
+bool HandMotion::pressing_ran_out(Puck finger, Timestamp now) const {
+  return 1e3 * seconds(now - link_.mode_set_at(finger)) > kRanOutAfter * config_.press_ms;
+}
+
+void HandMotion::renew_pressing(Timestamp now) {
+  if (!pressing_ || facts_.commanded_by_others) return;
+  for (const Puck finger : kFingerPucks) {
+    const std::size_t f = index(finger);
+    // a puck that counts from elsewhere may take the end of its move for behind it, and open
+    if (!contact_[f] || rests_[f] || facts_.zero_lost[f] || facts_.mode_lost[f] || facts_.jump_pending[f])
+      continue;
+    if (link_.busy(finger) || link_.silent(finger) || link_.repeats(finger)) continue;
+    const Timestamp set_at = link_.mode_set_at(finger);
+    if (1e3 * seconds(now - set_at) < kRenewAfter * config_.press_ms) continue;
+    const Reported& mode = link_.reported(finger, Property::Mode);
+    if (!pressing_ran_out(finger, now)) {
+      // one that ended its pressing because of something else is not healed unseen: the monitor judges it
+      const bool fresh = mode.known && now - mode.asked_at <= kFresh + link_.round_trip().worst();
+      if (!fresh) link_.ask(finger, Property::Mode);
+      if (!fresh || mode.value != kModeTrapezoid) continue;
+    }
+    link_.set(finger, Property::Mode, kModeTrapezoid, false);
+  }
 }
 
 void HandMotion::press() {
@@ -155,6 +186,23 @@ void HandMotion::verify(Timestamp now) {
   }
   phase_ = Phase::Held;
   slip_.start();
+  spread_turned_ = false;
+}
+
+// The only joint without a worm gear: a load that is heavier than its motor turns it, with closed fingers.
+void HandMotion::watch_spread() {
+  const GoodPosition& spread = facts_.good[index(Puck::Spread)];
+  if (!loaded_ || moving() || !spread.known) return;
+  if (facts_.zero_lost[index(Puck::Spread)] || facts_.jump_pending[index(Puck::Spread)]) return;
+  if (!spread_kept_) spread_kept_ = spread.motor;
+  if (spread.at <= spread_seen_ || spread_turned_) return;
+  spread_seen_ = spread.at;
+  const double turned_rad = (spread.motor - *spread_kept_) / kSpreadCounts_rad;
+  spread_off_ = std::abs(turned_rad) > config_.spread_slip_rad ? spread_off_ + 1 : 0;
+  if (spread_off_ < kSpreadReadings) return;
+  spread_turned_ = true;
+  say(why_, "the spread turned by {:.0f} degrees under load (limit {:.0f}): what is held may fall",
+      rad_to_deg(turned_rad), rad_to_deg(config_.spread_slip_rad));
 }
 
 void HandMotion::watch_grip(Timestamp now) {
@@ -162,12 +210,13 @@ void HandMotion::watch_grip(Timestamp now) {
   Timestamp at = now;
   for (const Puck finger : kFingerPucks) {
     const std::size_t f = index(finger);
-    const Reported& p = link_.reported(finger, Property::P);
-    inner[f] = p.value / kFingerCounts_rad;
+    // a leap is told as what it is, not as fingers that close: once it has been judged
+    if (contact_[f] && facts_.jump_pending[f]) return;
+    inner[f] = position(finger) / kFingerCounts_rad;
     strain[f] = strain_above_idle(link_, facts_, finger);
     pads[f] = pad_force(link_, facts_, finger, now);
-    at = std::min(at, p.at);
-    if (contact_[f] && !facts_.zero_lost[f] && p.value >= kClosedCounts - kNear) contact_[f] = false;
+    at = std::min(at, link_.reported(finger, Property::P).at);
+    if (contact_[f] && !facts_.zero_lost[f] && position(finger) >= kClosedCounts - kNear) contact_[f] = false;
   }
   std::array<bool, kFingers> holding = contact_;
   for (std::size_t f = 0; f < kFingers; ++f) holding[f] = holding[f] && !facts_.zero_lost[f];

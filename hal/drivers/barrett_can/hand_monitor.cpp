@@ -23,25 +23,28 @@ Duration ms(double value) {
 
 HandMonitor::HandMonitor(const BarrettHandConfig& config, PuckLink& link, BusMonitor& bus, HandFacts& facts,
                          HandMotion& motion)
-    : config_(config), link_(link), bus_(bus), facts_(facts), motion_(motion) {
+    : config_(config), link_(link), bus_(bus), facts_(facts), motion_(motion), others_(link, facts) {
   measure_.period = ms(config.measure_ms);
   status_.period = ms(config.status_ms);
   mode_.period = ms(2.0 * config.measure_ms);
   pads_.period = ms(config.tactile_ms);
   palm_.period = ms(5.0 * config.tactile_ms);
   heat_.period = ms(0.5 * config.temperature_ms);  // puck and motor in turn
-  torque_.period = ms(100.0);
+  torque_.period = ping_.period = ms(100.0);
 }
 
 void HandMonitor::start() {
-  good_ = {};
+  facts_.good = {};
+  facts_.jump_pending = {};
+  facts_.commanded_by_others = false;
+  others_.start();
   jumps_ = {};
   jumped_to_ = {};
-  judged_at_ = mode_suspected_ = reset_suspected_ = {};
+  judged_at_ = mode_suspected_ = reset_suspected_ = mark_suspected_ = {};
   torques_over_ = {};
   strained_at_ = {};
   was_quiet_ = failed_ = without_ = {};
-  warm_ = hot_ = fades_ = over_torque_ = false;
+  warm_ = hot_ = fades_ = over_torque_ = spread_kept_on_ = false;
   warning_ = {};
 }
 
@@ -60,7 +63,9 @@ void HandMonitor::ask(Timestamp now) {
       link_.ask_lost(puck);
     }
     if (!motion_.moving()) link_.ask_all(Property::Mode);
+    others_.ask();
   }
+  if (ping_.due(now)) link_.ping();
   if (motion_.moving() && mode_.due(now)) link_.ask_all(Property::Mode);
   if (pads_.due(now))
     for (const Puck finger : kFingerPucks)
@@ -82,9 +87,22 @@ void HandMonitor::lose_zero(Puck puck) {
   motion_.stop();  // the others stay where they are; a grip is kept
 }
 
+// A reset puck has its factory's CT back; one that still has our mark counts from somewhere else, and its
+// mark is taken away, so that no program after this one believes it.
+void HandMonitor::lose_zero_by_jump(Puck puck, std::int32_t by) {
+  if (facts_.zero_lost[index(puck)]) return;
+  const Reported &stat = link_.reported(puck, Property::Stat), &ct = link_.reported(puck, Property::Ct);
+  const bool asleep = stat.known && stat.value == kStatReset;
+  const bool woken = ct.known && ct.asked_at > facts_.good[index(puck)].at && ct.value == factory_ct(puck);
+  lose_zero(puck);
+  if (asleep || woken) return;
+  facts_.jumped_by[index(puck)] = by;
+  link_.set(puck, Property::Ct, factory_ct(puck), false);
+}
+
 void HandMonitor::judge_position(Puck puck) {
   const Reported& p = link_.reported(puck, Property::P);
-  GoodPosition& good = good_[index(puck)];
+  GoodPosition& good = facts_.good[index(puck)];
   if (!p.known || p.at <= judged_at_[index(puck)]) return;
   judged_at_[index(puck)] = p.at;
   const Reported& joint = link_.reported(puck, Property::Jp);
@@ -92,13 +110,16 @@ void HandMonitor::judge_position(Puck puck) {
   if (good.known && std::abs(p.value - good.motor) > reach) {
     // once may be a bad frame; twice at one place, the encoder counts from somewhere else
     link_.ask(puck, Property::Stat);
+    link_.ask(puck, Property::Ct);
+    facts_.jump_pending[index(puck)] = true;
     std::int32_t& there = jumped_to_[index(puck)];
     const bool again = jumps_[index(puck)] > 0 && std::abs(p.value - there) <= reach;
     there = p.value;
     if (++jumps_[index(puck)] < (again ? 2 : kJumpsAbout)) return;
-    lose_zero(puck);
+    lose_zero_by_jump(puck, p.value - good.motor);
   }
   jumps_[index(puck)] = 0;
+  facts_.jump_pending[index(puck)] = false;
   good = {p.value, joint.known ? std::optional(joint.value) : std::nullopt, p.at, true};
 }
 
@@ -117,6 +138,7 @@ void HandMonitor::judge_status(Puck puck) {
     suspected = stat.at;  // once more, before anybody stops for it
     link_.ask(puck, Property::Stat);
   } else if (stat.at > suspected) {
+    facts_.jumped_by[index(puck)] = 0;
     lose_zero(puck);
   }
   // it is told with its code, for which three questions are waited at most
@@ -127,21 +149,42 @@ void HandMonitor::judge_status(Puck puck) {
   failed_[index(puck)] = in_error && code_asked;
 }
 
+// A puck that was reset and woken by somebody else between two looks has its factory's CT back.
+void HandMonitor::judge_mark(Puck puck) {
+  const Reported& ct = link_.reported(puck, Property::Ct);
+  Timestamp& suspected = mark_suspected_[index(puck)];
+  if (!ct.known || ct.value != factory_ct(puck) || facts_.zero_lost[index(puck)]) {
+    suspected = Timestamp{0};
+  } else if (suspected == Timestamp{0}) {
+    suspected = ct.at;
+    link_.ask(puck, Property::Ct);
+  } else if (ct.at > suspected) {
+    facts_.jumped_by[index(puck)] = 0;
+    lose_zero(puck);
+  }
+}
+
 void HandMonitor::judge_mode(Puck puck, Timestamp now) {
   const Reported& mode = link_.reported(puck, Property::Mode);
   Timestamp& suspected = mode_suspected_[index(puck)];
   if (puck != Puck::Spread && facts_.has_strain)
     if (const Reported& sg = link_.reported(puck, Property::Sg); sg.known && sg.value >= kStrainedFrom)
       strained_at_[index(puck)] = sg.at;
-  if (!motion_.pressing(puck, now) || !mode.known || mode.asked_at <= link_.mode_set_at(puck)) return;
-  if (mode.value == kModeTrapezoid) {
+  const bool keeps = puck == Puck::Spread
+                         ? motion_.keeps_spread() && spread_kept_on_
+                         : motion_.pressing(puck, now) && !motion_.pressing_ran_out(puck, now);
+  if (puck == Puck::Spread)  // by whatever mode; a hand that was found closed may have it off from the start
+    spread_kept_on_ = motion_.keeps_spread() && (spread_kept_on_ || (mode.known && mode.value != kModeIdle));
+  if (!keeps || !mode.known || mode.asked_at <= link_.mode_set_at(puck)) return;
+  if (puck == Puck::Spread ? mode.value != kModeIdle : mode.value == kModeTrapezoid) {
     suspected = Timestamp{0};
   } else if (suspected == Timestamp{0}) {
     suspected = mode.at;  // once more, before anybody stops for it
     link_.ask(puck, Property::Mode);
   } else if (mode.at > suspected) {
     suspected = Timestamp{0};
-    if (strained_at_[index(puck)] > Timestamp{0} && now - strained_at_[index(puck)] < kStrainedFor)
+    if (puck != Puck::Spread && strained_at_[index(puck)] > Timestamp{0} &&
+        now - strained_at_[index(puck)] < kStrainedFor)
       motion_.rest(puck);
     else
       facts_.mode_lost[index(puck)] = true;
@@ -210,13 +253,18 @@ void HandMonitor::step(Timestamp now) {
   for (const Puck puck : kAllPucks) {
     judge_status(puck);
     judge_position(puck);
+    judge_mark(puck);
     judge_mode(puck, now);
     judge_torque(puck);
     // it is back when its position is as fresh as those of the others
-    const bool fresh = seconds(now - good_[index(puck)].at) < 0.5 * config_.stale_s;
+    const bool fresh = seconds(now - facts_.good[index(puck)].at) < 0.5 * config_.stale_s;
     if (!link_.silent(puck) && fresh) without_[index(puck)] = false;
   }
   judge_heat();
+  others_.step(now);
+  if (!others_.commands() || facts_.commanded_by_others) return;
+  facts_.commanded_by_others = true;
+  motion_.stop();  // a grip is kept
 }
 
 void HandMonitor::go_without_silent() {
@@ -232,13 +280,13 @@ std::optional<Puck> HandMonitor::missing() const {
 }
 
 bool HandMonitor::all_known() const {
-  return std::all_of(good_.begin(), good_.end(), [](const GoodPosition& p) { return p.known; });
+  return std::all_of(facts_.good.begin(), facts_.good.end(), [](const GoodPosition& p) { return p.known; });
 }
 
 Timestamp HandMonitor::oldest_position() const {
   Timestamp oldest = Timestamp::max();
   for (const Puck puck : kAllPucks)
-    if (!without_[index(puck)]) oldest = std::min(oldest, good_[index(puck)].at);
+    if (!without_[index(puck)]) oldest = std::min(oldest, facts_.good[index(puck)].at);
   return oldest == Timestamp::max() ? Timestamp{0} : oldest;  // without any of them: no state
 }
 
@@ -263,9 +311,18 @@ std::optional<HandFault> HandMonitor::trouble() const {
     }
     if (facts_.zero_lost[index(puck)]) {
       t.code = ErrorCode::DeviceFault;
-      say(t.words, "{} was reset and has lost its zero{}", name(puck), held);
+      if (const std::int32_t by = facts_.jumped_by[index(puck)]; by != 0)
+        say(t.words, "the encoder of {} jumped by {} counts without a reset: it has lost its zero{}",
+            name(puck), by, held);
+      else
+        say(t.words, "{} was reset and has lost its zero{}", name(puck), held);
       return t;
     }
+  }
+  if (others_.commands()) {
+    t.code = ErrorCode::DeviceFault;
+    t.words = others_.words();
+    return t;
   }
   const auto silent =
       std::count_if(kAllPucks.begin(), kAllPucks.end(), [&](Puck p) { return link_.silent(p); });
@@ -284,7 +341,10 @@ std::optional<HandFault> HandMonitor::trouble() const {
   for (const Puck puck : kAllPucks) {
     if (!facts_.mode_lost[index(puck)]) continue;
     t.code = ErrorCode::DeviceFault;
-    say(t.words, "{} has fallen out of its mode and presses no more; its worm holds", name(puck));
+    if (puck == Puck::Spread)
+      say(t.words, "the spread has fallen out of its mode and nothing keeps its angle: support the object");
+    else
+      say(t.words, "{} has fallen out of its mode and presses no more; its worm holds", name(puck));
     return t;
   }
   return std::nullopt;

@@ -7,16 +7,9 @@
 #include "hal/drivers/barrett_can/hand_facts.hpp"
 #include "hal/drivers/barrett_can/hand_motion.hpp"
 #include "hal/drivers/barrett_can/pucks/bus_monitor.hpp"
+#include "hal/drivers/barrett_can/second_master.hpp"
 
 namespace colift::hal::barrett {
-
-/// A position that was judged: a jump that the motor cannot make is not taken over.
-struct GoodPosition {
-  std::int32_t motor = 0;
-  std::optional<std::int32_t> joint;
-  Timestamp at{0};
-  bool known = false;
-};
 
 /// Why the hand cannot be used now.
 struct HandFault {
@@ -40,7 +33,7 @@ class HandMonitor {
   /// a person or a controller knows, and goes on with the others.
   void go_without_silent();
   [[nodiscard]] std::optional<Puck> missing() const;  ///< One of those.
-  [[nodiscard]] const GoodPosition& good(Puck puck) const { return good_[index(puck)]; }
+  [[nodiscard]] const GoodPosition& good(Puck puck) const { return facts_.good[index(puck)]; }
   [[nodiscard]] Timestamp oldest_position() const;  ///< Of those that are not done without.
   [[nodiscard]] bool all_known() const;
   [[nodiscard]] double temperature_c(Puck puck) const;  ///< Of puck or motor, the hotter; NaN when not told.
@@ -48,16 +41,19 @@ class HandMonitor {
   [[nodiscard]] bool warm() const { return warm_; }
   [[nodiscard]] bool hot() const { return hot_; }
   [[nodiscard]] bool over_torque() const { return over_torque_; }
-  [[nodiscard]] const ShortText& warning() const { return warning_; }
+  /// Heat or torque, else another program that asks the pucks.
+  [[nodiscard]] const ShortText& warning() const { return warning_.empty() ? others_.warning() : warning_; }
 
  private:
   void ask(Timestamp now);
   void judge_position(Puck puck);
   void judge_status(Puck puck);
+  void judge_mark(Puck puck);
   void judge_mode(Puck puck, Timestamp now);
   void judge_heat();
   void judge_torque(Puck puck);
   void lose_zero(Puck puck);
+  void lose_zero_by_jump(Puck puck, std::int32_t by);
 
   struct Rhythm {
     Duration period{0};
@@ -74,14 +70,16 @@ class HandMonitor {
   BusMonitor& bus_;
   HandFacts& facts_;
   HandMotion& motion_;
-  Rhythm measure_, status_, mode_, pads_, palm_, heat_, torque_;
-  std::array<GoodPosition, kPucks> good_{};
+  SecondMaster others_;
+  Rhythm measure_, status_, mode_, pads_, palm_, heat_, torque_, ping_;
   std::array<int, kPucks> jumps_{}, torques_over_{};
   std::array<std::int32_t, kPucks> jumped_to_{};
-  std::array<Timestamp, kPucks> torque_seen_{}, judged_at_{}, mode_suspected_{}, reset_suspected_{};
+  std::array<Timestamp, kPucks> torque_seen_{}, judged_at_{}, mode_suspected_{}, reset_suspected_{},
+      mark_suspected_{};
   std::array<Timestamp, kFingers> strained_at_{};  ///< When a gauge last showed its most.
   std::array<bool, kPucks> was_quiet_{}, failed_{}, without_{};
   bool therm_next_ = false, warm_ = false, hot_ = false, fades_ = false, over_torque_ = false;
+  bool spread_kept_on_ = false;
   ShortText warning_;
 };
 

@@ -51,6 +51,7 @@ void HandMotion::let_rest(Puck puck) {
 void HandMotion::open_fingers() {
   pressing_ = false;
   contact_ = rests_ = {};
+  spread_kept_.reset();
   facts_.mode_lost = {};
   for (const Puck finger : kFingerPucks) {
     moves_[index(finger)].active = false;
@@ -80,6 +81,7 @@ void HandMotion::release() {
   turn_after_ = false;
   releasing_ = true;
   slip_.start();
+  spread_turned_ = false;
   open_fingers();
 }
 
@@ -88,6 +90,8 @@ void HandMotion::close(double torque_nm) {
   torque_nm_ = torque_nm;
   pressing_ = false;
   rests_ = {};
+  spread_kept_.reset();
+  spread_turned_ = false;
   for (const Puck finger : kFingerPucks)
     if (moves_[index(finger)].active) let_rest(finger);
   phase_ = Phase::Closing;
@@ -141,8 +145,12 @@ void HandMotion::stop() {
 void HandMotion::idle() {
   stop();
   pressing_ = false;
-  for (const Puck finger : kFingerPucks) let_rest(finger);
-  if (!loaded_) let_rest(Puck::Spread);
+  for (const Puck puck : kAllPucks) {
+    if (puck == Puck::Spread && loaded_) continue;  // it has no worm
+    link_.drop_settings(puck);
+    link_.set(puck, Property::Mode, kModeIdle, true);
+    moves_[index(puck)].active = false;
+  }
   if (phase_ == Phase::Verifying) phase_ = Phase::Still;
 }
 
@@ -165,6 +173,7 @@ std::optional<HandMotion::End> HandMotion::how_it_ended(Puck puck, const Move& m
     return stood ? End::NoMotion : End::Stalled;
   };
   if (link_.silent(puck)) return End::Silent;
+  if (facts_.jump_pending[index(puck)]) return std::nullopt;
   const Reported& mode = link_.reported(puck, Property::Mode);
   const Timestamp set_at = link_.mode_set_at(puck);
   if (mode.known && mode.asked_at > set_at && now > set_at + kModeSettles &&
@@ -229,6 +238,8 @@ void HandMotion::step(Timestamp now) {
       if (const auto refused = link_.take_refusal(finger))
         say(why_, "{} did not take {}: its worm alone holds", name(finger), property_info(*refused).name);
   for (const Puck puck : kAllPucks) step_move(puck, now);
+  watch_spread();
+  renew_pressing(now);
   switch (phase_) {
     case Phase::Still:
       break;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "hal/drivers/barrett_can/hand_config.hpp"
 #include "hal/drivers/barrett_can/hand_facts.hpp"
@@ -40,9 +41,13 @@ class HandMotion {
   [[nodiscard]] bool held() const { return phase_ == Phase::Held; }
   /// From the first contact of a close() to the end of a release(): the hand must not open by itself.
   [[nodiscard]] bool loaded() const { return loaded_; }
-  [[nodiscard]] bool slipped() const { return slip_.slipped(); }
+  [[nodiscard]] bool slipped() const { return slip_.slipped() || spread_turned_; }
   /// The motors press now; a puck that says another mode than trapezoid has lost it.
   [[nodiscard]] bool pressing(Puck finger, Timestamp now) const;
+  /// Its motor may have ended the pressing by itself, because nobody renewed it (a bus that was lost).
+  [[nodiscard]] bool pressing_ran_out(Puck finger, Timestamp now) const;
+  /// The spread was told to keep its angle, under a load that may turn it.
+  [[nodiscard]] bool keeps_spread() const { return loaded_ && !moving() && spread_kept_.has_value(); }
   [[nodiscard]] const ShortText& why() const { return why_; }
 
  private:
@@ -60,7 +65,11 @@ class HandMotion {
     End end = End::None;
   };
 
-  [[nodiscard]] std::int32_t position(Puck puck) const { return link_.reported(puck, Property::P).value; }
+  /// As it was accepted: a reading that may be a jump waits until the monitor has judged it.
+  [[nodiscard]] std::int32_t position(Puck puck) const {
+    const GoodPosition& good = facts_.good[index(puck)];
+    return good.known ? good.motor : link_.reported(puck, Property::P).value;
+  }
   [[nodiscard]] bool measured(Puck finger, Timestamp now) const;
   [[nodiscard]] bool any_active() const;
   void begin(Puck puck, std::int32_t target, double torque_units, int strain_limit);
@@ -73,6 +82,8 @@ class HandMotion {
   void verify(Timestamp now);
   bool press_again();
   void watch_grip(Timestamp now);
+  void watch_spread();
+  void renew_pressing(Timestamp now);
   void press();
   void press(Puck finger);
   void grip_up();
@@ -98,6 +109,10 @@ class HandMotion {
   bool verify_timed_ = false;
   int press_tries_ = 0;
   SlipDetector slip_;
+  std::optional<std::int32_t> spread_kept_;  ///< Counts when the grip began.
+  Timestamp spread_seen_{0};
+  int spread_off_ = 0;  ///< Readings in a row that are far from it.
+  bool spread_turned_ = false;
   ShortText why_;
 };
 

@@ -11,24 +11,19 @@ namespace {
 
 constexpr const char* kWhere = "hand.configure";
 constexpr int kOldestFirmware = 132, kOldestTactile = 142;
-constexpr double kOneAnswer_s = 0.1;  // three tries of a puck that is awake
-constexpr std::int32_t kZeroTolerance = 500;
-constexpr double kHiSilence_s = 1.0;  // the pucks say nothing for half a second after CMD 13
+constexpr Duration kMeasuring = std::chrono::milliseconds(500);  // of the link, before it is known
 constexpr double kAccel_q8 = 200.0;
-// Written into CT once the zero is known. A reset brings back the factory's value, so that it tells an
-// initialised puck from one that was off meanwhile (as OWD does with its own number).
-constexpr std::int32_t kMarkFinger = 194'987, kMarkSpread = 35'949;
 constexpr std::int32_t kClosedFrom = 12'000;  // 0.15 rad: such a finger may hold something
-
-std::int32_t mark(Puck puck) {
-  return puck == Puck::Spread ? kMarkSpread : kMarkFinger;
-}
 
 tl::unexpected<Error> fault(std::string words) {
   return failure(ErrorCode::DeviceFault, kWhere, std::move(words));
 }
 
 }  // namespace
+
+double HandStartup::one_answer_s() const {
+  return std::max(0.1, seconds(link_.three_tries()) + 0.02);
+}
 
 HandStartup::HandStartup(const BarrettHandConfig& config, CanBus& bus, PuckLink& link, HandFacts& facts,
                          const Clock& clock)
@@ -95,8 +90,9 @@ tl::unexpected<Error> HandStartup::nobody() const {
 }
 
 Result<> HandStartup::find_pucks() {
+  link_.measure_round_trip(kMeasuring);
   for (const Puck puck : kAllPucks) link_.ask(puck, Property::Stat);
-  (void)wait(kOneAnswer_s, [&] {
+  (void)wait(one_answer_s(), [&] {
     return std::none_of(kAllPucks.begin(), kAllPucks.end(),
                         [&](Puck p) { return link_.pending(p, Property::Stat); });
   });
@@ -104,7 +100,7 @@ Result<> HandStartup::find_pucks() {
   for (const Puck puck : kAllPucks) {
     // once more, alone
     const bool answers =
-        link_.reported(puck, Property::Stat).known || read(puck, Property::Stat, kOneAnswer_s);
+        link_.reported(puck, Property::Stat).known || read(puck, Property::Stat, one_answer_s());
     (answers ? here : silent).push_back(name(puck));
   }
   if (here.empty()) return nobody();
@@ -124,6 +120,8 @@ Result<> HandStartup::wake() {
     for (const Puck puck : kAllPucks) {
       if (link_.reported(puck, Property::Stat).value != kStatReset) continue;
       facts_.zero_lost[index(puck)] = true;
+      facts_.jumped_by[index(puck)] = 0;
+      link_.forget_settings(puck);
       link_.set(puck, Property::Stat, kStatReady, false);
       rest(0.01);
       woken = true;
@@ -133,14 +131,14 @@ Result<> HandStartup::wake() {
     bool asleep = false;
     for (const Puck puck : kAllPucks) {
       link_.forget(puck);
-      const auto stat = read(puck, Property::Stat, woken ? config_.wake_s : kOneAnswer_s);
+      const auto stat = read(puck, Property::Stat, woken ? config_.wake_s : one_answer_s());
       if (!stat)
         return failure(ErrorCode::LinkLost, kWhere,
                        fmt::format("{} is silent {:.1f} s after it was woken", name(puck),
                                    config_.boot_s + config_.wake_s));
       if (*stat == kStatError)
         return fault(fmt::format("{} reports an error (code {})", name(puck),
-                                 read(puck, Property::Error, kOneAnswer_s).value_or(-1)));
+                                 read(puck, Property::Error, one_answer_s()).value_or(-1)));
       asleep = asleep || *stat == kStatReset;
     }
     if (!asleep) return {};
@@ -158,9 +156,10 @@ Result<> HandStartup::identify() {
   facts_.tactile_format = config_.tactile == "top10" ? kTactTop10 : kTactFull;
   facts_.pad_works = {};
   for (const Puck puck : kAllPucks) {
-    const auto version = read(puck, Property::Vers, kOneAnswer_s),
-               role = read(puck, Property::Role, kOneAnswer_s);
-    const auto turn = read(puck, Property::Cts, kOneAnswer_s), ct = read(puck, Property::Ct, kOneAnswer_s);
+    const auto version = read(puck, Property::Vers, one_answer_s()),
+               role = read(puck, Property::Role, one_answer_s());
+    const auto turn = read(puck, Property::Cts, one_answer_s()),
+               ct = read(puck, Property::Ct, one_answer_s());
     if (!version || !role || !turn || !ct)
       return failure(ErrorCode::LinkLost, kWhere, fmt::format("{} does not say who it is", name(puck)));
     if ((*role & kRoleProduct) != kProductHand)
@@ -172,17 +171,18 @@ Result<> HandStartup::identify() {
     if (*turn != static_cast<std::int32_t>(kCountsPerTurn))
       return fault(fmt::format("{} counts {} per turn of its motor, expected {:.0f}", name(puck), *turn,
                                kCountsPerTurn));
-    marked_[index(puck)] = *ct == mark(puck);
+    marked_[index(puck)] = *ct == zero_mark(puck);
     if (puck != Puck::Spread && (*role & kRoleStrain) == 0) facts_.has_strain = false;
     if (puck != Puck::Spread) {
-      const auto otemp = read(puck, Property::Otemp, kOneAnswer_s);
+      const auto otemp = read(puck, Property::Otemp, one_answer_s());
       if (otemp && *otemp >= 20 && *otemp <= 100) facts_.otemp_c[index(puck)] = *otemp;
     }
     if (config_.tactile == "off" || (*role & kRoleTactile) == 0) continue;
     if (*version < kOldestTactile) {
-      remark_ = fmt::format("{} has firmware {}: tactile pads need {}", name(puck), *version, kOldestTactile);
-    } else if (const auto id = read(puck, Property::Tactid, kOneAnswer_s); !id || *id == kTactidBroken) {
-      remark_ = fmt::format("the tactile pad of {} did not start and is not used", name(puck));
+      add_remark(
+          fmt::format("{} has firmware {}: tactile pads need {}", name(puck), *version, kOldestTactile));
+    } else if (const auto id = read(puck, Property::Tactid, one_answer_s()); !id || *id == kTactidBroken) {
+      add_remark(fmt::format("the tactile pad of {} did not start and is not used", name(puck)));
       link_.forget(puck);
     } else {
       facts_.pad_works[index(puck)] = true;
@@ -196,7 +196,7 @@ Result<> HandStartup::join_group() {
   for (const Puck puck : kAllPucks) {
     bool member = false;
     for (const Property group : {Property::GrpA, Property::GrpB, Property::GrpC})
-      member = member || read(puck, group, kOneAnswer_s) == kHandGroup;
+      member = member || read(puck, group, one_answer_s()) == kHandGroup;
     // hands of 2010 listen to group 8; in RAM only, nothing is ever saved
     if (!member) link_.set(puck, Property::GrpC, kHandGroup, true);
   }
@@ -204,7 +204,7 @@ Result<> HandStartup::join_group() {
   bool all = joined;
   for (const Puck puck : kAllPucks) all = !link_.take_refusal(puck) && all;
   link_.use_group(all);
-  if (!all) remark_ = "not every puck joins the hand's group: they are asked one by one";
+  if (!all) add_remark("not every puck joins the hand's group: they are asked one by one");
   return {};
 }
 
@@ -226,83 +226,19 @@ Result<> HandStartup::write_working_values(bool loaded) {
   return settings_taken(2.0);
 }
 
-// A puck that looks for its stop says nothing for half a second. One that says at once that it is idle did
-// not get the command, and its position, 0 after a reset, would be taken for that of the stop.
-void HandStartup::start_finding(const Puck* first, std::size_t count) {
-  constexpr int kTries = 3;
-  std::array<bool, kPucks> started{};
-  for (int tries = 0; tries < kTries; ++tries) {
-    for (std::size_t i = 0; i < count; ++i) {
-      if (started[i]) continue;
-      link_.forget(first[i]);
-      link_.set(first[i], Property::Cmd, kCmdInitialise, false);
-    }
-    (void)wait(kOneAnswer_s, [&] { return !link_.busy(); });
-    rest(0.03);
-    for (std::size_t i = 0; i < count; ++i)
-      if (!started[i]) link_.ask(first[i], Property::Mode);
-    (void)wait(kOneAnswer_s, [&] {
-      return std::none_of(first, first + count, [&](Puck p) { return link_.pending(p, Property::Mode); });
-    });
-    bool all = true;
-    for (std::size_t i = 0; i < count; ++i) {
-      const Reported& mode = link_.reported(first[i], Property::Mode);
-      started[i] = !mode.known || (mode.value != kModeIdle && mode.value != kModePid);
-      all = all && started[i];
-    }
-    if (all) return;
+// A program that was killed leaves its motors on.
+void HandStartup::name_pressing() {
+  std::vector<std::string> on;
+  for (const Puck finger : kFingerPucks) {
+    const auto mode = read(finger, Property::Mode, one_answer_s());
+    if (mode && *mode != kModeIdle) on.push_back(fmt::format("{} (MODE {})", name(finger), *mode));
   }
+  if (!on.empty())
+    add_remark(fmt::format("found with motors on, left so by another program: {}", fmt::join(on, ", ")));
 }
 
-Result<> HandStartup::find_stops(const Puck* first, std::size_t count, double timeout_s) {
-  start_finding(first, count);
-  rest(kHiSilence_s);
-  for (std::size_t i = 0; i < count; ++i) link_.forget(first[i]);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Puck puck = first[i];
-    std::optional<std::int32_t> mode;
-    const bool stopped = wait(timeout_s, [&] {
-      const Reported& reported = link_.reported(puck, Property::Mode);
-      if (reported.known &&
-          (reported.value == kModeIdle || (puck == Puck::Spread && reported.value == kModePid))) {
-        mode = reported.value;
-        return true;
-      }
-      if (!link_.pending(puck, Property::Mode)) link_.ask(puck, Property::Mode);
-      return false;
-    });
-    if (!stopped)
-      return fault(fmt::format("{} did not find its stop within {:.0f} s: is something blocking it?",
-                               name(puck), timeout_s));
-    const auto at = read(puck, Property::P, kOneAnswer_s);
-    if (!at)
-      return failure(ErrorCode::LinkLost, kWhere,
-                     fmt::format("{} reports no position after initialising", name(puck)));
-    const Reported& joint = link_.reported(puck, Property::Jp);
-    if (std::abs(*at) > kZeroTolerance || (joint.known && std::abs(joint.value) > kZeroTolerance))
-      return fault(
-          fmt::format("{} is at {} counts (joint {}) after initialising, expected 0 within {}: did it meet "
-                      "something blocking it?",
-                      name(puck), *at, joint.known ? joint.value : 0, kZeroTolerance));
-    facts_.zero_lost[index(puck)] = false;
-  }
-  return {};
-}
-
-Result<> HandStartup::initialise() {
-  // old answers about the mode are from before
-  for (const Puck puck : kAllPucks) link_.forget(puck);
-  // fingers first: closed ones would meet the turning ones; once more, for they may have met each other
-  auto fingers = find_stops(kFingerPucks.data(), kFingerPucks.size(), config_.finger_initialise_s);
-  if (!fingers) {
-    for (const Puck puck : kFingerPucks) link_.forget(puck);
-    fingers = find_stops(kFingerPucks.data(), kFingerPucks.size(), config_.finger_initialise_s);
-  }
-  if (!fingers) return fingers;
-  const Puck spread = Puck::Spread;
-  if (auto turned = find_stops(&spread, 1, config_.spread_initialise_s); !turned) return turned;
-  for (const Puck puck : kAllPucks) link_.set(puck, Property::Ct, mark(puck), true);
-  return settings_taken(1.0);
+void HandStartup::add_remark(const std::string& words) {
+  remark_ += (remark_.empty() ? "" : "; ") + words;
 }
 
 void HandStartup::tare() {
@@ -318,11 +254,11 @@ void HandStartup::tare() {
     double sum = 0.0;
     int count = 0;
     for (int i = 0; i < kReadings; ++i)
-      if (const auto sg = read(finger, Property::Sg, kOneAnswer_s)) sum += *sg, ++count;
+      if (const auto sg = read(finger, Property::Sg, one_answer_s())) sum += *sg, ++count;
     if (count > 0) facts_.strain_idle[index(finger)] = sum / count;
     if (facts_.strain_idle[index(finger)] < 1500.0 || facts_.strain_idle[index(finger)] > 2600.0)
-      remark_ = fmt::format("the strain gauge of {} shows {:.0f} without load, expected about 2000",
-                            name(finger), facts_.strain_idle[index(finger)]);
+      add_remark(fmt::format("the strain gauge of {} shows {:.0f} without load, expected about 2000",
+                             name(finger), facts_.strain_idle[index(finger)]));
   }
 }
 
@@ -334,7 +270,7 @@ Result<> HandStartup::settle(bool loaded) {
     link_.set(puck, Property::Tact, facts_.tactile_format, false);
   }
   if (!loaded && !facts_.zero_lost[index(Puck::Spread)]) {
-    const auto at = read(Puck::Spread, Property::P, kOneAnswer_s);
+    const auto at = read(Puck::Spread, Property::P, one_answer_s());
     if (!at)
       return failure(ErrorCode::LinkLost, kWhere,
                      "the spread answers, but not about its position: check its group and firmware");
@@ -344,7 +280,7 @@ Result<> HandStartup::settle(bool loaded) {
   if (auto taken = settings_taken(1.0); !taken) return taken;
   for (const Puck puck : kAllPucks) {
     for (const Property p : {Property::P, Property::Mode, Property::Mt, Property::Temp, Property::Therm})
-      if (!read(puck, p, kOneAnswer_s))
+      if (!read(puck, p, one_answer_s()))
         return failure(ErrorCode::LinkLost, kWhere,
                        fmt::format("{} does not answer about {}", name(puck), property_info(p).name));
   }
@@ -367,6 +303,7 @@ Result<HandStartup::Outcome> HandStartup::run(bool loaded) {
   link_.clear_full();
   for (const Puck puck : kAllPucks) {
     link_.forget(puck);
+    link_.forget_settings(puck);
     (void)link_.take_refusal(puck);
   }
   facts_.mode_lost = {};
@@ -375,16 +312,24 @@ Result<HandStartup::Outcome> HandStartup::run(bool loaded) {
   if (auto known = identify(); !known) return tl::unexpected(known.error());
   if (auto joined = join_group(); !joined) return tl::unexpected(joined.error());
 
+  name_pressing();
+
   Outcome outcome;
   bool needed = config_.initialise == "always";
   for (const Puck puck : kAllPucks) {
+    if (const std::string doubt = doubt_zero(puck); !doubt.empty()) {
+      // nothing is opened on a suspicion: closed fingers may hold something
+      if (!loaded && config_.initialise != "always")
+        return failure(ErrorCode::NotReady, kWhere, doubt + ": free the hand, then colift hal hand init");
+      marked_[index(puck)] = false;
+    }
     if (!marked_[index(puck)]) facts_.zero_lost[index(puck)] = true;
     needed = needed || facts_.zero_lost[index(puck)];
   }
   if (!loaded && !needed) {
     // another program left it so, and may have left something in it
     for (const Puck finger : kFingerPucks)
-      outcome.closed = outcome.closed || read(finger, Property::P, kOneAnswer_s).value_or(0) > kClosedFrom;
+      outcome.closed = outcome.closed || read(finger, Property::P, one_answer_s()).value_or(0) > kClosedFrom;
   }
   const bool keep = loaded || outcome.closed;
   if (auto written = write_working_values(keep); !written) return tl::unexpected(written.error());
@@ -398,6 +343,9 @@ Result<HandStartup::Outcome> HandStartup::run(bool loaded) {
   }
   if (!keep) tare();
   if (auto settled = settle(keep); !settled) return tl::unexpected(settled.error());
+  if (link_.round_trip().slow())
+    add_remark(fmt::format("slow link: the pucks answer after {:.0f} ms (expected within {:.0f})",
+                           1e3 * seconds(link_.round_trip().worst()), config_.reply_ms));
   outcome.remark = remark_;
   return outcome;
 }

@@ -33,6 +33,11 @@ class HandStartup {
   [[nodiscard]] Result<> join_group();
   [[nodiscard]] Result<> write_working_values(bool loaded);
   [[nodiscard]] Result<> initialise();
+  /// Why a zero that looks known is not believed; empty: it is.
+  [[nodiscard]] std::string doubt_zero(Puck puck);
+  [[nodiscard]] Result<> note_power_on();
+  void name_pressing();
+  void add_remark(const std::string& words);
   void start_finding(const Puck* first, std::size_t count);
   [[nodiscard]] Result<> find_stops(const Puck* first, std::size_t count, double timeout_s);
   [[nodiscard]] Result<> settle(bool loaded);
@@ -44,6 +49,7 @@ class HandStartup {
   void rest(double for_s) {
     (void)wait(for_s, [] { return false; });
   }
+  [[nodiscard]] double one_answer_s() const;  ///< For three tries of a puck that is awake.
   [[nodiscard]] std::optional<std::int32_t> read(Puck puck, Property property, double limit_s);
   [[nodiscard]] Result<> settings_taken(double limit_s);
 
@@ -54,6 +60,7 @@ class HandStartup {
   const Clock& clock_;
   CanHealth before_;
   std::array<bool, kPucks> marked_{};
+  std::array<std::optional<std::int32_t>, kPucks> up_s_{};
   std::string remark_;
 };
 

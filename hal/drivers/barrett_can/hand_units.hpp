@@ -24,6 +24,16 @@ inline constexpr double kBothCounts_rad =                                      /
 inline constexpr double kSpreadCounts_rad = kCountsPerTurn * 17.5 / kTurn_rad;  ///< 11408.23.
 
 inline constexpr std::int32_t kClosedCounts = 195'000;  ///< Factory's CT of a finger; its stop is at 199 111.
+inline constexpr std::int32_t kClosedSpreadCounts = 35'950;  ///< Factory's CT of the spread.
+
+/// Written into CT once the zero is known. A reset brings back the factory's value, so that it tells an
+/// initialised puck from one that was off meanwhile (as OWD does with its own number).
+[[nodiscard]] constexpr std::int32_t zero_mark(Puck puck) {
+  return puck == Puck::Spread ? 35'949 : 194'987;
+}
+[[nodiscard]] constexpr std::int32_t factory_ct(Puck puck) {
+  return puck == Puck::Spread ? kClosedSpreadCounts : kClosedCounts;
+}
 inline constexpr std::int32_t kBreakawayCounts =
     9'500;  ///< Of P - 2.5 JP: the clutch of the finger has given way.
 

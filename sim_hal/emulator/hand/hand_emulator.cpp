@@ -12,24 +12,8 @@ using Kind = HandFault::Kind;
 using namespace prop;
 
 constexpr hal::Duration kTick = std::chrono::milliseconds(1);
-constexpr hal::Duration kHurried = std::chrono::microseconds(100);
-constexpr int kMostFrames = 1000;       // in one go: a babbling client must not hold the caller up
-constexpr std::int32_t kShut = 12'000;  // 0.15 rad: such a finger is in the spread's way
-constexpr std::int32_t kTurns = 1'000;  // 5 degrees of spread
-constexpr std::int32_t kMostTorque = 5'000;
-constexpr int kForeignEvery_ms = 10, kNoiseEvery_ms = 10;
+constexpr int kMostFrames = 1000;  // in one go: a babbling client must not hold the caller up
 constexpr std::array<const char*, kHandPucks> kNames{"F1", "F2", "F3", "spread"};
-
-bool risky(int property) {
-  for (const int p : {6, 7, 12, 13, kId, kSave, kDef, 61})
-    if (p == property) return true;
-  return false;
-}
-
-std::string name_of(int property) {
-  const HandProperty* p = hand_property(property);
-  return p == nullptr ? fmt::format("property {}", property) : std::string(p->name);
-}
 
 }  // namespace
 
@@ -59,6 +43,8 @@ hal::Result<> HandEmulator::start(hal::Timestamp now) {
   out_.clear();
   scan_due_ = {};
   last_set_ = {};
+  faulted_ = {};
+  turned_ = 0.0;
   began_.assign(config_.faults.size(), false);
   ended_ = began_;
   start_ = wire_free_ = now;
@@ -78,13 +64,6 @@ double HandEmulator::chance() {
 
 void HandEmulator::event(const std::string& text) const {
   if (on_event_) on_event_(t_s_, text);
-}
-
-void HandEmulator::broke(HandRule rule, std::string how) {
-  const auto r = static_cast<std::size_t>(rule);
-  if (report_.broken[r]++ > 0) return;
-  event(fmt::format("{}: {}", kHandRuleNames[r], how));
-  report_.first[r] = std::move(how);
 }
 
 const HandFault* HandEmulator::active(Kind kind, std::size_t puck) const {
@@ -114,59 +93,6 @@ void HandEmulator::reset(std::size_t puck, const char* reason) {
   pucks_[puck].reset();
   scan_due_[puck].reset();
   event(fmt::format("{} resets: {}", kNames[puck], reason));
-}
-
-void HandEmulator::inject(const HandFault& fault) {
-  config_.faults.push_back(fault);
-  began_.push_back(false);
-  ended_.push_back(false);
-}
-
-void HandEmulator::act(const HandFault& f, bool begins) {
-  if (f.kind == Kind::BusOff || f.kind == Kind::Down || f.kind == Kind::Full || f.kind == Kind::Passive) {
-    if (on_bus) on_bus(f.kind, begins);
-    return;
-  }
-  for (std::size_t p = 0; p < kHandPucks; ++p) {
-    if (!f.hits(p)) continue;
-    if (f.kind == Kind::Freeze) pucks_[p].freeze(begins);
-    if (!begins) continue;
-    if (f.kind == Kind::Reset) reset(p, "on request");
-    if (f.kind == Kind::BrownOut) reset(p, "the supply broke down");
-    if (f.kind == Kind::Off) reset(p, "no supply");
-    if (f.kind == Kind::Error) pucks_[p].fail(static_cast<int>(f.value));
-    if (f.kind == Kind::Jump) pucks_[p].shift(f.value);
-  }
-}
-
-void HandEmulator::run_faults() {
-  for (std::size_t i = 0; i < config_.faults.size(); ++i) {
-    const HandFault f = config_.faults[i];
-    if (f.active(t_s_) && !began_[i]) {
-      began_[i] = true;
-      event(fmt::format("fault {}", f.text));
-      act(f, true);
-    }
-    if (began_[i] && !ended_[i] && !f.active(t_s_)) {
-      ended_[i] = true;
-      act(f, false);
-    }
-    if (f.kind == Kind::Hot && f.active(t_s_))
-      for (std::size_t p = 0; p < kHandPucks; ++p)
-        if (f.hits(p)) pucks_[p].heat(f.value);
-  }
-  if (active(Kind::Noise, 0) != nullptr && ++noise_ms_ >= kNoiseEvery_ms) {
-    noise_ms_ = 0;
-    if (on_bus) on_bus(Kind::Noise, true);
-  }
-  if (active(Kind::Foreign, 0) != nullptr && ++foreign_ms_ >= kForeignEvery_ms) {
-    foreign_ms_ = 0;
-    hal::CanFrame f;  // node 10 to group 0
-    f.id = 0x540;
-    f.length = 4;
-    f.data = {0x85, 0, 0, 0};
-    if (bus_.send(f) != hal::CanBus::Sent::Yes) ++report_.not_sent;
-  }
 }
 
 hal::Timestamp HandEmulator::next_out() const {
@@ -200,17 +126,21 @@ void HandEmulator::tick() {
     HandMotor m = pucks_[p].decide();
     if (active(Kind::Off, p) != nullptr) m = {};
     if (active(Kind::Stuck, p) != nullptr) m.speed = 0.0;
+    if (p == kHandSpread) turn_from_outside(m);
+    if (p == kHandSpread && turned_ != 0.0) m.speed = 0.0;
     plant_.command(p, m);
   }
   plant_.advance(kTick);
   next_tick_ += kTick;
   t_s_ = hal::seconds(at - start_);
   for (std::size_t p = 0; p < kHandPucks; ++p) {
-    const HandJoint joint = plant_.joint(p);
+    HandJoint joint = plant_.joint(p);
+    if (p == kHandSpread) joint.motor += turned_;
     drawn += std::abs(joint.torque);
     if (pucks_[p].look(joint)) {
       if (p < kHandFingers) plant_.tighten(p);
       ++report_.initialised[p];
+      faulted_[p] = false;
       event(fmt::format("{} has found its stop", kNames[p]));
     }
     if (pucks_[p].ready() && !was_ready_[p]) event(fmt::format("{} is awake", kNames[p]));
@@ -242,7 +172,10 @@ void HandEmulator::flush(hal::Timestamp now) {
 void HandEmulator::deliver(const hal::CanFrame& frame, hal::Timestamp at) {
   if (!connected() || pucks_.empty()) return;
   if (!acknowledged()) {
-    broke(HandRule::Unacknowledged, fmt::format("frame {:03x} while no puck is awake", frame.id));
+    bool excused = false;
+    for (std::size_t p = 0; p < kHandPucks; ++p)
+      excused = excused || active(Kind::Off, p) != nullptr || active(Kind::Silent, p) != nullptr;
+    broke(HandRule::Unacknowledged, fmt::format("frame {:03x} while no puck is awake", frame.id), excused);
     if (on_unacknowledged) on_unacknowledged();
     return;
   }
@@ -277,34 +210,6 @@ void HandEmulator::hear(std::size_t p, const HandRequest& r, hal::Timestamp at) 
   }
 }
 
-void HandEmulator::judge_set(std::size_t p, int property, std::int32_t value, hal::Timestamp at) {
-  const HandPuck& puck = pucks_[p];
-  if (risky(property)) broke(HandRule::Risky, fmt::format("{} of {}", name_of(property), kNames[p]));
-  if (config_.judges_pace && last_set_[p] > hal::Timestamp(0) && at - last_set_[p] < kHurried)
-    broke(HandRule::Hurried, fmt::format("{} of {} {} us after another setting", name_of(property), kNames[p],
-                                         (at - last_set_[p]).count() / 1000));
-  last_set_[p] = at;
-  if (!puck.ready()) return;
-  const auto far = [&](std::int32_t goal) { return std::abs(1.0 * goal - puck.position()) > kTurns; };
-  if (property == kE && puck.value(kMode) == 5 && puck.get(kV).value_or(0) != 0 && far(puck.value(kE)) &&
-      value != puck.value(kE))
-    broke(HandRule::NewEnd,
-          fmt::format("{} is moving to {}, commanded {}", kNames[p], puck.value(kE), value));
-  if (property == kMt && value > kMostTorque)
-    broke(HandRule::TooMuchTorque, fmt::format("MT {} for {}", value, kNames[p]));
-  if (property == kMode && value >= 2 && value <= 4 && puck.value(kTstop) > 0)
-    broke(HandRule::StreamWithStop,
-          fmt::format("MODE {} of {} with TSTOP {}", value, kNames[p], puck.value(kTstop)));
-  const bool turns =
-      p == kHandSpread && ((property == kMode && value == 5 && far(puck.value(kE))) ||
-                           (property == kM && far(value)) || (property == kCmd && value == 13));
-  if (!turns) return;
-  for (std::size_t f = 0; f < kHandFingers; ++f)
-    if (plant_.joint(f).motor > kShut)
-      broke(HandRule::FingersInTheWay,
-            fmt::format("the spread turns while {} is at {:.0f} counts", kNames[f], plant_.joint(f).motor));
-}
-
 void HandEmulator::set(std::size_t p, int property, std::int32_t value, hal::Timestamp at) {
   judge_set(p, property, value, at);
   const bool was_asleep = pucks_[p].life() == HandPuck::Life::Monitor;
@@ -314,10 +219,10 @@ void HandEmulator::set(std::size_t p, int property, std::int32_t value, hal::Tim
       if (property == kTact && value == 0) scan_due_[p].reset();
       break;
     case HandPuck::Taken::Unknown:
-      broke(HandRule::UnknownProperty, fmt::format("set {} of {}", name_of(property), kNames[p]));
+      broke(HandRule::UnknownProperty, fmt::format("set {} of {}", hand_property_name(property), kNames[p]));
       break;
     case HandPuck::Taken::ReadOnly:
-      broke(HandRule::NotWritable, fmt::format("{} of {}", name_of(property), kNames[p]));
+      broke(HandRule::NotWritable, fmt::format("{} of {}", hand_property_name(property), kNames[p]));
       break;
     case HandPuck::Taken::Asleep:
       break;
@@ -347,7 +252,8 @@ void HandEmulator::answer(std::size_t p, const HandRequest& r, hal::Timestamp at
   const auto value = puck.get(r.property);
   if (!value) {
     broke(puck.knows(r.property) ? HandRule::NotReadable : HandRule::UnknownProperty,
-          fmt::format("asked {} for {}", kNames[p], name_of(r.property)));
+          fmt::format("asked {} for {}", kNames[p], hand_property_name(r.property)),
+          asleep_by_fault(p) && puck.knows(r.property) && hand_property(r.property)->readable());
     return;
   }
   const double swing = 2.0 * chance() - 1.0;

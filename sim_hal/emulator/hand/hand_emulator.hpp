@@ -79,7 +79,9 @@ class HandEmulator {
   [[nodiscard]] bool hears(std::size_t puck) const;
   [[nodiscard]] bool connected() const;
   [[nodiscard]] bool acknowledged() const;
-  void broke(HandRule rule, std::string how);
+  void broke(HandRule rule, std::string how, bool excused = false);
+  [[nodiscard]] bool asleep_by_fault(std::size_t puck) const;
+  void turn_from_outside(const HandMotor& spread);
   void event(const std::string& text) const;
   [[nodiscard]] double chance();
 
@@ -93,6 +95,8 @@ class HandEmulator {
   std::array<std::optional<hal::Timestamp>, kHandPucks> scan_due_{};
   std::array<hal::Timestamp, kHandPucks> last_set_{};
   std::array<bool, kHandPucks> was_ready_{};
+  std::array<bool, kHandPucks> faulted_{};  ///< A fault took its zero; until it has found its stop.
+  double turned_ = 0.0;                     ///< Counts that the spread was turned from outside.
   hal::Timestamp start_{0}, next_tick_{0}, wire_free_{0};
   double t_s_ = 0.0;
   int foreign_ms_ = 0, noise_ms_ = 0;

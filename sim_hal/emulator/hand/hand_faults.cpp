@@ -25,6 +25,9 @@ constexpr std::array kKinds{
     Row{"stuck", Kind::Stuck},
     Row{"freeze", Kind::Freeze},
     Row{"jump", Kind::Jump, 20000, -2e6, 2e6},
+    Row{"turn", Kind::Turn, 3000, -20000, 20000},
+    Row{"master", Kind::Master, 900, 0, 5000},
+    Row{"altered", Kind::Altered, 900, 0, 5000},
     Row{"brown-out", Kind::BrownOut},
     Row{"off", Kind::Off},
     Row{"foreign", Kind::Foreign},
@@ -50,6 +53,9 @@ hal::Result<> read_kind(std::string_view text, std::string_view what, HandFault&
   if (!row) return tl::unexpected(row.error());
   f.kind = row->kind;
   f.value = row->value;
+  if (f.kind == Kind::Turn && f.puck.value_or(kHandSpread) != kHandSpread)
+    return bad_fault(text, "a finger's worm cannot be turned from outside; only the spread has none");
+  if (f.kind == Kind::Turn) f.puck = kHandSpread;
   if (f.puck && f.kind >= Kind::BrownOut)
     return bad_fault(text, fmt::format("{} is of the whole hand", what));
   if (!value) return {};

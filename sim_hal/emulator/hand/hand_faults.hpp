@@ -21,12 +21,15 @@ struct HandFault : TimedFault {
     Corrupt,    ///< In `value` percent a bit is turned, as no real CAN does: a broken gateway.
     Wrong,      ///< They come with the next puck's identifier.
     // of a puck
-    Reset,   ///< Its monitor, its zero lost.
-    Error,   ///< STAT 1 with ERROR `value`.
-    Hot,     ///< Puck and motor have `value` degrees Celsius.
-    Stuck,   ///< Its motor does not turn.
-    Freeze,  ///< Its encoder tells the same position.
-    Jump,    ///< Its encoder jumps by `value` counts.
+    Reset,    ///< Its monitor, its zero lost.
+    Error,    ///< STAT 1 with ERROR `value`.
+    Hot,      ///< Puck and motor have `value` degrees Celsius.
+    Stuck,    ///< Its motor does not turn.
+    Freeze,   ///< Its encoder tells the same position.
+    Jump,     ///< Its encoder jumps by `value` counts.
+    Turn,     ///< Something turns the spread with `value` units of torque; fingers have worms.
+    Master,   ///< Another program, node 6, sets its MT to `value`.
+    Altered,  ///< Its MT is `value` from now on, and nobody saw why.
     // of all of them
     BrownOut,  ///< The supply breaks down: all are reset.
     Off,       ///< No supply: nobody acknowledges. Afterwards all are in their monitor.

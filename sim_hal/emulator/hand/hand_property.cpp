@@ -124,4 +124,9 @@ const HandProperty* hand_property(int number) {
   return row < 0 ? nullptr : &kRows[static_cast<std::size_t>(row)];
 }
 
+std::string hand_property_name(int number) {
+  const HandProperty* p = hand_property(number);
+  return p == nullptr ? "property " + std::to_string(number) : std::string(p->name);
+}
+
 }  // namespace colift::sim_hal

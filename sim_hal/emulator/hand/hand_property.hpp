@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace colift::sim_hal {
@@ -31,5 +32,7 @@ struct HandProperty {
 
 /// Null: no firmware has it, or it is the second word of a 32-bit one.
 [[nodiscard]] const HandProperty* hand_property(int number);
+/// Its name, or "property NUMBER".
+[[nodiscard]] std::string hand_property_name(int number);
 
 }  // namespace colift::sim_hal

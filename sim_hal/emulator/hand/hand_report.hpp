@@ -35,8 +35,9 @@ struct HandEmulatorReport {
   std::uint64_t questions = 0, settings = 0, answers = 0, scans = 0;
   std::uint64_t not_sent = 0;  ///< The bus took an answer not.
   std::array<std::uint64_t, kHandRules> broken{};
-  std::array<std::string, kHandRules> first{};  ///< How each was broken for the first time.
-  std::array<int, kHandPucks> initialised{};    ///< How often each puck found its stop.
+  std::array<std::uint64_t, kHandRules> excused{};  ///< Broken because of a fault that was injected.
+  std::array<std::string, kHandRules> first{};      ///< How each was broken for the first time.
+  std::array<int, kHandPucks> initialised{};        ///< How often each puck found its stop.
 
   [[nodiscard]] std::uint64_t times(HandRule rule) const { return broken[static_cast<std::size_t>(rule)]; }
 };

@@ -1,5 +1,6 @@
 #include "hal/drivers/barrett_can/pucks/puck_codec.hpp"
 
+#include <algorithm>
 #include <bit>
 
 namespace colift::hal::barrett {
@@ -102,6 +103,29 @@ std::string_view to_string(Reject why) noexcept {
       return "of a form that this answer never has";
   }
   return "of an unknown kind";
+}
+
+std::optional<Request> decode_request(const CanFrame& frame) noexcept {
+  const int from = frame.id >> 5 & 0x1f, to = frame.id & 0x1f;
+  if (frame.id > 0x7ff || frame.length == 0 || frame.length > 8) return std::nullopt;
+  if (std::find(kHostNodes.begin(), kHostNodes.end(), from) == kHostNodes.end()) return std::nullopt;
+  Request request;
+  request.from = static_cast<std::uint8_t>(from);
+  if ((frame.id & kGroupBit) != 0) {
+    if (to != 0 && to != kHandGroup) return std::nullopt;
+  } else {
+    if (to < node_id(Puck::F1) || to > node_id(Puck::Spread)) return std::nullopt;
+    request.puck = kAllPucks[static_cast<std::size_t>(to - node_id(Puck::F1))];
+  }
+  request.property = static_cast<Property>(frame.data[0] & 0x7f);
+  request.sets = (frame.data[0] & 0x80) != 0;
+  if (!request.sets) return frame.length <= 2 ? std::optional(request) : std::nullopt;
+  if (frame.length == 8) return request;
+  if (frame.length != 4 && frame.length != 6) return std::nullopt;
+  std::uint32_t raw = 0;
+  for (int i = frame.length - 1; i >= 2; --i) raw = raw << 8 | frame.data[static_cast<std::size_t>(i)];
+  request.value = sign_extend(raw, 8 * (frame.length - 2));
+  return request;
 }
 
 tl::expected<Reply, Reject> decode_reply(const CanFrame& frame) noexcept {

@@ -37,11 +37,17 @@ inline constexpr int kHandGroup = 5;
   return static_cast<std::uint16_t>(node_id(puck));
 }
 
-/// What comes from the hand to groups, one filter per puck.
-[[nodiscard]] constexpr std::array<CanFilter, kPucks> hand_filters() {
-  std::array<CanFilter, kPucks> filters;
+/// Nodes that other programs speak from (Barrett's and most: 0, 6, 9); a WAM's pucks are 1 to 7, its safety
+/// module 10.
+inline constexpr std::array<int, 3> kHostNodes{0, 6, 9};
+
+/// What comes from the hand to groups, one filter per puck; and what other programs say to anybody.
+[[nodiscard]] constexpr std::array<CanFilter, kPucks + kHostNodes.size()> hand_filters() {
+  std::array<CanFilter, kPucks + kHostNodes.size()> filters;
   for (const Puck p : kAllPucks)
     filters[index(p)] = {static_cast<std::uint16_t>(kGroupBit | node_id(p) << 5), 0x7e0};
+  for (std::size_t i = 0; i < kHostNodes.size(); ++i)
+    filters[kPucks + i] = {static_cast<std::uint16_t>(kHostNodes[i] << 5), 0x3e0};
   return filters;
 }
 
@@ -96,6 +102,19 @@ enum class Reject : std::uint8_t {
   WrongFormat,      ///< Array byte, row number or number of marked cells that cannot be.
 };
 [[nodiscard]] std::string_view to_string(Reject why) noexcept;
+
+/// A question or a setting to the hand, as hosts say them.
+struct Request {
+  std::uint8_t from = 0;     ///< Node of who said it.
+  std::optional<Puck> puck;  ///< Unset: to all of them.
+  Property property{};
+  bool sets = false;
+  std::int32_t value = 0;  ///< Of a setting; 0 for packed torques.
+};
+
+/// What a host on the bus asked or told the hand; nullopt: it is none, or not to the hand. Any bytes may
+/// come.
+[[nodiscard]] std::optional<Request> decode_request(const CanFrame& frame) noexcept;
 
 /// What a frame from the bus says. Any bytes may come.
 [[nodiscard]] tl::expected<Reply, Reject> decode_reply(const CanFrame& frame) noexcept;

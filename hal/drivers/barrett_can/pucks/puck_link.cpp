@@ -9,6 +9,11 @@ namespace {
 
 constexpr int kTries = 3;
 constexpr Duration kBetweenSettings = std::chrono::microseconds(200);
+constexpr Duration kMostServed =
+    std::chrono::milliseconds(5);  // between two pumps: the rest was a stall of ours
+// After the last try of a question: late answers may come, and 50 ms are promised with the 10 ms between
+// questions.
+constexpr Duration kGiveUp = std::chrono::milliseconds(36);
 constexpr int kMostFrames = 512;  // in one go: a babbling bus must not hold the caller up
 
 std::size_t number(Property property) {
@@ -18,7 +23,15 @@ std::size_t number(Property property) {
 }  // namespace
 
 PuckLink::PuckLink(CanBus& bus, const Clock& clock, Duration reply, Duration tactile_reply)
-    : bus_(bus), clock_(clock), reply_(reply), tactile_reply_(tactile_reply) {}
+    : bus_(bus), clock_(clock), tactile_reply_(tactile_reply), round_trip_(reply) {}
+
+void PuckLink::measure_round_trip(Duration for_how_long) noexcept {
+  round_trip_.be_patient(for_how_long, clock_.now());
+}
+
+Duration PuckLink::three_tries() const noexcept {
+  return std::max(kGiveUp, kTries * round_trip_.deadline(clock_.now()));
+}
 
 PuckLink::Question& PuckLink::question(Puck puck, Property property) noexcept {
   return questions_[index(puck)][number(property)];
@@ -56,9 +69,17 @@ bool PuckLink::busy() const noexcept {
 }
 
 void PuckLink::forget(Puck puck) noexcept {
-  questions_[index(puck)] = {};
+  for (Question& q : questions_[index(puck)]) {
+    const auto taken = q.taken;
+    q = {};
+    q.taken = taken;
+  }
   open_[index(puck)].reset();
   lost_[index(puck)].reset();
+}
+
+void PuckLink::forget_settings(Puck puck) noexcept {
+  for (Question& q : questions_[index(puck)]) q.taken.reset();
 }
 
 void PuckLink::drop_settings(Puck puck) noexcept {
@@ -69,6 +90,7 @@ void PuckLink::drop_settings(Puck puck) noexcept {
 }
 
 void PuckLink::drop_all() noexcept {
+  ping_.pending = false;
   for (const Puck puck : kAllPucks) {
     drop_settings(puck);
     open_[index(puck)].reset();
@@ -85,6 +107,20 @@ void PuckLink::begin(Question& q, Timestamp now) noexcept {
   q.sent = false;
 }
 
+void PuckLink::sent(Question& q, Timestamp now) noexcept {
+  q.sent = true;
+  q.asked_at = now;
+  q.served = served_;
+  if (q.tries > 0) return;
+  q.first_asked_at = now;
+  q.first_served = served_;
+}
+
+// Of a question that was repeated more answers may come than one.
+void PuckLink::close(Question& q, Timestamp now) noexcept {
+  if (q.tries > 0) q.stale_until = std::max(q.stale_until, now + round_trip_.worst());
+}
+
 void PuckLink::ask(Puck puck, Property property) noexcept {
   if (pending(puck, property)) return;
   Question& q = question(puck, property);
@@ -97,13 +133,11 @@ void PuckLink::ask_all(Property property) noexcept {
   const Timestamp now = clock_.now();
   const bool together = grouped_ && std::none_of(kAllPucks.begin(), kAllPucks.end(),
                                                  [&](Puck p) { return pending(p, property); });
-  const bool sent = together && send(encode_get(kToHand, property));
+  const bool together_sent = together && send(encode_get(kToHand, property));
   for (const Puck puck : kAllPucks) {
     if (silent(puck) || pending(puck, property)) continue;
     ask(puck, property);
-    Question& q = question(puck, property);
-    q.asked_at = now;
-    q.sent = sent;
+    if (together_sent) sent(question(puck, property), now);
   }
 }
 
@@ -140,6 +174,9 @@ void PuckLink::pump(Duration timeout) noexcept {
     take(frame);
   }
   const Timestamp now = clock_.now();
+  served_ += std::min(now - pumped_at_, kMostServed);
+  pumped_at_ = now;
+  round_trip_.step(now);
   check_deadlines(now);
   stalled_ = false;
   for (const Puck puck : kAllPucks) run_queue(puck, now);
@@ -150,6 +187,7 @@ void PuckLink::take(const CanFrame& frame) noexcept {
   const auto reply = decode_reply(frame);
   if (!reply) {
     ++rejected_;
+    if (const auto request = decode_request(frame)) note_foreign(*request, frame.arrived_at);
     return;
   }
   const Timestamp at = frame.arrived_at;
@@ -171,15 +209,61 @@ void PuckLink::take(const CanFrame& frame) noexcept {
 
 void PuckLink::answer(Puck puck, Property property, std::int32_t value, Timestamp at) noexcept {
   Question& q = question(puck, property);
-  // an answer that nobody waits for is late, doubled, or somebody else's
-  if (!pending(puck, property) || !q.sent || at > q.asked_at + reply_) {
+  const bool waited_for = pending(puck, property) && q.sent;
+  if (!waited_for && property == Property::Vers && ping_.pending && ping_.puck == puck) {
+    ping_.pending = false;
+    round_trip_.note_answer(own_time(ping_.at, ping_.served, at));
+    ++accepted_;
+    return;
+  }
+  const Duration age = own_time(q.asked_at, q.served, at);
+  // one that was given up, and yet it comes: the link is slow
+  const bool overdue = !waited_for && unanswered(puck, property) && at - q.asked_at < RoundTrip::kLatest;
+  if (!waited_for && !overdue) {
+    // doubled, somebody else's, or late: the answer to a question that was repeated meanwhile
     ++rejected_;
     return;
   }
   ++accepted_;
-  q.reported = {value, at, q.asked_at, true};
+  if (overdue || age > round_trip_.deadline(at))
+    round_trip_.note_late(age, at);
+  else if (q.tries == 0 && at >= q.stale_until)
+    round_trip_.note_answer(age);
+  // to which of several questions it is the answer nobody knows: to the first, at worst
+  q.reported = {value, at, q.first_asked_at, true};
+  close(q, at);
   open_[index(puck)].reset(number(property));
   lost_[index(puck)].reset(number(property));
+}
+
+// How old an answer is, without the time in which nobody pumped: then it waited for us.
+Duration PuckLink::own_time(Timestamp since, Duration served, Timestamp at) const noexcept {
+  const Duration now_served = served_ + std::clamp(at - pumped_at_, Duration::zero(), kMostServed);
+  return std::min(at - since, now_served - served);
+}
+
+void PuckLink::ping() noexcept {
+  const Timestamp now = clock_.now();
+  if (ping_.pending && now - ping_.at < RoundTrip::kLatest) return;
+  ping_.pending = false;
+  for (int i = 0; i < kPucks; ++i) {
+    ping_.puck = kAllPucks[(index(ping_.puck) + 1) % kPucks];
+    if (silent(ping_.puck) || pending(ping_.puck, Property::Vers)) continue;
+    ping_.pending = send(encode_get(id_to(ping_.puck), Property::Vers));
+    ping_.at = now;
+    ping_.served = served_;
+    return;
+  }
+}
+
+void PuckLink::note_foreign(const Request& request, Timestamp at) noexcept {
+  if (!request.sets) {
+    ++foreign_.questions;
+    foreign_.asked_at = at;
+    return;
+  }
+  ++foreign_.settings;
+  foreign_.last_setting = request;
 }
 
 bool PuckLink::take_row(const TactileRow& row, Timestamp at) noexcept {
@@ -210,10 +294,12 @@ void PuckLink::check_deadlines(Timestamp now) noexcept {
     for (std::size_t n = 0; open.any() && n < open.size(); ++n) {
       if (!open.test(n)) continue;
       Question& q = questions_[index(puck)][n];
-      if (!q.sent || now < q.asked_at + reply_) continue;
-      if (++q.tries < kTries) {
+      if (!q.sent || served_ - q.served < round_trip_.deadline(now)) continue;
+      if (q.tries + 1 < kTries) {
+        ++q.tries;
         begin(q, now);
-      } else {
+      } else if (served_ - q.first_served >= kGiveUp) {
+        close(q, now);
         open.reset(n);
         lost_[index(puck)].set(n);
       }
@@ -232,7 +318,7 @@ void PuckLink::send_due(Timestamp now) noexcept {
       Question& q = questions_[index(puck)][n];
       if (q.sent) continue;
       q.asked_at = now;
-      q.sent = send(encode_get(id_to(puck), static_cast<Property>(n)));
+      if (send(encode_get(id_to(puck), static_cast<Property>(n)))) sent(q, now);
     }
     Pad& pad = pads_[index(puck)];
     if (pad.pending && pad.to_send && !stalled_) {
@@ -257,6 +343,7 @@ void PuckLink::run_queue(Puck puck, Timestamp now) noexcept {
     q.reading_back = false;
     const Reported& now_told = reported(puck, s.property);
     if (!unanswered(puck, s.property) && now_told.asked_at >= q.last_sent && now_told.value == s.value) {
+      question(puck, s.property).taken = TakenSetting{s.value, now};
       done();
     } else if (unanswered(puck, s.property) || ++q.tries >= kTries) {
       q.refused = s.property;
@@ -267,9 +354,12 @@ void PuckLink::run_queue(Puck puck, Timestamp now) noexcept {
   const Setting& next = q.settings[q.first];
   if (stalled_ || now < q.last_sent + kBetweenSettings) return;
   // an answer to a question from before the setting would be taken for its reading back
-  if (next.verify && pending(puck, next.property)) return;
+  if (next.verify && (pending(puck, next.property) || now < question(puck, next.property).stale_until))
+    return;
   if (!send(encode_set(id_to(puck), next.property, next.value))) return;
   q.last_sent = now;
+  question(puck, next.property).taken.reset();
+  if (next.property == Property::Cmd) question(puck, Property::E).taken.reset();
   if (next.property == Property::Mode) mode_set_at_[index(puck)] = now;
   if (!next.verify) {
     done();

@@ -7,6 +7,7 @@
 
 #include "hal/can_bus.hpp"
 #include "hal/drivers/barrett_can/pucks/puck_codec.hpp"
+#include "hal/drivers/barrett_can/pucks/round_trip.hpp"
 #include "hal/types/time.hpp"
 
 namespace colift::hal::barrett {
@@ -17,6 +18,19 @@ struct Reported {
   Timestamp at{0};        ///< Of the answer.
   Timestamp asked_at{0};  ///< Of the question, so that an answer from before a command is known as one.
   bool known = false;
+};
+
+/// A setting that was read back, with the time of that.
+struct TakenSetting {
+  std::int32_t value = 0;
+  Timestamp at{0};
+};
+
+/// What somebody else on the bus said to the hand.
+struct ForeignRequests {
+  std::uint64_t questions = 0, settings = 0;
+  Timestamp asked_at{0};   ///< The last question.
+  Request last_setting{};  ///< When there is any.
 };
 
 /// A pad as it was last told whole.
@@ -32,6 +46,14 @@ struct PadScan {
 class PuckLink {
  public:
   PuckLink(CanBus& bus, const Clock& clock, Duration reply, Duration tactile_reply);
+
+  /// Waits long for answers for so long, and measures how long they take: at the start.
+  void measure_round_trip(Duration for_how_long) noexcept;
+  /// Asks one puck for what nobody else asks for, so that the age of its answer is certain.
+  void ping() noexcept;
+  [[nodiscard]] const RoundTrip& round_trip() const noexcept { return round_trip_; }
+  /// How long three tries of one question may take now.
+  [[nodiscard]] Duration three_tries() const noexcept;
 
   /// Takes in what has come (waiting no longer than `timeout` for the first frame), repeats or gives up what
   /// was not answered, and sends what is due.
@@ -62,7 +84,8 @@ class PuckLink {
   [[nodiscard]] bool silent(Puck puck) const noexcept;
   /// A question is out to it for the second time or more.
   [[nodiscard]] bool repeats(Puck puck) const noexcept;
-  void forget(Puck puck) noexcept;  ///< What it told, and that it did not answer.
+  void forget(Puck puck) noexcept;           ///< What it told, and that it did not answer.
+  void forget_settings(Puck puck) noexcept;  ///< What it took: a reset has brought the factory's values back.
 
   void use_group(bool yes) noexcept { grouped_ = yes; }
   /// Sends in a row that the bus did not take.
@@ -70,14 +93,22 @@ class PuckLink {
   void clear_full() noexcept { full_in_a_row_ = 0; }
   /// The last setting of MODE has left, and when.
   [[nodiscard]] Timestamp mode_set_at(Puck puck) const noexcept { return mode_set_at_[index(puck)]; }
+  /// What the puck was told last and took; E is nullopt after CMD, which may change it.
+  [[nodiscard]] const std::optional<TakenSetting>& taken(Puck puck, Property property) const noexcept {
+    return question(puck, property).taken;
+  }
+  [[nodiscard]] const ForeignRequests& foreign() const noexcept { return foreign_; }
   [[nodiscard]] std::uint64_t accepted() const noexcept { return accepted_; }
   [[nodiscard]] std::uint64_t rejected() const noexcept { return rejected_; }
 
  private:
   struct Question {
     Reported reported;
-    Timestamp asked_at{0};
-    std::uint8_t tries = 0;  ///< 0: not pending.
+    Timestamp asked_at{0}, first_asked_at{0};
+    Duration served{0}, first_served{0};  ///< Of this link's own time when it was asked.
+    Timestamp stale_until{0};             ///< Until then an answer to an earlier question may come.
+    std::optional<TakenSetting> taken;
+    std::uint8_t tries = 0;  ///< Repeats so far.
     bool sent = false;
     bool unanswered = false;
   };
@@ -107,9 +138,13 @@ class PuckLink {
   [[nodiscard]] const Question& question(Puck puck, Property property) const noexcept;
   void take(const CanFrame& frame) noexcept;
   void answer(Puck puck, Property property, std::int32_t value, Timestamp at) noexcept;
+  [[nodiscard]] Duration own_time(Timestamp since, Duration served, Timestamp at) const noexcept;
+  void note_foreign(const Request& request, Timestamp at) noexcept;
   bool take_row(const TactileRow& row, Timestamp at) noexcept;
   bool take_top(const TactileTop& top, Timestamp at) noexcept;
   void begin(Question& q, Timestamp now) noexcept;
+  void sent(Question& q, Timestamp now) noexcept;
+  void close(Question& q, Timestamp now) noexcept;
   void check_deadlines(Timestamp now) noexcept;
   void send_due(Timestamp now) noexcept;
   void run_queue(Puck puck, Timestamp now) noexcept;
@@ -117,7 +152,17 @@ class PuckLink {
 
   CanBus& bus_;
   const Clock& clock_;
-  Duration reply_, tactile_reply_;
+  Duration tactile_reply_;
+  RoundTrip round_trip_;
+  Duration served_{0};  ///< Time that stands still while nobody pumps: then nobody is late either.
+  Timestamp pumped_at_{0};
+  ForeignRequests foreign_;
+  struct {
+    bool pending = false;
+    Puck puck = Puck::Spread;
+    Timestamp at{0};
+    Duration served{0};
+  } ping_;
   std::array<std::array<Question, 128>, kPucks> questions_{};
   std::array<std::bitset<128>, kPucks> open_{};  ///< Which questions are pending.
   std::array<std::bitset<128>, kPucks> lost_{};  ///< Which were not answered.

@@ -188,4 +188,48 @@ TEST_CASE("screens and documents of a hand cope with what it does not know", "[h
   CHECK(json.find("\"silent\":true") != std::string::npos);
 }
 
+TEST_CASE("the end says what was read back of the motors, and no more", "[hal][hand]") {
+  Stand s(1.2);
+  s.report.mode_at_rest = {0, 5, std::nullopt, 3};
+  const auto end = s.run(Kind::Close);
+  REQUIRE(end.how == How::Done);
+  HandTask task;
+  task.kind = Kind::Close;
+  const std::string text = hand_summary(task, end);
+  INFO(text);
+  CHECK(text.find("at rest, as read back: F1") != std::string::npos);
+  CHECK(text.find("STILL ON: F2 (MODE 5)") != std::string::npos);
+  CHECK(text.find("unknown: F3") != std::string::npos);
+  CHECK(text.find("keeps its angle: spread") != std::string::npos);
+  const std::string json = hand_document("close", {}, task, end);
+  CHECK(json.find("\"modes\":[0,5,null,3]") != std::string::npos);
+  // nothing that moved: nothing to read back
+  CHECK(s.run(Kind::Watch).motors.empty());
+}
+
+TEST_CASE("a reading of the hand names who is silent, asleep, in error or on", "[hal][hand]") {
+  using hal::barrett::Property;
+  hal::HandReading reading;
+  for (hal::PuckReading& p : reading.pucks) {
+    p.answers = true;
+    p.values = {{Property::Stat, 2}, {Property::Mode, 0}, {Property::Vers, 200}, {Property::Ct, 194'987}};
+  }
+  CHECK(tools::hand_reading_fault(reading).empty());
+  reading.pucks[0].values = {{Property::Stat, 0}, {Property::Vers, 200}};
+  reading.pucks[1].values = {{Property::Stat, 2}, {Property::Mode, 5}, {Property::Tstop, 0}};
+  CHECK(tools::hand_reading_fault(reading).empty());  // asleep is no fault
+  const std::string text = tools::hand_reading_text("socketcan:can0", reading);
+  INFO(text);
+  CHECK(text.find("asleep") != std::string::npos);
+  CHECK(text.find("hal hand init") != std::string::npos);
+  CHECK(text.find("F2 is on (MODE 5), and nothing but a command ends that") != std::string::npos);
+  reading.pucks[2] = {};
+  reading.pucks[3].values = {{Property::Stat, 1}, {Property::Error, 7}};
+  CHECK(tools::hand_reading_fault(reading).find("F3 is silent") != std::string::npos);
+  CHECK(tools::hand_reading_fault(reading).find("spread reports an error (code 7)") != std::string::npos);
+  const std::string json = tools::hand_reading_document("socketcan:can0", reading);
+  CHECK(json.rfind("{\"schema\":\"colift.hal.hand/1\",\"verb\":\"state\"", 0) == 0);
+  CHECK(json.find("\"outcome\":\"failed\"") != std::string::npos);
+}
+
 }  // namespace colift

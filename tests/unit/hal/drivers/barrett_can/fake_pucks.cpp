@@ -188,6 +188,8 @@ void FakeHand::answer(const FakePuck& puck, int p) {
   if (p == kTact) return answer_tactile(puck);
   std::int32_t v = puck.property[static_cast<std::size_t>(p)];
   if (p == 5) v = puck.stat;
+  if (p == 63 && puck.powered_at)
+    v = static_cast<std::int32_t>(hal::seconds(clock.now() - *puck.powered_at)) & 0x7fff;
   if (p == 25)
     v = static_cast<std::int32_t>(
         gauge_counts(puck.feels ? std::min(puck.load_nm * puck.load_share, 1.3) : 0.0));

@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "sim_hal/emulator/memory_can_bus.hpp"
@@ -25,6 +26,7 @@ struct FakePuck {
   double zero_shift = 0.0;                                      ///< Added to what it tells.
   double load_nm = 0.0, load_share = 1.0;
   bool silent = false;
+  std::optional<hal::Timestamp> powered_at;  ///< UPSECS counts from here; unset: its clock stands at 0.
   hal::Timestamp quiet_until{0}, boots_until{0};
   bool finding_stop = false;
   double still_ms = 0.0;

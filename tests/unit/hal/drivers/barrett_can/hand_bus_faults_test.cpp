@@ -36,7 +36,7 @@ TEST_CASE("row 30: bus-off is believed within 20 ms, and the hand says nothing i
   CHECK(rig.fake.host->opens() - opens <= 5);
   CHECK(rig.hand.close(0.5).error().code == ErrorCode::LinkLost);
   CHECK(rig.hand.release().error().code == ErrorCode::LinkLost);
-  CHECK(rig.fake.pucks[0].mode() == 5);  // the pucks do what they were told last
+  CHECK(rig.fake.pucks[0].mode() == 0);  // nobody renewed the pressing: the worms hold
 
   SECTION("it comes back: the pucks are asked for their state first") {
     const std::size_t from = rig.fake.from_host.size();
@@ -45,6 +45,9 @@ TEST_CASE("row 30: bus-off is believed within 20 ms, and the hand says nothing i
     REQUIRE(rig.fake.from_host.size() >= from + 4);
     for (std::size_t i = from; i < from + 4; ++i) CHECK(rig.fake.from_host[i].data[0] == 5);  // GET STAT
     CHECK(rig.look().held);
+    rig.pass(100ms);
+    CHECK(rig.look().held);
+    CHECK(rig.fake.pucks[0].mode() == 5);  // pressed again
     REQUIRE(rig.hand.release());
     CHECK(rig.settle().finger_rad[0] < 0.01);
   }
@@ -91,6 +94,7 @@ TEST_CASE("row 32: an unplugged adapter is noticed within 20 ms and opened again
   rig.fake.host->set_down(false);
   CHECK(until(rig, 1500ms, [&] { return rig.hand.state().has_value(); }) <= 1100ms);
   CHECK(rig.look().held);
+  rig.pass(100ms);
   CHECK(rig.fake.pucks[1].mode() == 5);
 }
 
@@ -120,18 +124,22 @@ TEST_CASE("row 33: five in a row not sent are as bus-off", "[hand][faults][bus]"
   CHECK(rig.look().held);
 }
 
-TEST_CASE("row 34: late, doubled and strange answers are dropped and counted", "[hand][faults][bus]") {
+TEST_CASE("row 34: doubled and strange answers are dropped and counted, late ones named",
+          "[hand][faults][bus]") {
   HandRig rig;
+  bool late = false;
   rig.start();
   rig.grip();
   const auto before = rig.hand.health().rejected;
   SECTION("doubled") {
     rig.fake.bus.fate = [](const hal::CanFrame& f, const auto*) { return Fate{f.id > 0x500 ? 2 : 1, 150us}; };
   }
-  SECTION("every tenth is late") {
+  SECTION("every seventh answer is late") {
+    late = true;  // no answer is thrown away that could be had
     int n = 0;
     rig.fake.bus.fate = [n](const hal::CanFrame& f, const auto*) mutable {
-      return Fate{1, f.id > 0x500 && ++n % 10 == 0 ? hal::Duration(12ms) : hal::Duration(150us)};
+      const bool answer = f.id > 0x500 && (f.id & 0x1f) != 9;  // not of a pad
+      return Fate{1, answer && ++n % 7 == 0 ? hal::Duration(12ms) : hal::Duration(150us)};
     };
   }
   SECTION("from nobody, of wrong length, about nothing, and a noisy neighbour") {
@@ -156,7 +164,10 @@ TEST_CASE("row 34: late, doubled and strange answers are dropped and counted", "
     REQUIRE(state);
     REQUIRE(state->held);
   }
-  CHECK(rig.hand.health().rejected > before + 50);
+  if (late)
+    CHECK_THAT(rig.look().warning.str(), Contains("slow link"));
+  else
+    CHECK(rig.hand.health().rejected > before + 50);
 }
 
 TEST_CASE("row 34: one frame in fifty may get lost", "[hand][faults][bus]") {

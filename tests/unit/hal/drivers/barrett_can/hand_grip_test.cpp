@@ -77,7 +77,7 @@ TEST_CASE("closing around something ends held: position, strain and pads agree",
     CHECK(rig.fake.pucks[f].mode() == 5);  // goes on pressing ...
     // ... with the holding torque, but F1 and F2 with half of what was wished: F3 bears both
     CHECK(rig.fake.pucks[f].property[43] == (f == 2 ? 1100 : 1087));
-    CHECK(rig.fake.pucks[f].property[78] == 0);
+    CHECK(rig.fake.pucks[f].property[78] == 1000);
   }
   rig.pass(3s);
   CHECK(rig.look().held);

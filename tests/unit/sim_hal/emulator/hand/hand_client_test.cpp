@@ -182,7 +182,9 @@ TEST_CASE("faults of single pucks are noticed", "[hand][emulator]") {
   }
   SECTION("an encoder that jumps") {
     rig.fault("0:jump=50000@F1");
-    CHECK(rig.trouble(300ms).code == ErrorCode::DeviceFault);
+    const auto e = rig.trouble(300ms);
+    CHECK(e.code == ErrorCode::DeviceFault);
+    CHECK(e.detail.find("jumped by 50000 counts without a reset") != std::string::npos);
   }
   SECTION("hot: it closes no more") {
     rig.fault("0:hot=80@F1:5");
@@ -207,8 +209,16 @@ TEST_CASE("answers that come late, twice, or under another name do not mislead",
     rig.grip();
     CHECK(rig.driver->health().rejected > 100);
   }
-  SECTION("later than the deadline: as if it were silent") {
-    rig.fault("0:late=30@F2:0.5");
+  SECTION("later than the deadline: waited for longer, and told") {
+    rig.fault(GENERATE("0:late=20@F2:3", "0:late=30@F2:3", "0:late=30:3", "0:late=20:3"));
+    bool well = true;
+    rig.pass(2s, [&] { well = well && rig.hand->state(); });
+    CHECK(well);
+    CHECK(rig.hand->state()->warning.str().find("slow link") != std::string::npos);
+    rig.grip();
+  }
+  SECTION("too late for anything: as if it were silent") {
+    rig.fault("0:late=200@F2:0.5");
     CHECK(rig.trouble(200ms).code == ErrorCode::LinkLost);
     rig.pass(1s);
     CHECK(rig.hand->state());
@@ -248,6 +258,69 @@ TEST_CASE("error frames and foreign traffic are counted and change nothing", "[h
   rig.fault("0:foreign:2");
   rig.grip();
   CHECK(rig.driver->report().error_frames - before == Approx(50).margin(2));
+}
+
+TEST_CASE("a link that is slow from the start is worked over and named", "[hand][emulator]") {
+  Rig rig(true);
+  rig.fault(GENERATE("0:late=20:60", "0:late=30:40"));
+  rig.start();
+  CHECK(rig.driver->report().remark.str().find("slow link") != std::string::npos);
+  rig.grip();
+}
+
+TEST_CASE("a spread that is turned by more than its motor gives is a slip; by less it stays",
+          "[hand][emulator]") {
+  Rig rig(true);
+  rig.start();
+  rig.grip();
+  rig.fault("0:turn=1500:0.5");
+  rig.pass(600ms);
+  CHECK_FALSE(rig.driver->report().slipped);
+  rig.fault("0:turn=3000:0.5");
+  rig.pass(600ms);
+  CHECK(rig.driver->report().slipped);
+  CHECK(rig.driver->report().why.str().find("the spread turned by") == 0);
+  CHECK(rig.driver->report().loaded);
+}
+
+TEST_CASE("another program that sets a value is named, whether the bus shows it or not", "[hand][emulator]") {
+  Rig rig(true);
+  rig.start();
+  rig.grip();
+  rig.fault(GENERATE("0:master=900@F2", "0:altered=900@F2", "0:altered=3300@F2"));
+  const auto e = rig.trouble(2s);
+  CHECK(e.code == ErrorCode::DeviceFault);
+  CHECK(e.detail.find("another program") != std::string::npos);
+  CHECK(e.detail.find("F2") != std::string::npos);
+}
+
+TEST_CASE("what a client cannot know because of an injected fault is no broken rule", "[hand][emulator]") {
+  Rig rig(true);
+  rig.start();
+  rig.grip();
+  const char* fault = GENERATE("0:reset@F1", "0:brown-out", "0:off:1", "0:error=7@F3", "0:silent:1",
+                               "0:bus-off:0.5", "0:jump=20000@F2");
+  rig.fault(fault);
+  rig.pass(3s);
+  const auto& report = rig.pucks.report();
+  for (std::size_t r = 0; r < sim_hal::kHandRules; ++r) {
+    CAPTURE(fault, sim_hal::kHandRuleNames[r], report.first[r]);
+    CHECK(report.broken[r] == 0);
+  }
+  // what it does wrong on its own account still counts
+  hal::CanFrame save;
+  save.id = 0x00b;
+  save.length = 4;
+  save.data = {0x80 | 30, 0, 0xff, 0xff};
+  rig.bus.inject(save);
+  rig.pass(10ms);
+  CHECK(report.times(sim_hal::HandRule::Risky) == 1);
+}
+
+TEST_CASE("a finger cannot be turned from outside", "[hand][emulator]") {
+  const auto refused = sim_hal::parse_hand_fault("0:turn=3000@F1");
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().detail.find("worm") != std::string::npos);
 }
 
 TEST_CASE("without a supply configure says that nobody is there", "[hand][emulator]") {
