@@ -37,7 +37,6 @@ class IntentAnnouncer {
   /// A sentence for people that no motion follows.
   void request(std::string says, hal::Timestamp since_start);
 
-
  private:
   double lead_s_;
   std::vector<Intent>* into_;

@@ -210,7 +210,7 @@ void HandMotion::watch_grip(Timestamp now) {
   Timestamp at = now;
   for (const Puck finger : kFingerPucks) {
     const std::size_t f = index(finger);
-    // a leap is told as what it is, not as fingers that close: once it has been judged
+    // a jump is reported as a jump, not as fingers that close: once it has been judged
     if (contact_[f] && facts_.jump_pending[f]) return;
     inner[f] = position(finger) / kFingerCounts_rad;
     strain[f] = strain_above_idle(link_, facts_, finger);

@@ -25,7 +25,7 @@ void SecondMaster::judge(Puck puck, std::size_t which) {
   std::optional<Odd>& odd = odd_[index(puck)][which];
   const Reported& told = link_.reported(puck, property);
   const auto& taken = link_.taken(puck, property);
-  // one whose answers are another puck's, or that was reset, is told as that
+  // one whose answers are another puck's, or that was reset, is reported as that
   const Reported& ct = link_.reported(puck, Property::Ct);
   const bool was_reset = ct.known && ct.value == factory_ct(puck);
   const bool other =

@@ -309,7 +309,7 @@ TEST_CASE("row 29: a position that jumps once is dropped, one that stays has los
   }
 }
 
-TEST_CASE("row 29: a jump that is not yet certain is told as no slip, of fingers and of the spread",
+TEST_CASE("row 29: a jump that is not yet certain is not reported as a slip, of fingers and of the spread",
           "[hand][faults][slip]") {
   HandRig rig;
   rig.start();
