@@ -11,6 +11,19 @@ namespace {
 // degrees changes by 1 % over a pixel of a usual depth camera.
 constexpr float kSameSurface = 0.02f;
 
+// What the lens does to a ray (x, y, 1), as OpenCV's rational model has it.
+struct Terms {
+  double radial;            // factor
+  double aside_x, aside_y;  // tangential, added
+};
+
+Terms terms_at(const LensDistortion& lens, double x, double y) {
+  const auto& [k1, k2, p1, p2, k3, k4, k5, k6] = lens;
+  const double r2 = x * x + y * y;
+  return {(1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))) / (1.0 + r2 * (k4 + r2 * (k5 + r2 * k6))),
+          2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x), p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
+}
+
 }  // namespace
 
 bool LensDistortion::none() const {
@@ -18,21 +31,16 @@ bool LensDistortion::none() const {
 }
 
 std::array<double, 2> LensDistortion::distort(double x, double y) const {
-  const double r2 = x * x + y * y;
-  const double radial = (1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))) / (1.0 + r2 * (k4 + r2 * (k5 + r2 * k6)));
-  return {x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
-          y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y};
+  const Terms t = terms_at(*this, x, y);
+  return {x * t.radial + t.aside_x, y * t.radial + t.aside_y};
 }
 
 std::array<double, 2> LensDistortion::undistort(double seen_x, double seen_y) const {
   double x = seen_x, y = seen_y;
   for (int i = 0; i < 20; ++i) {
-    const double r2 = x * x + y * y;
-    const double radial = (1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))) / (1.0 + r2 * (k4 + r2 * (k5 + r2 * k6)));
-    const double aside_x = 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
-                 aside_y = p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y;
-    x = (seen_x - aside_x) / radial;
-    y = (seen_y - aside_y) / radial;
+    const Terms t = terms_at(*this, x, y);
+    x = (seen_x - t.aside_x) / t.radial;
+    y = (seen_y - t.aside_y) / t.radial;
   }
   return {x, y};
 }

@@ -22,7 +22,7 @@ hal::Wrench palm_wrench(const hal::RobotModel& model, const hal::JointVector& q_
                         const hal::JointVector& tau_external_nm) {
   const hal::ArmJacobian J = hal::jacobian(model, q_rad, hal::Vec3::Zero());
   Matrix6 JJ = J * J.transpose();
-  const double manipulability = std::sqrt(std::max(0.0, hal::determinant(JJ)));
+  const double manipulability = std::sqrt(std::max(0.0, hal::symmetric_determinant(JJ)));
   if (manipulability < kMinManipulability) {
     const double near = 1.0 - manipulability / kMinManipulability;
     JJ.diagonal().array() += kMostDamping * kMostDamping * near * near;

@@ -32,10 +32,18 @@ void ForceMonitor::clear() {
   armed_ = false;
 }
 
-const ForceLimits& ForceMonitor::limits() const {
-  if (load_ == HandLoad::Carried) return config_.carried;
-  if (load_ == HandLoad::Lowering) return config_.lowering;
-  return config_.closing;
+const ForceLimits* force_limits(const ForceMonitorConfig& config, HandLoad load) {
+  switch (load) {
+    case HandLoad::Closing:
+      return &config.closing;
+    case HandLoad::Carried:
+      return &config.carried;
+    case HandLoad::Lowering:
+      return &config.lowering;
+    case HandLoad::Empty:
+      break;
+  }
+  return nullptr;
 }
 
 ForceFinding ForceMonitor::judge(const hal::JointVector& tau_nm) const {
@@ -48,13 +56,14 @@ ForceFinding ForceMonitor::judge(const hal::JointVector& tau_nm) const {
     worst = {kind, measured, limit, felt_.force, joint, load_};
   };
   const double sideways = felt_.force.head<2>().norm(), up = felt_.force.z();
-  if (load_ == HandLoad::Empty) {
+  const ForceLimits* limits = force_limits(config_, load_);
+  if (!limits) {
     compare(Kind::Sideways, sideways, config_.rest_n);
     compare(Kind::Up, up, config_.rest_n);
     compare(Kind::Down, -up, config_.rest_n);
     return worst;
   }
-  const ForceLimits& limit = limits();
+  const ForceLimits& limit = *limits;
   compare(Kind::Sideways, sideways, limit.sideways_n);
   compare(Kind::Up, up, limit.up_n);
   compare(Kind::Down, -up, limit.down_n);

@@ -30,6 +30,10 @@ struct ForceFinding {
   [[nodiscard]] explicit operator bool() const { return kind != Kind::None; }
 };
 
+/// The limits that count while the hand bears `load`; none (nullptr) of the empty hand, whose contact threshold
+/// counts instead. Points into `config`.
+[[nodiscard]] const ForceLimits* force_limits(const ForceMonitorConfig& config, HandLoad load);
+
 /// Compares what the arm feels with what its state explains, once per cycle of the arm and in every state:
 /// external joint torques, tared with the empty hand, as force and torque at the palm and by joint. The load
 /// of a carried object hangs down, so every direction has a limit of its own. Latched until clear().
@@ -55,7 +59,6 @@ class ForceMonitor {
 
  private:
   [[nodiscard]] ForceFinding judge(const hal::JointVector& tau_nm) const;
-  [[nodiscard]] const ForceLimits& limits() const;
 
   const hal::RobotModel* model_;
   ForceMonitorConfig config_;

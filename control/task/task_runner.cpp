@@ -345,18 +345,7 @@ void TaskRunner::report_force(ForceStatus& out) const {
   out.on = config.on;
   out.felt_W = arm.felt_W.force;
   out.exceeded = static_cast<bool>(arm.force);
-  switch (expected_load(c_.state)) {
-    case HandLoad::Empty:
-      break;
-    case HandLoad::Closing:
-      out.limits = config.closing;
-      break;
-    case HandLoad::Carried:
-      out.limits = config.carried;
-      break;
-    case HandLoad::Lowering:
-      out.limits = config.lowering;
-  }
+  if (const ForceLimits* limits = force_limits(config, expected_load(c_.state))) out.limits = *limits;
 }
 
 RunRecord TaskRunner::finish() {

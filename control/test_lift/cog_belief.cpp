@@ -5,8 +5,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "hal/types/units.hpp"
+#include "planner/grasp/share_choice.hpp"
 
 namespace colift::control {
 namespace {
@@ -204,8 +206,8 @@ hal::Result<CogBelief> weigh_cog(const CarriedObject& object, std::span<const Me
 }
 
 double lever_share(const Vec2& cog, const hal::Vec3& partner, const hal::Vec3& grasp) {
-  const Vec2 arm = level(grasp - partner);
-  return (cog - level(partner)).dot(arm) / arm.squaredNorm();
+  return planner::lever_share({cog.x(), cog.y(), 0.0}, partner, grasp, hal::Vec3::UnitZ())
+      .value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
 double chance_level(const CogBelief::Case& one, double grip_nm_rad, const hal::Vec3& partner,

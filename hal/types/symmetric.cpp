@@ -2,14 +2,24 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
+#include <type_traits>
 
 namespace colift::hal {
+namespace {
+
+// one decomposition for all sizes in double: each that is instantiated costs seconds
+using UpTo6 = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+using SymmetricUpTo6 = Eigen::LDLT<UpTo6>;
+
+}  // namespace
 
 template <typename Scalar, int N>
 Eigen::Matrix<Scalar, N, 1> solve_symmetric(const Eigen::Matrix<Scalar, N, N>& A,
                                             const Eigen::Matrix<Scalar, N, 1>& b) {
-  return A.ldlt().solve(b);
+  if constexpr (std::is_same_v<Scalar, double>)
+    return SymmetricUpTo6(A).solve(b);
+  else
+    return A.ldlt().solve(b);
 }
 
 template Eigen::Vector3f solve_symmetric(const Eigen::Matrix3f&, const Eigen::Vector3f&);
@@ -24,8 +34,8 @@ SymmetricEigen6 symmetric_eigen(const Eigen::Matrix<double, 6, 6>& A) {
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 
-double determinant(const Eigen::Matrix<double, 6, 6>& A) {
-  return A.determinant();
+double symmetric_determinant(const Eigen::Matrix<double, 6, 6>& A) {
+  return SymmetricUpTo6(A).vectorD().prod();
 }
 
 }  // namespace colift::hal

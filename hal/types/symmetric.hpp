@@ -19,7 +19,7 @@ struct SymmetricEigen6 {
 };
 [[nodiscard]] SymmetricEigen6 symmetric_eigen(const Eigen::Matrix<double, 6, 6>& A);
 
-/// Determinant of any 6x6 matrix (LU with partial pivots).
-[[nodiscard]] double determinant(const Eigen::Matrix<double, 6, 6>& A);
+/// Determinant of a symmetric, positive semi-definite 6x6 matrix, of which the lower half is read.
+[[nodiscard]] double symmetric_determinant(const Eigen::Matrix<double, 6, 6>& A);
 
 }  // namespace colift::hal
