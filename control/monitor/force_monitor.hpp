@@ -30,8 +30,8 @@ struct ForceFinding {
   [[nodiscard]] explicit operator bool() const { return kind != Kind::None; }
 };
 
-/// The limits that count while the hand bears `load`; none (nullptr) of the empty hand, whose contact threshold
-/// counts instead. Points into `config`.
+/// The limits that count while the hand bears `load`; none (nullptr) of the empty hand, whose contact
+/// threshold counts instead. Points into `config`.
 [[nodiscard]] const ForceLimits* force_limits(const ForceMonitorConfig& config, HandLoad load);
 
 /// Compares what the arm feels with what its state explains, once per cycle of the arm and in every state:
