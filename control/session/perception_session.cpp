@@ -48,7 +48,7 @@ struct PerceptionSession::Impl {
   std::vector<hal::DepthFrame> reference_frames;
   std::optional<hal::DepthFrame> with_robot;  ///< The first of them, before the robot was taken out.
   RobotPosture robot_then;
-  std::vector<hal::DepthFrame> whole_frames;  ///< All of them, as long as the camera is not yet corrected.
+  std::vector<hal::DepthFrame> whole_frames;  ///< All of them, as long as the camera is not yet judged.
   std::vector<RobotPosture> postures;         ///< Of the robot in each of these.
   std::optional<perception::CameraCorrection> correction;
   std::optional<perception::SelfFilter> filter;
@@ -65,6 +65,11 @@ struct PerceptionSession::Impl {
   int frames = 0;                             ///< That the partner might have been looked for in.
   std::vector<char> robot_hid;                ///< By pixel, in any frame of the reference.
   perception::PartnerObservation last_sight;  ///< Holds for the frames in which nobody is looked for.
+
+  /// A refused camera is judged again with each scene: somebody may have put it back, or nobody has.
+  [[nodiscard]] bool camera_known() const {
+    return correction && correction->verdict != perception::CameraCorrection::Verdict::Refused;
+  }
 
   void correct(hal::DepthFrame& frame) const {
     if (correction) correction->correct(frame);
@@ -195,7 +200,7 @@ void PerceptionSession::add_reference(hal::DepthFrame frame, const RobotPosture&
     i.with_robot = frame;
     i.robot_then = robot;
   }
-  if (i.config.camera_correction.on && !i.correction) {
+  if (i.config.camera_correction.on && !i.camera_known()) {
     i.whole_frames.push_back(frame);
     i.postures.push_back(robot);
   }

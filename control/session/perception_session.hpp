@@ -66,7 +66,7 @@ class PerceptionSession {
 
   /// Makes scene, candidates, collision map and partner finder from the collected frames. Whether there is
   /// something to carry stands in the look. The first time, the camera's calibration is corrected from the
-  /// arm in these frames. Errors: NotFound (the frames show nothing, or things moved meanwhile), BadInput,
+  /// arm in these frames; one that is refused is judged anew with the next scene. Errors: NotFound (the frames show nothing, or things moved meanwhile), BadInput,
   /// BadConfig at kCameraOff.
   [[nodiscard]] hal::Result<> analyse_scene(const RobotPosture& robot);
 

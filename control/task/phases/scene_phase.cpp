@@ -48,7 +48,8 @@ std::optional<TaskEvent> ScenePhase::observe() {
 
 void ScenePhase::note_correction() {
   const auto& correction = c_.session.camera_correction();
-  if (!correction || c_.record.camera_correction) return;
+  const auto& noted = c_.record.camera_correction;
+  if (!correction || (noted && noted->verdict == correction->verdict)) return;
   c_.record.camera_correction = correction;
   // a camera that is used otherwise than it was calibrated is never silent
   if (correction->applied()) c_.note_device("camera", correction->reason);
