@@ -210,9 +210,9 @@ class Finder {
     const std::string what = fmt::format("A{} is measured {:.1f} deg away from where the KRC commands it",
                                          s.mismatch_joint + 1, hal::rad_to_deg(s.pose_mismatch_rad));
     const std::string next =
-        "check the tool number and its load data in the KRL program (hand 1.2 kg), that nobody holds the "
-        "arm, and "
-        "that it is not stretched out; then start the KRL program anew, its PTP takes the pose over";
+        "check the tool number and its load data in the KRL program (hand and adapter; `colift hal arm load` "
+        "measures them), that nobody holds the arm, and that it is not stretched out; then start the KRL "
+        "program anew, its PTP takes the pose over";
     if (s.pose_mismatch_rad > 5 * kMismatch_rad)
       refuse("pose", fmt::format("{}: the KRC answers that with \"FRI interpolation error\"", what), next);
     else
