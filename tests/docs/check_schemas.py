@@ -92,6 +92,12 @@ def main():
     for name in ("pipe", "no_partner", "unreachable_optimum", "wrong_cog", "person_in_the_path", "partner_lets_go"):
         c.command("run", "run", "--scenario", scenarios / f"{name}.yaml", "--seed", "3", "--set", "task.partner_timeout_s=5")
     c.command("check", "check")
+    for kind in ("scenarios", "robots"):
+        listed = c.command("shipped", kind)
+        files = (scenarios if kind == "scenarios" else root / "config").glob("*.yaml")
+        if listed and [f["name"] for f in listed["files"]] != sorted(f.stem for f in files):
+            c.wrong.append(f"colift {kind} lists others than the folder has")
+        c.wrong += [f"{f['file']} begins with no comment that says what it is for" for f in (listed or {"files": []})["files"] if not f["about"]]
     c.command("doctor", "doctor")
     with tempfile.TemporaryDirectory() as folder:
         for problem in (PROBLEM, TIGHT):

@@ -159,6 +159,14 @@ TEST_CASE("what is wrong is said in one line with the place, exit code 2", "[pro
   const auto [arguments, words] = GENERATE(table<std::string, std::string>({
       {"", "see colift --help"},
       {"frobnicate", "\"frobnicate\" is no command"},
+      {"runn", "\"runn\" is no command; did you mean \"run\"?"},
+      {"run --senario pipe", "did you mean --scenario?"},
+      {"run --seed=3 --dryrun", "did you mean --dry-run?"},
+      {"run --scenario pip",
+       "pip: there is no such file, and no scenario of that name is shipped; did you mean \"pipe\"?"},
+      {"run --scenario xylophone", "\"colift scenarios\" lists those that are"},
+      {"run --robot emulatd", "did you mean \"emulated\"?"},
+      {"run --scenario ./pipe", "./pipe: there is no such file"},
       {"look", "CLOUD is required"},
       {"look /no/such.pcd", "/no/such.pcd: there is no such file"},
       {"look " + kReal, "directory"},
@@ -184,6 +192,25 @@ TEST_CASE("what is wrong is said in one line with the place, exit code 2", "[pro
   CHECK(r.code == 2);
   CHECK(r.err.find(words) != std::string::npos);
   CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+}
+
+TEST_CASE(
+    "shipped scenarios and robots are found by name from any folder, and a file of that name goes first",
+    "[program]") {
+  const auto here = std::filesystem::current_path();
+  std::filesystem::create_directories(scratch() / "elsewhere");
+  std::filesystem::current_path(scratch() / "elsewhere");
+  const Run pipe = colift("run --scenario pipe --dry-run --json --quiet");
+  std::ofstream("pipe") << "schema: colift.scenario/1\nobject: {kind: anvil}\n";
+  const Run own = colift("run --scenario pipe --dry-run --json --quiet");
+  const Run robot = colift("check --for run --robot real --json");
+  std::filesystem::current_path(here);
+  INFO(pipe.err << own.err << robot.err);
+  CHECK(pipe.code == 0);
+  CHECK(Json::parse(pipe.out)["scenario"].get<std::string>().find("pipe") != std::string::npos);
+  CHECK(own.code == 2);
+  CHECK(own.err.find("anvil") != std::string::npos);
+  CHECK(robot.code == 0);
 }
 
 TEST_CASE("a run whose hand has no bus is denied at its start: nothing is guessed, nothing moves (row 35)",

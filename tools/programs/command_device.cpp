@@ -15,8 +15,7 @@ namespace {
 /// A verb of `hal DEVICE`, with what all of them take.
 CLI::App& add_verb(CLI::App& device, const char* name, const char* help, HalOptions& o, CommandLine& line) {
   CLI::App* verb = device.add_subcommand(name, help);
-  verb->add_option("--robot", o.robot, "Robot file: address of the device (default: the driver's defaults)")
-      ->type_name("FILE");
+  add_robot(*verb, o.robot, "Robot file: address of the device (default: the driver's defaults)");
   verb->callback([&o, name] { o.verb = name; });
   line.add_common(*verb);
   return *verb;
@@ -121,13 +120,8 @@ void add_calibrate(CLI::App& command, CalibrateOptions& o) {
   command.add_option("--samples", o.samples, "Folder with samples.yaml and infrared images")
       ->type_name("FOLDER");
   command.add_flag("--sim", o.sim, "Takes the samples on the simulated rig");
-  command
-      .add_option("--robot", o.robot,
-                  "Takes the samples with these devices; clear the space around the arm first")
-      ->type_name("FILE");
-  command
-      .add_option("--scenario", o.scenario, "Scenario of the simulated rig (default: nothing near the arm)")
-      ->type_name("FILE");
+  add_robot(command, o.robot, "Takes the samples with these devices; clear the space around the arm first");
+  add_scenario(command, o.scenario, "Scenario of the simulated rig (default: nothing near the arm)");
   command.add_option("--poses", o.poses, "Poses of the arm, 5 to 200 (default 20)")->type_name("N");
   command.add_option("--seed", o.seed, "Same samples, seed and program: same result, bit for bit")
       ->type_name("N");
@@ -141,10 +135,7 @@ void add_calibrate(CLI::App& command, CalibrateOptions& o) {
 }
 
 void add_doctor(CLI::App& command, DoctorOptions& o) {
-  command
-      .add_option("--robot", o.robot,
-                  "Robot file whose port and bus are checked (default: the drivers' defaults)")
-      ->type_name("FILE");
+  add_robot(command, o.robot, "Robot file whose port and bus are checked (default: the drivers' defaults)");
   command.add_option("--root", o.root, "Root folder of /sys, /proc and /dev (default: /)")
       ->type_name("FOLDER");
 }
@@ -182,12 +173,9 @@ void add_device_commands(CommandLine& line) {
 
   CLI::App& recover_command = line.command("recover");
   const auto recover = std::make_shared<RecoverOptions>();
-  recover_command
-      .add_option("--robot", recover->robot,
-                  "Robot file: which devices are used (default: the simulated rig)")
-      ->type_name("FILE");
-  recover_command.add_option("--scenario", recover->scenario, "Scenario of a simulated or emulated rig")
-      ->type_name("FILE");
+  add_robot(recover_command, recover->robot,
+            "Robot file: which devices are used (default: the simulated rig)");
+  add_scenario(recover_command, recover->scenario, "Scenario of a simulated or emulated rig");
   recover_command.add_flag("--yes", recover->yes, "Confirms every step; simulated and emulated rigs only");
   line.add_common(recover_command);
   line.when(recover_command, [&common, recover] { return cmd_recover(common, *recover, &wired_devices()); });

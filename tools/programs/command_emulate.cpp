@@ -12,9 +12,7 @@ namespace {
 void add_emulate(CLI::App& command, EmulateOptions& o) {
   command.add_option("--plant", o.plant, "Plant model behind the device: mujoco (default) or light")
       ->type_name("PLANT");
-  command
-      .add_option("--scenario", o.scenario, "Scenario of the simulated rig, with its faults (default: table)")
-      ->type_name("FILE");
+  add_scenario(command, o.scenario, "Scenario of the simulated rig, with its faults (default: table)");
   command.add_option("--for", o.for_s, "Duration (s)")->type_name("S");
   command
       .add_option("--fault", o.faults,
@@ -98,14 +96,10 @@ void add_emulate_commands(CommandLine& line) {
   line.when(camera_command, [&common, camera] { return cmd_emulate_camera(common, *camera); });
 
   CLI::App& rig_command = *emulate.add_subcommand(
-      "rig",
-      "All three on one simulated world, for colift run --robot config/emulated.yaml in another terminal");
+      "rig", "All three on one simulated world, for colift run --robot emulated in another terminal");
   const auto rig = std::make_shared<EmulateRigOptions>();
   add_emulate(rig_command, rig->common);
-  rig_command
-      .add_option("--robot", rig->robot,
-                  "Robot file whose addresses are served (default: config/emulated.yaml)")
-      ->type_name("FILE");
+  add_robot(rig_command, rig->robot, "Robot file whose addresses are served (default: emulated)");
   line.add_output(rig_command);
   line.when(rig_command, [&common, rig] { return cmd_emulate_rig(common, *rig); });
 }

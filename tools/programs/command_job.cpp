@@ -10,10 +10,9 @@ namespace {
 
 void add_run(CLI::App& command, RunOptions& o) {
   add_view(command, o.live);
-  command.add_option("--scenario", o.scenario, "Scenario of the simulated rig (default: the built-in table)")
-      ->type_name("FILE");
-  command.add_option("--robot", o.robot, "Robot file: which devices are used (default: the simulated rig)")
-      ->type_name("FILE");
+  add_scenario(command, o.scenario,
+               "Scenario of the simulated rig (default: the built-in table); colift scenarios");
+  add_robot(command, o.robot, "Robot file: which devices are used (default: the simulated rig)");
   command
       .add_option("--rig", o.rig,
                   "Simulated rig with the faults of real sensors: imperfect, or a file as "

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "hal/config/nearest_name.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/live/live_server.hpp"
 #include "tools/programs/programs.hpp"
@@ -67,6 +68,22 @@ std::vector<std::string> words_of_command(const std::vector<std::string>& words)
 void require_nothing(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) option->required(false);
   for (CLI::App* below : app.get_subcommands([](CLI::App*) { return true; })) require_nothing(*below);
+}
+
+// The option that was most likely meant by the first unknown one in CLI11's message.
+std::optional<std::string> nearest_option(const CLI::App& app, std::string_view message) {
+  const std::size_t at = message.find(" --");
+  if (at == std::string_view::npos) return std::nullopt;
+  message.remove_prefix(at + 3);
+  const std::string_view unknown = message.substr(0, message.find_first_of("= "));
+  const CLI::App* asked = &app;
+  while (!asked->get_subcommands().empty()) asked = asked->get_subcommands().front();
+  std::vector<std::string> known;
+  for (const CLI::Option* option : asked->get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back(name);
+  if (std::find(known.begin(), known.end(), unknown) != known.end()) return std::nullopt;
+  const auto nearest = hal::nearest_path(unknown, known);
+  return nearest ? std::optional("--" + *nearest) : std::nullopt;
 }
 
 std::string full_name(const CLI::App& app) {
@@ -170,13 +187,19 @@ int CommandLine::check_for(std::vector<std::string> words) {
 
 int CommandLine::refuse(const CLI::ParseError& error, const std::string& first) const {
   if (first[0] == '-' || find_command(first) != nullptr) {
-    std::fprintf(stderr, "colift: %s; see colift --help\n", error.what());
+    const auto nearest = nearest_option(app_, error.what());
+    std::fprintf(stderr, "colift: %s%s\n", error.what(),
+                 nearest ? ("; did you mean " + *nearest + "?").c_str()
+                 : dynamic_cast<const CLI::ValidationError*>(&error) ? ""
+                                                                     : "; see colift --help");
     return kBadInput;
   }
-  std::string names;
-  for (const CommandEntry& c : command_table()) names += (names.empty() ? "" : ", ") + std::string(c.name);
-  std::fprintf(stderr, "colift: \"%s\" is no command; there are %s; see colift --help\n", first.c_str(),
-               names.c_str());
+  std::vector<std::string> names;
+  for (const CommandEntry& c : command_table()) names.emplace_back(c.name);
+  const auto nearest = hal::nearest_path(first, names);
+  fmt::print(stderr, "colift: \"{}\" is no command; {}\n", first,
+             nearest ? fmt::format("did you mean \"{}\"?", *nearest)
+                     : fmt::format("there are {}; see colift --help", fmt::join(names, ", ")));
   return kBadInput;
 }
 

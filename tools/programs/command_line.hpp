@@ -60,6 +60,11 @@ class CommandLine {
   std::vector<std::pair<CLI::App*, Configured>> configured_;
 };
 
+/// --scenario and --robot: a path, or the name of a shipped file.
+CLI::Option* add_scenario(CLI::App& parser, std::optional<std::filesystem::path>& file,
+                          const std::string& help);
+CLI::Option* add_robot(CLI::App& parser, std::optional<std::filesystem::path>& file, const std::string& help);
+
 /// --view and what belongs to it, for `run` and `log replay`.
 void add_view(CLI::App& parser, ViewOptions& options);
 

@@ -3,6 +3,7 @@
 #include "tools/analyse/cmd_rank.hpp"
 #include "tools/analyse/recorded_scene.hpp"
 #include "tools/check/cmd_schema.hpp"
+#include "tools/check/cmd_shipped.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"
 #include "tools/programs/command_line.hpp"
@@ -66,8 +67,7 @@ void add_check(CLI::App& command, CheckOptions& o, CheckedCamera& camera) {
   command.add_flag("--graph", o.graph,
                    "Prints states and transitions of the job as a Graphviz graph; "
                    "with --json the rules");
-  command.add_option("--robot", camera.robot, "Robot file whose calibration and Kinect are checked too")
-      ->type_name("FILE");
+  add_robot(command, camera.robot, "Robot file whose calibration and Kinect are checked too");
   command.add_option("--frame", camera.frame, "Depth image: checks the ground plane against the calibration")
       ->type_name("FILE");
   command
@@ -110,6 +110,13 @@ void add_sight_commands(CommandLine& line) {
     camera->read_frame = [camera] { return read_depth(*camera->frame, camera->camera); };
     return cmd_check(common, *check, *camera, [&common] { return config_of_run(common, {}); });
   });
+
+  CLI::App& scenarios_command = line.command("scenarios");
+  line.add_output(scenarios_command);
+  line.when(scenarios_command, [&common] { return cmd_shipped(ShippedKind::Scenario, common.json); });
+  CLI::App& robots_command = line.command("robots");
+  line.add_output(robots_command);
+  line.when(robots_command, [&common] { return cmd_shipped(ShippedKind::Robot, common.json); });
 
   CLI::App& schema_command = line.command("schema");
   const auto name = std::make_shared<std::string>();

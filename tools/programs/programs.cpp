@@ -25,6 +25,8 @@ constexpr CommandEntry kCommands[] = {
     {"decide", "colift-analyse", "look, then the robot's grasp for the partner's grasp, with the reason"},
     {"rank", "colift-analyse", "The load-sharing decision alone, for a problem given as numbers"},
     {"check", "colift-analyse", "Prints the configuration that a command would use; touches no device"},
+    {"scenarios", "colift-analyse", "The scenarios that --scenario takes by name"},
+    {"robots", "colift-analyse", "The robot files that --robot takes by name"},
     {"schema", "colift-analyse", "The JSON Schema of a document that --json prints, or that a command reads"},
     {"hal", "colift-bring-up", "Bring-up of one device at a time"},
     {"calibrate", "colift-bring-up",

@@ -65,6 +65,8 @@ struct RunTelemetry::Impl {
   SceneView scene;
   std::optional<hal::Vec3> cog;
   std::optional<double> share_predicted;
+  /// Of the camera, once the job has found it. What is recorded for a replay stays as the device gave it.
+  std::optional<perception::CameraCorrection> correction;
 
   Impl(const Setting& s, std::vector<TelemetrySink*> to, const hal::Clock& w)
       : setting(s), sinks(std::move(to)), wall(w) {}
@@ -97,14 +99,27 @@ struct RunTelemetry::Impl {
     publish(
         Topic::Depth, at, [kept] { return depth_image(kept->frame); }, bytes);
     if (preview.due(at)) {
-      const hal::CameraIntrinsics camera = frame.intrinsics;
+      hal::CameraIntrinsics camera = frame.intrinsics;
+      if (correction) camera.fx *= correction->focal_scale, camera.fy *= correction->focal_scale;
       publish(Topic::Calibration, at, [at, camera] { return calibration_message(at, camera); });
       publish(
           Topic::Preview, at, [kept] { return preview_message(kept->frame); }, bytes / 4);
     }
     if (cloud.due(at))
       publish(
-          Topic::Cloud, at, [kept] { return cloud_message(kept->frame); }, bytes / 4);
+          Topic::Cloud, at,
+          [kept, by = correction] {
+            if (!by) return cloud_message(kept->frame);
+            hal::DepthFrame corrected = kept->frame;
+            by->correct(corrected);
+            return cloud_message(corrected);
+          },
+          bytes / 4);
+  }
+
+  /// Where the camera is, as far as the job knows.
+  [[nodiscard]] hal::Pose camera_pose() const {
+    return correction ? setting.X_WC * correction->X_KC : setting.X_WC;
   }
 
   void take_arm_samples() {
@@ -146,7 +161,7 @@ struct RunTelemetry::Impl {
               [at, model, arm = view.state, h = hand] { return joints_message(at, *model, arm, h); });
     if (transforms.due(now))
       publish(Topic::Transforms, at,
-              [at, model, q = view.state.q_rad, h = hal::posture_of(hand), X = setting.X_WC] {
+              [at, model, q = view.state.q_rad, h = hal::posture_of(hand), X = camera_pose()] {
                 return transforms_message(at, *model, q, h, X);
               });
     if (timing.due(now)) {
@@ -228,6 +243,8 @@ struct RunTelemetry::Impl {
     // the hook may come before the first cycle's end
     const hal::Timestamp at = time();
     const control::RunRecord& record = *s.record;
+    if (!correction && record.camera_correction && record.camera_correction->applied())
+      correction = record.camera_correction;
     if (!look_told && record.analysis) tell_look(at, *record.analysis);
     if (!map_told && s.map && record.analysis->scene.ground)
       tell_map(at, *s.map, *record.analysis->scene.ground);

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "control/task/task_runner.hpp"
 #include "hal/config/config_file.hpp"
@@ -107,7 +108,9 @@ class DeafViewer {
   int socket_;
 };
 
-Recorded run(const sim_hal::Scenario& scenario, const std::filesystem::path* file) {
+/// `pushed`: the camera's true pose in the calibrated one.
+Recorded run(const sim_hal::Scenario& scenario, const std::filesystem::path* file,
+             const hal::Pose& pushed = hal::Pose::Identity()) {
   const hal::RobotModel& model = hal::built_in_robot();
   control::Config config = config_of(scenario);
   auto world = sim_hal::SimWorld::make(scenario, model, kSeed, {});
@@ -120,7 +123,7 @@ Recorded run(const sim_hal::Scenario& scenario, const std::filesystem::path* fil
   const planner::HandModel hand;
   const auto tables = std::make_shared<planner::HandCollision>(hand, config.candidates.collision);
   const hal::SteadyClock wall;
-  const hal::Pose X_WC = sim_hal::camera_pose(scenario.camera);
+  const hal::Pose X_WC = sim_hal::camera_pose(scenario.camera) * pushed.inverse();
   control::JobOptions options;
   options.seed = kSeed;
 
@@ -276,5 +279,43 @@ TEST_CASE("a lift that is recorded and watched is the same lift, and its replay 
     CHECK(part->cycles < again->cycles);
     CHECK(part->compared.at(Topic::Status) > 50);
   }
+  std::filesystem::remove(file);
+}
+
+TEST_CASE("a camera that was pushed is shown where it is, and its recording is replayed to the bit",
+          "[lift]") {
+  const auto file =
+      std::filesystem::temp_directory_path() / ("colift-pushed-" + std::to_string(::getpid()) + ".mcap");
+  const sim_hal::Scenario scenario = short_lift();
+  hal::Pose pushed = hal::Pose::Identity();
+  pushed.translation() = hal::Vec3(0.015, -0.01, 0.0);
+  const Recorded recorded = run(scenario, &file, pushed);
+  CHECK(recorded.record.outcome == control::RunRecord::Result::Lifted);
+  REQUIRE(recorded.record.camera_correction);
+  INFO(recorded.record.camera_correction->reason);
+  REQUIRE(recorded.record.camera_correction->applied());
+
+  const McapReader reader = opened(file);
+  auto cursor = reader.messages({"/tf"});
+  const hal::Vec3 truth = sim_hal::camera_pose(scenario.camera).translation(),
+                  calibrated = (sim_hal::camera_pose(scenario.camera) * pushed.inverse()).translation();
+  std::vector<double> off_m;
+  while (const auto message = cursor.next()) {
+    const auto all = nlohmann::json::parse(message->data);
+    for (const auto& t : all["transforms"])
+      if (t["child_frame_id"] == "camera") {
+        const auto& p = t["translation"];
+        off_m.push_back((hal::Vec3(p["x"], p["y"], p["z"]) - truth).norm());
+      }
+  }
+  REQUIRE(off_m.size() > 50);
+  CHECK(off_m.front() == Approx((calibrated - truth).norm()).margin(1e-6));
+  CHECK(off_m.back() < 0.5 * off_m.front());
+
+  const auto again = replayed(reader);
+  REQUIRE(again);
+  CHECK(again->same());
+  REQUIRE(again->record.camera_correction);
+  CHECK(again->record.camera_correction->reason == recorded.record.camera_correction->reason);
   std::filesystem::remove(file);
 }

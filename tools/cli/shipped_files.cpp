@@ -1,0 +1,76 @@
+#include "tools/cli/shipped_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <system_error>
+
+#include "hal/config/nearest_name.hpp"
+
+namespace colift::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+const char* word(ShippedKind kind) {
+  return kind == ShippedKind::Scenario ? "scenario" : "robot";
+}
+
+/// The comment at the top of a YAML file, its lines joined.
+std::string leading_comment(const fs::path& file) {
+  std::ifstream in(file);
+  std::string about;
+  for (std::string line; std::getline(in, line) && line.starts_with('#');) {
+    line.erase(0, line.find_first_not_of("# "));
+    if (!about.empty() && !line.empty()) about += ' ';
+    about += line;
+  }
+  return about;
+}
+
+}  // namespace
+
+fs::path shipped_folder() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (error) return {};
+  const fs::path prefix = program.parent_path().parent_path();
+  // installed: PREFIX/bin; of a checkout: build, or build/PRESET
+  for (const fs::path& folder :
+       {prefix / "share" / "colift" / "config", prefix / "config", prefix.parent_path() / "config"})
+    if (fs::is_regular_file(folder / "scenario" / "table.yaml", error)) return folder;
+  return {};
+}
+
+std::vector<ShippedFile> shipped_files(ShippedKind kind) {
+  std::vector<ShippedFile> files;
+  fs::path folder = shipped_folder();
+  if (folder.empty()) return files;
+  if (kind == ShippedKind::Scenario) folder /= "scenario";
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+    if (entry.path().extension() == ".yaml")
+      files.push_back({entry.path().stem().string(), entry.path(), leading_comment(entry.path())});
+  std::sort(files.begin(), files.end(),
+            [](const ShippedFile& a, const ShippedFile& b) { return a.name < b.name; });
+  return files;
+}
+
+hal::Result<fs::path> file_or_shipped(ShippedKind kind, const std::string& text) {
+  std::error_code error;
+  if (text.find_first_of("/.") != std::string::npos || fs::exists(text, error)) return fs::path(text);
+  std::vector<std::string> names;
+  for (const ShippedFile& each : shipped_files(kind)) {
+    if (each.name == text) return each.file;
+    names.push_back(each.name);
+  }
+  const auto nearest = hal::nearest_path(text, names);
+  return hal::failure(
+      hal::ErrorCode::NotFound, text,
+      fmt::format("there is no such file, and no {0} of that name is shipped; {1}", word(kind),
+                  nearest ? fmt::format("did you mean \"{}\"?", *nearest)
+                          : fmt::format("\"colift {}s\" lists those that are", word(kind))));
+}
+
+}  // namespace colift::tools

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "hal/types/result.hpp"
+
+namespace colift::tools {
+
+/// What CoLift ships in config/ and finds by name from any folder.
+enum class ShippedKind {
+  Scenario,  ///< Simulated rigs with their partner: config/scenario/NAME.yaml.
+  Robot,     ///< Robot files: config/NAME.yaml.
+};
+
+struct ShippedFile {
+  std::string name;  ///< "pipe".
+  std::filesystem::path file;
+  std::string about;  ///< The comment that the file begins with, in one line.
+};
+
+/// The folder config/ beside the program: of the checkout that it was built in, or share/colift/config of an
+/// installation. Empty when there is none.
+[[nodiscard]] std::filesystem::path shipped_folder();
+
+/// All of one kind, by name; none where there is no such folder.
+[[nodiscard]] std::vector<ShippedFile> shipped_files(ShippedKind kind);
+
+/// The file that an option means: a path (with a slash, a dot, or of a file that is there) as it stands, else
+/// the shipped file of that name. Errors: NotFound, with the nearest name.
+[[nodiscard]] hal::Result<std::filesystem::path> file_or_shipped(ShippedKind kind, const std::string& text);
+
+}  // namespace colift::tools
