@@ -223,7 +223,10 @@ hal::Result<> PerceptionSession::analyse_scene(const RobotPosture& robot) {
   if (!reference) return tl::unexpected(reference.error());
   if (!i.whole_frames.empty()) {
     const auto corrected = i.correct_camera();
-    if (!corrected) return tl::unexpected(corrected.error());
+    if (!corrected) {
+      forget_reference();  // nothing seen through this camera counts
+      return tl::unexpected(corrected.error());
+    }
     if (*corrected) reference = i.build_reference();
     if (!reference) return tl::unexpected(reference.error());
   }

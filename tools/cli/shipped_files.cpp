@@ -17,14 +17,14 @@ const char* word(ShippedKind kind) {
   return kind == ShippedKind::Scenario ? "scenario" : "robot";
 }
 
-/// The comment at the top of a YAML file, its lines joined.
+/// The first paragraph of the comment at the top of a YAML file, its lines joined; an indented line is a
+/// command and ends it.
 std::string leading_comment(const fs::path& file) {
   std::ifstream in(file);
   std::string about;
-  for (std::string line; std::getline(in, line) && line.starts_with('#');) {
-    line.erase(0, line.find_first_not_of("# "));
-    if (!about.empty() && !line.empty()) about += ' ';
-    about += line;
+  for (std::string line; std::getline(in, line) && line.starts_with("# ") && !line.starts_with("#  ");) {
+    if (!about.empty()) about += ' ';
+    about += line.substr(2);
   }
   return about;
 }

@@ -17,7 +17,7 @@ enum class ShippedKind {
 struct ShippedFile {
   std::string name;  ///< "pipe".
   std::filesystem::path file;
-  std::string about;  ///< The comment that the file begins with, in one line.
+  std::string about;  ///< First paragraph of the comment at the file's top, in one line.
 };
 
 /// The folder config/ beside the program: of the checkout that it was built in, or share/colift/config of an

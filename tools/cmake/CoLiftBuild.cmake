@@ -27,6 +27,8 @@ endif()
 set(COLIFT_EIGEN_LAYOUT EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MALLOC_ALREADY_ALIGNED=1)
 add_compile_definitions(${COLIFT_EIGEN_LAYOUT})
 
+add_custom_target(libraries)  # all that are installed
+
 # colift_library(NAME SOURCES... LINK ...): a static library of this repository with its include root and warnings.
 function(colift_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE" ${ARGN})
@@ -41,7 +43,8 @@ function(colift_library name)
   colift_warnings(${name})
   colift_precompiled(${name} library)
   colift_units(${name})
-  install(TARGETS ${name} EXPORT CoLiftTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(TARGETS ${name} EXPORT CoLiftTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libcolift-dev)
+  add_dependencies(libraries ${name})
 endfunction()
 
 # Warnings are errors; but through a sanitizer's calls gcc sees some that are none.

@@ -4,7 +4,7 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/CoLift)
 include(PublicHeaders)
 foreach(header ${COLIFT_PUBLIC_HEADERS})
   get_filename_component(folder ${header} DIRECTORY)
-  install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/colift/${folder})
+  install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/colift/${folder} COMPONENT libcolift-dev)
 endforeach()
 
 # the suites that a back end has to pass, as headers: <colift/contract/arm_contract.hpp>
@@ -15,15 +15,16 @@ set_target_properties(colift_contract PROPERTIES EXPORT_NAME contract)
 target_include_directories(colift_contract INTERFACE $<BUILD_INTERFACE:${contract_include}>
                                                      $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 target_link_libraries(colift_contract INTERFACE colift_hal)
-install(TARGETS colift_contract EXPORT CoLiftTargets)
+install(TARGETS colift_contract EXPORT CoLiftTargets COMPONENT libcolift-dev)
 list(TRANSFORM COLIFT_CONTRACT_HEADERS PREPEND ${contract_include}/colift/contract/ OUTPUT_VARIABLE contract_headers)
-install(FILES ${contract_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/colift/contract)
+install(FILES ${contract_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/colift/contract COMPONENT libcolift-dev)
 
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/config/ DESTINATION ${CMAKE_INSTALL_DATADIR}/colift/config)
-install(EXPORT CoLiftTargets NAMESPACE CoLift:: DESTINATION ${package_dir})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/config/ DESTINATION ${CMAKE_INSTALL_DATADIR}/colift/config COMPONENT colift)
+install(EXPORT CoLiftTargets NAMESPACE CoLift:: DESTINATION ${package_dir} COMPONENT libcolift-dev)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/CoLiftConfig.cmake.in
                               ${CMAKE_BINARY_DIR}/CoLiftConfig.cmake INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/CoLiftConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/CoLiftConfig.cmake ${CMAKE_BINARY_DIR}/CoLiftConfigVersion.cmake
-        DESTINATION ${package_dir})
+        DESTINATION ${package_dir} COMPONENT libcolift-dev)
 include(ApiDocs)
+include(CoLiftPackage)

@@ -187,11 +187,12 @@ int CommandLine::check_for(std::vector<std::string> words) {
 
 int CommandLine::refuse(const CLI::ParseError& error, const std::string& first) const {
   if (first[0] == '-' || find_command(first) != nullptr) {
-    const auto nearest = nearest_option(app_, error.what());
-    std::fprintf(stderr, "colift: %s%s\n", error.what(),
-                 nearest ? ("; did you mean " + *nearest + "?").c_str()
-                 : dynamic_cast<const CLI::ValidationError*>(&error) ? ""
-                                                                     : "; see colift --help");
+    std::string next = "; see colift --help";
+    if (dynamic_cast<const CLI::ValidationError*>(&error) != nullptr)
+      next.clear();  // it says what would do
+    else if (const auto nearest = nearest_option(app_, error.what()))
+      next = "; did you mean " + *nearest + "?";
+    std::fprintf(stderr, "colift: %s%s\n", error.what(), next.c_str());
     return kBadInput;
   }
   std::vector<std::string> names;

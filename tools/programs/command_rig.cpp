@@ -12,7 +12,7 @@ CLI::Option* add_shipped(CLI::App& parser, const char* option, std::optional<std
       ->type_name("NAME|FILE")
       ->transform([=](const std::string& text) {
         const auto found = file_or_shipped(kind, text);
-        if (!found) throw CLI::ValidationError(option, found.error().where + ": " + found.error().detail);
+        if (!found) throw CLI::ValidationError(found.error().where + ": " + found.error().detail);
         return found->string();
       });
 }

@@ -1,0 +1,42 @@
+# Debian packages by CPack, one per component: `tools/package` makes them, tools/debian has what goes into them.
+set(debian ${PROJECT_SOURCE_DIR}/tools/debian)
+install(FILES ${debian}/colift.conf DESTINATION /etc/security/limits.d COMPONENT colift EXCLUDE_FROM_ALL)
+install(FILES ${debian}/colift-can@.service ${debian}/colift-run@.service DESTINATION /lib/systemd/system
+        COMPONENT colift EXCLUDE_FROM_ALL)
+install(FILES ${debian}/completion.bash DESTINATION share/bash-completion/completions RENAME colift COMPONENT colift)
+install(FILES ${debian}/completion.zsh DESTINATION share/zsh/vendor-completions RENAME _colift COMPONENT colift)
+# made by tools/package
+install(DIRECTORY ${CMAKE_BINARY_DIR}/debian/man1 DESTINATION share/man COMPONENT colift OPTIONAL)
+foreach(package colift libcolift-dev)
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/${package} RENAME copyright COMPONENT ${package})
+  install(FILES ${CMAKE_BINARY_DIR}/debian/changelog.gz DESTINATION share/doc/${package} COMPONENT ${package} OPTIONAL)
+endforeach()
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME colift)
+set(CPACK_PACKAGE_CONTACT "the CoLift authors <colift@localhost>")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL colift libcolift-dev)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_COLIFT_PACKAGE_NAME colift)
+set(CPACK_DEBIAN_COLIFT_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_COLIFT_PACKAGE_DEPENDS "fonts-dejavu-core")
+set(CPACK_DEBIAN_COLIFT_PACKAGE_RECOMMENDS "iproute2")
+set(CPACK_DEBIAN_COLIFT_DESCRIPTION "carries large objects together with a person
+ Watches through one depth camera, finds the object and where the person
+ grasps it, decides where the robot grasps so that both carry their share,
+ plans the motion, and lifts with the person: with a KUKA LWR 4+, a
+ BarrettHand and a Kinect, emulated ones, or in simulation.")
+set(CPACK_DEBIAN_COLIFT_PACKAGE_CONTROL_EXTRA ${CMAKE_BINARY_DIR}/debian/conffiles)
+set(CPACK_DEBIAN_LIBCOLIFT-DEV_PACKAGE_NAME libcolift-dev)
+set(CPACK_DEBIAN_LIBCOLIFT-DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_LIBCOLIFT-DEV_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_LIBCOLIFT-DEV_PACKAGE_DEPENDS
+    "colift (= ${PROJECT_VERSION}), libeigen3-dev, libyaml-cpp-dev, libfmt-dev, libexpected-dev, libmujoco-dev, liburdfdom-dev, liboctomap-dev, libfcl-dev, libompl-dev")
+set(CPACK_DEBIAN_LIBCOLIFT-DEV_DESCRIPTION "libraries of CoLift: perception, decision, planning, devices
+ Headers, static libraries and the CMake package of CoLift, and the suites
+ that a back end of an arm, a hand or a camera has to pass.")
+include(CPack)
