@@ -203,7 +203,7 @@ TEST_CASE(
   const Run pipe = colift("run --scenario pipe --dry-run --json --quiet");
   std::ofstream("pipe") << "schema: colift.scenario/1\nobject: {kind: anvil}\n";
   const Run own = colift("run --scenario pipe --dry-run --json --quiet");
-  const Run robot = colift("check --for run --robot real --json");
+  const Run robot = colift("check --for run --robot emulated --json");
   std::filesystem::current_path(here);
   INFO(pipe.err << own.err << robot.err);
   CHECK(pipe.code == 0);

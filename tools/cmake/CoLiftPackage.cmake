@@ -9,12 +9,13 @@ install(FILES ${debian}/completion.zsh DESTINATION share/zsh/vendor-completions 
 install(DIRECTORY ${CMAKE_BINARY_DIR}/debian/man1 DESTINATION share/man COMPONENT colift OPTIONAL)
 foreach(package colift libcolift-dev)
   install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/${package} RENAME copyright COMPONENT ${package})
-  install(FILES ${CMAKE_BINARY_DIR}/debian/changelog.gz DESTINATION share/doc/${package} COMPONENT ${package} OPTIONAL)
+  install(FILES ${CMAKE_BINARY_DIR}/debian/changelog.gz ${CMAKE_BINARY_DIR}/debian/CHANGELOG.md.gz
+          DESTINATION share/doc/${package} COMPONENT ${package} OPTIONAL)
 endforeach()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME colift)
-set(CPACK_PACKAGE_CONTACT "the CoLift authors <colift@localhost>")
+set(CPACK_PACKAGE_CONTACT "the CoLift authors <authors@colift.example>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_COMPONENTS_ALL colift libcolift-dev)
@@ -25,18 +26,16 @@ set(CPACK_DEBIAN_COLIFT_PACKAGE_NAME colift)
 set(CPACK_DEBIAN_COLIFT_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_COLIFT_PACKAGE_DEPENDS "fonts-dejavu-core")
 set(CPACK_DEBIAN_COLIFT_PACKAGE_RECOMMENDS "iproute2")
-set(CPACK_DEBIAN_COLIFT_DESCRIPTION "carries large objects together with a person
- Watches through one depth camera, finds the object and where the person
- grasps it, decides where the robot grasps so that both carry their share,
- plans the motion, and lifts with the person: with a KUKA LWR 4+, a
- BarrettHand and a Kinect, emulated ones, or in simulation.")
+set(CPACK_DEBIAN_COLIFT_DESCRIPTION "Watches through one depth camera, finds the object and where a person
+grasps it, decides where the robot grasps so that both carry their share,
+plans the motion, and lifts with the person: with a KUKA LWR 4+, a
+BarrettHand and a Kinect, emulated ones, or in simulation.")
 set(CPACK_DEBIAN_COLIFT_PACKAGE_CONTROL_EXTRA ${CMAKE_BINARY_DIR}/debian/conffiles)
 set(CPACK_DEBIAN_LIBCOLIFT-DEV_PACKAGE_NAME libcolift-dev)
 set(CPACK_DEBIAN_LIBCOLIFT-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBCOLIFT-DEV_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_LIBCOLIFT-DEV_PACKAGE_DEPENDS
     "colift (= ${PROJECT_VERSION}), libeigen3-dev, libyaml-cpp-dev, libfmt-dev, libexpected-dev, libmujoco-dev, liburdfdom-dev, liboctomap-dev, libfcl-dev, libompl-dev")
-set(CPACK_DEBIAN_LIBCOLIFT-DEV_DESCRIPTION "libraries of CoLift: perception, decision, planning, devices
- Headers, static libraries and the CMake package of CoLift, and the suites
- that a back end of an arm, a hand or a camera has to pass.")
+set(CPACK_DEBIAN_LIBCOLIFT-DEV_DESCRIPTION "Headers, static libraries and the CMake package of CoLift, and the suites
+that a back end of an arm, a hand or a camera has to pass.")
 include(CPack)
