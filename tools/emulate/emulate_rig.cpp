@@ -119,7 +119,7 @@ hal::Result<int> run(const CommonOptions& common, const EmulateRigOptions& o) {
       "rig {}: arm's controller to 127.0.0.1:{} every {:g} ms, hand on {}, camera on emulated:{}; "
       "now colift run --robot {} in another terminal",
       scenario->name, file->fri.port, file->fri.cycle_ms, file->barrett.can, (*rig)->camera()->address(),
-      o.robot ? o.robot->string() : "config/emulated.yaml"));
+      o.robot ? o.robot->string() : "emulated"));
   const auto print = [&](const char* device, auto& server) {
     for (const auto& e : server.take_events()) lines.event(e.t_s, fmt::format("{:6} {}", device, e.text));
   };
