@@ -237,6 +237,7 @@ void check_rows(const Row (&rows)[N]) {
   std::vector<const Row*> of;
   for (const Row& row : rows) {
     if (row.seldom && !tests::thorough()) continue;
+    if (tests::kSanitized && (&row - rows) % 3 != 0) continue;
     auto parsed = sim_hal::parse_hand_fault(row.fault.fault);
     if (!parsed) FAIL(parsed.error().text());
     faults.push_back({*parsed, row.fault.in, row.fault.each_time});
