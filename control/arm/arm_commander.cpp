@@ -16,17 +16,16 @@ using namespace std::chrono_literals;
 // cycles and were chosen for periods of 1 to 5 ms: one that does not come to rest is left after 1 to 5 s.
 constexpr int kCyclesAtEnd = 20;
 constexpr int kMostCyclesAtEnd = 1000;
-constexpr int kMissesAtStart = 50;  // a controller that was just activated may take some cycles to answer
-constexpr auto kTaskPeriod = 4ms;   // of a task that does not run the arm's cycle: eight cycles per frame
+constexpr auto kTaskPeriod = 4ms;  // of a task that does not run the arm's cycle: eight cycles per frame
 
 /// Activation and the first good cycle, in the thread that makes all the others.
-hal::Result<> begin(hal::Arm& arm, ArmController& controller) {
+hal::Result<> begin(hal::Arm& arm, ArmController& controller, int max_misses) {
   if (auto active = arm.activate(); !active) return active;
   for (int misses = 0;; ++misses) {
     const auto state = arm.wait_cycle();
     controller.measured(state);
     if (state) break;
-    if (state.error().code != hal::ErrorCode::Timeout || misses >= kMissesAtStart)
+    if (state.error().code != hal::ErrorCode::Timeout || misses >= max_misses)
       return tl::unexpected(state.error());
   }
   if (const auto command = controller.command()) controller.sent(arm.command(*command));
@@ -44,13 +43,13 @@ struct ArmCommander::Threaded {
   hal::RealtimeReport realtime;
   std::thread thread;
 
-  void run(hal::Arm& arm, ArmController& controller);
+  void run(hal::Arm& arm, ArmController& controller, int max_misses);
 };
 
-void ArmCommander::Threaded::run(hal::Arm& arm, ArmController& controller) {
+void ArmCommander::Threaded::run(hal::Arm& arm, ArmController& controller, int max_misses) {
   hal::name_thread("colift-arm");
   realtime = hal::ask_for_realtime({});
-  beginning = begin(arm, controller);
+  beginning = begin(arm, controller, max_misses);
   if (beginning) views.write(controller.view());
   begun.store(true, std::memory_order_release);
   for (int left = beginning ? kMostCyclesAtEnd : 0, rests = 0; left > 0 && rests < kCyclesAtEnd;) {
@@ -74,6 +73,7 @@ ArmCommander::ArmCommander(hal::Arm& arm, const hal::RobotModel& model, const pl
     : arm_(arm),
       controller_(model, geometry, task, load, limits, force),
       limits_(limits),
+      max_misses_(task.supervision.arm_max_misses_at_activation),
       thread_(drive == Drive::Thread ? std::make_unique<Threaded>() : nullptr) {}
 
 ArmCommander::~ArmCommander() {
@@ -85,13 +85,13 @@ hal::Result<> ArmCommander::start() {
   if (recorded_) {
     recorded_(view_);
   } else if (thread_) {
-    thread_->thread = std::thread([this] { thread_->run(arm_, controller_); });
+    thread_->thread = std::thread([this] { thread_->run(arm_, controller_, max_misses_); });
     while (!thread_->begun.load(std::memory_order_acquire)) std::this_thread::sleep_for(kTaskPeriod);
     beginning = thread_->beginning;
     realtime_ = thread_->realtime.words;
     (void)thread_->views.read(view_);
   } else {
-    beginning = begin(arm_, controller_);
+    beginning = begin(arm_, controller_, max_misses_);
     view_ = controller_.view();
   }
   started_ = beginning.has_value();

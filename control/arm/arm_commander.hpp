@@ -100,6 +100,7 @@ class ArmCommander {
   hal::Arm& arm_;
   ArmController controller_;
   SetpointLimits limits_;
+  int max_misses_ = 0;  ///< For the first state after activation.
   ArmView view_;
   std::uint32_t last_id_ = 0, motion_id_ = 0;  ///< Of the last request; of the last one that moves the arm.
   std::vector<std::shared_ptr<const planner::Trajectory>>

@@ -4,26 +4,21 @@
 #include <cmath>
 
 namespace colift::control {
-namespace {
-
-constexpr double kRest_s = 0.2;     // time constant of what the springs hold
-constexpr double kMaxHeld_nm = 10;  // more is no error of a load's estimate
-constexpr double kSwings_rad_s = 0.1;
-
-}  // namespace
-
 YieldLaw::YieldLaw(const ForceMonitorConfig& config)
     : stiffness_nm_rad_(config.yield_stiffness_nm_rad),
       band_rad_(config.yield_band_rad),
       relaxed_band_rad_(std::min(config.yield_relaxed_band_rad, config.yield_band_rad)),
-      relax_s_(config.yield_relax_s) {}
+      relax_s_(config.yield_relax_s),
+      rest_s_(config.yield_rest_filter_s),
+      max_held_nm_(config.yield_max_held_nm),
+      still_rad_s_(config.yield_still_rad_s) {}
 
 void YieldLaw::rest(const hal::JointVector& q_rad, const hal::JointVector& commanded_rad,
                     double stiffness_nm_rad, double dt_s) {
   if (!q_rad.allFinite() || dt_s <= 0.0) return;
   const hal::JointVector spring_nm = stiffness_nm_rad * (commanded_rad - q_rad);
-  held_nm_ += std::min(1.0, dt_s / kRest_s) * (spring_nm - held_nm_);
-  held_nm_ = held_nm_.cwiseMax(-kMaxHeld_nm).cwiseMin(kMaxHeld_nm);
+  held_nm_ += std::min(1.0, dt_s / rest_s_) * (spring_nm - held_nm_);
+  held_nm_ = held_nm_.cwiseMax(-max_held_nm_).cwiseMin(max_held_nm_);
 }
 
 hal::JointVector YieldLaw::step(const hal::JointVector& q_rad, const hal::JointVector& commanded_rad,
@@ -36,7 +31,7 @@ hal::JointVector YieldLaw::step(const hal::JointVector& q_rad, const hal::JointV
   for (int i = 0; i < hal::kArmJoints; ++i) {
     const double away = q_rad[i] - commanded_rad[i];
     const double moved = last_known_ ? q_rad[i] - last_rad_[i] : 0.0;
-    const bool swings_out = std::copysign(1.0, away) * moved > kSwings_rad_s * dt_s;
+    const bool swings_out = std::copysign(1.0, away) * moved > still_rad_s_ * dt_s;
     if (pressed || swings_out) goal[i] += away - std::clamp(away, -band, band);
     const double left = q_rad[i] - goal[i];
     goal[i] += part * (left - std::clamp(left, -relaxed, relaxed));

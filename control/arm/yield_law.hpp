@@ -24,7 +24,7 @@ class YieldLaw {
                                       double stiffness_nm_rad, bool pressed, double dt_s);
 
  private:
-  double stiffness_nm_rad_, band_rad_, relaxed_band_rad_, relax_s_;
+  double stiffness_nm_rad_, band_rad_, relaxed_band_rad_, relax_s_, rest_s_, max_held_nm_, still_rad_s_;
   hal::JointVector last_rad_ = hal::JointVector::Zero();  // measured one cycle ago
   bool last_known_ = false;
   hal::JointVector held_nm_ = hal::JointVector::Zero();

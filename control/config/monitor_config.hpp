@@ -36,6 +36,11 @@ struct ForceMonitorConfig {
   double yield_band_rad = 0.1;
   double yield_relaxed_band_rad = 0.03;
   double yield_relax_s = 0.3;
+  double yield_rest_filter_s = 0.2;
+  double yield_max_held_nm = 10.0;
+  double yield_still_rad_s = 0.1;
+  double settle_s = 0.5;
+  double rearm_fraction = 0.8;
   double yield_s = 3.0;
   double max_yield_s = 30.0;
 
@@ -61,6 +66,16 @@ struct ForceMonitorConfig {
       "Where the set point creeps to while more than a limit is felt: who stays pressed is pressed with no "
       "more (rad).");
     v("yield_relax_s", yield_relax_s, hal::Range{0, 10}, "Time constant of that (s).");
+    v("yield_rest_filter_s", yield_rest_filter_s, hal::Range{0.01, 10},
+      "Time constant of what the springs hold at rest, superposed before they become soft (s).");
+    v("yield_max_held_nm", yield_max_held_nm, hal::Range{0, 100},
+      "Max of that in a joint: more is no error of a load's estimate (N m).");
+    v("yield_still_rad_s", yield_still_rad_s, hal::Range{0, 5},
+      "A joint that swings out more slowly is not followed (rad/s).");
+    v("settle_s", settle_s, hal::Range{0, 10},
+      "Time after an own motion until an arm at rest takes what it feels as its zero (s).");
+    v("rearm_fraction", rearm_fraction, hal::kFraction,
+      "A limit that was exceeded counts again once less than this fraction of it is felt.");
     v("yield_s", yield_s, hal::Range{0, 600}, "How long it yields after the force is gone (s).");
     v("max_yield_s", max_yield_s, hal::Range{0.5, 3600}, "How long it yields at most (s).");
   }
@@ -76,6 +91,8 @@ struct MonitorConfig {
   double intrusion_m = 0.10;
   double person_uncertainty_m = 0.05;
   double robot_uncertainty_m = 0.005;
+  double arm_mass_kg = 16.0;
+  double carried_mass_kg = 6.0;
   double hold_distance_m = 0.70;
   double hysteresis_m = 0.01;
   double observed_m = 1.5;
@@ -83,6 +100,11 @@ struct MonitorConfig {
   double partner_hold_distance_m = 0.20;
   double partner_radius_m = 1.0;
   double forearm_m = 0.45;
+  double hand_radius_m = 0.25;
+  double hidden_hand_m = 0.60;
+  double gap_m = 0.30;
+  double inward_m = 0.10;
+  double min_scale_change = 0.02;
   double thing_hold_distance_m = 0.10;
   double still_s = 5.0;
   double low_m = 1.1;
@@ -108,6 +130,10 @@ struct MonitorConfig {
       "Uncertainty of a person's position (m).");
     v("robot_uncertainty_m", robot_uncertainty_m, hal::Range{0, 1},
       "Uncertainty of the robot's position (m).");
+    v("arm_mass_kg", arm_mass_kg, hal::Range{0, 200},
+      "Mass of the arm's moving parts, half of which counts in a contact (kg; LWR 4+: 16, its data sheet).");
+    v("carried_mass_kg", carried_mass_kg, hal::Range{0, 100},
+      "Mass of hand and share of the object in a contact (kg).");
     v("hold_distance_m", hold_distance_m, hal::Range{0, 5},
       "A person nearer to the arm or to the rest of its path stops it (m).");
     v("hysteresis_m", hysteresis_m, hal::Range{0, 1}, "Farther than that by this is free again (m).");
@@ -121,6 +147,15 @@ struct MonitorConfig {
     v("forearm_m", forearm_m, hal::Range{0, 1},
       "His hand and forearm: this far from his grasp, on his side of it; limited by force, not by distance "
       "(m).");
+    v("hand_radius_m", hand_radius_m, hal::Range{0.05, 1},
+      "What is so near to his grasp belongs to him (m).");
+    v("hidden_hand_m", hidden_hand_m, hal::Range{0.05, 2},
+      "Distance from a hand that is hidden to what is seen of him (m).");
+    v("gap_m", gap_m, hal::Range{0, 2}, "Max gap between parts of him that are seen apart (m).");
+    v("inward_m", inward_m, hal::Range{0, 1},
+      "His hand reaches so far from his grasp towards the robot (m).");
+    v("min_scale_change", min_scale_change, hal::Range{0, 0.5},
+      "Smaller changes of the arm's speed scale are not requested.");
     v("thing_hold_distance_m", thing_hold_distance_m, hal::Range{0, 5},
       "The same for something low that has been at rest (m).");
     v("still_s", still_s, hal::Range{0.5, 60},

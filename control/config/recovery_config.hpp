@@ -6,6 +6,11 @@ namespace colift::control {
 
 /// `colift recover`: lowering, release and the motion home after a stop. SI units.
 struct RecoveryConfig {
+  double assess_s = 0.4;
+  double assess_timeout_s = 3.0;
+  double still_rad = 0.005;
+  double home_rad = 0.02;
+  double scene_timeout_s = 3.0;
   double lower_speed_m_s = 0.02;
   double max_lower_m = 0.6;
   double supported_n = 3.0;
@@ -21,6 +26,15 @@ struct RecoveryConfig {
 
   template <class Visitor>
   void visit(Visitor& v) {
+    v("assess_s", assess_s, hal::Range{0.05, 60},
+      "Time over which the arm's states are looked at before anything moves (s).");
+    v("assess_timeout_s", assess_timeout_s, hal::Range{0.05, 600},
+      "Timeout for these, of an arm whose controller does not send yet (s).");
+    v("still_rad", still_rad, hal::Range{0, 0.1},
+      "An arm whose joints move by more than this meanwhile is moving (rad).");
+    v("home_rad", home_rad, hal::Range{0, 0.5}, "It is at home when every joint is this near (rad).");
+    v("scene_timeout_s", scene_timeout_s, hal::Range{0, 60},
+      "Timeout of the frames that the motion home is planned with (s).");
     v("lower_speed_m_s", lower_speed_m_s, hal::Range{0.001, 0.1},
       "Mean speed with which a held object is lowered (m/s).");
     v("max_lower_m", max_lower_m, hal::Range{0.01, 1.5},

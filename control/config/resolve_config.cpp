@@ -12,6 +12,7 @@ namespace colift::control {
 namespace {
 
 constexpr const char* kMethod = "method";
+constexpr const char* kSupport = "support";
 constexpr const char* kShare = "decision.share";
 constexpr const char* kEpsilon = "decision.weights.epsilon";
 constexpr const char* kRecorded = "recorded config.yaml";
@@ -130,6 +131,15 @@ class Layers {
     });
   }
 
+  /// The thesis's method has no such choice: whoever asks for one is told so. A recorded run may have made it
+  /// with another method.
+  hal::Result<> check_support(Method method) const {
+    const std::string& origin = table_.find(kSupport)->origin;
+    if (method != Method::Thesis || config_.support != "table" || origin.starts_with(kRecorded)) return {};
+    return hal::failure(hal::ErrorCode::BadConfig, origin,
+                        "support = table goes with --method fast: the thesis takes the largest plane");
+  }
+
   [[nodiscard]] hal::Result<> check() const { return hal::check_fields(table_); }
 
   [[nodiscard]] ResolvedConfig result() && {
@@ -238,6 +248,7 @@ hal::Result<ResolvedConfig> resolve_config(const ConfigRequest& request) {
     if (!done) return tl::unexpected(done.error());
   }
   layers.program("arm_mode t1", [](Config& c) { c = for_arm_mode(std::move(c)); });
+  if (auto done = layers.check_support(*method); !done) return tl::unexpected(done.error());
   if (auto done = layers.check(); !done) return tl::unexpected(done.error());
   return std::move(layers).result();
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "hal/config/range.hpp"
+#include "hal/guards/guarded_arm.hpp"
 
 namespace colift::control {
 
@@ -9,7 +10,8 @@ namespace colift::control {
 /// gate (hal::GuardConfig).
 struct SetpointLimits {
   double velocity_fraction = 0.9;
-  double velocity_rad_s = 10.0;  ///< No joint is faster. Not a parameter: it follows from the last gate's.
+  double gate_fraction = 0.9;
+  double velocity_rad_s = 10.0;  ///< No joint is faster. Not a parameter: below() makes it.
   double acceleration_rad_s2 = 5.0;
   double jerk_rad_s3 = 200.0;
   double urgent_factor = 2.0;
@@ -33,6 +35,9 @@ struct SetpointLimits {
   void visit(Visitor& v) {
     v("velocity_fraction", velocity_fraction, hal::Range{0.01, 1},
       "Fraction of the joints' own velocity limits that is used.");
+    v("gate_fraction", gate_fraction, hal::Range{0.01, 1},
+      "No set point is faster than this fraction of guard_arm.max_velocity_rad_s: the last gate never brakes "
+      "it.");
     v("acceleration_rad_s2", acceleration_rad_s2, hal::Range{0.1, 100},
       "Acceleration of stops and of followed set points (rad/s^2).");
     v("jerk_rad_s3", jerk_rad_s3, hal::Range{1, 10000}, "Jerk of stops on the path (rad/s^3).");
@@ -63,6 +68,13 @@ struct SetpointLimits {
     v("slow_hold_s", slow_hold_s, hal::Range{0, 60},
       "The arm stays slow for this time after the controller's last warning (s).");
     v("slow_slope_1_s", slow_slope_1_s, hal::Range{0.1, 100}, "Change of the speed scale in a second (1/s).");
+  }
+
+  /// The same below the velocity limit of the last gate.
+  [[nodiscard]] SetpointLimits below(const hal::GuardConfig& gate) const {
+    SetpointLimits limits = *this;
+    limits.velocity_rad_s = gate_fraction * gate.max_velocity_rad_s;
+    return limits;
   }
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "control/config/let_go_config.hpp"
 #include "hal/config/range.hpp"
 
 namespace colift::control {
@@ -8,6 +9,7 @@ namespace colift::control {
 struct SupervisionConfig {
   int arm_max_misses = 5;
   int arm_max_misses_at_start = 20;
+  int arm_max_misses_at_activation = 50;
   double hand_timeout_s = 0.2;
   double camera_timeout_s = 0.3;
   double camera_reopen_s = 2.0;
@@ -25,6 +27,8 @@ struct SupervisionConfig {
       "Max cycles in a row without a state of the arm that count as answered.");
     v("arm_max_misses_at_start", arm_max_misses_at_start, hal::Range{1, 10000},
       "The same before the arm was ever commanded.");
+    v("arm_max_misses_at_activation", arm_max_misses_at_activation, hal::Range{1, 10000},
+      "The same for the first state after the arm was activated.");
     v("hand_timeout_s", hand_timeout_s, hal::Range{0.01, 10}, "Timeout of the hand's answers (s).");
     v("camera_timeout_s", camera_timeout_s, hal::Range{0.05, 10},
       "Timeout of new frames, after which the camera is lost (s).");
@@ -97,6 +101,7 @@ struct EmptyHandConfig {
 /// Closing, checking and opening the hand. SI units.
 struct GripConfig {
   double hand_timeout_s = 8.0;
+  double command_shows_s = 0.2;
   double finger_tolerance_rad = 0.45;
   double max_excess_width_m = 0.012;
   double ready_timeout_s = 20.0;
@@ -106,6 +111,8 @@ struct GripConfig {
   void visit(Visitor& v) {
     v("hand_timeout_s", hand_timeout_s, hal::Range{0.5, 60},
       "Timeout of closing and of opening: initialisation and full strokes take under 4 s (s).");
+    v("command_shows_s", command_shows_s, hal::Range{0, 5},
+      "Time after which the hand's state shows a command that was given (s).");
     v("finger_tolerance_rad", finger_tolerance_rad, hal::Range{0.01, 3},
       "Max difference of a finger from the angle that the observed width predicts (rad).");
     v("max_excess_width_m", max_excess_width_m, hal::Range{0.001, 0.2},
@@ -197,9 +204,9 @@ struct CarryConfig {
       "The partner does not lift, or has let go, when his end is lower than the palm by this and more than "
       "it was (m).");
     v("pull_n", pull_n, hal::Range{1, 500},
-      "Change of the sideways force on the hand against its mean of the last 0.3 s that is a pull (N).");
+      "Change of the sideways force on the hand against its mean (let_go.pull_filter_s) that is a pull (N).");
     v("load_gain_n", load_gain_n, hal::Range{1, 200},
-      "He has let go, too, when the load grows by this within a quarter of a second (N).");
+      "He has let go, too, when the load grows by this over its mean (let_go.load_filter_s) (N).");
     v("load_loss_fraction", load_loss_fraction, hal::kFraction,
       "The object is lost when the load in the air falls below this fraction of its mean ...");
     v("load_loss_s", load_loss_s, hal::Range{0, 5}, "... for this time (s).");
@@ -237,6 +244,8 @@ struct TaskConfig {
   GripConfig grip;
   LiftMotionConfig lift;
   CarryConfig carry;
+  LetGoConfig let_go;
+  EvidenceConfig evidence;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -276,6 +285,8 @@ struct TaskConfig {
     v("grip", grip, "Closing, checking and opening the hand.");
     v("lift", lift, "The palm's motion while the object is lifted.");
     v("carry", carry, "Limits and signs while the object is carried.");
+    v("let_go", let_go, "How quickly it is noticed that the partner let go.");
+    v("evidence", evidence, "What has to be seen and felt before a lift is called one.");
   }
 };
 

@@ -64,6 +64,7 @@ struct TestLiftConfig {
   double partner_height_tolerance_m = 0.08;
   double min_hand_distance_m = 0.30;
   double tried_partner_radius_m = 0.10;
+  double max_lever_m = 10.0;
   CogBeliefConfig belief;
 
   template <class Visitor>
@@ -123,6 +124,10 @@ struct TestLiftConfig {
       "Min horizontal distance between his hand and the robot's where he is asked to grasp (m).");
     v("tried_partner_radius_m", tried_partner_radius_m, hal::Range{0, 1},
       "He is not asked to grasp so near to where he grasped already (m).");
+    v("max_lever_m", max_lever_m, hal::kPositive,
+      "In place of decision.max_lever_m once a test lift was made: where the centre of gravity is believed "
+      "then, hands may be beside it, and the probability of a level grip decides (m).");
+    v.or_infinite("max_lever_m");
     v("belief", belief, "What is believed of an object before it is lifted.");
   }
 };

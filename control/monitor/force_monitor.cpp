@@ -11,8 +11,6 @@ namespace colift::control {
 namespace {
 
 // after a trajectory the springs of the arm swing out; what is felt meanwhile is no zero
-constexpr double kSettle_s = 0.5;
-constexpr double kRearm = 0.8;  // of a limit
 
 double blend(double dt_s, double time_s) {
   return time_s > 0.0 ? 1.0 - std::exp(-dt_s / time_s) : 1.0;
@@ -76,7 +74,7 @@ void ForceMonitor::update(const hal::ArmState& state, double dt_s, bool moves_al
   if (!config_.on || dt_s <= 0.0 || !state.q_rad.allFinite() || !state.tau_external_nm.allFinite()) return;
   if (!zero_known_) zero_nm_ = state.tau_external_nm;
   zero_known_ = true;
-  moved_s_ = moves_alone ? kSettle_s : std::max(0.0, moved_s_ - dt_s);
+  moved_s_ = moves_alone ? config_.settle_s : std::max(0.0, moved_s_ - dt_s);
   const bool settling = load_ == HandLoad::Empty && moved_s_ > 0.0;
   // slow enough that who leans on the arm is no part of its zero soon
   const double part =
@@ -95,7 +93,7 @@ void ForceMonitor::update(const hal::ArmState& state, double dt_s, bool moves_al
   }
   const ForceFinding found = judge(tau);
   quiet_ = !found;
-  if (!armed_) armed_ = !found || found.measured < kRearm * found.limit;
+  if (!armed_) armed_ = !found || found.measured < config_.rearm_fraction * found.limit;
   if (armed_ && !finding_ && found) finding_ = found;
 }
 

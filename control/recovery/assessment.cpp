@@ -10,11 +10,10 @@
 namespace colift::control {
 namespace {
 
-constexpr double kMoved_rad = 0.005;  // of any joint, while nobody commands it
-constexpr double kAtHome_rad = 0.02;
-constexpr double kAtStop_rad = 2.3;  // of 2.44: a finger that met nothing
+constexpr double kStopFraction = 0.94;  // of a full stroke: a finger that met nothing
 
-void assess_arm(Assessment& a, const std::vector<hal::ArmState>& states, const hal::JointVector& home_rad) {
+void assess_arm(Assessment& a, const std::vector<hal::ArmState>& states, const hal::JointVector& home_rad,
+                const RecoveryConfig& config) {
   if (states.empty() || !states.back().q_rad.allFinite()) {
     a.arm_words = "unknown: it does not report its position";
     return;
@@ -24,10 +23,10 @@ void assess_arm(Assessment& a, const std::vector<hal::ArmState>& states, const h
   for (const hal::ArmState& s : states) moved = std::max(moved, (s.q_rad - q).cwiseAbs().maxCoeff());
   int joint = 0;
   const double off = (q - home_rad).cwiseAbs().maxCoeff(&joint);
-  if (!(moved <= kMoved_rad)) {
+  if (!(moved <= config.still_rad)) {
     a.arm = Assessment::Arm::Moving;
     a.arm_words = fmt::format("is moving, by {:.1f} deg", hal::rad_to_deg(moved));
-  } else if (off <= kAtHome_rad) {
+  } else if (off <= config.home_rad) {
     a.arm = Assessment::Arm::AtHome;
     a.arm_words = "at rest, at home";
   } else {
@@ -36,7 +35,8 @@ void assess_arm(Assessment& a, const std::vector<hal::ArmState>& states, const h
   }
 }
 
-void assess_hand(Assessment& a, const std::optional<hal::HandState>& hand, const RecoveryConfig& config) {
+void assess_hand(Assessment& a, const std::optional<hal::HandState>& hand, const planner::HandModel& model,
+                 const RecoveryConfig& config) {
   if (!hand) {
     a.hand_words = "unknown: it does not answer";
     return;
@@ -51,7 +51,7 @@ void assess_hand(Assessment& a, const std::optional<hal::HandState>& hand, const
   } else if (*most < config.open_tolerance_rad) {
     a.hand = Assessment::Hand::Open;
     a.hand_words = "open";
-  } else if (*least > kAtStop_rad) {
+  } else if (*least > kStopFraction * hal::deg_to_rad(model.finger.closed_deg)) {
     a.hand = Assessment::Hand::Closed;
     a.hand_words = "closed to its stops: " + angles;
   } else {
@@ -80,10 +80,10 @@ void assess_load(Assessment& a, const std::vector<hal::ArmState>& states, const 
 
 Assessment assess(const std::vector<hal::ArmState>& arm, const std::optional<hal::HandState>& hand,
                   const hal::JointVector& home_rad, const hal::RobotModel& model,
-                  const RecoveryConfig& config) {
+                  const planner::HandModel& hand_model, const RecoveryConfig& config) {
   Assessment a;
-  assess_arm(a, arm, home_rad);
-  assess_hand(a, hand, config);
+  assess_arm(a, arm, home_rad, config);
+  assess_hand(a, hand, hand_model, config);
   assess_load(a, arm, model);
   return a;
 }

@@ -8,6 +8,7 @@
 #include "hal/arm.hpp"
 #include "hal/hand.hpp"
 #include "hal/robot_model/robot_model.hpp"
+#include "planner/hand/hand_model.hpp"
 
 namespace colift::control {
 
@@ -28,6 +29,7 @@ struct Assessment {
 /// `arm`: states over some tenths of a second, in order; `hand` empty: it did not answer.
 [[nodiscard]] Assessment assess(const std::vector<hal::ArmState>& arm,
                                 const std::optional<hal::HandState>& hand, const hal::JointVector& home_rad,
-                                const hal::RobotModel& model, const RecoveryConfig& config);
+                                const hal::RobotModel& model, const planner::HandModel& hand_model,
+                                const RecoveryConfig& config);
 
 }  // namespace colift::control

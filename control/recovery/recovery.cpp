@@ -14,19 +14,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr hal::Duration kAssessFor = 400ms;
-constexpr hal::Duration kAssessMax = 3s;  // of an arm whose controller does not talk yet
-constexpr hal::Duration kFramesMax = 3s;  // for the pictures of the scene
-constexpr double kCommandShows_s = 0.2;   // the hand's state shows a command some cycles later
-constexpr double kGateFraction = 0.9;     // of the last gate's velocity limit
 constexpr int kDrawBackPoints = 12;
 constexpr double kLargestStep_rad = 0.2;  // between two of them
-
-SetpointLimits setpoint_limits(const Config& config) {
-  SetpointLimits limits = config.setpoints;
-  limits.velocity_rad_s = kGateFraction * config.guard_arm.max_velocity_rad_s;
-  return limits;
-}
 
 }  // namespace
 
@@ -39,7 +28,7 @@ Recovery::Recovery(hal::Robot& robot, const RigView& rig, const Config& config,
       stopwatch_(stopwatch),
       geometry_(planner::arm_geometry(rig.model).value()),
       arm_(*robot.arm, rig.model, geometry_, config.task, config.load, options.drive,
-           setpoint_limits(config)) {}
+           config.setpoints.below(config.guard_arm)) {}
 
 RecoveryRecord Recovery::run(const RecoveryHooks& hooks) {
   hooks_ = &hooks;
@@ -66,13 +55,14 @@ Recovery::Finding Recovery::assess_now() {
     record_.before.arm_words = "unknown: " + open.error().text();
   } else {
     const hal::Timestamp start = robot_.clock->now();
-    while (robot_.clock->now() - start < kAssessMax) {
+    while (hal::seconds(robot_.clock->now() - start) < config_.recovery.assess_timeout_s) {
       if (hooks_->interrupted()) return {Event::Interrupted, ""};
       const auto state = robot_.arm->wait_cycle();
       if (!state && state.error().code != hal::ErrorCode::Timeout) break;
       if (!state) continue;
       states.push_back(*state);
-      if (states.back().measured_at - states.front().measured_at >= kAssessFor) break;
+      const auto seen = states.back().measured_at - states.front().measured_at;
+      if (hal::seconds(seen) >= config_.recovery.assess_s) break;
     }
   }
   std::string hand_fault;
@@ -84,7 +74,7 @@ Recovery::Finding Recovery::assess_now() {
     hand_fault = state.error().text();
   else
     hand_ = *state;
-  record_.before = assess(states, hand_, options_.home_rad, rig_.model, config_.recovery);
+  record_.before = assess(states, hand_, options_.home_rad, rig_.model, rig_.hand, config_.recovery);
   const Assessment& a = record_.before;
   if (!hand_fault.empty()) record_.before.hand_words = "unknown: " + hand_fault;
   now_ = hand_at_ = robot_.clock->now();
@@ -297,7 +287,7 @@ std::optional<Recovery::Finding> Recovery::lower() {
 
 std::optional<Recovery::Finding> Recovery::release() {
   if (in_step_s() > config_.task.grip.hand_timeout_s) return Finding{Event::TimeOut, ""};
-  if (in_step_s() < kCommandShows_s || hand_->moving || hand_->held) return std::nullopt;
+  if (in_step_s() < config_.task.grip.command_shows_s || hand_->moving || hand_->held) return std::nullopt;
   const auto& q = hand_->finger_rad;
   if (*std::max_element(q.begin(), q.end()) > config_.recovery.open_tolerance_rad) return std::nullopt;
   return Finding{Event::HandOpened, ""};
@@ -311,10 +301,10 @@ std::optional<Recovery::Finding> Recovery::move(Event arrived) {
 }
 
 planner::MotionLimits Recovery::limits() const {
-  planner::MotionLimits limits;
+  planner::MotionLimits limits = planner::limits_of(rig_.model, config_.motion);
   limits.velocity_rad_s *= config_.recovery.speed_scale;
   limits.velocity_rad_s =
-      limits.velocity_rad_s.cwiseMin(kGateFraction * config_.guard_arm.max_velocity_rad_s);
+      limits.velocity_rad_s.cwiseMin(config_.setpoints.below(config_.guard_arm).velocity_rad_s);
   return limits;
 }
 
@@ -341,7 +331,7 @@ std::optional<Recovery::Finding> Recovery::prepare_home() {
     why = camera.error().text();
   else if (auto active = robot_.camera->activate(); !active)
     why = active.error().text();
-  const hal::Timestamp until = now_ + kFramesMax;
+  const hal::Timestamp until = now_ + hal::duration_of(config_.recovery.scene_timeout_s);
   const auto posture = [&] { return RobotPosture{arm_.view().state.q_rad, hal::posture_of(*hand_)}; };
   while (why.empty() && session.reference_frames() < config_.task.reference_frames && now_ < until) {
     auto lost = read_devices();

@@ -35,15 +35,14 @@ class FastSight final : public PartnerSight {
   hal::Pose X_WC_;
 };
 
-// What stands on a table: low, wholly in view, and seen to stand on it, because what is beyond the table's
-// rim, a person on a chair too, rises above its plane.
 TargetConfig on_table(TargetConfig config) {
-  config.max_height_m = 0.6;
-  config.min_on_ground = 0.2;
-  config.min_confidence = 0.6;
-  config.max_floating_m = 0.05;
-  config.max_cut = 0.1;
-  config.top_cut_weight = 1.0;
+  const OnTableConfig& table = config.on_table;
+  config.max_height_m = table.max_height_m;
+  config.max_cut = table.max_cut;
+  config.max_floating_m = table.max_floating_m;
+  config.min_on_ground = table.min_on_ground;
+  config.min_confidence = table.min_confidence;
+  config.top_cut_weight = table.top_cut_weight;
   return config;
 }
 
@@ -139,7 +138,7 @@ class FastPipeline final : public Pipeline {
     return std::make_unique<FastSight>(std::move(*finder), reference.analysis.cloud.X_WC);
   }
 
-  [[nodiscard]] int frames_per_sight() const override { return 1; }
+  [[nodiscard]] int frames_per_sight(const Config&) const override { return 1; }
 };
 
 }  // namespace

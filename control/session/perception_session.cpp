@@ -281,7 +281,7 @@ hal::Result<Sight> PerceptionSession::observe_partner(hal::DepthFrame frame, con
   Sight out;
   const hal::Timestamp start = i.stopwatch.now();
   if (!i.partner_sight) return hal::failure(hal::ErrorCode::NotFound, "watch", "there is no object");
-  const int every = i.pipeline->frames_per_sight();
+  const int every = i.pipeline->frames_per_sight(i.config);
   if (i.frames++ % every != 0) {
     out.partner = i.last_sight;
     return out;

@@ -66,8 +66,8 @@ class PerceptionSession {
 
   /// Makes scene, candidates, collision map and partner finder from the collected frames. Whether there is
   /// something to carry stands in the look. The first time, the camera's calibration is corrected from the
-  /// arm in these frames; one that is refused is judged anew with the next scene. Errors: NotFound (the frames show nothing, or things moved meanwhile), BadInput,
-  /// BadConfig at kCameraOff.
+  /// arm in these frames; one that is refused is judged anew with the next scene. Errors: NotFound (the
+  /// frames show nothing, or things moved meanwhile), BadInput, BadConfig at kCameraOff.
   [[nodiscard]] hal::Result<> analyse_scene(const RobotPosture& robot);
 
   /// The object was put down elsewhere; X takes a point of it from where it stood to where it stands (W, a

@@ -64,7 +64,7 @@ class Pipeline {
       const ReferenceView& reference, const Config& config) const = 0;
 
   /// The partner is looked for in one of so many frames.
-  [[nodiscard]] virtual int frames_per_sight() const = 0;
+  [[nodiscard]] virtual int frames_per_sight(const Config& config) const = 0;
 };
 
 /// Errors: BadConfig for a method that this build does not have.

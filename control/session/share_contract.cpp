@@ -19,7 +19,6 @@ using hal::Vec3;
 constexpr double k95 = 1.96;           // standard deviations, of a normal distribution
 constexpr double kStep_m = 1e-3;       // of the differences that make a gradient
 constexpr double kPlaceStep_m = 0.02;  // along the object's edges: a quarter of a hand
-constexpr double kAsHigh_m = 0.15;     // as he holds it now: a table is not carried by its feet
 
 // of the lever rule at these places, to first order
 double sigma_of(const planner::UncertainScene& s, const Vec3& robot) {
@@ -53,7 +52,8 @@ void add_line(const Vec3& from, const Vec3& to, std::vector<Vec3>& places) {
 
 // Where a hand can hold the object: along the edges of its faces, along pipes, and where the robot's hand
 // could, if it were there.
-std::vector<Vec3> hand_places(const SceneAnalysis& analysis, const planner::UncertainScene& scene) {
+std::vector<Vec3> hand_places(const SceneAnalysis& analysis, const planner::UncertainScene& scene,
+                              double max_height_m) {
   std::vector<Vec3> all;
   for (const planner::GraspCandidate& c : analysis.candidates) all.push_back(c.position);
   for (const perception::Surface& surface : analysis.scene.surfaces) {
@@ -68,7 +68,7 @@ std::vector<Vec3> hand_places(const SceneAnalysis& analysis, const planner::Unce
                             face.center + u - v};
     for (int i = 0; i < 4; ++i) add_line(corners[i], corners[(i + 1) % 4], all);
   }
-  std::erase_if(all, [&](const Vec3& p) { return std::abs(scene.up.dot(p - scene.partner)) > kAsHigh_m; });
+  std::erase_if(all, [&](const Vec3& p) { return std::abs(scene.up.dot(p - scene.partner)) > max_height_m; });
   return all;
 }
 
@@ -83,7 +83,7 @@ std::optional<ShareContract::Place> find_place(const SceneAnalysis& analysis,
                                                const planner::UncertainScene& scene,
                                                const planner::DecisionConfig& config,
                                                std::optional<double> mass_kg) {
-  std::vector<Vec3> places = hand_places(analysis, scene);
+  std::vector<Vec3> places = hand_places(analysis, scene, config.ask_height_m);
   std::stable_sort(places.begin(), places.end(), [&](const Vec3& a, const Vec3& b) {
     return (a - scene.partner).squaredNorm() < (b - scene.partner).squaredNorm();
   });

@@ -10,9 +10,6 @@
 namespace colift::control {
 namespace {
 
-constexpr double kMinGain = 0.1;
-constexpr double kAsHigh_m = 0.15;  // as he holds it now: a table is not carried by its feet
-
 // distance of the centre of gravity from the vertical plane through both hands
 double lever(const hal::Vec3& partner, const hal::Vec3& robot, const hal::Vec3& cog, const hal::Vec3& up) {
   const hal::Vec3 normal = up.cross(robot - partner);
@@ -40,7 +37,7 @@ std::optional<Suggestion> suggest_to_partner(const Outcome& outcome,
   } best;
   for (const planner::GraspCandidate& c : candidates) {
     const hal::Vec3 place = planner::load_point(c);
-    if (std::abs(up.dot(place - outcome.partner->position)) > kAsHigh_m) continue;
+    if (std::abs(up.dot(place - outcome.partner->position)) > config.ask_height_m) continue;
     const planner::CarryingAgent person{place - cog, 1.0, w.omega1_per_m};
     const auto choice =
         planner::choose_beside(candidates, {&person, 1}, robot, cog, lift, config.near_partner_m);
@@ -62,7 +59,7 @@ std::optional<Suggestion> suggest_to_partner(const Outcome& outcome,
     return s;
   }
   s.gain = 1.0 - best.cost / outcome.decision.cost;
-  if (*s.gain < kMinGain) return std::nullopt;
+  if (*s.gain < config.ask_gain) return std::nullopt;
   s.reason = fmt::format(
       "the partner should rather grasp at {}, {:.2f} m from his hand: both together would need "
       "{:.0f} % less effort",

@@ -12,10 +12,6 @@ namespace {
 
 using namespace perception;
 
-// The chain takes some 0.3 s a frame with voxels of 5 mm: at 30 frames a second it gets every tenth.
-constexpr int kFramesPerSight = 10;
-constexpr double kBeside_m = 0.3;  // of the object's box: farther away nobody is looked for
-
 // What the robot hid from the reference and uncovers later is new to a difference of clouds, though nothing
 // has changed there. Where the projector's light did not come past it there is no depth beside it in the row.
 std::vector<std::uint32_t> find_never_seen(const OrganisedCloud& cloud, const std::vector<char>& robot_hid) {
@@ -44,7 +40,7 @@ class ThesisSight final : public PartnerSight {
                 reference.analysis.scene.target->points.end()),
         never_seen_(find_never_seen(reference.analysis.cloud, reference.robot_hid)) {
     const Target& target = *reference.analysis.scene.target;
-    const hal::Vec3 beside = hal::Vec3::Constant(kBeside_m);
+    const hal::Vec3 beside = hal::Vec3::Constant(config.partner_margin_m);
     near_.crop_min_m = config.crop_min_m.cwiseMax(target.aabb.min() - beside);
     near_.crop_max_m = config.crop_max_m.cwiseMin(target.aabb.max() + beside);
     before_.emplace(reference.analysis.cloud, object_, reference.analysis.scene.ground, near_);
@@ -110,7 +106,7 @@ class ThesisPipeline final : public Pipeline {
     return points_on(triangulate(analysis.cloud, target_pixels(analysis, c), c.thesis), 0.5 * c.map.cell_m);
   }
 
-  [[nodiscard]] int frames_per_sight() const override { return kFramesPerSight; }
+  [[nodiscard]] int frames_per_sight(const Config& c) const override { return c.thesis.frames_per_sight; }
 };
 
 }  // namespace

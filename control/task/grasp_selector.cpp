@@ -84,7 +84,7 @@ bool GraspSelector::choose() {
 // what was borne so far.
 bool GraspSelector::choose_level(const perception::PartnerGrasp& partner, const Judge& reach) {
   Config config = c_.config;
-  config.decision.max_lever_m = kNoLever_m;
+  config.decision.max_lever_m = config.test_lift.max_lever_m;
   config.decision.share_strict.reset();  // of the grasp that is chosen in the end
   const auto decide = [&](const hal::Vec3& cog) {
     hal::Vec3& believed = c_.session.analysis().scene.target->cog;

@@ -5,19 +5,7 @@
 #include <algorithm>
 
 namespace colift::control {
-namespace {
-
-constexpr double kMeanLoad_s = 0.25;  // a person's jerk is quicker, a lift slower
-constexpr double kMeanPull_s = 0.3;
-constexpr int kPulledCycles = 4;      // in a row; a knock is shorter
-constexpr double kSteady = 0.3;       // of the pull that stops a lift
-constexpr double kUsual = 0.1;        // of a frame in the mean of what is seen of his hand
-constexpr int kFramesToKnow = 3;      // before it counts as known how much of his hand is seen
-constexpr int kFramesLow = 2;         // in a row with his end too low
-constexpr double kCarried_m = 0.008;  // of his end: seen off the ground beyond doubt
-constexpr double kMinLoad_n = 5.0;    // below it a load says nothing of who carries
-
-}  // namespace
+namespace {}  // namespace
 
 void LetGoMonitor::start() {
   contact_W_ = c_.record.decision->partner->position;
@@ -47,7 +35,7 @@ double LetGoMonitor::lag_m() const {
 }
 
 bool LetGoMonitor::his_end_is_up() const {
-  return in_the_air() && object_.motion() && object_.partner_rise_m() > kCarried_m &&
+  return in_the_air() && object_.motion() && object_.partner_rise_m() > config_.carried_m &&
          lag_m() < 0.5 * c_.config.task.carry.partner_lag_m;
 }
 
@@ -83,11 +71,11 @@ void LetGoMonitor::update_hand() {
     frames_ = frames_gone_ = 0;
   }
   const bool gone =
-      frames_ >= kFramesToKnow && !his_end_is_up() && area_m2_ < presence.gone_fraction * usual_m2_;
+      frames_ >= config_.hand_frames && !his_end_is_up() && area_m2_ < presence.gone_fraction * usual_m2_;
   frames_gone_ = gone ? frames_gone_ + 1 : 0;
   if (gone || c_.state == Task::Pause) return;
   // slowly after whatever the motion hides or shows of it
-  usual_m2_ += std::max(kUsual, 1.0 / (frames_ + 1)) * (area_m2_ - usual_m2_);
+  usual_m2_ += std::max(config_.hand_gain, 1.0 / (frames_ + 1)) * (area_m2_ - usual_m2_);
   ++frames_;
 }
 
@@ -96,7 +84,7 @@ void LetGoMonitor::update_load() {
   gain_n_ = load_n - mean_load_n_;
   const double dt_s = hal::seconds(c_.now - updated_at_);
   updated_at_ = c_.now;
-  mean_load_n_ += dt_s / (kMeanLoad_s + dt_s) * (load_n - mean_load_n_);
+  mean_load_n_ += dt_s / (config_.load_filter_s + dt_s) * (load_n - mean_load_n_);
   if (c_.state != Task::Pause && in_the_air()) load_before_n_ = mean_load_n_;
   update_pull(dt_s);
 }
@@ -108,15 +96,15 @@ void LetGoMonitor::update_pull(double dt_s) {
   if (!mean_sideways_n_) mean_sideways_n_ = now;
   pull_n_ = (now - *mean_sideways_n_).norm();
   cycles_pulled_ = pull_n_ > c_.config.task.carry.pull_n ? cycles_pulled_ + 1 : 0;
-  *mean_sideways_n_ += dt_s / (kMeanPull_s + dt_s) * (now - *mean_sideways_n_);
+  *mean_sideways_n_ += dt_s / (config_.pull_filter_s + dt_s) * (now - *mean_sideways_n_);
 }
 
 bool LetGoMonitor::is_steady() const {
-  return pull_n_ < kSteady * c_.config.task.carry.pull_n;
+  return pull_n_ < config_.steady_fraction * c_.config.task.carry.pull_n;
 }
 
 std::optional<bool> LetGoMonitor::hand_seen() const {
-  if (frames_ < kFramesToKnow || usual_m2_ < c_.config.presence.min_area_m2 || std::isnan(area_m2_))
+  if (frames_ < config_.hand_frames || usual_m2_ < c_.config.presence.min_area_m2 || std::isnan(area_m2_))
     return std::nullopt;
   return area_m2_ > c_.config.presence.back_fraction * usual_m2_;
 }
@@ -137,7 +125,7 @@ std::optional<TaskEvent> LetGoMonitor::let_go() const {
     return TaskEvent{Event::PartnerLetGo,
                      fmt::format("his hand left the grasp: {:.0f} cm^2 of it are seen there, {:.0f} before",
                                  1e4 * area_m2_, 1e4 * usual_m2_)};
-  if (frames_low_ >= kFramesLow)
+  if (frames_low_ >= config_.low_frames)
     return TaskEvent{Event::PartnerLetGo,
                      fmt::format("his end is {:.0f} mm lower than the hand (limit {:.0f}; camera)",
                                  1e3 * lag_m(), 1e3 * carry.partner_lag_m)};
@@ -145,7 +133,7 @@ std::optional<TaskEvent> LetGoMonitor::let_go() const {
     return TaskEvent{Event::PartnerLetGo,
                      fmt::format("sudden gain of load: {:.0f} N more at once (limit {:.0f} N)", gain_n_,
                                  carry.load_gain_n)};
-  if (in_the_air() && cycles_pulled_ >= kPulledCycles)
+  if (in_the_air() && cycles_pulled_ >= config_.pull_cycles)
     return TaskEvent{
         Event::PartnerPulls,
         fmt::format("the sideways force on the hand changed by {:.0f} N at once (limit {:.0f} N)", pull_n_,
@@ -158,7 +146,7 @@ bool LetGoMonitor::holds_again() const {
   if (!(lag_m() < carry.partner_lag_m)) return false;
   if (const auto seen = hand_seen(); seen && !his_end_is_up()) return *seen;
   const double load_n = c_.arm.view().load_n;
-  return load_before_n_ > kMinLoad_n &&
+  return load_before_n_ > config_.min_load_n &&
          std::abs(load_n - load_before_n_) < carry.regrasp_load_factor * load_before_n_;
 }
 

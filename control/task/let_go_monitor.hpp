@@ -17,7 +17,8 @@ namespace colift::control {
 /// carried.
 class LetGoMonitor {
  public:
-  LetGoMonitor(TaskContext& context, const ObjectMonitor& object) : c_(context), object_(object) {}
+  LetGoMonitor(TaskContext& context, const ObjectMonitor& object)
+      : c_(context), object_(object), config_(context.config.task.let_go) {}
 
   /// The hand begins to close: learns how much of his hand is seen at his contact.
   void start();
@@ -52,6 +53,7 @@ class LetGoMonitor {
 
   TaskContext& c_;
   const ObjectMonitor& object_;
+  const LetGoConfig& config_;
   bool was_in_the_air_ = false;
   hal::Vec3 contact_W_ = hal::Vec3::Zero();
   hal::Pose X_ = hal::Pose::Identity();  ///< Last known motion of the object.

@@ -5,15 +5,6 @@
 #include <algorithm>
 
 namespace colift::control {
-namespace {
-
-// of the height that was asked for: a tilted object has one end lower, one that hangs on a floor's edge none
-constexpr double kMinRise = 0.5;
-constexpr double kTop = 0.8;  // of the height: from there on the palm is at the top
-constexpr double kMinLoad_n = 1.0;
-
-}  // namespace
-
 void LiftEvidence::start_lift() {
   seen_ = cycles_ = 0;
   load_n_ = 0.0;
@@ -23,7 +14,7 @@ void LiftEvidence::start_lift() {
 }
 
 void LiftEvidence::update() {
-  if (c_.arm.view().height_m < kTop * c_.config.task.lift_height_m) return;
+  if (c_.arm.view().height_m < config_.top_fraction * c_.config.task.lift_height_m) return;
   ++cycles_;
   load_n_ += c_.arm.view().load_n;
   if (!c_.readings.frame || !object_.motion()) return;
@@ -50,12 +41,12 @@ void LiftEvidence::standing() {
 std::string LiftEvidence::against() const {
   if (cycles_ == 0) return "not lifted: it was never held at its height";
   if (seen_ == 0) return "not known whether it was lifted: no picture of the object while it was held";
-  const double wanted_m = kMinRise * c_.config.task.lift_height_m;
+  const double wanted_m = config_.min_rise_fraction * c_.config.task.lift_height_m;
   if (best_.robot_m < wanted_m || best_.partner_m < wanted_m)
     return fmt::format(
         "not lifted: the robot's end was seen {:.0f} mm up, the partner's {:.0f} mm, of {:.0f}",
         1e3 * best_.robot_m, 1e3 * best_.partner_m, 1e3 * c_.config.task.lift_height_m);
-  if (load_n_ / cycles_ < kMinLoad_n)
+  if (load_n_ / cycles_ < config_.min_load_n)
     return fmt::format("not known whether it was lifted: the hand carried {:.1f} N", load_n_ / cycles_);
   if (!stands_) return "not known whether the object stands";
   if (hand_at_end_ && !*hand_at_end_) return "the partner did not hold to the end of lowering";

@@ -15,7 +15,7 @@ namespace colift::control {
 class LiftEvidence {
  public:
   LiftEvidence(TaskContext& context, const ObjectMonitor& object, const LetGoMonitor& partner)
-      : c_(context), object_(object), partner_(partner) {}
+      : c_(context), config_(context.config.task.evidence), object_(object), partner_(partner) {}
 
   void start_lift();
   /// Once per cycle of lift, hold and lower, after ObjectMonitor::update(); counts near the top.
@@ -27,13 +27,14 @@ class LiftEvidence {
 
  private:
   TaskContext& c_;
+  const EvidenceConfig& config_;
   const ObjectMonitor& object_;
   const LetGoMonitor& partner_;
   /// Both ends of the object, in a mean over some frames.
   struct Ends {
     double robot_m = 0.0, partner_m = 0.0;
   };
-  static constexpr int kMean = 10;
+  static constexpr int kMean = 10;  // frames: a third of a second
   std::array<Ends, kMean> last_{};
   Ends best_;            ///< That mean in which the lower end was highest.
   int seen_ = 0;         ///< Frames that showed the object at the top.

@@ -1,19 +1,6 @@
 #include "control/task/task_context.hpp"
 
 namespace colift::control {
-namespace {
-
-constexpr double kGateFraction =
-    0.9;  // of the last gate's velocity limit, so that it never brakes a set point
-
-SetpointLimits setpoint_limits(const Config& config) {
-  SetpointLimits limits = config.setpoints;
-  limits.velocity_rad_s = kGateFraction * config.guard_arm.max_velocity_rad_s;
-  return limits;
-}
-
-}  // namespace
-
 // every model that load_robot() lets pass has the arm that arm_geometry() describes
 TaskContext::TaskContext(hal::Robot& robot_, const RigView& rig_, const Config& config_,
                          const JobOptions& options_, const hal::Clock& stopwatch_)
@@ -23,7 +10,7 @@ TaskContext::TaskContext(hal::Robot& robot_, const RigView& rig_, const Config& 
       options(options_),
       stopwatch(stopwatch_),
       arm(*robot.arm, rig.model, planner::arm_geometry(rig.model).value(), config.task, config.load,
-          options.drive, setpoint_limits(config), config.monitor.force),
+          options.drive, config.setpoints.below(config.guard_arm), config.monitor.force),
       session(options.method, config, rig, stopwatch),
       motion_planner(rig.model, rig.hand, config.motion, options.seed),
       test_lifts(config.test_lift) {

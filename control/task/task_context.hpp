@@ -16,11 +16,6 @@
 
 namespace colift::control {
 
-/// The nearest nanosecond to a time of the configuration.
-[[nodiscard]] constexpr hal::Duration duration_of(double s) {
-  return hal::Duration(static_cast<hal::Duration::rep>(s * 1e9 + 0.5));
-}
-
 /// An event of the task machine, and what is to be said about it beyond the rule's own words.
 struct TaskEvent {
   Event event;

@@ -76,7 +76,8 @@ struct Hanging {
                                                std::span<const MeasuredLift> tests,
                                                const CogBeliefConfig& config);
 
-/// The robot's part of the weight by the lever rule (planner::lever_share); NaN for grasps one above the other.
+/// The robot's part of the weight by the lever rule (planner::lever_share); NaN for grasps one above the
+/// other.
 [[nodiscard]] double lever_share(const Eigen::Vector2d& cog, const hal::Vec3& partner,
                                  const hal::Vec3& grasp);
 

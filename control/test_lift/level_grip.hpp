@@ -10,10 +10,6 @@
 
 namespace colift::control {
 
-/// For decisions after test lifts: no grasp is refused for its lever (DecisionConfig::max_lever_m), the
-/// belief judges that.
-inline constexpr double kNoLever_m = 10.0;
-
 /// Places of the centre of gravity that suit what the belief leaves open (W): nearer to the partner and
 /// farther, in the direction that was felt and to either side of it. `partner`: where he holds the object.
 [[nodiscard]] std::vector<hal::Vec3> likely_places(const CarriedObject& object, const hal::Vec3& partner,

@@ -13,6 +13,11 @@ using Duration = std::chrono::nanoseconds;
   return std::chrono::duration<double>(d).count();
 }
 
+/// The nearest nanosecond to a time that is not negative (s).
+[[nodiscard]] constexpr Duration duration_of(double s) {
+  return Duration(static_cast<Duration::rep>(s * 1e9 + 0.5));
+}
+
 /// Where time comes from. Code under test is handed one of these and never reads a wall clock.
 class Clock {
  public:

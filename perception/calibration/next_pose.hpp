@@ -20,6 +20,7 @@ struct PoseConfig {
   double nearest_m = 0.8;
   double farthest_m = 3.0;
   int candidates = 600;
+  int next_candidates = 300;
   int max_draws_per_candidate = 4000;
   int postures_per_place = 40;
 

@@ -24,6 +24,11 @@ struct PresenceConfig {
   double motion_floor_fraction = 0.04;
   double motion_sigmas = 7.0;
   double motion_sigmas_twice = 5.5;
+  double motion_gain = 0.1;
+  double motion_variance_gain = 0.05;
+  int motion_frames = 5;
+  double motion_usual_sigmas = 4.0;
+  double motion_max_growth = 1.5;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -48,6 +53,14 @@ struct PresenceConfig {
     v("motion_sigmas", motion_sigmas, hal::Range{1, 100},
       "It leaves when centroid and area deviate by so many standard deviations in one frame ...");
     v("motion_sigmas_twice", motion_sigmas_twice, hal::Range{1, 100}, "... or by so many in two in a row.");
+    v("motion_gain", motion_gain, hal::Range{0.001, 1}, "Gain of a frame in the means of both.");
+    v("motion_variance_gain", motion_variance_gain, hal::Range{0.001, 1}, "The same in their variances.");
+    v("motion_frames", motion_frames, hal::Range{1, 100}, "Frames after which these count as known.");
+    v("motion_usual_sigmas", motion_usual_sigmas, hal::Range{1, 100},
+      "What deviates by more standard deviations teaches nothing about the noise.");
+    v("motion_max_growth", motion_max_growth, hal::Range{1, 10},
+      "With a larger multiple of the usual area something else came into view: a hand that leaves shows "
+      "less.");
   }
 };
 

@@ -4,16 +4,6 @@
 #include <cmath>
 
 namespace colift::perception {
-namespace {
-
-constexpr double kMean = 0.1, kVariance = 0.05;  // of a frame in the means
-constexpr int kFramesToKnow = 5;
-constexpr double kUsual = 4.0;  // standard deviations; what deviates more teaches nothing about the noise
-constexpr double kOthers =
-    1.5;  // of the usual area: something else came into view, a hand that leaves shows less
-
-}  // namespace
-
 void HandMotion::update(const HandSighting& sighting) {
   if (frames_ == 0) {
     mean_m_ = sighting.centroid_m;
@@ -32,12 +22,13 @@ void HandMotion::update(const HandSighting& sighting) {
   const double sigma_m = std::max(config_.motion_floor_m, std::sqrt(variance_m2_));
   const double sigma_fraction = std::max(config_.motion_floor_fraction, std::sqrt(variance_of_fraction_));
   const double score = std::hypot(distance_m_ / sigma_m, std::max(0.0, 1.0 - fraction) / sigma_fraction);
-  if (frames_ >= kFramesToKnow && fraction < kOthers) score_ = score;
-  if (score < kUsual || frames_ < kFramesToKnow) {
-    variance_m2_ += kVariance * (distance_m_ * distance_m_ - variance_m2_);
-    variance_of_fraction_ += kVariance * ((1.0 - fraction) * (1.0 - fraction) - variance_of_fraction_);
+  if (frames_ >= config_.motion_frames && fraction < config_.motion_max_growth) score_ = score;
+  if (score < config_.motion_usual_sigmas || frames_ < config_.motion_frames) {
+    variance_m2_ += config_.motion_variance_gain * (distance_m_ * distance_m_ - variance_m2_);
+    variance_of_fraction_ +=
+        config_.motion_variance_gain * ((1.0 - fraction) * (1.0 - fraction) - variance_of_fraction_);
   }
-  const double part = std::max(kMean, 1.0 / (frames_ + 1));
+  const double part = std::max(config_.motion_gain, 1.0 / (frames_ + 1));
   if (sighting.motion_area_m2 > 0.0) mean_m_ += part * (sighting.centroid_m - mean_m_);
   mean_m2_ += part * (sighting.motion_area_m2 - mean_m2_);
   ++frames_;

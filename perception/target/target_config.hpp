@@ -5,6 +5,7 @@
 #include "perception/ground/walls.hpp"
 #include "perception/target/enclosed_pixels.hpp"
 #include "perception/target/fragments.hpp"
+#include "perception/target/on_table.hpp"
 #include "perception/target/outline.hpp"
 #include "perception/target/person_shape.hpp"
 #include "perception/target/second_look.hpp"
@@ -53,6 +54,7 @@ struct TargetConfig {
   OutlineConfig outline;
   PersonShapeConfig person;
   BoxTrim box;
+  OnTableConfig on_table;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -122,6 +124,7 @@ struct TargetConfig {
     v("second_look", second_look, "How what hangs together with its background is cut apart.");
     v("outline", outline, "How the outline of an object is read.");
     v("person", person, "What a head on shoulders looks like.");
+    v("on_table", on_table, "What counts as a target where the support is a table top.");
   }
 };
 

@@ -46,6 +46,8 @@ struct ThesisConfig {
   double partner_difference_m = 0.03;
   int partner_points = 100;
   double partner_reach_m = 0.1;
+  double partner_margin_m = 0.3;
+  int frames_per_sight = 10;
   double person_cell_m = 0.05;
   int person_min_points = 5;
 
@@ -102,6 +104,10 @@ struct ThesisConfig {
       "Number of changed points nearest to the object whose mean is the partner's grasp.");
     v("partner_reach_m", partner_reach_m, Range{0.001, 1000.0},
       "Max mean distance of these points from the object; the thesis has no such limit (m).");
+    v("partner_margin_m", partner_margin_m, Range{0.0, 10.0},
+      "Distance from the object's box beyond which nobody is looked for in a running camera (m).");
+    v("frames_per_sight", frames_per_sight, Range{1, 1000},
+      "The partner is looked for in one of so many frames: the chain takes some 0.3 s with voxels of 5 mm.");
     v("person_cell_m", person_cell_m, Range{0.005, 1.0},
       "Side of the cells that join changed points to a person, of whom the arm keeps away (m).");
     v("person_min_points", person_min_points, Range{1, 1000}, "Min number of changed points of such a cell.");

@@ -23,6 +23,8 @@ struct DecisionConfig {
   double partner_load_n = 245.0;
   std::optional<double> known_mass_kg;
   double grip_torque_nm = 1.0;
+  double ask_gain = 0.1;
+  double ask_height_m = 0.15;
   double usual_mass_kg = 4.0;
   SharingWeights weights;
   SharingLimits limits;
@@ -68,6 +70,11 @@ struct DecisionConfig {
       "predicted share (N m).");
     v("usual_mass_kg", usual_mass_kg, hal::kPositive,
       "Mass that this torque is compared with where the object's is not known (kg).");
+    v("ask_gain", ask_gain, hal::kFraction,
+      "Min part of the effort of both that another place saves for which the partner is asked to go there.");
+    v("ask_height_m", ask_height_m, hal::Range{0, 2},
+      "Max height difference of that place from where he holds it now: a table is not carried by its feet "
+      "(m).");
     v("weights", weights, "Cost weights of effort, thesis eq. 4.5.");
     v("limits", limits, "What either agent can exert; without entries there is no limit.");
     v("mass_kg", mass_kg, hal::kPositive,
@@ -78,7 +85,7 @@ struct DecisionConfig {
       "Max sideways force of the partner, as a fraction of the weight.");
     v("max_lever_m", max_lever_m, hal::kPositive,
       "Max distance of the centre of gravity from the vertical plane through both hands; beyond it the "
-      "object tips about the line between them (m).");
+      "object tips about the line between them; after a test lift test_lift.max_lever_m (m).");
     v.or_infinite("max_sideways");
     v.or_infinite("max_lever_m");
     v("check_reach", check_reach,

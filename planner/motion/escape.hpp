@@ -4,8 +4,9 @@
 #include <string>
 
 #include "planner/motion/collision/collision_scene.hpp"
-#include "planner/motion/joint_path.hpp"
+#include "planner/motion/free_space.hpp"
 #include "planner/motion/search_config.hpp"
+#include "planner/motion/trajectory/joint_path.hpp"
 
 namespace colift::planner {
 

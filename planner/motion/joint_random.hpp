@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <random>
 
-#include "planner/motion/joint_path.hpp"
+#include "planner/motion/free_space.hpp"
 
 namespace colift::planner {
 

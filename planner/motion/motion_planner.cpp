@@ -17,6 +17,12 @@ namespace {
 using hal::ErrorCode;
 using hal::JointVector;
 
+hal::HandPosture open_hand(const HandModel& hand) {
+  return hal::coupled_posture(hal::deg_to_rad(hand.finger.open_deg));
+}
+
+}  // namespace
+
 MotionLimits limits_of(const hal::RobotModel& model, const PlannerConfig& config) {
   MotionLimits limits;
   limits.velocity_rad_s =
@@ -25,12 +31,6 @@ MotionLimits limits_of(const hal::RobotModel& model, const PlannerConfig& config
   limits.jerk_rad_s3 = JointVector::Constant(config.jerk_rad_s3);
   return limits;
 }
-
-hal::HandPosture open_hand(const HandModel& hand) {
-  return hal::coupled_posture(hal::deg_to_rad(hand.finger.open_deg));
-}
-
-}  // namespace
 
 struct MotionPlanner::Impl {
   Impl(const hal::RobotModel& robot, const HandModel& hand_model, const PlannerConfig& settings,

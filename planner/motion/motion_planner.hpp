@@ -77,6 +77,9 @@ struct PlannerConfig {
   }
 };
 
+/// Of a planned motion: those of the configuration, and no joint faster than that fraction of its own limit.
+[[nodiscard]] MotionLimits limits_of(const hal::RobotModel& model, const PlannerConfig& config);
+
 /// Whether the arm gets to a grasp and through the lift: joint positions that belong together.
 struct Reach {
   hal::JointVector pre_grasp_rad = hal::JointVector::Zero(), grasp_rad = hal::JointVector::Zero(),

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "planner/motion/collision/collision_scene.hpp"
-#include "planner/motion/joint_path.hpp"
 #include "planner/motion/motion_planner.hpp"
+#include "planner/motion/trajectory/joint_path.hpp"
 
 namespace colift::planner {
 

@@ -4,7 +4,8 @@
 #include <optional>
 #include <span>
 
-#include "planner/motion/joint_path.hpp"
+#include "planner/motion/free_space.hpp"
+#include "planner/motion/trajectory/joint_path.hpp"
 
 namespace colift::planner {
 

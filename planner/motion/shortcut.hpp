@@ -2,8 +2,9 @@
 
 #include <cstdint>
 
-#include "planner/motion/joint_path.hpp"
+#include "planner/motion/free_space.hpp"
 #include "planner/motion/search_config.hpp"
+#include "planner/motion/trajectory/joint_path.hpp"
 
 namespace colift::planner {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "planner/motion/inverse_kinematics/arm_ik.hpp"
-#include "planner/motion/joint_path.hpp"
+#include "planner/motion/trajectory/joint_path.hpp"
 
 namespace colift::planner {
 

@@ -33,6 +33,10 @@ LIBRARIES = {
     r"cairo": ("tools/visualization/canvas.cpp",),
     r"CLI/": ("tools/programs/",),
     r"boost/(beast|asio)": ("tools/live/",),
+    r"nlohmann/json\.hpp": ("hal/drivers/recorded/camera_file.cpp", "tools/"),
+    r"liblzf/": ("hal/drivers/recorded/cloud_files/pcd.cpp",),
+    r"png\.h": ("hal/drivers/recorded/", "perception/calibration/grey_png.cpp", "tools/telemetry/replay/"),
+    r"zstd\.h|zlib\.h": ("tools/telemetry/mcap/",),
     r"libfreenect": ("hal/drivers/kinect/capture/", "sim_hal/emulator/camera/freenect/"),
 }
 

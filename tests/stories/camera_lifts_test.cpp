@@ -12,7 +12,7 @@
 #include <optional>
 #include <string>
 
-#include "control/task/task_runner.hpp"
+#include "control/task/run_job.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_camera.hpp"
 #include "hal/guards/guarded_hand.hpp"
@@ -183,7 +183,6 @@ Lift lift_with(const Fault& fault, Task in) {
   const auto tables = std::make_shared<planner::HandCollision>(hand, config.candidates.collision);
   const hal::SteadyClock wall;
   const control::RigView rig{model, hand, tables, X_WC};
-  control::TaskRunner runner(robot, rig, config, {control::Method::Fast, 1}, wall);
   Lift lift;
   std::optional<hal::Timestamp> failed_at;
   if (in == Task::Observe) {
@@ -198,7 +197,7 @@ Lift lift_with(const Fault& fault, Task in) {
     failed_at = robot.clock->now();
     camera.fail(fault);
   };
-  auto record = runner.run(hooks);
+  auto record = control::run_job(robot, rig, config, {control::Method::Fast, 1}, hooks, wall);
   REQUIRE(record);
   lift.record = std::move(*record);
   lift.truth = world->truth();

@@ -27,7 +27,12 @@ const std::vector<std::string> kMethods = [] {
   return methods;
 }();
 // the simulated rig, and each file that is shipped
-const std::vector<std::string> kRobots{"", "emulated.yaml", "real.yaml"};
+const std::vector<std::string> kRobots = [] {
+  std::vector<std::string> robots{""};
+  for (const auto& entry : std::filesystem::directory_iterator(kConfig))
+    if (entry.path().extension() == ".yaml") robots.push_back(entry.path().filename().string());
+  return robots;
+}();
 
 std::string shown(const std::string& words) {
   const auto r = story::colift("check --for " + words);
@@ -123,6 +128,7 @@ TEST_CASE("check --for shows the configuration of every command, method and ship
       }
       CHECK(used(tools::config_of_run(common, run)) == shown("run" + named + rig));
       const std::string with_robot = rig + words;
+      if (method == "fast") CHECK(shown("recover" + with_robot) == shown("run" + with_robot));
       for (const char* verb : {"hal arm state", "hal hand state", "hal camera info"})
         CHECK(used(tools::config_of(common, control::Command::Hal)) == shown(verb + with_robot));
       CHECK(used(tools::config_of(common, control::Command::Calibrate)) == shown("calibrate" + with_robot));
@@ -134,10 +140,42 @@ TEST_CASE("check --for shows the configuration of every command, method and ship
     decide.look = analysis;
     decide.epsilon = "2";
     CHECK(used(tools::config_of_decide(common, decide)) == shown("decide --epsilon 2" + named));
-    const auto trials =
-        experiments::resolved_for(*control::method_named(method), experiments::find_experiment("tilt")->task);
-    CHECK(control::yaml_of(trials) == shown("experiment tilt --method " + method));
+    for (const experiments::Experiment& e : experiments::all_experiments()) {
+      const auto trials = experiments::resolved_for(*control::method_named(method), e.task);
+      CHECK(control::yaml_of(trials) == shown("experiment " + e.name + " --method " + method));
+    }
   }
+}
+
+TEST_CASE("a run on the emulated rig records the configuration that check shows", "[program][config]") {
+  // with ports of its own: other tests serve the usual ones
+  std::string text = slurp(kConfig + "emulated.yaml");
+  const auto replace = [&](const std::string& old, const std::string& with) {
+    const auto at = text.find(old);
+    REQUIRE(at != std::string::npos);
+    text.replace(at, old.size(), with);
+  };
+  replace("krc: 127.0.0.1,", "krc: 127.0.0.1, port: 49961,");
+  replace("29536", "29561");
+  replace("@colift-kinect", "@colift-kinect-configuration");
+  const auto robot = scratch() / "elsewhere.yaml";
+  std::ofstream(robot) << text;
+  const std::string options =
+      " --robot " + robot.string() +
+      " --set task.partner_timeout_s=1 --set task.lift_height_m=0.04 --set arm_mode=t1";
+  const auto file = scratch() / "emulated.mcap";
+  const auto run = story::colift("run" + options + " --dry-run --record " + file.string());
+  INFO(run.err);
+  REQUIRE(run.code == 1);
+  CHECK(recorded(file) == shown("run" + options));
+}
+
+TEST_CASE("the configuration of a robot whose camera was not calibrated yet is shown all the same",
+          "[program][config]") {
+  const auto r = story::colift("check --for run --robot real");
+  CHECK(r.code == 2);
+  CHECK_THAT(r.err, Catch::Contains("camera.yaml"));
+  CHECK(r.out == shown("run"));
 }
 
 TEST_CASE("check says whose configuration it shows, who said what, and what it cannot show",

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "control/config/method.hpp"
-#include "control/task/task_runner.hpp"
+#include "control/task/run_job.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_hand.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
@@ -98,7 +98,6 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
   hal::Pose X_WC = sim_hal::camera_pose(scenario.camera);
   if (over) X_WC.pretranslate(over->camera_off_m);
   const control::RigView rig{model, hand, tables, X_WC};
-  control::TaskRunner runner(robot, rig, config, {method, seed}, wall);
 
   SimulatedLift lift;
   std::optional<hal::Vec3> partner;
@@ -165,7 +164,7 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
     world->task_state(std::string(word(to)));
     entered(to);
   };
-  auto record = runner.run(hooks);
+  auto record = control::run_job(robot, rig, config, {method, seed}, hooks, wall);
   if (!record) throw std::runtime_error(record.error().text());
   lift.record = std::move(*record);
   if (n > 0) {

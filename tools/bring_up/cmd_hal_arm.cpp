@@ -29,6 +29,8 @@ struct Bench {
   hal::FriConfig fri;
   hal::GuardConfig guard;
   std::shared_ptr<const hal::RobotModel> model;
+  control::TaskConfig task;
+  control::SetpointLimits setpoints;
 };
 
 hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& options) {
@@ -44,7 +46,7 @@ hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& opt
         stderr);
   auto model = read_model(file->model);
   if (!model) return tl::unexpected(model.error());
-  return Bench{file->fri, config->guard_arm, std::move(*model)};
+  return Bench{file->fri, config->guard_arm, std::move(*model), config->task, config->setpoints};
 }
 
 hal::Result<ArmTask> move_task(const HalOptions& o, const Bench& bench) {
@@ -124,6 +126,8 @@ hal::Result<ArmTask> task_of(const HalOptions& o, const Bench& bench) {
   if (task.kind != ArmTask::Kind::Watch && bench.fri.control != "joint_impedance")
     return hal::failure(hal::ErrorCode::BadConfig, "fri.control",
                         fmt::format("{}: this verb commands joint_impedance only", bench.fri.control));
+  task.config = bench.task;
+  task.setpoints = bench.setpoints;
   return task;
 }
 

@@ -26,16 +26,15 @@ constexpr double kMostRest_s = 3.0;  // for coming to rest
 // the load is measured in a pose after the arm has come to rest, over several periods of what it swings with
 constexpr double kLoadSettle_s = 1.0, kLoadMean_s = 0.4;
 
-control::TaskConfig task_config() {
-  control::TaskConfig c;
+control::TaskConfig task_config(const ArmTask& task) {
+  control::TaskConfig c = task.config;
   c.stiffness_nm_rad = ArmTask{}.stiffness_nm_rad;  // as the driver starts; then on a ramp to the wished one
   return c;
 }
 
 control::SetpointLimits setpoint_limits(const ArmTask& task, const hal::GuardConfig& guard) {
-  control::SetpointLimits l;
+  control::SetpointLimits l = task.setpoints.below(guard);
   l.velocity_fraction = std::min(l.velocity_fraction, 0.9 * guard.velocity_fraction);
-  l.velocity_rad_s = 0.9 * guard.max_velocity_rad_s;
   l.acceleration_rad_s2 = std::min(std::max(1.0, task.acceleration_rad_s2), 0.9 * guard.acceleration_rad_s2);
   l.limit_margin_rad = 0.0;  // the guard keeps one; a start inside of it has to be possible
   return l;
@@ -51,7 +50,7 @@ class Runner {
         task_(task),
         clock_(clock),
         hooks_(hooks),
-        setpoints_(model, task_config(), setpoint_limits(task, guard)) {}
+        setpoints_(model, task_config(task), setpoint_limits(task, guard)) {}
 
   ArmTaskEnd run() {
     go_on(Phase::Opening);

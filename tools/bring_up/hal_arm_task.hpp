@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "control/config/setpoint_limits.hpp"
+#include "control/config/task_config.hpp"
 #include "hal/arm.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/robot_model/load_estimate.hpp"
@@ -35,6 +37,8 @@ struct ArmTask {
   int joint = 0;  ///< To move, from 0.
   double by_rad = 0.0, speed_rad_s = 0.0;
   double acceleration_rad_s2 = kT1Acceleration_rad_s2, jerk_rad_s3 = kT1Jerk_rad_s3;
+  control::TaskConfig config;         ///< Of these the set points: contact, warnings of the controller.
+  control::SetpointLimits setpoints;  ///< Below these, whatever the task asks for.
 };
 
 /// How far it is; leaves the cycle as plain numbers.

@@ -93,7 +93,7 @@ std::optional<perception::ProposedPose> next_pose(const perception::SampleSet& s
   for (std::size_t i = 0; i < set.samples.size(); ++i)
     if (solved->samples[i].inlier) done.push_back(set.samples[i].X_BH);
   perception::PoseConfig poses = config.calibration_poses;
-  poses.candidates = std::min(poses.candidates, 300);
+  poses.candidates = poses.next_candidates;
   const auto candidates = perception::candidate_poses(hal::built_in_robot(), solved->model,
                                                       config.calibration, poses, seed + kNextSeed);
   auto chosen = perception::choose_poses(candidates, done, solved->model, config.calibration, 1);

@@ -110,10 +110,12 @@ int cmd_check(const CommonOptions& common, const CheckOptions& options, const Ch
   if (!setup) return report_error("check", setup.error());
   show_warnings("check", common, *setup);
 
+  const std::string yaml = control::yaml_of(*setup, options.explain);
+  // what the robot file's camera lacks changes nothing about the configuration
+  if (!common.json && !common.quiet) std::fputs(yaml.c_str(), stdout);
   const auto camera = look_at_camera(*setup, checked);
   if (!camera) return report_error("check", camera.error());
   const bool ground_off = camera->ground && !camera->ground->good;
-  const std::string yaml = control::yaml_of(*setup, options.explain);
   if (common.json) {
     nlohmann::ordered_json j = {{"schema", "colift.check/1"},
                                 {"ok", !ground_off},
@@ -127,7 +129,7 @@ int cmd_check(const CommonOptions& common, const CheckOptions& options, const Ch
     std::puts(j.dump().c_str());
     return ground_off ? kNoGoal : kDone;
   }
-  if (!common.quiet) std::fputs(yaml.c_str(), stdout);
+  std::fflush(stdout);
   fmt::print(stderr, "colift {} can use this configuration; hand: {}\n", options.command, setup->hand.name);
   say(*camera);
   return ground_off ? kNoGoal : kDone;

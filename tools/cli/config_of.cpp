@@ -34,9 +34,6 @@ hal::Result<> add_support(ConfigRequest& request, const LookOptions& options) {
   if (options.support != "auto" && options.support != "floor" && options.support != "table")
     return hal::failure(hal::ErrorCode::BadInput, "--support",
                         fmt::format("\"{}\" is not known, expected auto, floor or table", options.support));
-  if (options.method == "thesis")
-    return hal::failure(hal::ErrorCode::BadInput, "--support",
-                        "goes with --method fast: the thesis takes the largest plane");
   request.options.push_back({"support", options.support, "--support"});
   return {};
 }

@@ -68,6 +68,7 @@ set(COLIFT_PUBLIC_HEADERS
   perception/target/enclosed_pixels.hpp
   perception/target/fragments.hpp
   perception/target/objections.hpp
+  perception/target/on_table.hpp
   perception/target/outline.hpp
   perception/target/person_shape.hpp
   perception/target/second_look.hpp

@@ -28,9 +28,11 @@ int main() {
   auto world = sim_hal::SimWorld::make(*scenario, model, kSeed, sim_hal::SimConfig{});
   if (!world) return fmt::print(stderr, "{}\n", world.error().text()), 2;
 
-  control::Config config = control::run_defaults();
-  config.task.lift_height_m = scenario->task.height;
-  config.task.hold_s = scenario->task.hold_s;
+  control::ConfigRequest request;
+  request.task = {"scenario a beam", scenario->task.height, scenario->task.hold_s};
+  const auto resolved = control::resolve_config(request);
+  if (!resolved) return fmt::print(stderr, "{}\n", resolved.error().text()), 2;
+  const control::Config& config = resolved->config;
   hal::Robot robot;
   robot.arm = std::make_unique<hal::GuardedArm>(sim_hal::make_sim_arm(**world), model, config.guard_arm);
   robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(**world), config.guard_hand);

@@ -145,7 +145,10 @@ hal::Result<control::ResolvedConfig> config_of_experiment(const ExperimentOption
     return hal::failure(ErrorCode::BadInput, "NAME",
                         "each experiment has a configuration of its own; expected one of them");
   const bool fast = campaign->methods == Methods::Fast;
-  return resolved_for(fast ? control::Method::Fast : control::Method::Thesis, e->task);
+  auto resolved = resolved_for(fast ? control::Method::Fast : control::Method::Thesis, e->task);
+  if (!e->trials_set.empty())
+    resolved.warnings.push_back(fmt::format("the trials of {} also set {}", e->name, e->trials_set));
+  return resolved;
 }
 
 int cmd_experiment(const CommonOptions& common, const ExperimentOptions& options) {

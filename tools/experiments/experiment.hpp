@@ -69,6 +69,7 @@ struct Experiment {
   std::vector<std::string> columns, detail_columns;  ///< After trial and method.
   std::function<TrialRows(const Trial&)> run;
   std::optional<control::TaskSaid> task;  ///< What it says about its lifts, where all are alike.
+  std::string trials_set;  ///< Entries of the configuration that trials set beside it, for people.
   std::function<std::vector<Figure>(const Results&)> figures;
   std::function<picture::Canvas(const Results&)> plot;
 };

@@ -36,7 +36,7 @@ std::vector<std::string> last_first(const std::vector<std::string>& words) {
 
 constexpr std::string_view kFor = "--for";
 constexpr const char* kConfiguredCommands =
-    "run, look, decide, experiment, log replay, calibrate, hal arm, hal hand, hal camera";
+    "run, recover, look, decide, experiment, log replay, calibrate, hal arm, hal hand, hal camera";
 
 bool says_for(const std::string& word) {
   return word == kFor || word.starts_with("--for=");

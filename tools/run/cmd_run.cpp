@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "control/task/task_runner.hpp"
+#include "control/task/run_job.hpp"
 #include "hal/types/units.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"
@@ -136,7 +136,6 @@ int cmd_run(const CommonOptions& common, const RunOptions& options, const RunPar
     recording = parts.open_recording(common, options, job, *rig, *setup, wall, watchers);
   if (!recording) return report_error("run", recording.error());
   const control::RigView view{*rig->model, setup->hand, setup->hand_tables, rig->X_WC};
-  control::TaskRunner runner(rig->robot, view, setup->config, job, wall);
 
   std::optional<RunProgress> progress(std::in_place, stderr,
                                       progress_style(stderr, common.json, common.quiet), setting, wall);
@@ -172,7 +171,8 @@ int cmd_run(const CommonOptions& common, const RunOptions& options, const RunPar
     rig->truth->task_state(std::string(control::word(to)));
   };
   if (InterruptGuard::asked()) return kInterrupted;  // before any device was started
-  const auto record = runner.run(*recording ? (*recording)->hooks(hooks) : hooks);
+  const auto record = control::run_job(rig->robot, view, setup->config, job,
+                                       *recording ? (*recording)->hooks(hooks) : hooks, wall);
   progress->end();
   progress.reset();
   if (!record) {

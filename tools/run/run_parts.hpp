@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "control/task/task_runner.hpp"
+#include "control/task/job_status.hpp"
 #include "tools/cli/options.hpp"
 #include "tools/cli/session.hpp"
 #include "tools/rig/back_ends.hpp"

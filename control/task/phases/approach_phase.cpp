@@ -10,7 +10,6 @@ namespace colift::control {
 namespace {
 
 // the hand's state shows a command some cycles later: before, it may look as if it had ended already
-constexpr double kCommandShows_s = 0.2;
 
 }  // namespace
 
@@ -82,7 +81,7 @@ std::string ApproachPhase::hand_stays_closed() const {
   if (!refusal_.empty()) return "the hand refuses to open: " + refusal_;
   const GripConfig& limits = c_.config.task.grip;
   const double since_s = hal::seconds(c_.now - opened_at_);
-  if (since_s < kCommandShows_s) return "";
+  if (since_s < limits.command_shows_s) return "";
   const hal::HandState& hand = c_.readings.hand;
   if (hand.moving)
     return since_s < limits.hand_timeout_s

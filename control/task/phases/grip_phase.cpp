@@ -11,7 +11,6 @@ namespace colift::control {
 namespace {
 
 // the hand's state shows a command some cycles later: before, it may look as if it had ended already
-constexpr double kCommandShows_s = 0.1;
 
 /// Width between the third finger and the one of the others that is farther from it (m).
 double felt_width(const planner::HandModel& hand, const hal::HandState& state) {
@@ -40,7 +39,7 @@ std::optional<TaskEvent> GripPhase::close() {
   if (auto gone = let_go()) return gone;
   if (c_.in_state_s() > c_.config.task.grip.hand_timeout_s)
     return TaskEvent{Event::HandEmpty, "the hand does not come to rest"};
-  if (hand.moving || c_.in_state_s() < kCommandShows_s) return std::nullopt;
+  if (hand.moving || c_.in_state_s() < c_.config.task.grip.command_shows_s) return std::nullopt;
   if (!hand.held) return TaskEvent{Event::HandEmpty, "the fingers met nothing"};
   return TaskEvent{Event::HandHeld, "every finger is stopped by the object"};
 }

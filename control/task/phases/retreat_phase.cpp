@@ -9,9 +9,7 @@ namespace colift::control {
 namespace {
 
 // the hand's state shows a command some cycles later: before, it may look as if it had ended already
-constexpr double kCommandShows_s = 0.2;
-constexpr int kMaxUnloadings = 3;      // of one release, when the object is raised again and again
-constexpr double kGateFraction = 0.9;  // of the last gate's velocity limit, so that it never brakes a plan
+constexpr int kMaxUnloadings = 3;  // of one release, when the object is raised again and again
 
 }  // namespace
 
@@ -98,7 +96,7 @@ std::optional<TaskEvent> RetreatPhase::release() {
   const bool may_leave = c_.may_begin(Motion::Retreat);
   if (c_.in_state_s() > c_.config.task.grip.hand_timeout_s)
     return TaskEvent{Event::TimeOut, "the hand does not open"};
-  if (hand.moving || hand.held || c_.in_state_s() < kCommandShows_s) return std::nullopt;
+  if (hand.moving || hand.held || c_.in_state_s() < c_.config.task.grip.command_shows_s) return std::nullopt;
   // a finger that stayed around the object would drag it along; of one that does not answer nobody knows
   bool open = true;
   for (std::size_t f = 0; f < hand.finger_rad.size(); ++f)
@@ -115,9 +113,9 @@ void RetreatPhase::begin_retreat() {
   const double s = planned.duration_s();
   constexpr int kPoints = 12;
   for (int i = 1; i <= kPoints; ++i) points.push_back(planned.sample(s * i / kPoints).q_rad);
-  planner::MotionLimits limits;
+  planner::MotionLimits limits = planner::limits_of(c_.rig.model, c_.config.motion);
   limits.velocity_rad_s =
-      limits.velocity_rad_s.cwiseMin(kGateFraction * c_.config.guard_arm.max_velocity_rad_s);
+      limits.velocity_rad_s.cwiseMin(c_.config.setpoints.below(c_.config.guard_arm).velocity_rad_s);
   auto back = planner::make_trajectory_along(points, limits, s);
   if (!back)
     c_.attempts.failure = back.error().detail;

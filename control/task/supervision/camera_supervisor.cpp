@@ -25,8 +25,8 @@ bool same_pixels(const std::vector<float>& a, const std::vector<float>& b) {
 
 void CameraSupervisor::read() {
   DeviceReadings& r = c_.readings;
-  const hal::Duration timeout = duration_of(c_.config.task.supervision.camera_timeout_s);
-  const hal::Duration reopen = duration_of(c_.config.task.supervision.camera_reopen_s);
+  const hal::Duration timeout = hal::duration_of(c_.config.task.supervision.camera_timeout_s);
+  const hal::Duration reopen = hal::duration_of(c_.config.task.supervision.camera_reopen_s);
   r.frame.reset();
   auto frame = c_.robot.camera->next_frame(0ms);
   // a picture that shows the moving arm where it was is an old one, whatever its stamp says

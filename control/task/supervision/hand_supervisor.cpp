@@ -36,7 +36,7 @@ void HandSupervisor::read() {
     const hal::ErrorCode code = state.error().code;
     const bool transient = code == hal::ErrorCode::Timeout || code == hal::ErrorCode::BadReply;
     const bool gone =
-        !transient || c_.now - answered_at_ > duration_of(c_.config.task.supervision.hand_timeout_s);
+        !transient || c_.now - answered_at_ > hal::duration_of(c_.config.task.supervision.hand_timeout_s);
     if (gone && !lost_) c_.note_device("hand", fault_);
     lost_ = lost_ || gone;
   }

@@ -12,14 +12,7 @@ namespace colift::control {
 namespace {
 
 constexpr double kPeakOfMean = 1.875;      // of a minimum-jerk profile's speed: 15/8
-constexpr double kArmMass_kg = 16.0;       // LWR 4+; half of it counts in a contact
-constexpr double kCarried_kg = 6.0;        // hand and a share of the object, as the reference table has them
-constexpr double kHandAt_m = 0.25;         // whose points are this near to the grasp is the partner
-constexpr double kArm_m = 0.60;            // from a hand that is hidden to what is seen of him
-constexpr double kBeside_m = 0.30;         // parts of him that are seen apart
-constexpr double kInside_m = 0.10;         // his hand reaches so far over the edge towards the robot
 constexpr double kSampleEvery_s = 0.0666;  // of the curves
-constexpr double kSmallChange = 0.02;      // of the speed scale: not worth a request
 
 hal::Vec3 flat(const hal::Vec3& v) {
   return {v.x(), v.y(), 0.0};
@@ -107,7 +100,7 @@ void SeparationSupervisor::request(double scale, std::string why) {
     return;
   }
   const bool end = scale == 0.0 || scale == 1.0;
-  if (!end && std::abs(scale - scale_) < kSmallChange) return;
+  if (!end && std::abs(scale - scale_) < c_.config.monitor.min_scale_change) return;
   if (held && is_moving(c_.state) && !c_.may_begin(Motion::Continue)) return;
   scale_ = scale;
   reason_ = std::move(why);
@@ -181,7 +174,8 @@ void SeparationSupervisor::look(const hal::DepthFrame& frame) {
   sort_points(seen);
   if (seen_W_.empty()) c_.obstacles_W.clear();  // carried off
   const double latency_s = hal::seconds(c_.readings.frame_latency);
-  monitor_.update(c_.now, near_, latency_s, 0.5 * kArmMass_kg + kCarried_kg);
+  monitor_.update(c_.now, near_, latency_s,
+                  0.5 * c_.config.monitor.arm_mass_kg + c_.config.monitor.carried_mass_kg);
   MonitorRecord& record = c_.record.monitor;
   ++record.frames;
   record.max_bodies = std::max(record.max_bodies, static_cast<int>(bodies_.size()));
@@ -202,21 +196,21 @@ void SeparationSupervisor::sort_points(const BodySighting& seen) {
   // who holds the object; then what is beside him and near enough to be his
   hal::Aabb partner_box;
   for (const perception::Body& body : seen.bodies) {
-    if (!contact || body.box.exteriorDistance(*contact) > kHandAt_m) continue;
+    if (!contact || body.box.exteriorDistance(*contact) > c_.config.monitor.hand_radius_m) continue;
     for (const auto& p : seen.points.subspan(body.first, body.count))
-      if ((p.p_W.cast<double>() - *contact).norm() < kHandAt_m) {
+      if ((p.p_W.cast<double>() - *contact).norm() < c_.config.monitor.hand_radius_m) {
         partner_box.extend(body.box);
         break;
       }
   }
   // the object may hide his hand and forearm: then it is who stands behind his grasp, an arm's length away
-  double nearest_m = kArm_m;
+  double nearest_m = c_.config.monitor.hidden_hand_m;
   const bool hidden = contact && partner_box.isEmpty();
   for (const perception::Body& body : seen.bodies) {
     if (!hidden || body.box.exteriorDistance(*contact) > nearest_m) continue;
     for (const auto& p : seen.points.subspan(body.first, body.count)) {
       const hal::Vec3 off = p.p_W.cast<double>() - *contact;
-      if (off.dot(out) < -kInside_m || off.norm() > nearest_m) continue;
+      if (off.dot(out) < -c_.config.monitor.inward_m || off.norm() > nearest_m) continue;
       nearest_m = off.norm();
       partner_box = body.box;
     }
@@ -224,7 +218,8 @@ void SeparationSupervisor::sort_points(const BodySighting& seen) {
   for (std::size_t i = 0; i < seen.bodies.size(); ++i) {
     const perception::Body& body = seen.bodies[i];
     const perception::BodyTrack* track = i < seen.tracks.size() ? &seen.tracks[i] : nullptr;
-    const bool partner = !partner_box.isEmpty() && body.box.exteriorDistance(partner_box) < kBeside_m;
+    const bool partner =
+        !partner_box.isEmpty() && body.box.exteriorDistance(partner_box) < c_.config.monitor.gap_m;
     // of what is cut off by the image's border nobody knows how high it is
     const bool whole = body.pixels.u_begin > 0 && body.pixels.v_begin > 0 &&
                        body.pixels.u_end < c_.readings.frame->intrinsics.width;
@@ -238,7 +233,7 @@ void SeparationSupervisor::sort_points(const BodySighting& seen) {
       const hal::Vec3 off = contact ? hal::Vec3(p.p_W.cast<double>() - *contact) : hal::Vec3::Zero();
       if (!partner || flat(off).norm() > config.partner_radius_m)
         others_.push_back(p);
-      else if (off.norm() < config.forearm_m && off.dot(out) > -kInside_m)
+      else if (off.norm() < config.forearm_m && off.dot(out) > -c_.config.monitor.inward_m)
         hand_.push_back(p);
       else
         partner_.push_back(p);

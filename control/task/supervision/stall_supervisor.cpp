@@ -23,8 +23,8 @@ void StallSupervisor::read() {
   else if (stalls_ > static_cast<std::uint32_t>(limits.max_stalls))
     fault_ = fmt::format("{} times (limit {})", stalls_, limits.max_stalls);
   if (!fault_.empty()) return;
-  if (gap > duration_of(limits.beat_timeout_s)) in_time_since_ = c_.now;
-  const bool in_time = c_.now - in_time_since_ >= duration_of(limits.stall_recovery_s);
+  if (gap > hal::duration_of(limits.beat_timeout_s)) in_time_since_ = c_.now;
+  const bool in_time = c_.now - in_time_since_ >= hal::duration_of(limits.stall_recovery_s);
   const bool seen = c_.readings.camera_lost || c_.readings.frame_at > *stalled_at_;
   if (!in_time || !seen || !view.at_rest) return;
   c_.note_device("task", "runs in time again: the arm continues");

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "hal/robot_model/robot_model.hpp"
-#include "planner/motion/joint_path.hpp"
+#include "planner/motion/trajectory/joint_path.hpp"
 #include "planner/motion/trajectory/trajectory.hpp"
 
 namespace colift::planner {

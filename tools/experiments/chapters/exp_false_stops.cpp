@@ -49,7 +49,7 @@ double took_s(const control::RunRecord& record) {
 TrialRows run(const Trial& trial) {
   const sim_hal::Scenario scenario = mixed_layout(trial.index, trial.seed);
   LiftHooks without;
-  without.configure = [](control::Config& config) { config.monitor.on = config.monitor.force.on = false; };
+  without.without_monitor = true;
   const auto lift = run_whole_lift(scenario, trial.method, trial.own_seed(41));
   const auto bare = run_whole_lift(scenario, trial.method, trial.own_seed(41), without);
   const std::string& object = scenario.object.kind;
@@ -120,6 +120,7 @@ Experiment false_stops_experiment() {
   e.columns = {"object", "without",    "outcome",  "stopped", "took_s",
                "bare_s", "time_ratio", "breaches", "because"};
   e.run = run;
+  e.trials_set = "monitor.on and monitor.force.on in the lift without monitoring, at full speed";
   e.figures = figures;
   e.plot = plot;
   return e;

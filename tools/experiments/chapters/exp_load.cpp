@@ -67,7 +67,9 @@ TrialRows run(const Trial& trial) {
   std::string why;
   for (std::size_t w = 0; w < kWanted.size(); ++w) {
     if (forbidden[w]) continue;
-    const auto outcome = (*observation)->decide(config_for(trial.method, {}, kWanted[w]));
+    const auto outcome =
+        (*observation)
+            ->decide(config_for(trial.method, {}, {{"decision.share", fmt::format("{}", kWanted[w])}}));
     if (!outcome) return refused(outcome.error().text());
     if (!outcome->decision.chosen) {
       why = fmt::format("{} %: {}", kName[w], outcome->decision.reason);
@@ -215,6 +217,7 @@ Experiment load_experiment() {
                       "tilt_deg", "chosen_30", "chosen_50",      "chosen_67", "because"};
   e.run = run;
   e.task = task();
+  e.trials_set = "decision.share";
   e.figures = figures;
   e.plot = plot;
   return e;

@@ -41,11 +41,11 @@ TrialRows run(const Trial& trial) {
   sim_hal::Scenario scenario =
       table ? table_layout(trial.index / 2 + 2, trial.seed) : box_in_line(trial.index, trial.seed, kBoxShare);
   sim_hal::Draws draws(seed, 7500);
-  control::Config config = config_for(trial.method, task());
+  const double unevenness = config_for(trial.method, task()).decision.unevenness;
   hal::Vec3& off = scenario.object.cog_offset;
   for (int axis = 0; axis < 2; ++axis) {
     const double size = scenario.object.size[static_cast<std::size_t>(axis)];
-    off[axis] = size * std::clamp(config.decision.unevenness * normal(draws), -kMost, kMost);
+    off[axis] = size * std::clamp(unevenness * normal(draws), -kMost, kMost);
   }
   if (!table) {
     scenario.object.mass = draws.between(kLightest_kg, kHeaviest_kg);
@@ -61,14 +61,15 @@ TrialRows run(const Trial& trial) {
   };
   auto observation = Observation::make(scenario, trial.method, seed, kHeight_m);
   if (!observation) return refused(observation.error().text());
-  config.decision.mass_kg = scenario.object.mass;
 
   TrialRows rows;
   rows.row = head;
   std::string reason, words;
   std::vector<std::pair<int, DirectLift>> done;
   for (const char* aim : kAims) {
-    config.decision.robust = aim;
+    const control::Config config =
+        config_for(trial.method, task(),
+                   {{"decision.mass_kg", fmt::format("{}", scenario.object.mass)}, {"decision.robust", aim}});
     const auto outcome = (*observation)->decide(config);
     if (!outcome) return refused(outcome.error().text());
     if (!outcome->decision.chosen) return refused(outcome->decision.reason);
@@ -206,6 +207,7 @@ Experiment robust_experiment() {
   e.columns.emplace_back("because");
   e.run = run;
   e.task = task();
+  e.trials_set = "decision.mass_kg, decision.robust";
   e.figures = figures;
   e.plot = plot;
   return e;

@@ -142,6 +142,7 @@ Experiment rooms_experiment() {
   e.columns = {"seed",   "sensor",       "class",      "has_person", "verdict",
                "ground", "ground_right", "confidence", "room",       "because"};
   e.run = run;
+  e.trials_set = "what colift look has as defaults: check --for look";
   e.figures = figures;
   e.plot = plot;
   return e;

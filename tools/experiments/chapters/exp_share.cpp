@@ -39,10 +39,7 @@ sim_hal::Scenario layout(const Trial& trial) {
 
 hal::Result<WholeLift> lift(const sim_hal::Scenario& scenario, const Trial& trial, double wanted) {
   LiftHooks hooks;
-  hooks.configure = [wanted](control::Config& config) {
-    config.decision.share = wanted;
-    config.decision.weights.epsilon = *planner::epsilon_for_share(wanted);
-  };
+  hooks.settings = {{"decision.share", fmt::format("{}", wanted)}};
   return run_whole_lift(scenario, trial.method, trial.own_seed(12), hooks);
 }
 
@@ -269,6 +266,7 @@ Experiment share_experiment() {
                "because"};
   e.run = run;
   e.task = task();
+  e.trials_set = "decision.share";
   e.figures = figures;
   e.plot = plot;
   return e;

@@ -42,8 +42,8 @@ TrialRows run(const Trial& trial) {
   };
   auto observation = Observation::make(scenario, trial.method, seed, kHeight_m);
   if (!observation) return refused(observation.error().text());
-  control::Config config = config_for(trial.method, task());
-  config.decision.mass_kg = scenario.object.mass;
+  const control::Config config =
+      config_for(trial.method, task(), {{"decision.mass_kg", fmt::format("{}", scenario.object.mass)}});
   const auto outcome = (*observation)->decide(config);
   if (!outcome) return refused(outcome.error().text());
   const auto& candidates = outcome->candidates;
@@ -151,6 +151,7 @@ Experiment slip_experiment() {
   e.detail_columns = {"id", "kind", "margin", "bear_margin", "slip_mm", "slipped", "because"};
   e.run = run;
   e.task = task();
+  e.trials_set = "decision.mass_kg";
   e.figures = figures;
   e.plot = plot;
   return e;

@@ -45,21 +45,21 @@ TrialRows run(const Trial& trial) {
   };
   auto observation = Observation::make(scenario, trial.method, seed, kHeight_m);
   if (!observation) return refused(observation.error().text());
-  control::Config config = config_for(trial.method, task());
+  const control::Config config = config_for(trial.method, task());
   const auto outcome = (*observation)->decide(config);
   if (!outcome) return refused(outcome.error().text());
   if (!outcome->decision.chosen) return refused(outcome->decision.reason);
   const planner::GraspCandidate& first = outcome->candidates[*outcome->decision.chosen];
   const DirectLift blind = try_grasp(**observation, scenario, first, config, seed);
 
-  const GripSearch search = search_level_grip(**observation, scenario, *outcome, trial.method, config,
-                                              control::TestLiftConfig{}, seed);
+  const GripSearch search = search_level_grip(**observation, scenario, *outcome, trial.method, config, seed);
   const TriedGrip& last = search.tried.back();
   DirectLift lift;
   if (search.level) {
-    config.task.lift_s = kCarefully_s;
+    const control::Config careful =
+        config_for(trial.method, task(), {{"task.lift_s", fmt::format("{}", kCarefully_s)}});
     Observation& now = search.elsewhere ? *search.elsewhere : **observation;
-    lift = try_grasp(now, search.scenario, search.tried[*search.level].grasp, config, seed);
+    lift = try_grasp(now, search.scenario, search.tried[*search.level].grasp, careful, seed);
   }
 
   const hal::Vec3 true_cog = (*observation)->true_cog();
@@ -216,6 +216,9 @@ Experiment wrong_cog_experiment() {
                       "because"};
   e.run = run;
   e.task = task();
+  e.trials_set =
+      "task.lift_s; for test lifts task.lift_height_m, lift_s, hold_s, slow_fraction and "
+      "decision.max_lever_m";
   e.figures = figures;
   e.plot = plot;
   return e;

@@ -7,7 +7,7 @@
 #include <exception>
 #include <stdexcept>
 
-#include "control/task/task_runner.hpp"
+#include "control/task/run_job.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_hand.hpp"
 #include "sim_hal/judge/judge.hpp"
@@ -175,8 +175,7 @@ hal::Result<FaultyLift> run_faulty_lift(const FaultyScene& scene, const control:
     return endless || (scene.interrupted_s && t_s >= *scene.interrupted_s);
   };
   try {
-    control::TaskRunner runner(robot, view, config, options, wall);
-    auto record = runner.run(hooks);
+    auto record = control::run_job(robot, view, config, options, hooks, wall);
     if (record)
       lift.record = std::move(*record);
     else

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "control/task/task_runner.hpp"
+#include "control/task/run_job.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_hand.hpp"
 #include "hal/types/units.hpp"
@@ -27,8 +27,9 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
     if (with.each_tick) with.each_tick(report);
   });
   control::Config config = config_for(
-      method, control::TaskSaid{"scenario " + scenario.name, scenario.task.height, scenario.task.hold_s});
-  if (with.configure) with.configure(config);
+      method, control::TaskSaid{"scenario " + scenario.name, scenario.task.height, scenario.task.hold_s},
+      with.settings);
+  if (with.without_monitor) config.monitor.on = config.monitor.force.on = false;
   if (with.started) with.started(**world);
   hal::Robot robot;
   auto arm = sim_hal::make_sim_arm(**world);
@@ -49,7 +50,6 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
   control::JobOptions options;
   options.method = method;
   options.seed = seed;
-  control::TaskRunner runner(robot, rig, config, options, wall);
 
   WholeLift lift;
   int n = 0;
@@ -87,7 +87,7 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
     share += truth.robot_force_W.z() /
              (truth.robot_force_W.z() + truth.partner_force_W.z() + truth.floor_force_W.z());
   };
-  auto record = runner.run(hooks);
+  auto record = control::run_job(robot, rig, config, options, hooks, wall);
   if (!record) return tl::unexpected(record.error());
   lift.record = std::move(*record);
   if (n > 0) {

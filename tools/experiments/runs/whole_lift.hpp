@@ -12,6 +12,7 @@
 #include "sim_hal/judge/verdict.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
 #include "sim_hal/scenario/scenario.hpp"
+#include "tools/experiments/trials/sighting.hpp"
 
 namespace colift::experiments {
 
@@ -34,7 +35,9 @@ struct CutShort {
 
 /// What a trial changes and observes. All of it may be empty.
 struct LiftHooks {
-  std::function<void(control::Config&)> configure;
+  Settings settings = {};
+  /// At full speed, which no configuration allows without monitoring: to measure what monitoring costs.
+  bool without_monitor = false;
   std::function<void(const sim_hal::SimWorld&)> started;     ///< Before the first cycle.
   std::function<void(const sim_hal::SimWorld&)> each_frame;  ///< About 30 times a second.
   std::function<void(const sim_hal::TickReport&)> each_tick;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
+#include "control/config/resolve_config.hpp"
 #include "hal/types/units.hpp"
 #include "planner/hand/hand_model.hpp"
 
@@ -71,10 +73,13 @@ SeenRoom see_room(std::uint64_t seed, control::Method method) {
   seen.object = sim_hal::object_in_view(seen.room, seen.truth);
   control::SceneAnalysisInput input;  // in the camera's own frame, as `colift look` without a camera pose
   input.frame = sim_hal::measure_with(seen.room.sensor, seen.truth, seed);
-  control::Config config;
-  control::set_method_defaults(method, config);
-  auto analysis =
-      control::analyse_scene(std::move(input), method, config, planner::HandModel{}, hal::SteadyClock());
+  control::ConfigRequest request;
+  request.command = control::Command::SceneAnalysis;
+  request.options.push_back({"method", control::to_string(method), "--method"});
+  const auto resolved = control::resolve_config(request);
+  if (!resolved) throw std::logic_error(resolved.error().text());  // nobody else had a say
+  auto analysis = control::analyse_scene(std::move(input), method, resolved->config, planner::HandModel{},
+                                         hal::SteadyClock());
   if (!analysis) {
     seen.analysis.reason = analysis.error().text();
     return seen;

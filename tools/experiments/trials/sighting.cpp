@@ -36,32 +36,30 @@ const SharedHand& shared_hand(control::Method method) {
 }
 
 control::ResolvedConfig resolved_for(control::Method method, const std::optional<control::TaskSaid>& task,
-                                     std::optional<double> share) {
+                                     const Settings& settings) {
   control::ConfigRequest request;
   request.command = control::Command::Experiment;
   request.task = task;
   request.options.push_back({"method", control::to_string(method), "--method"});
-  if (share) request.options.push_back({"decision.share", fmt::format("{}", *share), "experiment"});
+  for (const auto& [path, value] : settings) request.options.push_back({path, value, "experiment"});
   auto resolved = control::resolve_config(request);
   if (!resolved) throw std::logic_error(resolved.error().text());  // nobody else had a say
   return std::move(*resolved);
 }
 
 control::Config config_for(control::Method method, const std::optional<control::TaskSaid>& task,
-                           std::optional<double> share) {
-  return resolved_for(method, task, share).config;
+                           const Settings& settings) {
+  return resolved_for(method, task, settings).config;
 }
 
 struct Observation::Impl {
   Impl(control::Method m, std::uint64_t seed, std::unique_ptr<sim_hal::SimWorld> w, double height)
       : method(m),
-        config(config_for(m)),
+        config(config_for(m, control::TaskSaid{"experiment", height})),
         lift_height_m(height),
         world(std::move(w)),
         watch(m, config, rig(*world, m), clock),
-        planner(world->model(), shared_hand(m).hand, config.motion, seed) {
-    config.task.lift_height_m = height;
-  }
+        planner(world->model(), shared_hand(m).hand, config.motion, seed) {}
 
   static control::RigView rig(const sim_hal::SimWorld& world, control::Method method) {
     return {world.model(), shared_hand(method).hand, shared_hand(method).tables,

@@ -22,15 +22,18 @@ struct SharedHand {
 };
 [[nodiscard]] const SharedHand& shared_hand(control::Method method);
 
+/// What a trial sets: path of an entry and value, as `--set` takes them.
+using Settings = std::vector<std::pair<std::string, std::string>>;
+
 /// Configuration of an experiment (control::Command::Experiment) with a method, what the experiment says
-/// about its lifts, and a wanted share, as --share takes it.
+/// about its lifts, and what the trial sets.
 [[nodiscard]] control::ResolvedConfig resolved_for(control::Method method,
                                                    const std::optional<control::TaskSaid>& task = {},
-                                                   std::optional<double> share = {});
+                                                   const Settings& settings = {});
 /// The same without the origins.
 [[nodiscard]] control::Config config_for(control::Method method,
                                          const std::optional<control::TaskSaid>& task = {},
-                                         std::optional<double> share = {});
+                                         const Settings& settings = {});
 
 /// What the robot knows before it moves: the scene, the partner's grasp, a planner for the ways. Made as a
 /// run makes it, on a simulated camera, with the arm at rest at home. One thread.

@@ -25,14 +25,18 @@ bool possible(const planner::GraspCandidate& c) {
 class Search {
  public:
   Search(const control::CarriedObject& object, control::Method method, const control::Config& config,
-         const control::TestLiftConfig& test_config, std::uint64_t seed)
-      : object_(object), method_(method), config_(config), test_config_(test_config), seed_(seed) {
-    small_ = config;
-    small_.task.lift_height_m = test_config.height_m;
-    small_.task.lift_s = test_config.raise_s;
-    small_.task.hold_s = test_config.hold_s;
-    small_.task.slow_fraction = test_config.slow_fraction;
-  }
+         std::uint64_t seed)
+      : object_(object),
+        method_(method),
+        config_(config),
+        test_config_(config.test_lift),
+        seed_(seed),
+        small_(config_for(method, control::TaskSaid{"test lift", test_config_.height_m, test_config_.hold_s},
+                          {{"task.lift_s", fmt::format("{}", test_config_.raise_s)},
+                           {"task.slow_fraction", fmt::format("{}", test_config_.slow_fraction)}})),
+        at_any_lever_(
+            config_for(method, control::TaskSaid{"test lift", config.task.lift_height_m, config.task.hold_s},
+                       {{"decision.max_lever_m", fmt::format("{}", test_config_.max_lever_m)}})) {}
 
   GripSearch run(Observation& first, const sim_hal::Scenario& scenario, const control::Outcome& decided) {
     out_.scenario = scenario;
@@ -59,11 +63,9 @@ class Search {
   // Grasps that suit any of the places where the centre of gravity may be: nearer to the partner and farther,
   // on either side.
   std::vector<planner::GraspCandidate> grasps() {
-    control::Config config = config_;
-    config.decision.max_lever_m = control::kNoLever_m;
     std::vector<planner::GraspCandidate> all;
     for (const hal::Vec3& cog : control::likely_places(object_, partner(), *belief_)) {
-      const auto outcome = observation_->decide(config, cog);
+      const auto outcome = observation_->decide(at_any_lever_, cog);
       if (!outcome) continue;
       for (const planner::GraspCandidate& c : outcome->candidates) {
         const bool known = !possible(c) || std::any_of(all.begin(), all.end(), [&](const auto& k) {
@@ -191,7 +193,7 @@ class Search {
   const control::Config& config_;
   const control::TestLiftConfig& test_config_;
   std::uint64_t seed_;
-  control::Config small_;
+  control::Config small_, at_any_lever_;
   GripSearch out_;
   Observation* observation_ = nullptr;
   std::vector<hal::Vec3> held_;    // where the partner holds, and held before
@@ -205,10 +207,9 @@ class Search {
 
 GripSearch search_level_grip(Observation& observation, const sim_hal::Scenario& scenario,
                              const control::Outcome& decided, control::Method method,
-                             const control::Config& config, const control::TestLiftConfig& test_config,
-                             std::uint64_t seed) {
+                             const control::Config& config, std::uint64_t seed) {
   const control::CarriedObject object = control::carried_object(*observation.analysis().scene.target);
-  return Search(object, method, config, test_config, seed).run(observation, scenario, decided);
+  return Search(object, method, config, seed).run(observation, scenario, decided);
 }
 
 }  // namespace colift::experiments

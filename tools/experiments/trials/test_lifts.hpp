@@ -39,7 +39,6 @@ struct GripSearch {
 /// in a world of its own, where the object stands as it stood. `decided` chose a grasp with `config`.
 [[nodiscard]] GripSearch search_level_grip(Observation& observation, const sim_hal::Scenario& scenario,
                                            const control::Outcome& decided, control::Method method,
-                                           const control::Config& config,
-                                           const control::TestLiftConfig& test_config, std::uint64_t seed);
+                                           const control::Config& config, std::uint64_t seed);
 
 }  // namespace colift::experiments

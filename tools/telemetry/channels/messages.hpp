@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "control/arm/arm_controller.hpp"
-#include "control/task/task_runner.hpp"
+#include "control/task/job_status.hpp"
 #include "hal/device.hpp"
 #include "hal/robot_model/robot_model.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "control/config/config.hpp"
-#include "control/task/task_runner.hpp"
+#include "control/task/job_status.hpp"
 #include "hal/types/geometry.hpp"
 #include "hal/types/result.hpp"
 #include "tools/telemetry/mcap/mcap_reader.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "control/task/task_runner.hpp"
+#include "control/task/job_status.hpp"
 #include "hal/robot.hpp"
 #include "hal/robot_model/robot_model.hpp"
 #include "tools/telemetry/channels/channels.hpp"
@@ -39,7 +39,7 @@ class RunTelemetry {
   RunTelemetry(const RunTelemetry&) = delete;
   RunTelemetry& operator=(const RunTelemetry&) = delete;
 
-  /// Puts itself between the job and its devices. Before the TaskRunner is made.
+  /// Puts itself between the job and its devices. Before the job runs.
   void tap(hal::Robot& robot);
   /// The job's hooks with its own before them. The last call before the job runs: from here on, whatever the
   /// robot is asked outside of hooks is taken for the job's question.

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "control/task/task_runner.hpp"
+#include "control/task/run_job.hpp"
 #include "tools/telemetry/record/run_telemetry.hpp"
 #include "tools/telemetry/replay/playback.hpp"
 #include "tools/telemetry/replay/replay_robot.hpp"
@@ -149,8 +149,7 @@ hal::Result<ReplayReport> replay(const McapReader& file, const std::string& name
       view.link_lost = view.link_lost || tape.ended();
     };
   const control::RigView rig{*setting.model, setting.hand, setting.hand_tables, run.X_WC};
-  control::TaskRunner runner(robot, rig, setting.config, options, wall);
-  auto record = runner.run(hooks);
+  auto record = control::run_job(robot, rig, setting.config, options, hooks, wall);
   if (!record) return tl::unexpected(record.error());
 
   ReplayReport report;

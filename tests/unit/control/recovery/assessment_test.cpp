@@ -20,7 +20,7 @@ std::vector<hal::ArmState> at(const hal::JointVector& q_rad, double down_n) {
 }
 
 Assessment of(const std::vector<hal::ArmState>& arm, const std::optional<hal::HandState>& hand) {
-  return assess(arm, hand, kHome, hal::built_in_robot(), {});
+  return assess(arm, hand, kHome, hal::built_in_robot(), planner::HandModel{}, {});
 }
 
 hal::HandState fingers(double rad) {

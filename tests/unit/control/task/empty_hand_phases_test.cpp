@@ -147,7 +147,7 @@ TEST_CASE("a halt ends when the camera is back, or at its timeout", "[phases]") 
   rig.c->readings.camera_lost = true;
   auto event = rig.approach.halt();
   CHECK_FALSE(event);
-  rig.c->now += duration_of(rig.c->config.task.partner_timeout_s + 0.1);
+  rig.c->now += hal::duration_of(rig.c->config.task.partner_timeout_s + 0.1);
   event = rig.approach.halt();
   REQUIRE(event);
   CHECK(event->event == Event::TimeOut);
@@ -289,6 +289,32 @@ TEST_CASE("a retreat goes from the object, then home, and says how the job stand
   CHECK(event->detail == attempts.failure);
   CHECK(rig.retreat.leg() == RetreatPhase::Leg::Home);
   CHECK(rig.off(home()) < 0.01);
+}
+
+TEST_CASE("a retreat keeps the acceleration that the configuration allows planned motions", "[phases]") {
+  const auto hardest = [](double allowed_rad_s2) {
+    Config config = unannounced();
+    config.motion.acceleration_rad_s2 = allowed_rad_s2;
+    EmptyHand rig(config);
+    rig.begin_approach();
+    REQUIRE(rig.run([&] { return rig.approach.approach(); }));
+    rig.enter(Task::Retreat);
+    rig.retreat.begin_retreat();
+    constexpr double kCycle_s = 0.005;
+    JointVector q = rig.c->arm.commanded(), v = JointVector::Zero();
+    double most = 0.0;
+    REQUIRE(rig.run([&]() -> std::optional<TaskEvent> {
+      const JointVector now = rig.c->arm.commanded(), speed = (now - q) / kCycle_s;
+      most = std::max(most, (speed - v).cwiseAbs().maxCoeff() / kCycle_s);
+      q = now;
+      v = speed;
+      if (rig.retreat.leg() == RetreatPhase::Leg::Home) return TaskEvent{Event::Interrupted, ""};
+      return rig.retreat.retreat();
+    }));
+    return most;
+  };
+  CHECK(hardest(0.05) < 0.06);  // T1 has 0.5 rad/s^2
+  CHECK(hardest(2.0) > 0.06);
 }
 
 TEST_CASE("neither arm nor hand moves before it was announced for half a second", "[phases]") {

@@ -140,7 +140,7 @@ struct PhaseRig {
   /// Cycles until the phase reports an event, or for some time.
   template <class Work>
   std::optional<TaskEvent> run(Work work, double max_s = 60.0) {
-    const hal::Timestamp end = clock.now() + duration_of(max_s);
+    const hal::Timestamp end = clock.now() + hal::duration_of(max_s);
     while (clock.now() < end)
       if (auto event = cycle(work)) return event;
     return std::nullopt;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "planner/motion/joint_path.hpp"
+#include "planner/motion/trajectory/joint_path.hpp"
 #include "planner/motion/joint_random.hpp"
 
 using namespace colift;

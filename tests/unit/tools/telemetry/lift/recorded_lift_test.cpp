@@ -12,7 +12,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "control/task/task_runner.hpp"
+#include "control/task/run_job.hpp"
 #include "hal/config/config_file.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_hand.hpp"
@@ -156,8 +156,8 @@ Recorded run(const sim_hal::Scenario& scenario, const std::filesystem::path* fil
     telemetry->tap(robot);
   }
   const control::RigView rig{model, hand, tables, X_WC};
-  control::TaskRunner runner(robot, rig, config, options, wall);
-  auto record = runner.run(telemetry ? telemetry->hooks({}) : control::JobHooks{});
+  auto record = control::run_job(robot, rig, config, options,
+                                 telemetry ? telemetry->hooks({}) : control::JobHooks{}, wall);
   REQUIRE(record);
   Recorded out{std::move(*record), {}};
   if (recorder) out.report = recorder->finish();

@@ -1,4 +1,4 @@
-#include "control/task/task_runner.hpp"
+#include "control/task/runner/task_runner.hpp"
 
 #include "control/task/run_job.hpp"
 

@@ -26,7 +26,7 @@
 
 namespace colift::control {
 
-/// Does the whole job once: observes, waits for the partner, decides, plans, approaches, closes, lifts
+/// Behind run_job(): observes, waits for the partner, decides, plans, approaches, closes, lifts
 /// together, holds, lowers, releases, retreats. The rules stand in task_machine; what is done in each state
 /// stands in its phase. Each cycle reads arm, hand and camera, lets the phase of the state work, applies the
 /// event that it reports, and asks the arm for what comes next. The arm's own cycle runs in the same thread

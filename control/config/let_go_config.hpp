@@ -1,0 +1,61 @@
+#pragma once
+
+#include "hal/config/range.hpp"
+
+namespace colift::control {
+
+/// How quickly load, force and picture say that the partner let go; their thresholds stand in CarryConfig and
+/// in the presence of his hand. SI units.
+struct LetGoConfig {
+  double load_filter_s = 0.25;
+  double pull_filter_s = 0.3;
+  int pull_cycles = 4;
+  double steady_fraction = 0.3;
+  double hand_gain = 0.1;
+  int hand_frames = 3;
+  int low_frames = 2;
+  double carried_m = 0.008;
+  double min_load_n = 5.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("load_filter_s", load_filter_s, hal::Range{0.01, 10},
+      "Time constant of the mean against which carry.load_gain_n is a gain: a person's jerk is quicker, a "
+      "lift slower (s).");
+    v("pull_filter_s", pull_filter_s, hal::Range{0.01, 10},
+      "Time constant of the mean against which carry.pull_n is a pull (s).");
+    v("pull_cycles", pull_cycles, hal::Range{1, 1000},
+      "Cycles in a row with such a force; a knock is shorter.");
+    v("steady_fraction", steady_fraction, hal::kFraction,
+      "The force is steady again below this fraction of carry.pull_n.");
+    v("hand_gain", hand_gain, hal::Range{0.001, 1},
+      "Gain of a frame in the mean of how much is seen of his hand.");
+    v("hand_frames", hand_frames, hal::Range{1, 100},
+      "Frames after which it counts as known how much of his hand is seen.");
+    v("low_frames", low_frames, hal::Range{1, 100},
+      "Frames in a row with his end lower than carry.partner_lag_m.");
+    v("carried_m", carried_m, hal::Range{0.001, 0.1},
+      "His end is off the ground when it is seen higher than this (m).");
+    v("min_load_n", min_load_n, hal::Range{0, 100}, "A load below this says nothing of who carries (N).");
+  }
+};
+
+/// What has to be seen and felt before a lift is called one. SI units.
+struct EvidenceConfig {
+  double min_rise_fraction = 0.5;
+  double top_fraction = 0.8;
+  double min_load_n = 1.0;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("min_rise_fraction", min_rise_fraction, hal::kFraction,
+      "Min rise of either end of the object, as a fraction of task.lift_height_m: a tilted object has one "
+      "end "
+      "lower, one that stands on an edge does not rise there at all.");
+    v("top_fraction", top_fraction, hal::kFraction,
+      "The palm is at the top from this fraction of task.lift_height_m on.");
+    v("min_load_n", min_load_n, hal::kNotNegative, "Min mean load in the hand at the top (N).");
+  }
+};
+
+}  // namespace colift::control
