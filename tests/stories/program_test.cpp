@@ -65,6 +65,14 @@ TEST_CASE("a frame without a target is a finding, exit code 1", "[program]") {
   CHECK(j["because"].get<std::string>().find("no target") == 0);
 }
 
+TEST_CASE("what counts as a target on a table is what the configuration says", "[program]") {
+  const std::string office = "look " + kReal + "12_office/depth.png --support table";
+  CHECK(colift(office).code == 0);
+  CHECK(colift(office + " --set target.on_table.max_height_m=0.05").code == 1);
+  // that of what stands on the floor is another one
+  CHECK(colift(office + " --set target.max_height_m=0.05").code == 0);
+}
+
 TEST_CASE("results are in the robot's frame when the camera's pose is known", "[program]") {
   // the camera one metre above the floor, looking along the base's x axis and 35 degrees down
   const Run r = colift("look " + kLaptop + " --json --camera-pose 0,0,1,-0.64086,0.64086,-0.29884,0.29884");

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "control/config/resolve_config.hpp"
 #include "control/task/run_job.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_hand.hpp"
