@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -42,6 +43,17 @@ hal::Result<> find_partner(const SceneAnalysis& analysis, const PartnerInput& in
 }
 
 constexpr std::size_t kAtOnce = 512;  // candidates; more are taken in turns
+
+// a caller's estimate may hold anything
+bool is_belief(const PartnerGrasp& p) {
+  constexpr double kRounding = 1e-9;
+  if (!p.position.allFinite() || !p.covariance.allFinite()) return false;
+  const double size = p.covariance.norm();
+  if ((p.covariance - p.covariance.transpose()).norm() > kRounding * size) return false;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(p.covariance, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues().minCoeff() >= -kRounding * size;
+}
 
 double sigma_mm(const Eigen::Matrix3d& covariance) {
   return 1e3 * std::sqrt(std::max(0.0, covariance.diagonal().maxCoeff()));
@@ -88,14 +100,7 @@ hal::Result<> choose_robustly(const SceneAnalysis& analysis, const planner::Deci
       "candidate {} has the lowest cost {} {} and carries {:.0f} % of the load; with what is "
       "believed it would be {}: {}",
       after.id, worst ? "at worst" : "on average", over, 100 * score.share, before.id, d.reason);
-  before.verdict = planner::Verdict::Ok;
-  before.reason.clear();
-  after.verdict = planner::Verdict::Chosen;
-  after.reason = d.reason;
-  d.chosen = *best;
-  d.cost = score.cost;
-  d.share = score.share;
-  return {};
+  return choose_instead(out, *best, d.reason);
 }
 
 // out.candidates and out.partner in, the rest out
@@ -104,7 +109,7 @@ hal::Result<> choose(const SceneAnalysis& analysis, const Config& config, const 
   const hal::Timestamp start = clock.now();
   const planner::DecisionInput input{*out.partner, analysis.scene.target->cog,
                                      analysis.scene.ground->plane.normal, analysis.base_frame_known, mass_kg};
-  if (config.candidates.refine_lines > 0) {
+  if (config.candidates.refine_lines > 0 && !analysis.own_candidates) {
     // the list is coarse; what matters lies around the closed-form optimum
     const auto best = planner::best_robot_position(input, config.decision);
     if (!best) return tl::unexpected(best.error());
@@ -124,6 +129,30 @@ hal::Result<> choose(const SceneAnalysis& analysis, const Config& config, const 
 }
 
 }  // namespace
+
+hal::Result<> choose_instead(Outcome& outcome, std::size_t candidate, std::string reason) {
+  planner::Decision& d = outcome.decision;
+  const auto refuse = [&](std::string detail) {
+    return hal::failure(hal::ErrorCode::BadInput, fmt::format("choice of candidate {}", candidate),
+                        std::move(detail));
+  };
+  if (!d.chosen) return refuse("there is nothing to choose among: " + d.reason);
+  if (candidate >= outcome.candidates.size() || candidate >= d.scores.size())
+    return refuse(fmt::format("there are {} candidates", outcome.candidates.size()));
+  planner::GraspCandidate& after = outcome.candidates[candidate];
+  if (after.verdict == planner::Verdict::Chosen) return {};
+  if (after.verdict != planner::Verdict::Ok) return refuse("it is not feasible: " + after.reason);
+  if (!d.scores[candidate]) return refuse("it has no cost");
+  planner::GraspCandidate& before = outcome.candidates[*d.chosen];
+  before.verdict = planner::Verdict::Ok;
+  before.reason.clear();
+  after.verdict = planner::Verdict::Chosen;
+  after.reason = d.reason = std::move(reason);
+  d.chosen = candidate;
+  d.cost = d.scores[candidate]->cost;
+  d.share = d.scores[candidate]->share;
+  return {};
+}
 
 planner::UncertainScene uncertain_scene(const SceneAnalysis& analysis, const PartnerGrasp& partner,
                                         const planner::DecisionConfig& config) {
@@ -163,6 +192,10 @@ hal::Result<Outcome> decide(const SceneAnalysis& analysis, const PartnerInput& p
 hal::Result<Outcome> decide_for(const SceneAnalysis& analysis, const PartnerGrasp& partner,
                                 const Config& config, const hal::Clock& clock, const Judge& judge_more,
                                 std::optional<double> mass_kg) {
+  if (!is_belief(partner))
+    return hal::failure(hal::ErrorCode::BadInput, "partner",
+                        "the grasp is no estimate; expected a finite position and a covariance that is "
+                        "symmetric and has no negative variance");
   Outcome out;
   out.candidates = analysis.candidates;
   out.partner = partner;

@@ -46,10 +46,16 @@ using Judge = std::function<void(std::vector<planner::GraspCandidate>&)>;
 
 /// The decision for a partner who is known: candidates of the look, and some around the closed-form optimum
 /// (config.candidates.refine_lines), judged by `judge_more`. `mass_kg`: of the object, where the caller knows
-/// or measured it. Errors: BadConfig (weights or limits).
+/// or measured it. Errors: BadConfig (weights or limits), BadInput (the partner's grasp is not finite, or its
+/// covariance is none).
 [[nodiscard]] hal::Result<Outcome> decide_for(const SceneAnalysis& analysis,
                                               const perception::PartnerGrasp& partner, const Config& config,
                                               const hal::Clock& clock, const Judge& judge_more = {},
                                               std::optional<double> mass_kg = {});
+
+/// Takes another candidate of an outcome than the decision did: verdicts, cost and share follow; `reason` is
+/// said of it. Errors: BadInput, and nothing changes, where that candidate is not feasible or nothing was
+/// chosen.
+hal::Result<> choose_instead(Outcome& outcome, std::size_t candidate, std::string reason);
 
 }  // namespace colift::control

@@ -39,6 +39,7 @@ struct SceneAnalysis {
   perception::Scene scene;
   std::vector<perception::RejectedObject> rejected;  ///< Fast method only.
   std::vector<planner::GraspCandidate> candidates;
+  bool own_candidates = false;  ///< Of the caller: none are added around the closed-form optimum.
   std::shared_ptr<const planner::CandidateFinder>
       finder;  ///< Judges further candidates; null without a target.
   StageTimes ms;
@@ -55,5 +56,10 @@ struct SceneAnalysis {
 [[nodiscard]] hal::Result<SceneAnalysis> analyse_scene(
     SceneAnalysisInput input, Method method, const Config& config, const planner::HandModel& hand,
     const hal::Clock& clock, const std::shared_ptr<const planner::HandCollision>& hand_tables = nullptr);
+
+/// Puts a caller's candidates in place of those of the analysis, numbered from 0 and each judged for
+/// collision and stability; those that are no grasps (not finite, lengths out of range, axes not unit or not
+/// perpendicular) are Unreachable. Reach is judged by whoever knows the arm. Needs a target.
+void use_candidates(SceneAnalysis& analysis, std::vector<planner::GraspCandidate> candidates);
 
 }  // namespace colift::control

@@ -8,7 +8,7 @@
 
 namespace colift::control {
 
-/// Where the partner should rather take hold.
+/// Where the partner should rather grasp.
 struct Suggestion {
   hal::Vec3 position = hal::Vec3::Zero();  ///< W, m.
   std::optional<double> gain;  ///< Part of the effort of both (eq. 4.5) that it saves, 0 to 1; unset where

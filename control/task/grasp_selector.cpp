@@ -12,6 +12,8 @@ namespace colift::control {
 
 void GraspSelector::set_scene() {
   SceneAnalysis& analysis = c_.session.analysis();
+  if (const auto& own = c_.options.policies.grasps; own && analysis.finder)
+    use_candidates(analysis, own(analysis));
   judge_reach(analysis.candidates);
   analysis.reason = planner::explain(analysis.candidates);
   c_.record.analysis = analysis;
@@ -57,8 +59,9 @@ void GraspSelector::judge_reach(std::vector<planner::GraspCandidate>& candidates
 }
 
 bool GraspSelector::choose() {
-  const auto grasp = c_.session.tracker().grasp();
+  auto grasp = c_.session.tracker().grasp();
   if (!grasp) return false;
+  if (const auto& own = c_.options.policies.partner) grasp = own(c_.session.analysis(), *grasp);
   const Judge reach = [this](std::vector<planner::GraspCandidate>& more) {
     judge_reach(more);
     apply_refusals(more);
@@ -71,6 +74,7 @@ bool GraspSelector::choose() {
     return false;
   }
   c_.record.decision = std::move(*outcome);
+  if (!take_own_choice()) return false;
   const planner::Decision& decision = c_.record.decision->decision;
   if (!decision.chosen) {
     // the rule says already that no grasp fits
@@ -78,6 +82,31 @@ bool GraspSelector::choose() {
     if (failure.starts_with("no grasp: ")) failure.erase(0, 10);
   }
   return decision.chosen.has_value();
+}
+
+bool GraspSelector::take_own_choice() {
+  const auto& own = c_.options.policies.choice;
+  Outcome& outcome = *c_.record.decision;
+  planner::Decision& decision = outcome.decision;
+  if (!own || !decision.chosen) return true;
+  const SceneAnalysis& analysis = c_.session.analysis();
+  const auto wanted = own(analysis, outcome);
+  if (!wanted || *wanted == *decision.chosen) return true;
+  planner::GraspCandidate& mine = outcome.candidates[*decision.chosen];
+  if (auto done = choose_instead(outcome, *wanted,
+                                 fmt::format("the caller's choice in place of candidate {}", mine.id));
+      !done) {
+    c_.attempts.failure = decision.reason = done.error().text();
+    mine.verdict = planner::Verdict::Ok;
+    mine.reason.clear();
+    decision.chosen.reset();
+    return false;
+  }
+  outcome.share =
+      share_contract(outcome, analysis, uncertain_scene(analysis, *outcome.partner, c_.config.decision),
+                     c_.config.decision, mass_kg());
+  say_share(outcome);
+  return true;
 }
 
 // After test lifts: where the object is most likely to hang level. Where nothing promises that, the best of

@@ -42,6 +42,8 @@ class GraspSelector {
   /// Sets to Unreachable what the arm does not reach; where it does not get there straight, but at an angle
   /// to the face, the candidate becomes that one.
   void judge_reach(std::vector<planner::GraspCandidate>& candidates);
+  /// JobPolicies::choice. False where it names a candidate that is not feasible: nothing is chosen then.
+  [[nodiscard]] bool take_own_choice();
   void apply_refusals(std::vector<planner::GraspCandidate>& candidates) const;
   [[nodiscard]] bool choose_level(const perception::PartnerGrasp& partner, const Judge& reach);
   /// Of the object, where somebody knows it or a test lift measured it.

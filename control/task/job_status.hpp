@@ -8,6 +8,7 @@
 
 #include "control/arm/drive.hpp"
 #include "control/session/perception_session.hpp"
+#include "control/task/job_policies.hpp"
 #include "control/task/run_record.hpp"
 
 namespace colift::control {
@@ -86,6 +87,7 @@ struct JobOptions {
   /// Replay of a run whose arm had a thread of its own: the view of each cycle of the task
   /// (ArmCommander::play).
   std::function<void(ArmView&)> recorded_views = {};
+  JobPolicies policies = {};
 };
 
 }  // namespace colift::control

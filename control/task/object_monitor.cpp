@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace colift::control {
 namespace {
@@ -65,6 +66,10 @@ void ObjectMonitor::update() {
     frames_slipping_ = slip_m_ > c_.config.task.max_slip_m ? frames_slipping_ + 1 : 0;
   }
   c_.record.curve.push_back(sample);
+  order_ = {};
+  if (c_.options.policies.carry && (c_.state == Task::Lift || c_.state == Task::Hold))
+    order_ = c_.options.policies.carry(sample);
+  c_.carry_scale = std::clamp(std::isnan(order_.speed_scale) ? 1.0 : order_.speed_scale, 0.0, 1.0);
 }
 
 std::optional<TaskEvent> ObjectMonitor::beyond_limits() const {

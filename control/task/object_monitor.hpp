@@ -30,6 +30,8 @@ class ObjectMonitor {
 
   /// Against the scene; unset while too little of it is seen.
   [[nodiscard]] const std::optional<perception::ObjectMotion>& motion() const { return motion_; }
+  /// JobPolicies::carry wants the hold to end.
+  [[nodiscard]] bool to_be_lowered() const { return order_.lower; }
   /// How far the partner's end has risen, when it was last seen; and how far it has come down since its
   /// highest place in this lift (m).
   [[nodiscard]] double partner_rise_m() const { return partner_rise_m_; }
@@ -48,6 +50,7 @@ class ObjectMonitor {
 
   hal::Pose X_WH_grip_ = hal::Pose::Identity();
   std::optional<perception::ObjectMotion> motion_;
+  CarryOrder order_;  ///< Of the last frame.
   double partner_rise_m_ = 0.0, partner_top_m_ = 0.0, tilt_rad_ = NAN, slip_m_ = NAN;
   int frames_slipping_ = 0, frames_tilting_ = 0;  ///< In a row.
   hal::Timestamp partner_bears_at_{0};            ///< His load was last within its limit.

@@ -88,6 +88,7 @@ struct TaskContext {
 
   DeviceReadings readings;
   Attempts attempts;
+  double carry_scale = 1.0;  ///< Of the palm's speed, as JobPolicies::carry wants it.
   LiftController::Role role = LiftController::Role::Lead;  ///< Of the next lift.
   TestLifts test_lifts;
   RunRecord record;

@@ -1,9 +1,11 @@
 #include "tools/cli/shipped_files.hpp"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <fstream>
+#include <string_view>
 #include <system_error>
 
 #include "hal/config/nearest_name.hpp"
@@ -33,13 +35,19 @@ std::string leading_comment(const fs::path& file) {
 
 fs::path shipped_folder() {
   std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (error) return {};
-  const fs::path prefix = program.parent_path().parent_path();
-  // installed: PREFIX/bin; of a checkout: build, or build/PRESET
-  for (const fs::path& folder :
-       {prefix / "share" / "colift" / "config", prefix / "config", prefix.parent_path() / "config"})
-    if (fs::is_regular_file(folder / "scenario" / "table.yaml", error)) return folder;
+  fs::path file = fs::read_symlink("/proc/self/exe", error);
+  // the Python module is not where its interpreter is
+  Dl_info code{};
+  if (dladdr(reinterpret_cast<const void*>(&shipped_folder), &code) != 0 && code.dli_fname != nullptr &&
+      std::string_view(code.dli_fname).ends_with(".so"))
+    file = fs::absolute(code.dli_fname, error);
+  // installed: PREFIX/bin, PREFIX/lib/python3/dist-packages/colift; of a checkout: build, build/PRESET,
+  // build/python/colift
+  constexpr int kLevels = 5;
+  fs::path folder = file.parent_path();
+  for (int level = 0; level < kLevels && folder.has_relative_path(); ++level, folder = folder.parent_path())
+    for (const fs::path& config : {folder / "share" / "colift" / "config", folder / "config"})
+      if (fs::is_regular_file(config / "scenario" / "table.yaml", error)) return config;
   return {};
 }
 

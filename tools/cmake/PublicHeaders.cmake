@@ -146,6 +146,7 @@ set(COLIFT_PUBLIC_HEADERS
   control/config/recovery_config.hpp
   control/lift/load_balance.hpp
   control/lift/load_estimator.hpp
+  control/task/job_policies.hpp
   control/task/job_status.hpp
   control/test_lift/cog_belief.hpp
   control/test_lift/test_lift.hpp

@@ -15,33 +15,10 @@
 #include "tools/run/run_parts.hpp"
 #include "tools/run/run_progress.hpp"
 #include "tools/run/run_report.hpp"
+#include "tools/run/run_session.hpp"
 
 namespace colift::tools {
 namespace {
-
-RunSetting setting_of(const CommonOptions& common, const RunOptions& options, const RunTask& task,
-                      const Rig& rig, const control::ResolvedConfig& resolved) {
-  const control::Config& config = resolved.config;
-  RunSetting s;
-  s.scenario = rig.truth ? task.scenario : "";
-  s.robot = rig.name;
-  s.method = control::to_string(resolved.method);
-  s.seed = options.seed;
-  s.share = config.decision.share;
-  s.command = common.command;
-  s.simulated = rig.truth.has_value();
-  s.dry_run = options.dry_run;
-  s.X_WC = rig.X_WC;
-  s.model = rig.model.get();
-  s.home_rad = rig.home_rad;
-  for (const std::string& file : common.config_files) s.config.emplace_back(file, "--config");
-  for (const std::string& setting : common.settings) s.config.emplace_back(setting, "--set");
-  s.lift_height_m = config.task.lift_height_m;
-  s.hold_s = config.task.hold_s;
-  s.max_tilt_rad = hal::deg_to_rad(config.task.max_tilt_deg);
-  s.max_slip_m = config.task.max_slip_m;
-  return s;
-}
 
 RunStatus status_of(const control::JobStatus& job, const Rig& rig) {
   RunStatus s;
@@ -68,25 +45,6 @@ RunStatus status_of(const control::JobStatus& job, const Rig& rig) {
   return s;
 }
 
-/// What a simulated run knows of the truth, collected while it goes on.
-struct TruthLog {
-  RunTruth truth;
-  RunScenes scenes;
-
-  void on_status(const control::JobStatus& job, const RigTruth& rig, hal::Timestamp began) {
-    using control::Task;
-    // he may rest on the object a moment before he bears on it
-    const bool decided = job.state == Task::Plan || job.state == Task::Approach;
-    if (job.state == Task::Decide || (decided && !truth.partner)) truth.partner = rig.partner();
-    if (control::is_loaded(job.state)) truth.curve.push_back(rig.sample(began));
-  }
-  void on_change(control::Task from, control::Task to, const RigTruth& rig) {
-    using control::Task;
-    if (to == Task::AwaitReady || (control::is_end(to) && !scenes.before)) scenes.before = rig.scene();
-    if (from == Task::Hold) scenes.lifted = rig.scene();
-  }
-};
-
 int exit_code(const control::RunRecord& record, const RunOptions& options) {
   if (InterruptGuard::asked()) return kInterrupted;
   if (record.outcome == control::RunRecord::Result::Lifted) return kDone;
@@ -99,32 +57,19 @@ int exit_code(const control::RunRecord& record, const RunOptions& options) {
 
 int cmd_run(const CommonOptions& common, const RunOptions& options, const RunParts& parts) {
   const InterruptGuard signals;
-  const auto task = read_task(options.scenario);
-  if (!task) return report_error("run", task.error());
-  auto setup = load_setup(config_of_run(common, options));
-  if (!setup) return report_error("run", setup.error());
-  show_warnings("run", common, *setup);
-  std::optional<hal::Pose> X_WC;
-  if (setup->calibration) X_WC = setup->calibration->X_BC();
-  auto rig = open_rig({options.robot, options.scenario, options.seed, X_WC, false, options.rig},
-                      setup->config, parts.wired);
-  if (!rig) return report_error("run", rig.error());
-  if (options.recover && !rig->simulated)
+  auto opened = RunSession::open(common, options, parts.wired);
+  if (!opened) return report_error("run", opened.error());
+  RunSession& session = **opened;
+  Rig& rig = session.rig();
+  Setup& setup = session.setup();
+  show_warnings("run", common, setup);
+  if (options.recover && !rig.simulated)
     return report_error("run", {hal::ErrorCode::BadInput, "--recover",
                                 "is for simulated and emulated rigs; here: colift recover, after the stop"});
-
-  const RunSetting setting = setting_of(common, options, *task, *rig, *setup);
-  const hal::SteadyClock wall;
-  TruthLog truth_log;
-  if (rig->truth) {
-    truth_log.truth.mass_kg = rig->truth->mass_kg;
-    truth_log.truth.cog = rig->truth->cog;
-  }
-  control::JobOptions job{setup->method, options.seed, options.dry_run, rig->drive};
-  const auto speed = speed_of(options.live, rig->drive);
+  const auto speed = speed_of(options.live, rig.drive);
   if (!speed) return report_error("run", speed.error());
   hal::Result<std::unique_ptr<LiveView>> live = nullptr;
-  if (parts.open_view) live = parts.open_view(options, fmt::format("CoLift, {}", rig->name));
+  if (parts.open_view) live = parts.open_view(options, fmt::format("CoLift, {}", rig.name));
   if (!live) return report_error("run", live.error());
   std::vector<telemetry::TelemetrySink*> watchers;
   if (*live) {
@@ -133,46 +78,25 @@ int cmd_run(const CommonOptions& common, const RunOptions& options, const RunPar
   }
   hal::Result<std::unique_ptr<RunRecording>> recording = nullptr;
   if (parts.open_recording)
-    recording = parts.open_recording(common, options, job, *rig, *setup, wall, watchers);
+    recording =
+        parts.open_recording(common, options, session.job(), rig, setup, session.stopwatch(), watchers);
   if (!recording) return report_error("run", recording.error());
-  const control::RigView view{*rig->model, setup->hand, setup->hand_tables, rig->X_WC};
-
   std::optional<RunProgress> progress(std::in_place, stderr,
-                                      progress_style(stderr, common.json, common.quiet), setting, wall);
-  hal::Timestamp began = rig->robot.clock->now();
-  control::JobHooks hooks;
-  hooks.started = [&] {
-    began = rig->robot.clock->now();  // some devices take seconds to start
-    if (rig->begin) rig->begin();
-    if (rig->truth) rig->truth->task_state(std::string(control::word(control::Task::Observe)));
-  };
-  hooks.interrupted = [&] { return InterruptGuard::asked() || (*live && (*live)->stopped()); };
-  hooks.lower_confirmed = [&] {
-    const bool by_operator = *live && (*live)->take_lower_confirmed();
-    return (rig->truth && rig->truth->take_lower_confirmed()) || by_operator;
-  };
+                                      progress_style(stderr, common.json, common.quiet), session.setting(),
+                                      session.stopwatch());
   Pace pace(*speed);
-  hooks.status = [&](const control::JobStatus& status) {
+  control::JobHooks watched;
+  watched.interrupted = [&] { return InterruptGuard::asked() || (*live && (*live)->stopped()); };
+  watched.lower_confirmed = [&] { return *live && (*live)->take_lower_confirmed(); };
+  watched.status = [&](const control::JobStatus& status) {
     if (!InterruptGuard::asked()) pace.wait_for(status.now);
-    if (rig->truth) {
-      const std::size_t samples = truth_log.truth.curve.size();
-      truth_log.on_status(status, *rig->truth, began);
-      if (*recording && truth_log.truth.curve.size() > samples)
-        (*recording)->truth(rig->robot.clock->now(), truth_log.truth.curve.back());
-    }
-    progress->show(status_of(status, *rig));
+    progress->show(status_of(status, rig));
   };
-  hooks.asked = [&](const hal::Vec3& place) {
-    if (rig->truth) rig->truth->ask_partner(place);
-  };
-  hooks.changed = [&](control::Task from, control::Task to) {
-    if (!rig->truth) return;
-    truth_log.on_change(from, to, *rig->truth);
-    rig->truth->task_state(std::string(control::word(to)));
-  };
+  control::JobHooks hooks = session.hooks(std::move(watched), [&](const TruthSample& sample) {
+    if (*recording) (*recording)->truth(rig.robot.clock->now(), sample);
+  });
   if (InterruptGuard::asked()) return kInterrupted;  // before any device was started
-  const auto record = control::run_job(rig->robot, view, setup->config, job,
-                                       *recording ? (*recording)->hooks(hooks) : hooks, wall);
+  const auto record = session.run(*recording ? (*recording)->hooks(hooks) : hooks);
   progress->end();
   progress.reset();
   if (!record) {
@@ -180,21 +104,11 @@ int cmd_run(const CommonOptions& common, const RunOptions& options, const RunPar
     return kDeviceFailed;
   }
 
-  if (rig->truth)
-    truth_log.truth.verdict = rig->truth->judge(record->outcome == control::RunRecord::Result::Lifted);
-
   std::string recovery;
   if (options.recover && !record->states.empty() && record->states.back().state == control::Task::Stopped)
-    recovery = recover_stopped_run(*rig, *setup, options.seed, began, common.quiet);
+    recovery = recover_stopped_run(rig, setup, options.seed, session.began(), common.quiet);
 
-  std::optional<ArmLink> link;
-  if (rig->arm_link) link = rig->arm_link();
-  const RunView run{*record,
-                    setting,
-                    rig->truth ? &truth_log.truth : nullptr,
-                    rig->truth ? &truth_log.scenes : nullptr,
-                    link ? &*link : nullptr,
-                    recovery};
+  const RunView run = session.view(*record, recovery);
   const std::string document = run_document(run);
   if (*recording)
     for (const std::string& line : (*recording)->finish(*record, document, common.quiet))

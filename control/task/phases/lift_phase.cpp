@@ -92,8 +92,9 @@ std::optional<TaskEvent> LiftPhase::hold() {
   if (auto limit = object_.beyond_limits()) return limit;
   if (auto partner = partner_gone_or_lowers()) return partner;
   if (auto lost = load_lost()) return lost;
-  if (c_.in_state_s() < hold_s - c_.config.task.intent_lead_s) return std::nullopt;
-  if (!c_.may_begin(Motion::Lower) || c_.in_state_s() < hold_s) return std::nullopt;
+  const bool over = object_.to_be_lowered();
+  if (!over && c_.in_state_s() < hold_s - c_.config.task.intent_lead_s) return std::nullopt;
+  if (!c_.may_begin(Motion::Lower) || (!over && c_.in_state_s() < hold_s)) return std::nullopt;
   return TaskEvent{Event::HoldOver, fmt::format("held for {:.1f} s", c_.in_state_s())};
 }
 

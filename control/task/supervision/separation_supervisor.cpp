@@ -60,7 +60,10 @@ void SeparationSupervisor::update(double image_age_s) {
   remember_posture();
   const double passed_s = std::max(0.0, hal::seconds(c_.now - updated_at_));
   updated_at_ = c_.now;
-  if (!c_.config.monitor.on) return;
+  if (!c_.config.monitor.on) {
+    if (c_.options.policies.carry) request(c_.carry_scale, "");
+    return;
+  }
   const bool moving = is_moving(c_.state);
   if (moving) c_.waited_s += (1.0 - scale_) * passed_s;
   waited_s_ = moving && holds() ? waited_s_ + passed_s : 0.0;
@@ -87,6 +90,7 @@ void SeparationSupervisor::update(double image_age_s) {
     scale = state.hold ? 0.0 : std::min(1.0, state.speed_m_s / planned_speed_m_s());
     if (scale < 1.0) why = describe(state.nearest);
   }
+  if (c_.carry_scale < scale) scale = c_.carry_scale;
   request(scale, std::move(why));
   note_wait();
   add_sample();
