@@ -67,7 +67,7 @@ class ArmCommander {
   void see_partner(double rise_m);
   /// Stops a lift where it is; raise_on() or lower() continue it.
   void pause();
-  /// Comes to rest and gives way to whoever pushes; the load stays compensated.
+  /// Comes to rest and yields to whoever pushes; the load stays compensated.
   void yield();
   /// Which forces are expected from now on.
   void expect(HandLoad load);

@@ -70,7 +70,7 @@ struct TestLiftRecord {
   std::string reason;
 };
 
-/// The partner was asked to take hold elsewhere.
+/// The partner was asked to grasp elsewhere.
 struct AskRecord {
   hal::Timestamp at{0};
   hal::Vec3 place = hal::Vec3::Zero();  ///< W, m.

@@ -10,11 +10,11 @@
 
 namespace colift::control {
 
-/// Where the partner should take hold instead, because the robot has no level grip while he holds where he
+/// Where the partner should grasp instead, because the robot has no level grip while he holds where he
 /// does.
 struct PartnerRequest {
   hal::Vec3 position = hal::Vec3::Zero();  ///< W, m.
-  hal::Vec3 robot = hal::Vec3::Zero();     ///< Where the robot would take hold first (load point, W).
+  hal::Vec3 robot = hal::Vec3::Zero();     ///< Where the robot would grasp first (load point, W).
   double chance = 0.0;                     ///< That one of the robot's grasps is level then.
   double share = 0.0;                      ///< The robot's there, by the mean of the belief.
   std::string reason;                      ///< As a person would say it.

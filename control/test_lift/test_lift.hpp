@@ -32,7 +32,7 @@ struct TestLift {
   enum class Next {
     GoOn,
     OtherShare,  ///< Level, but the robot bears another part than was agreed: say so, and ask.
-    Regrasp,     ///< Put down, and take hold where the belief gives the best chance (chance_level).
+    Regrasp,     ///< Put down, and grasp where the belief gives the best chance (chance_level).
   } next = Next::GoOn;
   std::string reason;
 };

@@ -4,7 +4,7 @@
 
 namespace colift::sim_hal {
 
-/// What an arm that only gives way may be out by (J): the spring of a lower leg, pressed with its
+/// What an arm that only yields may be out by (J): the spring of a lower leg, pressed with its
 /// quasi-static limit, holds 0.14 J.
 inline constexpr double kGivesWay_j = 0.1;
 

@@ -24,7 +24,7 @@ struct HandTorque {
 /// a third as far. A worm is never turned back by its link: between worm and link there is only the stiffness
 /// of the gear, so a motor that stops has locked its finger. The motor stops when its torque, or the strain
 /// gauge's at the outer joint, is at the limit. When the inner link is blocked and nothing is at the outer
-/// one, the clutch of the inner gear gives way (breakaway): its worm stays, the outer link goes on. Ratios
+/// one, the clutch of the inner gear slips (breakaway): its worm stays, the outer link goes on. Ratios
 /// and ranges: maker's tables. Opening goes the same way back.
 class HandDrive {
  public:

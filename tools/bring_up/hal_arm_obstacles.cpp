@@ -261,7 +261,7 @@ class Finder {
     remark(
         "unexplained-load",
         fmt::format("the KRC does not explain a static torque of {:+.1f} N m at A{}: with impedance control "
-                    "the arm gives way to it",
+                    "the arm yields to it",
                     tau[joint], joint + 1),
         "free the arm of whatever it touches; if it touches nothing, the tool's load data are wrong: "
         "\"colift "

@@ -1,5 +1,5 @@
 // Which of several places is best for the robot, on numbers alone: two carry a beam of 6 kg, the partner
-// holds one end, and the robot may take hold at five places. No camera, no robot, units are m, N and N m.
+// holds one end, and the robot may grasp at five places. No camera, no robot, units are m, N and N m.
 //
 //   build/example_02_rank
 

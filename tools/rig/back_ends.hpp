@@ -26,7 +26,7 @@ struct RigTruth {
   std::function<TruthSample(hal::Timestamp began)> sample;
   std::function<picture::SolidScene()> scene;         ///< Everything, where it is now.
   std::function<std::optional<hal::Vec3>()> partner;  ///< Where he holds the object.
-  std::function<void(const hal::Vec3&)> ask_partner;  ///< To take hold there (W).
+  std::function<void(const hal::Vec3&)> ask_partner;  ///< To grasp there (W).
   /// A scenario's person confirmed lowering since the last call.
   std::function<bool()> take_lower_confirmed;
   std::function<void(const std::string&)> task_state;  ///< The job has entered a state.

@@ -57,7 +57,7 @@ hal::Result<EmulatedRig::Faults> EmulatedRig::faults_of(const sim_hal::Scenario&
   for (std::size_t i = 0; i < scenario.faults.size(); ++i)
     if (!scenario.faults[i].in_state.empty())
       return hal::failure(hal::ErrorCode::BadConfig, fmt::format("faults[{}].at", i),
-                          "emulated devices are not told the task's state, expected at_s");
+                          "emulated devices do not know the task's state; expected at_s");
   auto arm = sim_hal::faults_of("arm", scenario.faults, {}, sim_hal::krc_fault, sim_hal::parse_krc_fault);
   if (!arm) return tl::unexpected(arm.error());
   auto hand = sim_hal::faults_of("hand", scenario.faults, {}, sim_hal::hand_fault, sim_hal::parse_hand_fault);

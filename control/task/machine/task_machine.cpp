@@ -33,7 +33,7 @@ constexpr std::string_view kStaysNear = "somebody stayed near the arm for too lo
 constexpr std::string_view kStaysNearLoaded =
     "somebody stayed near the arm for too long; holds, the grip stays closed; lower the object on request";
 constexpr std::string_view kStalled =
-    "the job's thread stood still while the arm moved; holds, the grip stays as it is";
+    "the job's thread was stalled while the arm moved; holds, the grip stays as it is";
 
 constexpr auto kRules = std::to_array<Rule>({
     // looking: nothing has moved yet

@@ -27,7 +27,7 @@ bool is_before_motion(Task t) {
 
 constexpr std::array<Group, 3> kGroups = {{
     {"looks", "looks and decides: nothing moves", "#e8f1fb", is_before_motion},
-    {"way", "under way: hand empty", "#fdf3dc", is_empty_handed_in_motion},
+    {"motion", "in motion: hand empty", "#fdf3dc", is_empty_handed_in_motion},
     {"loaded", "hand at the object: only release opens it", "#e6f4e6", is_loaded},
 }};
 

@@ -1,4 +1,4 @@
-// Beyond one partner: where he should rather take hold, more than one of them, a robot in his place.
+// Beyond one partner: where he should rather grasp, more than one of them, a robot in his place.
 
 #include <fmt/format.h>
 
@@ -199,10 +199,10 @@ std::vector<Figure> figures(const Results& r) {
     before.push_back(r.trials.number(row, "tilt_before_deg"));
   }
   return {{"possible", "layouts in which the robot has a grasp as he stands", rate(possible, n), "%"},
-          {"told", "layouts in which the partner is told of a better place", rate(told, n), "%"},
+          {"told", "layouts in which the partner is asked to grasp elsewhere", rate(told, n), "%"},
           {"helped", "... of those without a grasp before, lifted after he went there",
            rate(lifted_after, told_when_refused), "%"},
-          {"expected", "... effort saved as he is told, mean", mean_estimate(expected), "%"},
+          {"expected", "... effort saved, as predicted to him, mean", mean_estimate(expected), "%"},
           {"realised", "... effort saved when he went there and all was decided anew, mean",
            mean_estimate(realised), "%", 0.0, true},
           {"realised_less_expected", "... the difference, mean", mean_estimate(difference), "%"},
@@ -235,7 +235,7 @@ picture::Canvas plot(const Results& r) {
 Experiment agents_experiment() {
   Experiment e;
   e.name = "agents";
-  e.title = "Who else carries, and where he should take hold";
+  e.title = "Who else carries, and where he should grasp";
   e.thesis = "beyond it";
   e.question =
       "A table and a partner anywhere at its far end or its sides. He is told where he should rather take "

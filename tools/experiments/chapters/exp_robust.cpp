@@ -25,7 +25,7 @@ control::TaskSaid task() {
 }
 // what the best grip of a box holds: of heavier or smoother ones every grip slips, whatever is chosen
 constexpr double kLightest_kg = 3.0, kHeaviest_kg = 6.0, kSmoothest = 0.5, kRoughest = 0.9;
-constexpr double kSlip_m = 0.005;                  // of the object in the hand: it gives way
+constexpr double kSlip_m = 0.005;                  // of the object in the hand: the grip slips
 constexpr double kMost = 0.4;                      // of the size: the centre of gravity stays inside
 constexpr double kLess_deg = 0.01, kFewer = 0.01;  // lower means lower, not equal
 constexpr const char* kAims[] = {"nominal", "expected", "worst"};
@@ -80,7 +80,7 @@ TrialRows run(const Trial& trial) {
     const DirectLift& lift = known->second;
     const bool yields = lift.held && (!lift.lifted || lift.slip_m > kSlip_m);
     rows.row.push_back(cell(grasp.id));
-    // what gives way has no top at which it hangs: how far it turned at most
+    // what slips has no top at which it hangs: how far it turned at most
     rows.row.push_back(cell(yields ? lift.most_tilt_deg : lift.lifted ? lift.tilt_deg : NAN));
     rows.row.push_back(lift.held ? cell(yields) : "");
     if (!lift.reason.empty()) reason = lift.reason;

@@ -17,7 +17,7 @@ namespace colift::experiments {
 namespace {
 
 constexpr std::size_t kGrasps = 4;
-constexpr double kSlip_m = 0.005;  // of the object in the hand: it gives way
+constexpr double kSlip_m = 0.005;  // of the object in the hand: the grip slips
 constexpr double kHeight_m = 0.05, kHold_s = 1.0;
 
 control::TaskSaid task() {

@@ -77,7 +77,7 @@ std::vector<Figure> figures(const Results& r) {
       {"worst_s", "longest", quantile_estimate(all, 1.0), "s", kRestWithin_s, false},
       {"p50_s", "median", quantile_estimate(all, 0.5), "s"},
       {"slow_s", "slower than 0.05 rad/s, longest", quantile_estimate(times(r, "fast_s"), 1.0), "s"},
-      {"machine", "not judged: the machine stood still",
+      {"machine", "not judged: the machine itself was stalled",
        rate(machine, static_cast<int>(r.trials.rows().size())), "%"}};
   for (const char* thread : {"task", "colift-arm", "colift-hand", "other"})
     out.push_back({fmt::format("in_time_{}", thread), fmt::format("of {}", thread),

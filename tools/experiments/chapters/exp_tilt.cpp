@@ -106,7 +106,7 @@ TrialRows run(const Trial& trial) {
               reason};
   rows.words = std::isnan(chosen_tilt)
                    ? fmt::format("{}: the chosen grasp was not lifted: {}", scenario.name, reason)
-                   : fmt::format("{}: tilt {:.2f} deg, the least of {} grasps {:.2f} deg", scenario.name,
+                   : fmt::format("{}: tilt {:.2f} deg, the minimum of {} grasps {:.2f} deg", scenario.name,
                                  chosen_tilt, tried.size(), best_tilt);
   return rows;
 }

@@ -143,7 +143,7 @@ std::vector<Figure> figures(const Results& r) {
       {"broke_budget", "lifts that would tilt by more than 2 deg", rate(broke, n), "%"},
       {"recovered", "... of them below 2 deg after test lifts", rate(recovered, broke), "%", 0.90, true},
       {"recovered_alone", "... of them without asking the partner", rate(alone, broke), "%"},
-      {"asked", "... of them for which the partner was asked to take hold elsewhere", rate(asked, broke),
+      {"asked", "... of them for which the partner was asked to grasp elsewhere", rate(asked, broke),
        "%"},
       {"recovered_asked", "... and then below 2 deg", rate(recovered - alone, asked), "%"},
       {"refused", "... of them not lifted: no level grip was found", rate(refused, broke), "%"},
@@ -187,7 +187,7 @@ Experiment wrong_cog_experiment() {
       "and after test lifts: slow, at most 30 mm, ended as soon as the camera sees the table turn or hang "
       "free. What arm and camera say of mass and centre of gravity decides: lift on, or put down and take "
       "hold elsewhere, up to four times; "
-      "then the partner is asked to take hold elsewhere, up to twice, and all is seen anew.";
+      "then the partner is asked to grasp elsewhere, up to twice, and all is seen anew.";
   e.default_trials = 100;
   e.columns = {"layout",        "mass_kg", "cog_off_mm",       "tilt_before_deg", "grips",
                "asked",         "next",    "mass_measured_kg", "cog_error_mm",    "share_measured",

@@ -48,13 +48,13 @@ std::optional<std::string> place_forbidden(const Scenario& box, double place_m) 
   if (place_m > end + 1e-9)
     return fmt::format("its place is {:.0f} mm beyond where the box can be held", 1e3 * (place_m - end));
   if (apart < kHandsApart_m - 1e-9)
-    return fmt::format("the hands would be {:.0f} mm apart, least {:.0f} mm", 1e3 * apart,
+    return fmt::format("the hands would be {:.0f} mm apart, min {:.0f} mm", 1e3 * apart,
                        1e3 * kHandsApart_m);
   const double reach = planner::DecisionConfig().arm_reach_m, far = wrist_from_shoulder(box, place_m);
   if (far > reach) return fmt::format("its place is {:.0f} mm beyond the arm's reach", 1e3 * (far - reach));
   const Vec3 at = sim_hal::object_pose(box.object) * Vec3(-place_m, 0.0, 0.0);
   if (const double near = at.head<2>().norm(); near < kNearest_m - 1e-9)
-    return fmt::format("its place is {:.0f} mm from the robot's axis, least {:.0f} mm", 1e3 * near,
+    return fmt::format("its place is {:.0f} mm from the robot's axis, min {:.0f} mm", 1e3 * near,
                        1e3 * kNearest_m);
   return std::nullopt;
 }

@@ -176,7 +176,7 @@ class Search {
           partner_goes_to(out_.scenario, place->position, sim_hal::hash(seed_, kTold, out_.told.size()));
       auto seen = Observation::make(out_.scenario, method_, seed_, config_.task.lift_height_m);
       if (!seen) {
-        out_.reason = fmt::format("told to {}; {}", place->reason, seen.error().text());
+        out_.reason = fmt::format("asked to {}; {}", place->reason, seen.error().text());
         held_.insert(held_.begin(), place->position);
         continue;
       }

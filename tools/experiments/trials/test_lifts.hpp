@@ -14,7 +14,7 @@ namespace colift::experiments {
 struct TriedGrip {
   planner::GraspCandidate grasp;
   hal::Vec3 partner = hal::Vec3::Zero();  ///< As seen, W.
-  int asked = 0;        ///< How often the partner had been asked to take hold elsewhere before it.
+  int asked = 0;        ///< How often the partner had been asked to grasp elsewhere before it.
   double chance = NAN;  ///< That it would be level, before it was tried; unset where nothing was known yet.
   DirectLift lift;      ///< Of a few millimetres.
   double drift_rad_s = 0.0;
@@ -25,7 +25,7 @@ struct TriedGrip {
 struct GripSearch {
   std::vector<TriedGrip> tried;                 ///< At least one.
   std::optional<std::size_t> level = {};        ///< The one that may be lifted.
-  std::vector<control::PartnerRequest> told;    ///< Where the partner was asked to take hold, in order.
+  std::vector<control::PartnerRequest> told;    ///< Where the partner was asked to grasp, in order.
   sim_hal::Scenario scenario;                   ///< With the partner where he holds at the end,
   std::unique_ptr<Observation> elsewhere = {};  ///< and what is seen then; none where nobody was asked.
   std::string reason;

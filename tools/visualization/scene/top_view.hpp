@@ -7,7 +7,7 @@
 
 namespace colift::picture {
 
-/// The scene from straight above, to scale, with the camera at the lower side: where both agents take hold,
+/// The scene from straight above, to scale, with the camera at the lower side: where both agents grasp,
 /// where the weight hangs between them, and how long their levers are. Draws only inside `area`.
 void draw_top_view(Canvas& canvas, const Box& area, const ScenePicture& what);
 
