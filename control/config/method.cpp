@@ -47,6 +47,7 @@ void set_method_defaults(Method method, Config& config) {
   config.tracker.dwell_s = kDwell_s;
   config.tracker.let_go_s = kLetGo_s;
   config.tracker.moved_m = kMoved_m;
+  config.tracker.max_hidden_s = 0.0;  // it takes what it sees in a frame for what is there (section 5.3.3)
   config.candidates = planner::thesis_candidates();
   config.candidates.step_m = kStep_m;
   config.candidates.collision.feature_margin_m = kStray_m;

@@ -8,6 +8,7 @@
 
 #include "control/session/pipeline.hpp"
 #include "perception/motion/moved_object.hpp"
+#include "perception/partner/contact_cover.hpp"
 #include "perception/partner/grasp_presence.hpp"
 #include "perception/reference_image.hpp"
 #include "perception/target/slivers.hpp"
@@ -34,6 +35,7 @@ struct PerceptionSession::Impl {
         stopwatch(s),
         map(c.map),
         tracker(c.tracker),
+        hand_pixels(c.tracker.hidden),
         body_tracker(c.body_tracks) {
     // a method that is not there is said by the first look
     if (auto made = make_pipeline(m)) pipeline = std::move(*made);
@@ -57,6 +59,7 @@ struct PerceptionSession::Impl {
   std::unique_ptr<PartnerSight> partner_sight;
   std::optional<perception::ObjectFollower> follower;
   perception::PartnerTracker tracker;
+  perception::HandPixels hand_pixels;
   std::optional<perception::SelfFilter> body_filter;  ///< With a wider margin than the other's.
   std::optional<perception::BodyFinder> body_finder;
   perception::BodyTracker body_tracker;
@@ -287,13 +290,24 @@ hal::Result<Sight> PerceptionSession::observe_partner(hal::DepthFrame frame, con
     return out;
   }
   i.correct(frame);
-  i.hide_robot(frame, robot);
+  const auto& own = i.hide_robot(frame, robot);
   const hal::Timestamp at = frame.exposed_at;
+  const bool hidden = i.config.tracker.max_hidden_s > 0.0 &&
+                      i.hand_pixels.hidden(i.analysis.cloud, frame, own, i.config.noise);
   auto observation = i.partner_sight->find(frame, i.partner_points);
   if (!observation) return tl::unexpected(observation.error());
   if (every > 1) i.last_sight = *observation;
   // a scene that moved says nothing about hands
-  if (observation->kind != PartnerKind::ObjectMoved) out.event = i.tracker.update(at, *observation);
+  if (observation->kind != PartnerKind::ObjectMoved) {
+    if (hidden && observation->kind != PartnerKind::Grasp) {
+      out.event = i.tracker.update_hidden(at);
+      observation->reason += "; his body hides from the camera where he held the object";
+    } else {
+      out.event = i.tracker.update(at, *observation);
+    }
+    if (observation->grasp)
+      i.hand_pixels.seen(i.analysis.cloud, frame, observation->pixels, observation->grasp->position);
+  }
   out.partner = std::move(*observation);
   out.compute_ms = 1e3 * hal::seconds(i.stopwatch.now() - start);
   return out;
@@ -310,6 +324,7 @@ const perception::PartnerTracker& PerceptionSession::tracker() const {
 }
 void PerceptionSession::forget_partner() {
   impl_->tracker = perception::PartnerTracker(impl_->config.tracker);
+  impl_->hand_pixels.forget();
 }
 const std::vector<Eigen::Vector3f>& PerceptionSession::partner_points() const {
   return impl_->partner_points;

@@ -27,6 +27,8 @@ std::optional<PartnerGrasp> PartnerTracker::grasp() const {
   PartnerGrasp grasp;
   grasp.position = mean_;
   grasp.covariance = mean_covariance_ * (config_.common_error + (1.0 - config_.common_error) / samples_);
+  if (hidden_since_)
+    grasp.covariance += config_.hidden_sigma_m * config_.hidden_sigma_m * Eigen::Matrix3d::Identity();
   grasp.points = points_;
   grasp.skin = skin_;
   return grasp;
@@ -35,6 +37,7 @@ std::optional<PartnerGrasp> PartnerTracker::grasp() const {
 void PartnerTracker::start(hal::Timestamp at, const PartnerGrasp& seen) {
   state_ = State::Touching;
   since_ = last_contact_ = at;
+  hidden_since_.reset();
   samples_ = 1;
   elsewhere_in_a_row_ = 0;
   mean_ = seen.position;
@@ -45,6 +48,7 @@ void PartnerTracker::start(hal::Timestamp at, const PartnerGrasp& seen) {
 
 void PartnerTracker::add(hal::Timestamp at, const PartnerGrasp& seen) {
   last_contact_ = at;
+  hidden_since_.reset();
   elsewhere_in_a_row_ = 0;
   ++samples_;
   mean_ += (seen.position - mean_) / samples_;
@@ -70,9 +74,10 @@ bool PartnerTracker::strays(const PartnerGrasp& seen) const {
          (seen.position - mean_).norm() > config_.rest_m;
 }
 
-std::optional<PartnerEvent> PartnerTracker::note_device(hal::Timestamp at, const std::string& seen_instead) {
+std::optional<PartnerEvent> PartnerTracker::lose_contact(hal::Timestamp at, const std::string& seen_instead) {
   const bool held = state_ == State::Holding;
   state_ = State::Away;
+  hidden_since_.reset();
   if (!held) return std::nullopt;
   return PartnerEvent{PartnerEvent::Kind::LetGo, at,
                       fmt::format("no contact for {:.2f} s (limit {:.2f} s): {}",
@@ -88,9 +93,29 @@ std::optional<PartnerEvent> PartnerTracker::confirm(hal::Timestamp at) {
                                   place(mean_), rested_s, config_.dwell_s, samples_)};
 }
 
+std::optional<PartnerEvent> PartnerTracker::update_hidden(hal::Timestamp at) {
+  if (last_frame_ && at <= *last_frame_) return std::nullopt;
+  last_frame_ = at;
+  if (state_ == State::Away) return std::nullopt;
+  if (hal::seconds(at - last_contact_) > config_.let_go_s)
+    return lose_contact(at, "the frames between are missing");
+  if (!hidden_since_) hidden_since_ = at;
+  const double hidden_s = hal::seconds(at - *hidden_since_);
+  if (hidden_s > config_.max_hidden_s)
+    return lose_contact(at, fmt::format("his body has hidden it from the camera for {:.0f} s", hidden_s));
+  last_contact_ = at;  // nobody knows better
+  if (state_ != State::Touching || hidden_s < config_.hidden_dwell_s) return std::nullopt;
+  state_ = State::Holding;
+  return PartnerEvent{
+      PartnerEvent::Kind::Grasped, at,
+      fmt::format("the hand touched the object at {} in {} frames, and his body has hidden it "
+                  "for {:.1f} s since (limit {:.1f} s)",
+                  place(mean_), samples_, hidden_s, config_.hidden_dwell_s)};
+}
+
 std::optional<PartnerEvent> PartnerTracker::tick(hal::Timestamp now) {
   if (state_ == State::Away || hal::seconds(now - last_contact_) <= config_.let_go_s) return std::nullopt;
-  return note_device(now, "no new frame shows it");
+  return lose_contact(now, "no new frame shows it");
 }
 
 std::optional<PartnerEvent> PartnerTracker::update(hal::Timestamp at, const PartnerObservation& observation) {
@@ -100,7 +125,7 @@ std::optional<PartnerEvent> PartnerTracker::update(hal::Timestamp at, const Part
   const bool contact = observation.kind == PartnerKind::Grasp && observation.grasp.has_value();
   if (state_ != State::Away && hal::seconds(at - last_contact_) > config_.let_go_s) {
     // what happened in the gap is unknown, so a contact after it begins a new dwell
-    auto event = note_device(at, contact ? "the frames between are missing" : observation.reason);
+    auto event = lose_contact(at, contact ? "the frames between are missing" : observation.reason);
     if (contact) start(at, *observation.grasp);
     return event;
   }

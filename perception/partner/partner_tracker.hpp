@@ -5,6 +5,7 @@
 
 #include "hal/config/range.hpp"
 #include "hal/types/time.hpp"
+#include "perception/partner/contact_cover.hpp"
 #include "perception/partner/partner_grasp.hpp"
 
 namespace colift::perception {
@@ -19,6 +20,10 @@ struct TrackerConfig {
   int moved_frames = 2;       ///< Frames in a row that have to say so.
   double common_error =
       0.6;  ///< Part of the covariance that all frames share, so that averaging does not shrink it.
+  HiddenConfig hidden = {};
+  double max_hidden_s = 60.0;    ///< So long a grasp that cannot be observed counts as one.
+  double hidden_dwell_s = 0.5;   ///< A touch that was seen and then hidden for so long is a grasp.
+  double hidden_sigma_m = 0.03;  ///< How far a hand may have slid along the object meanwhile.
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -35,6 +40,13 @@ struct TrackerConfig {
       "Min number of consecutive frames that show the hand elsewhere.");
     v("common_error", common_error, hal::kFraction,
       "Fraction of the covariance that is common to all frames, so that averaging does not reduce it.");
+    v("hidden", hidden, "When the partner's body or the robot hides his contact from the camera.");
+    v("max_hidden_s", max_hidden_s, hal::Range{0.0, 600.0},
+      "Max time for which a grasp that is hidden from the camera still counts; 0: not at all (s).");
+    v("hidden_dwell_s", hidden_dwell_s, hal::Range{0.0, 10.0},
+      "Time after which a touch that was observed and is hidden since is a grasp (s).");
+    v("hidden_sigma_m", hidden_sigma_m, hal::Range{0.0, 0.3},
+      "Standard deviation that a grasp gains while it is hidden (m).");
   }
 };
 
@@ -55,6 +67,9 @@ struct PartnerEvent {
 ///   Away -- contact --> Touching -- dwell at one place --> Holding
 ///   Touching -- no contact, or elsewhere --> Away or a new dwell, without an event: it never was a grasp
 ///   Holding -- elsewhere --> Touching (Moved);  Holding -- no contact --> Away (LetGo)
+///
+/// A contact that his own body hides from the camera is neither seen nor gone: the state stays, for
+/// max_hidden_s at most, with a larger covariance.
 class PartnerTracker {
  public:
   enum class State { Away, Touching, Holding };
@@ -64,6 +79,9 @@ class PartnerTracker {
   /// A frame measured at `at`. A frame that is not newer than the last one is ignored.
   std::optional<PartnerEvent> update(hal::Timestamp at, const PartnerObservation& observation);
 
+  /// A frame measured at `at` in which the contact is hidden (HandPixels::hidden()) and no other is seen.
+  std::optional<PartnerEvent> update_hidden(hal::Timestamp at);
+
   /// No frame came, and it is `now`: a camera that fell silent must not keep a grasp alive.
   std::optional<PartnerEvent> tick(hal::Timestamp now);
 
@@ -71,6 +89,9 @@ class PartnerTracker {
   void looked_away(hal::Duration how_long) { last_contact_ += how_long; }
 
   [[nodiscard]] State state() const { return state_; }
+
+  /// The contact cannot be observed; what grasp() says is from before.
+  [[nodiscard]] bool is_hidden() const { return hidden_since_.has_value(); }
 
   /// Filtered contact: recursive mean since the hand rests there. Set while Touching or Holding.
   [[nodiscard]] std::optional<PartnerGrasp> grasp() const;
@@ -83,13 +104,14 @@ class PartnerTracker {
   void add(hal::Timestamp at, const PartnerGrasp& seen);
   [[nodiscard]] bool strays(const PartnerGrasp& seen) const;
   [[nodiscard]] bool elsewhere(const PartnerGrasp& seen) const;
-  std::optional<PartnerEvent> note_device(hal::Timestamp at, const std::string& seen_instead);
+  std::optional<PartnerEvent> lose_contact(hal::Timestamp at, const std::string& seen_instead);
   std::optional<PartnerEvent> confirm(hal::Timestamp at);
 
   TrackerConfig config_;
   State state_ = State::Away;
   std::optional<hal::Timestamp> last_frame_;
   hal::Timestamp since_{0}, last_contact_{0};
+  std::optional<hal::Timestamp> hidden_since_;
   int samples_ = 0;
   int elsewhere_in_a_row_ = 0;
   Vec3 mean_ = Vec3::Zero();

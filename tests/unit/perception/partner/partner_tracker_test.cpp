@@ -39,6 +39,13 @@ struct Story {
     }
     return *this;
   }
+
+  Story& hide(hal::Duration during) {
+    for (const hal::Timestamp end = now + during; now < end; now += kFrame) {
+      if (auto event = tracker.update_hidden(now)) events.push_back(*event);
+    }
+    return *this;
+  }
 };
 
 TEST_CASE("a brief touch is not a grasp", "[partner][tracker]") {
@@ -175,6 +182,55 @@ TEST_CASE("a frame that is not newer than the last one changes nothing", "[partn
   for (int i = 0; i < 50; ++i) CHECK_FALSE(tracker.update(1s, hand_at(kLeftEnd)));
   CHECK_FALSE(tracker.update(500ms, nobody()));
   CHECK(tracker.state() == State::Touching);
+}
+
+TEST_CASE("a grasp that his body hides stays one, less certain, until the place is seen without him",
+          "[partner][tracker]") {
+  Story story;
+  story.show(hand_at(kLeftEnd), 500ms);
+  REQUIRE(story.tracker.state() == State::Holding);
+  const double before = story.tracker.grasp()->covariance.trace();
+  story.hide(5s);
+  CHECK(story.tracker.state() == State::Holding);
+  CHECK(story.tracker.is_hidden());
+  CHECK((story.tracker.grasp()->position - kLeftEnd).norm() < 1e-9);
+  CHECK(story.tracker.grasp()->covariance.trace() > before + 2.9 * 0.03 * 0.03);
+  story.show(nobody(), 300ms);
+  REQUIRE(story.events.size() == 2);
+  CHECK(story.events[1].kind == Kind::LetGo);
+  CHECK_FALSE(story.tracker.is_hidden());
+}
+
+TEST_CASE("a hand that is seen again where it was is no new grasp", "[partner][tracker]") {
+  Story story;
+  story.show(hand_at(kLeftEnd), 500ms).hide(2s).show(hand_at(kLeftEnd), 200ms);
+  CHECK(story.events.size() == 1);
+  CHECK_FALSE(story.tracker.is_hidden());
+}
+
+TEST_CASE("a touch that is hidden before it was a grasp becomes one after a longer dwell",
+          "[partner][tracker]") {
+  Story story;
+  story.show(hand_at(kLeftEnd), 100ms).hide(400ms);
+  CHECK(story.tracker.state() == State::Touching);
+  story.hide(200ms);
+  REQUIRE(story.events.size() == 1);
+  CHECK(story.events[0].kind == Kind::Grasped);
+}
+
+TEST_CASE("a grasp is not believed for ever without being seen", "[partner][tracker]") {
+  Story story;
+  story.show(hand_at(kLeftEnd), 500ms).hide(61s);
+  REQUIRE(story.events.size() == 2);
+  CHECK(story.events[1].kind == Kind::LetGo);
+  CHECK(story.events[1].reason.find("hidden") != std::string::npos);
+}
+
+TEST_CASE("nobody who was not seen is hidden", "[partner][tracker]") {
+  Story story;
+  story.hide(5s);
+  CHECK(story.tracker.state() == State::Away);
+  CHECK_FALSE(story.tracker.is_hidden());
 }
 
 }  // namespace
