@@ -223,6 +223,7 @@ struct CarryConfig {
 struct TaskConfig {
   int reference_frames = 15;
   double partner_timeout_s = 30.0;
+  double hidden_hand_s = 3.0;
   int asks = 2;
   double ready_s = 0.5;
   double intent_lead_s = 0.5;
@@ -254,6 +255,8 @@ struct TaskConfig {
     v("partner_timeout_s", partner_timeout_s, hal::Range{0.1, 3600},
       "Timeout for the partner's grasp, and for a lost camera (s).");
     v.renamed("patience_s", "partner_timeout_s");
+    v("hidden_hand_s", hidden_hand_s, hal::Range{0, 3600},
+      "Time after which somebody whose body hides the object's edge is asked to step aside (s).");
     v("asks", asks, hal::Range{0, 20},
       "Max number of requests to the partner to grasp elsewhere when the robot has no feasible grasp.");
     v("ready_s", ready_s, hal::Range{0, 10}, "How long the partner has to hold still before the lift (s).");

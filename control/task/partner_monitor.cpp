@@ -15,6 +15,7 @@ std::optional<PartnerEvent> PartnerMonitor::update() {
   }
   c_.partner_note = sight->event ? sight->event->reason : sight->partner.reason;
   compute_ms_ = sight->compute_ms;
+  hidden_edge_ = sight->partner.hidden_edge;
   return sight->event;
 }
 

@@ -16,12 +16,17 @@ class PartnerMonitor {
   /// update() where the hand is at the object: the event when he let go, nothing else matters there.
   [[nodiscard]] std::optional<TaskEvent> let_go();
 
+  /// The edge of the object that a body hides, in the last frame; unset when a hand is seen, or nothing
+  /// hidden.
+  [[nodiscard]] const std::optional<perception::HiddenEdge>& hidden_edge() const { return hidden_edge_; }
+
   /// Computing time of the last frame that was analysed (ms).
   [[nodiscard]] double compute_ms() const { return compute_ms_; }
 
  private:
   TaskContext& c_;
   double compute_ms_ = 0.0;
+  std::optional<perception::HiddenEdge> hidden_edge_;
 };
 
 }  // namespace colift::control

@@ -269,6 +269,16 @@ std::size_t PartnerFinder::drop_legs(const OrganisedCloud& current, PartnerObser
   return legs.size() + others;
 }
 
+void PartnerFinder::note_hidden_edge(const OrganisedCloud& current, PartnerObservation& observation) const {
+  observation.hidden_edge = find_hidden_edge(rim_, current, observation.pixels, config_.clear_m);
+  if (!observation.hidden_edge) return;
+  if (observation.hidden_edge->fraction < config_.min_hidden_edge)
+    observation.hidden_edge.reset();
+  else
+    observation.reason += fmt::format("; it hides {:.0f} % of the object's edge from the camera",
+                                      100.0 * observation.hidden_edge->fraction);
+}
+
 hal::Result<PartnerObservation> PartnerFinder::find(const OrganisedCloud& current) {
   if (!same_camera(current)) {
     return failure(
@@ -307,6 +317,7 @@ hal::Result<PartnerObservation> PartnerFinder::find(const OrganisedCloud& curren
     observation.reason = fmt::format("a body of {:.0f} cm2 keeps {} {:.0f} cm from the object",
                                      1e4 * body_m2_, observation.nearest_m ? "about" : "more than",
                                      100.0 * observation.nearest_m.value_or(config_.clear_m));
+    note_hidden_edge(current, observation);
     return observation;
   }
   separate_hands();
@@ -322,6 +333,7 @@ hal::Result<PartnerObservation> PartnerFinder::find(const OrganisedCloud& curren
             ? "a leg or the trunk of a person touches the object, and no hand does"
             : fmt::format("the nearest part of a body is {:.0f} mm from the object and does not touch it",
                           1000.0 * *observation.nearest_m);
+    note_hidden_edge(current, observation);
     return observation;
   }
   observation.kind = PartnerKind::Grasp;

@@ -11,6 +11,7 @@
 #include "perception/object_grid.hpp"
 #include "perception/organised_cloud.hpp"
 #include "perception/partner/change_image.hpp"
+#include "perception/partner/hidden_edge.hpp"
 #include "perception/partner/partner_contact.hpp"
 #include "perception/partner/partner_leg.hpp"
 #include "perception/reference_image.hpp"
@@ -44,6 +45,7 @@ struct PartnerConfig {
   double hand_cell_m = 0.04;
   double outline_step_m = 0.04;
   int body_gap_px = 8;
+  double min_hidden_edge = 0.08;
   ReferenceConfig reference;
   LegConfig legs;
   ContactConfig contact;
@@ -89,6 +91,8 @@ struct PartnerConfig {
       "Min depth step to what is behind the object at its outline (m).");
     v("body_gap_px", body_gap_px, hal::Range{0, 200},
       "Max gap in the image between a body and a small part of it, such as fingers beyond an edge (px).");
+    v("min_hidden_edge", min_hidden_edge, hal::kFraction,
+      "Fraction of the object's edge that a body hides at least where his hand may be behind it.");
     v("reference", reference, "When the reference image shows a scene at rest.");
     v("legs", legs, "How legs that touch the object are told from hands.");
     v("contact", contact, "Where on the object a hand holds it.");
@@ -124,7 +128,9 @@ struct PartnerObservation {
   std::optional<double>
       nearest_m;  ///< Smallest distance of a changed body from the object, when within reach.
   std::vector<std::uint32_t> pixels;  ///< Changed pixels of the bodies near the object, ascending.
-  std::string reason;                 ///< What was seen, in a person's words, with numbers.
+  /// Where nothing touches but a body stands before the object: the edge that it hides.
+  std::optional<HiddenEdge> hidden_edge;
+  std::string reason;  ///< What was seen, in a person's words, with numbers.
 };
 
 /// Finds the partner's hands on one object. The reference image and the object are digested once (a few
@@ -169,6 +175,7 @@ class PartnerFinder {
   [[nodiscard]] float touch_gap(float depth_m) const;
   [[nodiscard]] float hand_gap(float depth_m) const;
   [[nodiscard]] std::optional<PartnerContact> contact(int hand);
+  void note_hidden_edge(const OrganisedCloud& current, PartnerObservation& observation) const;
   std::size_t drop_legs(const OrganisedCloud& current, PartnerObservation& observation);
   void number_patch_cells();
   void find_rim(const ReferenceImage& reference);

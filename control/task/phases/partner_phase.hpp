@@ -20,10 +20,15 @@ class PartnerPhase {
   [[nodiscard]] std::optional<TaskEvent> await_partner();
 
  private:
+  /// Who stands so that his body hides where his hand may be is asked to step aside, once.
+  void ask_to_show_hand();
+
   TaskContext& c_;
   PartnerMonitor& partner_;
   PartnerRequests& requests_;
   GraspSelector& grasps_;
+  std::optional<hal::Timestamp> hidden_since_;
+  std::string asked_;  ///< What he was asked.
 };
 
 }  // namespace colift::control
