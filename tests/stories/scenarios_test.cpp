@@ -128,6 +128,21 @@ TEST_CASE("without a partner nothing moves", "[scenario]") {
   CHECK_FALSE(passed(lift, Task::Approach));
 }
 
+TEST_CASE("a partner whose own body hides his hand after he took hold has not let go", "[scenario]") {
+  check_lifted("hand_hidden", 1.0);
+}
+
+TEST_CASE("who stands before the object is asked to step aside, and nothing moves", "[scenario]") {
+  auto config = control::run_defaults();
+  config.task.partner_timeout_s = 8.0;
+  const auto lift = run("hand_never_seen", control::Method::Fast, config);
+  CHECK(lift.record.outcome == Result::Refused);
+  CHECK_FALSE(passed(lift, Task::Approach));
+  REQUIRE(lift.record.intents.size() == 1);
+  CHECK(lift.record.intents[0].says.find("please step to the left, as the camera sees it") == 0);
+  CHECK(lift.record.reason.find("of the object's edge from the camera") != std::string::npos);
+}
+
 TEST_CASE("where the best place is out of reach, the next best is taken", "[scenario]") {
   check_lifted("unreachable_optimum", 3.0);
 }
