@@ -7,7 +7,12 @@ install(FILES ${debian}/completion.bash DESTINATION share/bash-completion/comple
 install(FILES ${debian}/completion.zsh DESTINATION share/zsh/vendor-completions RENAME _colift COMPONENT colift)
 # made by tools/package
 install(DIRECTORY ${CMAKE_BINARY_DIR}/debian/man1 DESTINATION share/man COMPONENT colift OPTIONAL)
-foreach(package colift libcolift-dev)
+get_property(python_depends GLOBAL PROPERTY COLIFT_PYTHON_DEPENDS)  # empty: tools/python was left out
+set(packages colift libcolift-dev)
+if(python_depends)
+  list(APPEND packages python3-colift)
+endif()
+foreach(package ${packages})
   install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/${package} RENAME copyright COMPONENT ${package})
   install(FILES ${CMAKE_BINARY_DIR}/debian/changelog.gz ${CMAKE_BINARY_DIR}/debian/CHANGELOG.md.gz
           DESTINATION share/doc/${package} COMPONENT ${package} OPTIONAL)
@@ -18,7 +23,7 @@ set(CPACK_PACKAGE_NAME colift)
 set(CPACK_PACKAGE_CONTACT "the CoLift authors <authors@colift.example>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL colift libcolift-dev)
+set(CPACK_COMPONENTS_ALL ${packages})
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
@@ -38,4 +43,10 @@ set(CPACK_DEBIAN_LIBCOLIFT-DEV_PACKAGE_DEPENDS
     "colift (= ${PROJECT_VERSION}), libeigen3-dev, libyaml-cpp-dev, libfmt-dev, libexpected-dev, libmujoco-dev, liburdfdom-dev, liboctomap-dev, libfcl-dev, libompl-dev")
 set(CPACK_DEBIAN_LIBCOLIFT-DEV_DESCRIPTION "Headers, static libraries and the CMake package of CoLift, and the suites
 that a back end of an arm, a hand or a camera has to pass.")
+set(CPACK_DEBIAN_PYTHON3-COLIFT_PACKAGE_NAME python3-colift)
+set(CPACK_DEBIAN_PYTHON3-COLIFT_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON3-COLIFT_PACKAGE_DEPENDS "colift (= ${PROJECT_VERSION}), ${python_depends}")
+set(CPACK_DEBIAN_PYTHON3-COLIFT_DESCRIPTION "CoLift from Python: depth frames as NumPy arrays, scene analysis,
+decisions, simulated runs step by step with own grasps and policies,
+recordings and experiments.")
 include(CPack)
