@@ -68,7 +68,7 @@ const CommandEntry* find_command(std::string_view name) {
 const char* program_for(const CommandEntry& command, std::span<const std::string> words) {
   // the beginnings of the options that `colift` leaves to the other program; one too many costs nothing, it
   // has them all
-  constexpr std::string_view kOthers[] = {"--robot", "--record", "--flight", "--view", "--allow-"};
+  constexpr std::string_view kOthers[] = {"--robot", "--record", "--flight", "--view", "--allow-", "--ros2"};
   if (std::strcmp(command.name, "run") != 0 || words.empty() || words.front() != "run")
     return command.program;
   for (const std::string_view word : words)

@@ -9,6 +9,7 @@
 #include "hal/drivers/recorded/file_bytes.hpp"
 #include "tools/rig/robot_file.hpp"
 #include "tools/rig/wired_devices.hpp"
+#include "tools/run/run_ros2.hpp"
 #include "tools/run/run_view.hpp"
 #include "tools/telemetry/channels/built_in_texts.hpp"
 #include "tools/telemetry/record/flight_request.hpp"
@@ -145,7 +146,7 @@ hal::Result<std::unique_ptr<RunRecording>> open_recording(
 }
 
 RunParts all_run_parts() {
-  return {&wired_devices(), open_view, open_recording};
+  return {&wired_devices(), open_view, open_recording, open_ros2};
 }
 
 }  // namespace colift::tools
