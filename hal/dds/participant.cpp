@@ -1,6 +1,7 @@
 #include "hal/dds/participant.hpp"
 
 #include <dds/dds.h>
+#include <dds/ddsrt/log.h>
 #include <fmt/format.h>
 #include <net/if.h>
 #include <ros2_messages.h>
@@ -56,6 +57,9 @@ class Domain {
     if (config.interface.empty() || ::if_nametoindex(config.interface.c_str()) == 0)
       return failure(ErrorCode::BadConfig, "ros2.interface",
                      fmt::format("there is no network interface '{}'", config.interface));
+    // it writes a line to the error stream for every message that it cannot read: whoever floods would fill
+    // that
+    dds_set_log_sink([](void*, const dds_log_data_t*) {}, nullptr);
     const dds_entity_t handle =
         dds_create_domain(static_cast<dds_domainid_t>(config.domain), settings_of(config).c_str());
     if (handle < 0) return tl::unexpected(fault("ros2.domain", handle));

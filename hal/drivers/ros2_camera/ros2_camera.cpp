@@ -9,7 +9,7 @@
 #include "hal/dds/participant.hpp"
 #include "hal/dds/ros2_names.hpp"
 #include "hal/dds/samples.hpp"
-#include "hal/drivers/ros2_camera/ros2_image.hpp"
+#include "hal/drivers/ros2_camera/message_views.hpp"
 
 namespace colift::hal {
 namespace {
@@ -17,40 +17,12 @@ namespace {
 using namespace std::chrono_literals;
 using dds::Qos;
 using dds::Taken;
-using dds::text_of;
 using Image = sensor_msgs_msg_dds__Image_;
 using Info = sensor_msgs_msg_dds__CameraInfo_;
 using Health = DeviceHealth::State;
 
 constexpr int kMostPublishers = 8;
-constexpr Duration kStale_s = 100ms;
-
-Timestamp time_of(const builtin_interfaces_msg_dds__Time_& t) {
-  return std::chrono::seconds(t.sec) + std::chrono::nanoseconds(t.nanosec);
-}
-
-ros2::ImageView view_of(const Image& m) {
-  return {time_of(m.header.stamp),
-          text_of(m.header.frame_id),
-          text_of(m.encoding),
-          m.width,
-          m.height,
-          m.step,
-          m.is_bigendian,
-          {m.data._buffer, m.data._length}};
-}
-
-ros2::InfoView view_of(const Info& m) {
-  ros2::InfoView v;
-  v.frame_id = text_of(m.header.frame_id), v.distortion_model = text_of(m.distortion_model);
-  v.width = m.width, v.height = m.height;
-  v.d = {m.d._buffer, m.d._length};
-  std::copy(std::begin(m.k), std::end(m.k), v.k.begin());
-  v.binning_x = m.binning_x, v.binning_y = m.binning_y;
-  v.roi_x = m.roi.x_offset, v.roi_y = m.roi.y_offset;
-  v.roi_width = m.roi.width, v.roi_height = m.roi.height;
-  return v;
-}
+constexpr Duration kStale = 100ms;
 
 /// Publishers that a reader is matched with.
 std::vector<dds_instance_handle_t> publishers_of(dds_entity_t reader) {
@@ -147,7 +119,7 @@ struct Ros2Camera::Impl {
     const Taken<rosgraph_msgs_msg_dds__Clock_> all(clocks);
     for (int i = 0; i < all.size(); ++i)
       if (const auto* c = all.at(i); c && clock_source.takes(clocks, all.writer(i)))
-        simulated = {time_of(c->clock), clock.now()};
+        simulated = {ros2::time_of(c->clock), clock.now()};
   }
 
   void take_infos() {
@@ -159,7 +131,7 @@ struct Ros2Camera::Impl {
         reject("a second publisher of " + config.info + " was not listened to");
         continue;
       }
-      const ros2::InfoView info = view_of(*m);
+      const ros2::InfoView info = ros2::view_of(*m);
       const auto read = ros2::model_of(info);
       if (!read)
         reject(read.error().text());
@@ -191,7 +163,7 @@ struct Ros2Camera::Impl {
     const auto wrong = [](std::string what) {
       return failure(ErrorCode::BadReply, "ros2.image", std::move(what));
     };
-    const ros2::ImageView image = view_of(m);
+    const ros2::ImageView image = ros2::view_of(m);
     if (m.header.stamp.nanosec >= 1'000'000'000u) return wrong("its stamp has more than 10^9 ns");
     const auto exposed = exposed_at(image.stamp);
     if (!exposed) return tl::unexpected(exposed.error());
@@ -255,7 +227,7 @@ struct Ros2Camera::Impl {
       }
       const Timestamp now = clock.now();
       if (now >= end) break;
-      wait(std::min(end - now, Duration{kStale_s}));
+      wait(std::min(end - now, Duration{kStale}));
     }
     if (publishers_of(images).empty())
       return failure(
@@ -314,7 +286,7 @@ Result<DepthFrame> Ros2Camera::next_frame(std::chrono::milliseconds timeout) {
     const Timestamp now = c.clock.now();
     if (now >= deadline)
       return failure(ErrorCode::Timeout, kWhere, fmt::format("no frame within {} ms", timeout.count()));
-    c.wait(std::min(deadline - now, Duration{kStale_s}));
+    c.wait(std::min(deadline - now, Duration{kStale}));
   }
 }
 
@@ -331,7 +303,7 @@ DeviceHealth Ros2Camera::health() const {
   else if (c.silent())
     h.state = Health::Lost;
   else
-    h.state = c.clock.now() - c.frame_at > kStale_s ? Health::Stalled : Health::Streaming;
+    h.state = c.clock.now() - c.frame_at > kStale ? Health::Stalled : Health::Streaming;
   return h;
 }
 
