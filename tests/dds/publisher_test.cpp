@@ -1,3 +1,4 @@
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <future>
 
@@ -101,6 +102,29 @@ TEST_CASE("a full queue drops the oldest and never waits", "[dds][publisher]") {
   go.set_value();
   CHECK(publisher->flush(10'000ms));
   CHECK(publisher->counts().failed == 1);  // nobody subscribed to the joints
+}
+
+TEST_CASE("a flood of joints does not push a decision out of the queue", "[dds][publisher]") {
+  const auto publisher = open(8);
+  std::promise<void> begun, go;
+  const auto may_go = go.get_future().share();
+  publisher->publish({Topic::Map, 0s, [&begun, may_go] {
+                        begun.set_value();
+                        may_go.wait();
+                        return std::string("{}");
+                      }});
+  begun.get_future().wait();
+  std::atomic<int> encoded{0};
+  for (int i = 0; i < 3; ++i)
+    publisher->publish({Topic::Decision, 0s, [&encoded, i] {
+                          encoded = i + 1;
+                          return std::string("{}");
+                        }});
+  for (int i = 0; i < 100; ++i) publisher->publish({Topic::Joints, 0s, [] { return std::string("{}"); }});
+  go.set_value();
+  CHECK(publisher->flush(10'000ms));
+  CHECK(encoded == 3);                     // the newest
+  CHECK(publisher->counts().failed == 2);  // the map, and one decision: both lack everything
 }
 
 TEST_CASE("a subscriber that is dead does not hold up the others", "[dds][publisher]") {

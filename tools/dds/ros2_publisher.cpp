@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -65,6 +66,11 @@ std::vector<Outlet> outlets() {
       outlet(Topic::Devices, "/diagnostics", Qos::Reliable, diagnostic_msgs_msg_dds__DiagnosticArray__desc,
              to_diagnostics),
   };
+}
+
+/// What a viewer would miss for the rest of the run.
+bool is_seldom(Topic channel) {
+  return channel == Topic::Decision || channel == Topic::Scene || channel == Topic::Map;
 }
 
 hal::Timestamp system_time() {
@@ -132,6 +138,26 @@ struct Ros2Publisher::Impl {
     }
   }
 
+  /// Drops the oldest of what comes all the time. What comes seldom stays, the newest of each channel.
+  void make_room() {
+    const auto drop = [this](auto at) {
+      queued_bytes -= at->bytes;
+      queue.erase(at);
+      ++counts.dropped;
+    };
+    if (is_seldom(queue.back().topic)) {
+      const auto older = std::find_if(queue.begin(), queue.end() - 1,
+                                      [this](const auto& p) { return p.topic == queue.back().topic; });
+      if (older != queue.end() - 1) drop(older);
+    }
+    while (queue.size() > config.queue_messages || queued_bytes > config.queue_bytes) {
+      const auto oldest =
+          std::find_if(queue.begin(), queue.end(), [](const auto& p) { return !is_seldom(p.topic); });
+      if (oldest == queue.end()) return;
+      drop(oldest);
+    }
+  }
+
   [[nodiscard]] static bool has_readers(dds_entity_t writer) {
     dds_publication_matched_status_t status;
     return dds_get_publication_matched_status(writer, &status) == DDS_RETCODE_OK && status.current_count > 0;
@@ -190,12 +216,7 @@ void Ros2Publisher::publish(const telemetry::Publication& publication) {
   ++i.counts.handed_in;
   i.queue.push_back(publication);
   i.queued_bytes += publication.bytes;
-  while (i.queue.size() > 1 &&
-         (i.queue.size() > i.config.queue_messages || i.queued_bytes > i.config.queue_bytes)) {
-    i.queued_bytes -= i.queue.front().bytes;
-    i.queue.pop_front();
-    ++i.counts.dropped;
-  }
+  i.make_room();
   i.news.notify_one();
 }
 
