@@ -214,6 +214,29 @@ TEST_CASE("a lift is seen over ROS 2 as its document has it, while hostile peers
   }
 }
 
+TEST_CASE("a decision is asked for over ROS 2 from the program", "[dds][run]") {
+  const int domain = test_domain();
+  auto running = std::async(std::launch::async, [&] {
+    return colift("ros2 --quiet --count 1 --ros2-domain " + std::to_string(domain) + " 2>&1");
+  });
+  FastPeer peer(domain);
+  const auto replies = peer.reader("rt/colift/decide/reply", "colift_msgs::msg::dds_::DecideReply_");
+  const auto requests = peer.writer("rt/colift/decide/request", "colift_msgs::msg::dds_::DecideRequest_");
+  RosDecideRequest request;  // an empty image
+  request.client = "test", request.sequence_number = 9;
+  std::optional<Bytes> got;
+  for (int i = 0; i < 60 && !got; ++i) {
+    (void)requests->write(bytes_of(request));
+    got = replies->next(500ms);
+  }
+  REQUIRE(got);
+  const auto reply = decide_reply_of(*got);
+  CHECK(reply.sequence_number == 9);
+  CHECK_FALSE(reply.ok);
+  CHECK(reply.error.find("size 0 x 0") != std::string::npos);
+  CHECK(running.get().code == 0);
+}
+
 TEST_CASE("options of ROS 2 that make no sense are refused before anything starts", "[dds][run]") {
   CHECK(colift("run --ros2 --ros2-domain 400 2>/dev/null").code == 2);
   CHECK(colift("run --ros2 --ros2-interface nic0 2>/dev/null").code == 2);

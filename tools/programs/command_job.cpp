@@ -11,10 +11,7 @@ namespace {
 void add_ros2(CLI::App& command, Ros2Options& o) {
   command.add_flag("--ros2", o.on,
                    "Publishes the run as topics of ROS 2, on this machine's loopback interface");
-  command.add_option("--ros2-domain", o.domain, "DDS domain, 0 to 101 (default: ROS_DOMAIN_ID, else 0)")
-      ->type_name("N");
-  command.add_option("--ros2-interface", o.interface, "Network interface instead of the loopback one")
-      ->type_name("NAME");
+  add_ros2_place(command, o);
 }
 
 void add_run(CLI::App& command, RunOptions& o) {

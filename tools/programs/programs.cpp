@@ -34,6 +34,7 @@ constexpr CommandEntry kCommands[] = {
     {"recover", "colift-bring-up",
      "After a stop: the state of arm, hand and load; in confirmed steps to lowered, released, home"},
     {"doctor", "colift-bring-up", "Checks this machine; each finding with the command that repairs it"},
+    {"ros2", "colift-ros2", "Answers requests of ROS 2 nodes for decisions"},
     {"emulate", "colift-emulate", "Emulates a device at the far end of its wire"},
 };
 

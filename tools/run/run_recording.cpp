@@ -9,7 +9,6 @@
 #include "hal/drivers/recorded/file_bytes.hpp"
 #include "tools/rig/robot_file.hpp"
 #include "tools/rig/wired_devices.hpp"
-#include "tools/run/run_ros2.hpp"
 #include "tools/run/run_view.hpp"
 #include "tools/telemetry/channels/built_in_texts.hpp"
 #include "tools/telemetry/record/flight_request.hpp"

@@ -1,8 +1,7 @@
-#include "tools/run/run_ros2.hpp"
-
 #include <fmt/format.h>
 
 #include "tools/run/run_live.hpp"
+#include "tools/run/run_recording.hpp"
 #ifdef COLIFT_DDS
 #include "hal/dds/ros2_names.hpp"
 #include "tools/dds/ros2_publisher.hpp"
