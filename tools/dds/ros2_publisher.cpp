@@ -73,6 +73,15 @@ bool is_seldom(Topic channel) {
   return channel == Topic::Decision || channel == Topic::Scene || channel == Topic::Map;
 }
 
+/// How far stamps may be from the system's time before they are set anew.
+constexpr hal::Duration kDrift = std::chrono::milliseconds(50);
+
+/// A message that waits, with what makes ROS time of its robot's time.
+struct Waiting {
+  telemetry::Publication message;
+  hal::Duration to_ros{0};
+};
+
 hal::Timestamp system_time() {
   return std::chrono::system_clock::now().time_since_epoch();
 }
@@ -87,7 +96,7 @@ struct Ros2Publisher::Impl {
 
   mutable std::mutex mutex;
   std::condition_variable news, idle;
-  std::deque<telemetry::Publication> queue;
+  std::deque<Waiting> queue;
   std::size_t queued_bytes = 0;
   bool ends = false, busy = false;
   PublisherCounts counts;
@@ -124,9 +133,9 @@ struct Ros2Publisher::Impl {
     for (;;) {
       news.wait(lock, [&] { return ends || !queue.empty(); });
       if (queue.empty()) return;
-      const telemetry::Publication next = std::move(queue.front());
+      const Waiting next = std::move(queue.front());
       queue.pop_front();
-      queued_bytes -= next.bytes;
+      queued_bytes -= next.message.bytes;
       busy = true;
       lock.unlock();
       PublisherCounts sent;
@@ -138,21 +147,30 @@ struct Ros2Publisher::Impl {
     }
   }
 
+  /// A simulation goes faster or slower than the system's clock. A depth image keeps what its camera model
+  /// has, which comes right before it: both have the same stamp.
+  void follow_time(const telemetry::Publication& p) {
+    if (to_ros && p.topic == Topic::Depth) return;
+    const hal::Duration now = system_time() - p.at;
+    if (!to_ros || now - *to_ros > kDrift || *to_ros - now > kDrift) to_ros = now;
+  }
+
   /// Drops the oldest of what comes all the time. What comes seldom stays, the newest of each channel.
   void make_room() {
     const auto drop = [this](auto at) {
-      queued_bytes -= at->bytes;
+      queued_bytes -= at->message.bytes;
       queue.erase(at);
       ++counts.dropped;
     };
-    if (is_seldom(queue.back().topic)) {
-      const auto older = std::find_if(queue.begin(), queue.end() - 1,
-                                      [this](const auto& p) { return p.topic == queue.back().topic; });
+    if (is_seldom(queue.back().message.topic)) {
+      const auto older = std::find_if(queue.begin(), queue.end() - 1, [this](const auto& p) {
+        return p.message.topic == queue.back().message.topic;
+      });
       if (older != queue.end() - 1) drop(older);
     }
     while (queue.size() > config.queue_messages || queued_bytes > config.queue_bytes) {
       const auto oldest =
-          std::find_if(queue.begin(), queue.end(), [](const auto& p) { return !is_seldom(p.topic); });
+          std::find_if(queue.begin(), queue.end(), [](const auto& p) { return !is_seldom(p.message.topic); });
       if (oldest == queue.end()) return;
       drop(oldest);
     }
@@ -174,14 +192,16 @@ struct Ros2Publisher::Impl {
     return false;
   }
 
-  void pass_on(const telemetry::Publication& p, PublisherCounts& sent) {
+  void pass_on(const Waiting& waiting, PublisherCounts& sent) {
+    const telemetry::Publication& p = waiting.message;
     std::string bytes;
     for (Outlet& o : out) {
       if (o.channel != p.topic || (o.qos != Qos::Latched && !has_readers(o.writer))) continue;
       if (bytes.empty()) bytes = p.encode();
       try {
         if (o.channel == Topic::Transforms && o.qos == Qos::Latched && repeats(bytes)) continue;
-        if (const auto ok = o.send(o.writer, {bytes, p.at, *to_ros})) ++(*ok ? sent.written : sent.failed);
+        if (const auto ok = o.send(o.writer, {bytes, p.at, waiting.to_ros}))
+          ++(*ok ? sent.written : sent.failed);
       } catch (const Json::exception&) {
         ++sent.failed;
       }
@@ -212,9 +232,9 @@ void Ros2Publisher::publish(const telemetry::Publication& publication) {
   Impl& i = *impl_;
   if (!i.wanted[static_cast<std::size_t>(publication.topic)]) return;
   const std::lock_guard lock(i.mutex);
-  if (!i.to_ros) i.to_ros = system_time() - publication.at;
+  i.follow_time(publication);
   ++i.counts.handed_in;
-  i.queue.push_back(publication);
+  i.queue.push_back({publication, *i.to_ros});
   i.queued_bytes += publication.bytes;
   i.make_room();
   i.news.notify_one();

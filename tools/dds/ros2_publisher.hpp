@@ -27,8 +27,8 @@ struct PublisherCounts {
 /// Publishes a run to ROS 2, in a thread of its own. Topics: docs/ros2.md. A message is made only if somebody
 /// subscribed to its topic, or if the topic is latched.
 ///
-/// Stamps are ROS time: the robot's clock, moved by the difference to the system's clock at the first
-/// message.
+/// Stamps are ROS time: the robot's clock, moved by its difference to the system's clock; set anew where it
+/// is more than 50 ms off, as in a simulation that is not in real time.
 class Ros2Publisher final : public telemetry::TelemetrySink {
  public:
   /// Errors: BadConfig (domain, interface), DeviceFault (what Cyclone DDS reports).
