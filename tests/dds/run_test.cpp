@@ -112,8 +112,9 @@ TEST_CASE("a lift is seen over ROS 2 as its document has it, while hostile peers
   const auto cloud = peer.reader("rt/colift/cloud", "sensor_msgs::msg::dds_::PointCloud2_");
   const auto devices = peer.reader("rt/diagnostics", "diagnostic_msgs::msg::dds_::DiagnosticArray_");
   // garbage on a topic of the run and on its ports, and a subscriber that never acknowledges
-  const PeerProcess flood({"flood", number, "rt/tf", "tf2_msgs::msg::dds_::TFMessage_"});
-  const PeerProcess packets({"packets", number});
+  std::optional<PeerProcess> flood(
+      std::vector<std::string>{"flood", number, "rt/tf", "tf2_msgs::msg::dds_::TFMessage_"});
+  std::optional<PeerProcess> packets(std::vector<std::string>{"packets", number});
   const PeerProcess dead({"read", number, "rt/colift/task_status", "colift_msgs::msg::dds_::TaskStatus_"});
 
   auto running = std::async(std::launch::async, [&] {
@@ -130,6 +131,8 @@ TEST_CASE("a lift is seen over ROS 2 as its document has it, while hostile peers
     for (auto& [reader, to] : followed)
       if (auto got = reader->next(10ms); got && to->size() < 5000) to->push_back(std::move(*got));
   auto ended = running.get();
+  flood.reset();
+  packets.reset();
   std::promise<void> done;
   auto ready = done.get_future();
   done.set_value();
