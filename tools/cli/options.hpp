@@ -65,7 +65,15 @@ struct ViewOptions {
   std::optional<double> speed;             ///< Of a simulated run; 0: as fast as it goes.
 };
 
+/// Publishing to ROS 2.
+struct Ros2Options {
+  bool on = false;
+  std::optional<int> domain;             ///< Unset: ROS_DOMAIN_ID, else 0.
+  std::optional<std::string> interface;  ///< Unset: loopback.
+};
+
 struct RunOptions {
+  Ros2Options ros2;
   ViewOptions live;
   std::optional<std::filesystem::path> scenario;  ///< Unset: the built-in table.
   std::optional<std::filesystem::path> robot;     ///< Unset: the simulated rig.

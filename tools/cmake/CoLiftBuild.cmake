@@ -60,6 +60,14 @@ function(colift_library name)
   add_dependencies(libraries ${name})
 endfunction()
 
+# colift_warnings(), but not for C that was generated.
+function(colift_cxx_warnings name)
+  target_compile_options(${name} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wnon-virtual-dtor;-Woverloaded-virtual>)
+  if(NOT COLIFT_SANITIZE)
+    target_compile_options(${name} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Werror>)
+  endif()
+endfunction()
+
 # Warnings are errors; but through a sanitizer's calls gcc sees some that are none.
 function(colift_warnings name)
   target_compile_options(${name} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor

@@ -41,3 +41,15 @@ if(COLIFT_KINECT)
   endif()
   file(GLOB COLIFT_FAKENECT_LIBRARY /usr/lib/*/fakenect/libfreenect.so.0.5)
 endif()
+
+if(COLIFT_DDS)
+  # optional: without it `colift run --ros2` says what is missing
+  find_package(CycloneDDS 0.10 QUIET)
+  find_program(IDLC idlc)
+  if(CycloneDDS_FOUND AND IDLC)
+    enable_language(C)  # what idlc writes
+  else()
+    message(STATUS "Cyclone DDS is missing (Debian: cyclonedds-dev, cyclonedds-tools): CoLift is built without ROS 2")
+    set(COLIFT_DDS OFF)
+  endif()
+endif()

@@ -8,8 +8,15 @@
 namespace colift::tools {
 namespace {
 
+void add_ros2(CLI::App& command, Ros2Options& o) {
+  command.add_flag("--ros2", o.on,
+                   "Publishes the run as topics of ROS 2, on this machine's loopback interface");
+  add_ros2_place(command, o);
+}
+
 void add_run(CLI::App& command, RunOptions& o) {
   add_view(command, o.live);
+  add_ros2(command, o.ros2);
   add_scenario(command, o.scenario,
                "Scenario of the simulated rig (default: the built-in table); colift scenarios");
   add_robot(command, o.robot, "Robot file: which devices are used (default: the simulated rig)");

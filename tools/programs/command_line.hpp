@@ -68,4 +68,7 @@ CLI::Option* add_robot(CLI::App& parser, std::optional<std::filesystem::path>& f
 /// --view and what belongs to it, for `run` and `log replay`.
 void add_view(CLI::App& parser, ViewOptions& options);
 
+/// --ros2-domain and --ros2-interface, for `run` and `ros2`.
+void add_ros2_place(CLI::App& command, Ros2Options& options);
+
 }  // namespace colift::tools

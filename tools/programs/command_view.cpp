@@ -24,4 +24,11 @@ void add_view(CLI::App& parser, ViewOptions& o) {
       ->type_name("X");
 }
 
+void add_ros2_place(CLI::App& command, Ros2Options& o) {
+  command.add_option("--ros2-domain", o.domain, "DDS domain, 0 to 101 (default: ROS_DOMAIN_ID, else 0)")
+      ->type_name("N");
+  command.add_option("--ros2-interface", o.interface, "Network interface instead of the loopback one")
+      ->type_name("NAME");
+}
+
 }  // namespace colift::tools

@@ -34,6 +34,7 @@ constexpr CommandEntry kCommands[] = {
     {"recover", "colift-bring-up",
      "After a stop: the state of arm, hand and load; in confirmed steps to lowered, released, home"},
     {"doctor", "colift-bring-up", "Checks this machine; each finding with the command that repairs it"},
+    {"ros2", "colift-ros2", "Answers requests of ROS 2 nodes for decisions"},
     {"emulate", "colift-emulate", "Emulates a device at the far end of its wire"},
 };
 
@@ -68,7 +69,7 @@ const CommandEntry* find_command(std::string_view name) {
 const char* program_for(const CommandEntry& command, std::span<const std::string> words) {
   // the beginnings of the options that `colift` leaves to the other program; one too many costs nothing, it
   // has them all
-  constexpr std::string_view kOthers[] = {"--robot", "--record", "--flight", "--view", "--allow-"};
+  constexpr std::string_view kOthers[] = {"--robot", "--record", "--flight", "--view", "--allow-", "--ros2"};
   if (std::strcmp(command.name, "run") != 0 || words.empty() || words.front() != "run")
     return command.program;
   for (const std::string_view word : words)

@@ -16,6 +16,7 @@ void add_device_commands(CommandLine& line);  ///< hal, calibrate, doctor
 void add_emulate_commands(CommandLine& line);     ///< emulate
 void add_log_commands(CommandLine& line);         ///< log
 void add_experiment_commands(CommandLine& line);  ///< experiment
+void add_ros2_commands(CommandLine& line);        ///< ros2
 
 /// A program with these commands. What its main() returns.
 [[nodiscard]] int run_program(int argc, char** argv, void (*add_commands)(CommandLine& line));

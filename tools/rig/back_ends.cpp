@@ -32,6 +32,8 @@ hal::Result<> check_together(const RobotFile& file, bool emulated, const std::st
       return refuse("hand: barrett lives in real time, and arm: simulated does not; expected arm: fri");
     if (file.camera == "kinect")
       return refuse("camera: kinect lives in real time, and arm: simulated does not; expected arm: fri");
+    if (file.camera == "ros2")
+      return refuse("camera: ros2 lives in real time, and arm: simulated does not; expected arm: fri");
     return {};
   }
   if (emulated) return {};
@@ -43,7 +45,7 @@ hal::Result<> check_together(const RobotFile& file, bool emulated, const std::st
   if (file.camera == "simulated")
     return refuse(
         "camera: simulated observes a simulation that is not stepped beside a real arm; expected camera: "
-        "kinect, or emulator: always");
+        "kinect or ros2, or emulator: always");
   return {};
 }
 
@@ -145,8 +147,8 @@ hal::Result<Rig> open_rig(const RigRequest& request, const control::Config& conf
     if (errors)
       rig.robot.camera = sim_hal::make_imperfect_camera(std::move(rig.robot.camera), errors->camera);
     rig.infrared = sim_hal::make_sim_infrared(*world, {});
-  } else {
-    wired->camera(*file, *read, far_ends.get(), pose_known, config, rig);
+  } else if (auto made = wired->camera(*file, *read, far_ends.get(), pose_known, config, rig); !made) {
+    return tl::unexpected(made.error());
   }
   return rig;
 }

@@ -4,6 +4,10 @@
 #include "hal/drivers/barrett_can/pucks/puck_codec.hpp"
 #include "hal/drivers/kinect/guarded_kinect.hpp"
 #include "hal/drivers/kuka_fri/fri_arm.hpp"
+#ifdef COLIFT_DDS
+#include "hal/drivers/ros2_camera/ros2_camera.hpp"
+#include "hal/guards/guarded_camera.hpp"
+#endif
 #include "hal/os/make_can_bus.hpp"
 #include "hal/os/udp_link.hpp"
 #include "tools/rig/emulated_rig.hpp"
@@ -35,6 +39,21 @@ ArmLink link_of(const hal::FriArm& arm, EmulatedRig* emulated) {
     if (change.from == sim_hal::FriState::Command) link.controller->left_command.push_back(change.reason);
   return link;
 }
+
+#ifdef COLIFT_DDS
+hal::Result<> ros2_camera(const RobotFile& file, const control::Config& config, Rig& rig) {
+  rig.robot.camera = std::make_unique<hal::GuardedCamera>(
+      std::make_unique<hal::Ros2Camera>(file.ros2, *rig.robot.clock), config.guard_camera, *rig.robot.clock);
+  return {};
+}
+#else
+hal::Result<> ros2_camera(const RobotFile&, const control::Config&, Rig&) {
+  return hal::failure(
+      hal::ErrorCode::BadConfig, "camera: ros2",
+      "this program was built without Cyclone DDS; install cyclonedds-dev and cyclonedds-tools, "
+      "then run tools/build");
+}
+#endif
 
 class Wired final : public WiredDevices {
  public:
@@ -69,8 +88,10 @@ class Wired final : public WiredDevices {
     return hal::make_barrett_hand(std::move(*bus), file.barrett);
   }
 
-  void camera(const RobotFile& file, const sim_hal::Scenario& scenario, EmulatedRig* far_ends,
-              bool pose_known, const control::Config& config, Rig& rig) const override {
+  [[nodiscard]] hal::Result<> camera(const RobotFile& file, const sim_hal::Scenario& scenario,
+                                     EmulatedRig* far_ends, bool pose_known, const control::Config& config,
+                                     Rig& rig) const override {
+    if (file.camera == "ros2") return ros2_camera(file, config, rig);
     hal::KinectConfig kinect = file.kinect;
     if (far_ends != nullptr) {
       kinect.source = "emulated:" + far_ends->camera()->address();
@@ -84,6 +105,7 @@ class Wired final : public WiredDevices {
     hal::GuardedKinect made = hal::make_guarded_kinect(kinect, guard, *rig.robot.clock, up_C);
     rig.robot.camera = std::move(made.camera);
     rig.infrared = std::move(made.infrared);
+    return {};
   }
 };
 

@@ -33,8 +33,9 @@ class WiredDevices {
   [[nodiscard]] virtual hal::Result<std::unique_ptr<hal::Arm>> arm(
       const RobotFile& file, const std::shared_ptr<EmulatedRig>& far_ends, Rig& rig) const = 0;
   [[nodiscard]] virtual hal::Result<std::unique_ptr<hal::Hand>> hand(const RobotFile& file) const = 0;
-  virtual void camera(const RobotFile& file, const sim_hal::Scenario& scenario, EmulatedRig* far_ends,
-                      bool pose_known, const control::Config& config, Rig& rig) const = 0;
+  [[nodiscard]] virtual hal::Result<> camera(const RobotFile& file, const sim_hal::Scenario& scenario,
+                                             EmulatedRig* far_ends, bool pose_known,
+                                             const control::Config& config, Rig& rig) const = 0;
 };
 
 /// The drivers in hal/drivers and the emulators in sim_hal/emulator.

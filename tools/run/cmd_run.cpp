@@ -66,7 +66,7 @@ int cmd_run(const CommonOptions& common, const RunOptions& options, const RunPar
   if (options.recover && !rig.simulated)
     return report_error("run", {hal::ErrorCode::BadInput, "--recover",
                                 "is for simulated and emulated rigs; here: colift recover, after the stop"});
-  const auto speed = speed_of(options.live, rig.drive);
+  const auto speed = speed_of(options.live, rig.drive, options.ros2.on);
   if (!speed) return report_error("run", speed.error());
   hal::Result<std::unique_ptr<LiveView>> live = nullptr;
   if (parts.open_view) live = parts.open_view(options, fmt::format("CoLift, {}", rig.name));
@@ -75,6 +75,13 @@ int cmd_run(const CommonOptions& common, const RunOptions& options, const RunPar
   if (*live) {
     watchers.push_back(&(*live)->sink());
     std::fprintf(stderr, "live view: %s\n", (*live)->url().c_str());
+  }
+  hal::Result<std::unique_ptr<Ros2View>> ros2 = nullptr;
+  if (parts.open_ros2) ros2 = parts.open_ros2(options);
+  if (!ros2) return report_error("run", ros2.error());
+  if (*ros2) {
+    watchers.push_back(&(*ros2)->sink());
+    if (!common.quiet) std::fprintf(stderr, "ROS 2: %s\n", (*ros2)->place().c_str());
   }
   hal::Result<std::unique_ptr<RunRecording>> recording = nullptr;
   if (parts.open_recording)
@@ -113,6 +120,10 @@ int cmd_run(const CommonOptions& common, const RunOptions& options, const RunPar
   if (*recording)
     for (const std::string& line : (*recording)->finish(*record, document, common.quiet))
       std::fprintf(stderr, "%s\n", line.c_str());
+  if (*ros2) {
+    const std::string sent = (*ros2)->finish();
+    if (!common.quiet) std::fprintf(stderr, "%s\n", sent.c_str());
+  }
   const int ended_with = exit_code(*record, options);  // before Ctrl-C may mean the view
   if (common.json)
     std::puts(document.c_str());

@@ -19,8 +19,8 @@ void Pace::wait_for(hal::Timestamp simulated) {
   if (due > wall.now()) std::this_thread::sleep_for(due - wall.now());
 }
 
-hal::Result<double> speed_of(const ViewOptions& options, control::Drive drive) {
-  if (!options.speed) return options.view && drive == control::Drive::InStep ? 1.0 : 0.0;
+hal::Result<double> speed_of(const ViewOptions& options, control::Drive drive, bool published) {
+  if (!options.speed) return (options.view || published) && drive == control::Drive::InStep ? 1.0 : 0.0;
   if (!std::isfinite(*options.speed) || *options.speed < 0.0)
     return hal::failure(hal::ErrorCode::BadInput, "--speed",
                         "expected 0 (as fast as it goes) or a positive number");

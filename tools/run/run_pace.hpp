@@ -22,8 +22,10 @@ class Pace {
   std::optional<hal::Timestamp> simulated_start_, wall_start_;
 };
 
-/// Times as fast as the wall's clock that a run may go: what was asked for; else 1 with a view on a simulated
-/// rig in lock step, where nobody could follow it otherwise; else 0, as fast as it goes. Errors: BadInput.
-[[nodiscard]] hal::Result<double> speed_of(const ViewOptions& options, control::Drive drive);
+/// Times as fast as the wall's clock that a run may go: what was asked for; else 1 with a view, or ROS 2, on
+/// a simulated rig in lock step, where nobody could follow it otherwise; else 0, as fast as it goes. Errors:
+/// BadInput.
+[[nodiscard]] hal::Result<double> speed_of(const ViewOptions& options, control::Drive drive,
+                                           bool published = false);
 
 }  // namespace colift::tools

@@ -32,6 +32,17 @@ class LiveView {
   virtual void stay(const std::function<bool()>& enough) const = 0;
 };
 
+/// A run as topics of ROS 2.
+class Ros2View {
+ public:
+  virtual ~Ros2View() = default;
+  [[nodiscard]] virtual telemetry::TelemetrySink& sink() = 0;
+  /// Domain and interface, for a person.
+  [[nodiscard]] virtual std::string place() const = 0;
+  /// Sends what is left, for 1 s at most; what was sent, for a person.
+  [[nodiscard]] virtual std::string finish() = 0;
+};
+
 /// The recording of one run: file, flight recorder, and whoever else watches. Changes nothing about the run.
 class RunRecording {
  public:
@@ -56,6 +67,9 @@ struct RunParts {
   hal::Result<std::unique_ptr<RunRecording>> (*open_recording)(
       const CommonOptions& common, const RunOptions& options, const control::JobOptions& job, Rig& rig,
       Setup& setup, const hal::Clock& wall, const std::vector<telemetry::TelemetrySink*>& watchers) = nullptr;
+  /// Null where nobody asked for it. Errors: BadInput, BadConfig (domain, interface, or it was not built in),
+  /// DeviceFault (Cyclone DDS).
+  hal::Result<std::unique_ptr<Ros2View>> (*open_ros2)(const RunOptions& options) = nullptr;
 };
 
 /// Everything (library colift_whole_run).

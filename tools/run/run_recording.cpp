@@ -145,7 +145,7 @@ hal::Result<std::unique_ptr<RunRecording>> open_recording(
 }
 
 RunParts all_run_parts() {
-  return {&wired_devices(), open_view, open_recording};
+  return {&wired_devices(), open_view, open_recording, open_ros2};
 }
 
 }  // namespace colift::tools

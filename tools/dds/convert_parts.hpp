@@ -1,0 +1,54 @@
+#pragma once
+
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "hal/dds/samples.hpp"
+#include "tools/dds/convert.hpp"
+
+namespace colift::ros2 {
+
+// Pieces of messages. For .cpp files of this folder only.
+
+using Json = nlohmann::json;
+
+inline double number_of(const Json& j) {
+  return j.is_null() ? std::numeric_limits<double>::quiet_NaN() : j.get<double>();
+}
+
+inline hal::Timestamp stamp_of(const Json& time) {
+  return std::chrono::seconds(time.at("sec").get<std::int64_t>()) +
+         std::chrono::nanoseconds(time.at("nsec").get<std::int64_t>());
+}
+
+inline void set_header(std_msgs_msg_dds__Header_& out, hal::Timestamp at, std::string_view frame) {
+  out.stamp = time_of(at);
+  hal::dds::set(out.frame_id, frame);
+}
+
+inline void set_text(char*& out, const Json& text) {
+  hal::dds::set(out, text.get_ref<const std::string&>());
+}
+
+/// {"x", "y", "z"}
+template <class Xyz>
+void set_xyz(Xyz& out, const Json& j) {
+  out.x = number_of(j.at("x")), out.y = number_of(j.at("y")), out.z = number_of(j.at("z"));
+}
+/// [x, y, z]; null is NaN.
+template <class Xyz>
+void set_list(Xyz& out, const Json& j) {
+  const bool known = j.is_array();
+  const auto at = [&](int i) {
+    return known ? number_of(j.at(static_cast<std::size_t>(i))) : std::numeric_limits<double>::quiet_NaN();
+  };
+  out.x = at(0), out.y = at(1), out.z = at(2);
+}
+template <class Quaternion>
+void set_quaternion(Quaternion& out, const Json& j) {
+  set_xyz(out, j);
+  out.w = number_of(j.at("w"));
+}
+
+}  // namespace colift::ros2

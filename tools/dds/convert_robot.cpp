@@ -1,0 +1,62 @@
+// Joints and frames.
+
+#include "tools/dds/convert_parts.hpp"
+#include "tools/telemetry/channels/messages.hpp"
+
+namespace colift::ros2 {
+namespace {
+
+bool is_camera(const Json& transform) {
+  return transform.at("child_frame_id").get_ref<const std::string&>() == telemetry::kCameraFrame;
+}
+
+bool transforms(tf2_msgs_msg_dds__TFMessage_& out, const ChannelMessage& in, bool camera) {
+  const Json all = Json::parse(in.bytes);
+  std::size_t count = 0;
+  for (const Json& t : all.at("transforms")) count += is_camera(t) == camera;
+  auto* to = hal::dds::resize(out.transforms, count);
+  for (const Json& t : all.at("transforms")) {
+    if (is_camera(t) != camera) continue;
+    set_header(to->header, in.at + in.to_ros, t.at("parent_frame_id").get_ref<const std::string&>());
+    set_text(to->child_frame_id, t.at("child_frame_id"));
+    set_xyz(to->transform.translation, t.at("translation"));
+    set_quaternion(to->transform.rotation, t.at("rotation"));
+    ++to;
+  }
+  return count > 0;
+}
+
+}  // namespace
+
+builtin_interfaces_msg_dds__Time_ time_of(hal::Timestamp at) {
+  constexpr std::int64_t kSecond_ns = 1'000'000'000;
+  std::int64_t seconds = at.count() / kSecond_ns, rest = at.count() % kSecond_ns;
+  if (rest < 0) --seconds, rest += kSecond_ns;
+  return {static_cast<std::int32_t>(seconds), static_cast<std::uint32_t>(rest)};
+}
+
+bool to_joint_state(sensor_msgs_msg_dds__JointState_& out, const ChannelMessage& in) {
+  const Json all = Json::parse(in.bytes);
+  const Json& joints = all.at("joints");
+  set_header(out.header, in.at + in.to_ros, "");
+  char** names = hal::dds::resize(out.name, joints.size());
+  double* positions = hal::dds::resize(out.position, joints.size());
+  double* efforts = hal::dds::resize(out.effort, joints.size());
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    set_text(names[i], joints[i].at("name"));
+    positions[i] = number_of(joints[i].at("position"));
+    efforts[i] = joints[i].contains("effort") ? number_of(joints[i]["effort"])
+                                              : std::numeric_limits<double>::quiet_NaN();
+  }
+  return !joints.empty();
+}
+
+bool to_transforms(tf2_msgs_msg_dds__TFMessage_& out, const ChannelMessage& in) {
+  return transforms(out, in, false);
+}
+
+bool to_static_transforms(tf2_msgs_msg_dds__TFMessage_& out, const ChannelMessage& in) {
+  return transforms(out, in, true);
+}
+
+}  // namespace colift::ros2
