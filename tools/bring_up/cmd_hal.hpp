@@ -24,6 +24,8 @@ struct HalOptions {
   // hand
   double spread_deg = 0.0;
   double torque_nm = 0.5;
+  std::optional<std::filesystem::path> bus_log;  ///< Where the bus's frames are logged.
+  std::filesystem::path replay;                  ///< A log that is played.
 };
 
 /// Bring-up of the arm: state, watch, hold, move-joint, load, limits, stiffness. 0 done, 1 came to rest

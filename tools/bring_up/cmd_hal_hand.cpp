@@ -5,12 +5,16 @@
 #include <cstdio>
 #include <thread>
 
+#include "hal/can_log/logged_can_bus.hpp"
 #include "hal/drivers/barrett_can/emergency_open.hpp"
+#include "hal/drivers/barrett_can/make_barrett_hand.hpp"
+#include "hal/drivers/barrett_can/replay/hand_log.hpp"
 #include "hal/guards/guarded_hand.hpp"
 #include "hal/os/make_can_bus.hpp"
 #include "hal/os/realtime.hpp"
 #include "hal/types/units.hpp"
 #include "tools/bring_up/bring_up.hpp"
+#include "tools/bring_up/replay/hand_replay.hpp"
 #include "tools/bring_up/hal_hand_task.hpp"
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/session.hpp"
@@ -36,6 +40,7 @@ hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& opt
   Bench bench{file->barrett, config->guard_hand};
   // nothing moves but on the verb that says so
   bench.barrett.initialise = options.verb == "init" ? "always" : "never";
+  if (options.bus_log) bench.barrett.bus_log = options.bus_log->string();
   return bench;
 }
 
@@ -68,6 +73,23 @@ hal::Result<HandTask> task_of(const HalOptions& o, const Bench& bench) {
   return task;
 }
 
+/// The bus, and the log that it goes into where one is asked for.
+struct LoggedBus {
+  std::unique_ptr<hal::CanLogWriter> log;  // in this order: the bus ends before it
+  std::unique_ptr<hal::CanBus> bus;
+};
+
+hal::Result<LoggedBus> make_bus(const Bench& bench, const hal::Clock& clock) {
+  auto bus = hal::make_can_bus(bench.barrett.can);
+  if (!bus) return tl::unexpected(bus.error());
+  auto log = hal::make_bus_log(bench.barrett);
+  if (!log) return tl::unexpected(log.error());
+  if (!*log) return LoggedBus{nullptr, std::move(*bus)};
+  std::fprintf(stderr, "the bus is logged in %s\n", (*log)->file().c_str());
+  auto logged = std::make_unique<hal::LoggedCanBus>(std::move(*bus), **log, clock);
+  return LoggedBus{std::move(*log), std::move(logged)};
+}
+
 /// Whether the hand knows its zeros and has its fingers closed: it may hold something then.
 bool may_hold(hal::CanBus& bus, const hal::BarrettHandConfig& config, const hal::Clock& clock) {
   hal::BarrettHandConfig looking = config;
@@ -84,11 +106,11 @@ int open_at_once(const CommonOptions& common, const HalOptions& options, const B
     return kBadInput;
   }
   const hal::SteadyClock clock;
-  auto bus = hal::make_can_bus(bench.barrett.can);
+  auto bus = make_bus(bench, clock);
   if (!bus) return report_error("hal hand", bus.error());
   const InterruptGuard signals;
   const auto fingers =
-      hal::emergency_open(**bus, clock, bench.barrett, [] { return InterruptGuard::asked(); });
+      hal::emergency_open(*bus->bus, clock, bench.barrett, [] { return InterruptGuard::asked(); });
   if (!fingers) {
     report_failure("hand", options.verb, fingers.error().text(),
                    fmt::format("next: {}\n", hand_advice(fingers.error().code, bench.barrett.can)));
@@ -106,9 +128,9 @@ int open_at_once(const CommonOptions& common, const HalOptions& options, const B
 /// Questions alone: a cold hand stays cold, and nothing that another program does with it is disturbed.
 int read_state(const CommonOptions& common, const HalOptions& options, const Bench& bench) {
   const hal::SteadyClock clock;
-  auto bus = hal::make_can_bus(bench.barrett.can);
+  auto bus = make_bus(bench, clock);
   if (!bus) return report_error("hal hand", bus.error());
-  const auto reading = hal::read_hand(**bus, clock, bench.barrett);
+  const auto reading = hal::read_hand(*bus->bus, clock, bench.barrett);
   if (!reading) {
     report_failure("hand", options.verb, reading.error().text(),
                    fmt::format("next: {}\n", hand_advice(reading.error().code, bench.barrett.can)));
@@ -125,21 +147,46 @@ int read_state(const CommonOptions& common, const HalOptions& options, const Ben
   return kDeviceFailed;
 }
 
+/// A recorded session against today's driver and the emulated hand. No device, no time but the log's.
+int replay(const CommonOptions& common, const HalOptions& options) {
+  const auto log = hal::read_candump(options.replay);
+  if (!log) return report_error("hal hand replay", log.error());
+  std::optional<hal::DriverReplay> driver;
+  std::string why;
+  if (auto played = hal::replay_driver(*log, options.replay.string()))
+    driver = std::move(*played);
+  else if (played.error().code != hal::ErrorCode::NotFound)
+    return report_error("hal hand replay", played.error());
+  else
+    why = played.error().detail;
+  const EmulatorReplay emulator = replay_emulator(*log);
+  const std::string text = common.json
+                               ? replay_document(options.replay.string(), driver, why, emulator) + "\n"
+                               : replay_text(driver, why, emulator);
+  std::fputs(text.c_str(), stdout);
+  return (!driver || driver->equal()) && emulator.equal() ? kDone : kNoGoal;
+}
+
 int run(const CommonOptions& common, const HalOptions& options, const Bench& bench, const HandTask& task) {
   const hal::SteadyClock clock;
-  auto bus = hal::make_can_bus(bench.barrett.can);
+  auto bus = make_bus(bench, clock);
   if (!bus) return report_error("hal hand", bus.error());
   // looking for the stops opens the fingers, whatever is in them
-  if (options.verb == "init" && !options.yes && may_hold(**bus, bench.barrett, clock)) {
+  if (options.verb == "init" && !options.yes && may_hold(*bus->bus, bench.barrett, clock)) {
     std::fputs(
         "colift hal hand init: its fingers are closed and may hold something, which would fall: support it, "
         "and say --yes\n",
         stderr);
     return kBadInput;
   }
-  auto barrett = std::make_unique<hal::BarrettHand>(**bus, bench.barrett, clock);
+  auto barrett = std::make_unique<hal::BarrettHand>(*bus->bus, bench.barrett, clock);
   const hal::BarrettHand& driver = *barrett;
-  hal::GuardedHand hand(std::move(barrett), bench.guard, &clock);
+  std::unique_ptr<hal::Hand> called = std::move(barrett);
+  if (bus->log) {
+    hal::note_hand_settings(*bus->log, bench.barrett, clock);
+    called = std::make_unique<hal::LoggedHand>(std::move(called), *bus->log, clock);
+  }
+  hal::GuardedHand hand(std::move(called), bench.guard, &clock);
 
   // the driver runs in this thread: other programs' load must not make answers late
   (void)hal::ask_for_realtime(
@@ -202,6 +249,7 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
 }  // namespace
 
 int cmd_hal_hand(const CommonOptions& common, const HalOptions& options) {
+  if (options.verb == "replay") return replay(common, options);
   const auto bench = load_bench(common, options);
   if (!bench) return report_error("hal hand", bench.error());
   if (options.verb == "emergency-open") return open_at_once(common, options, *bench);

@@ -83,6 +83,13 @@ void add_hal_hand(CommandLine& line, CLI::App& hand, HalOptions& o) {
   CLI::App& grip = add_verb(hand, "grip", "Closes on an object and monitors the grip", o, line);
   torque(grip);
   for_s(grip, "Duration (default 5)");
+  for (CLI::App* verb : hand.get_subcommands({}))
+    verb->add_option("--bus-log", o.bus_log, "Logs every frame of the bus (candump -L -x), for replay")
+        ->type_name("FILE");
+  CLI::App& replay =
+      add_verb(hand, "replay", "Plays a bus log to today's driver and to an emulated hand; no device", o, line);
+  replay.add_option("FILE", o.replay, "Made by --bus-log, or by candump -L (then for the emulated hand only)")
+      ->required();
 }
 
 void add_hal_camera(CommandLine& line, CLI::App& camera, HalCameraOptions& o) {

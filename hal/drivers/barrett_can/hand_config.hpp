@@ -12,6 +12,7 @@ struct BarrettHandConfig {
   std::string can = "socketcan:can0";
   std::string initialise = "when-needed";
   std::string tactile = "full";
+  std::string bus_log;
 
   double max_torque_nm = 1.0;
   double torque_units_per_nm = 2900.0;
@@ -61,6 +62,8 @@ struct BarrettHandConfig {
       "Whether configure() may open the hand to its stops to find its zero.");
     v("tactile", tactile, Choices{"full", "top10", "off"},
       "Format of the tactile pads; top10 is quicker and coarser.");
+    v("bus_log", bus_log,
+      "File in which every frame of the bus is logged (candump -L -x), numbered if it exists; empty: none.");
     v("max_torque_nm", max_torque_nm, kPositive, "Max closing torque at the fingertips (N m).");
     v("torque_units_per_nm", torque_units_per_nm, kPositive,
       "Units of a puck for 1 N m at the fingertip; to be measured on the hand.");
