@@ -51,6 +51,7 @@ struct BarrettHandConfig {
   double contact_n = 0.3;
   double slip_rad = 0.03;
   double slip_share = 0.5;
+  double slip_pattern_mm = 4.0;
   double spread_slip_rad = 0.1;
 
   template <class Visitor>
@@ -105,6 +106,8 @@ struct BarrettHandConfig {
     v("slip_rad", slip_rad, kPositive,
       "Holding fingers that close by this much in the mean have slipped (rad).");
     v("slip_share", slip_share, kFraction, "A grip force that falls to this share at once is a slip.");
+    v("slip_pattern_mm", slip_pattern_mm, Range{1.0, 50.0},
+      "The centre of pressure of two tactile arrays that moves by this much is a slip (mm).");
     v("spread_slip_rad", spread_slip_rad, kPositive,
       "A loaded spread that turns by this much has given way: it has no worm gear (rad).");
   }
