@@ -98,10 +98,13 @@ hal::Result<LoggedBus> make_bus(const Bench& bench, const hal::Clock& clock) {
 }
 
 /// Whether the hand knows its zeros and has its fingers closed: it may hold something then.
-bool may_hold(hal::CanBus& bus, const hal::BarrettHandConfig& config, const hal::Clock& clock) {
+/// On a bus of its own: what a log tells begins with the calls of the verb.
+bool may_hold(const hal::BarrettHandConfig& config, const hal::Clock& clock) {
+  const auto bus = hal::make_can_bus(config.can);
+  if (!bus) return false;  // the verb says so
   hal::BarrettHandConfig looking = config;
   looking.initialise = "never";
-  hal::BarrettHand hand(bus, looking, clock);
+  hal::BarrettHand hand(**bus, looking, clock);
   return hand.configure() && hand.report().loaded;
 }
 
@@ -282,7 +285,7 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
   auto bus = make_bus(bench, clock);
   if (!bus) return report_error("hal hand", bus.error());
   // looking for the stops opens the fingers, whatever is in them
-  if (options.verb == "init" && !options.yes && may_hold(*bus->bus, bench.barrett, clock)) {
+  if (options.verb == "init" && !options.yes && may_hold(bench.barrett, clock)) {
     std::fputs(
         "colift hal hand init: its fingers are closed and may hold something, which would fall: support it, "
         "and say --yes\n",
