@@ -15,7 +15,8 @@ TEST_CASE("a bundle is read by tar, byte for byte, and names that cannot be are 
   const fs::path folder = fs::temp_directory_path() / "colift_bundle_test";
   fs::remove_all(folder);
   fs::create_directories(folder);
-  const std::string text = std::string(512, 'x') + "\nlast line";
+  std::string text(512, 'x');
+  for (const char c : {'\n', 'e', 'n', 'd'}) text.push_back(c);
   REQUIRE(write_bundle(folder / "hand.tar", {{"state.txt", text}, {"../evil", "no"}, {"empty.log", ""}}));
   CHECK_FALSE(write_bundle(folder / "hand.tar", {}));  // it is kept
   REQUIRE(std::system(("tar -xf " + (folder / "hand.tar").string() + " -C " + folder.string()).c_str()) == 0);
