@@ -2,6 +2,8 @@
 
 #include <array>
 #include <chrono>
+#include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,23 @@
 namespace colift::hal {
 
 inline constexpr int kFingers = 3;
+inline constexpr int kTactileArrays = 4;  ///< Of the fingertips F1, F2, F3, and of the palm.
+inline constexpr std::size_t kPalmArray = 3;
+inline constexpr std::size_t kArrayCells = 24;
+
+/// One array of tactile cells, all of one scan. In a fingertip eight rows of three from its root, in the palm
+/// rows of 5, 7, 7 and 5 from its +y side.
+struct TactileArray {
+  Timestamp measured_at{0};  ///< Of the scan; 0: there was none yet.
+  std::array<float, kArrayCells> pressure_n_cm2 =
+      no_cells();  ///< NaN without sensors, or when the last scan is old.
+
+  static constexpr std::array<float, kArrayCells> no_cells() {
+    std::array<float, kArrayCells> cells{};
+    for (float& c : cells) c = std::numeric_limits<float>::quiet_NaN();
+    return cells;
+  }
+};
 
 /// What the hand measured. Finger joint 0 rad is fully open, about 2.44 rad fully closed.
 struct HandState {
@@ -22,6 +41,8 @@ struct HandState {
   double spread_rad = 0.0;  ///< 0: F1 and F2 opposite F3; pi: all on one side.
   std::array<double, kFingers> torque_nm{};    ///< Fingertip torque from the strain gauges; NaN without them.
   std::array<double, kFingers> tip_force_n{};  ///< Sum over the tactile pad; NaN without tactile sensors.
+  std::array<TactileArray, kTactileArrays> tactile{};              ///< What the sums are made of.
+  double palm_force_n = std::numeric_limits<double>::quiet_NaN();  ///< NaN without tactile sensors.
   bool moving = false;
   bool held = false;    ///< The last close() ended on contact and the grip has not been released since.
   bool slips = false;   ///< The held object moves in the grip: an alarm until release().

@@ -106,6 +106,10 @@ struct GripConfig {
   double max_excess_width_m = 0.012;
   double ready_timeout_s = 20.0;
   double open_tolerance_rad = 0.1;
+  double min_held_fraction = 0.4;
+  double friction = 0.5;
+  double contact_n = 0.3;
+  double cell_contact_n_cm2 = 0.1;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -122,6 +126,14 @@ struct GripConfig {
       "Timeout for the partner to hold still once the hand is closed (s).");
     v("open_tolerance_rad", open_tolerance_rad, hal::Range{0.01, 2},
       "A finger below this angle is open (rad).");
+    v("min_held_fraction", min_held_fraction, hal::kFraction,
+      "The object is not lifted when the strongest finger's strain gauge measures less than this fraction of "
+      "the torque that was asked.");
+    v("friction", friction, hal::Range{0.05, 2},
+      "Friction of pads on the object, for the load that a grip carries.");
+    v("contact_n", contact_n, hal::Range{0.01, 20}, "Force on a tactile pad that is a contact (N).");
+    v("cell_contact_n_cm2", cell_contact_n_cm2, hal::Range{0.01, 15},
+      "Pressure on a cell of a tactile pad that is a contact (N/cm2).");
   }
 };
 

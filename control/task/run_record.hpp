@@ -8,6 +8,7 @@
 #include "control/lift/load_balance.hpp"
 #include "control/session/decide.hpp"
 #include "control/session/scene_analysis.hpp"
+#include "control/task/grip_quality.hpp"
 #include "control/task/intent.hpp"
 #include "control/task/machine/task_machine.hpp"
 #include "control/test_lift/test_lift.hpp"
@@ -116,6 +117,7 @@ struct RunRecord {
   std::optional<Outcome> decision;  ///< The one that was carried out, or the last that was tried.
   std::optional<hal::DepthFrame> frame_partner, frame_lifted;  ///< When decided; at the top.
   std::optional<planner::MotionPlan> plan;
+  std::optional<GripQuality> grip;  ///< Of the last closed hand, when it was judged.
   std::vector<LiftSample> curve;
   std::vector<TestLiftRecord> test_lifts;
   std::vector<AskRecord> asked;

@@ -13,7 +13,8 @@ struct HalOptions {
   std::optional<std::filesystem::path> robot;  ///< Unset: the driver's defaults.
   std::string verb;
   std::optional<double> for_s;
-  bool yes = false;  ///< Goes beyond the careful limits of bring-up.
+  std::optional<std::filesystem::path> out;  ///< Of a bundle.
+  bool yes = false;                          ///< Goes beyond the careful limits of bring-up.
 
   // arm
   std::string joint;  ///< "3" or "A3".
@@ -23,7 +24,12 @@ struct HalOptions {
 
   // hand
   double spread_deg = 0.0;
+  std::optional<double> fingers_deg;  ///< To which the fingers close after the spread has turned.
+  std::string finger;                 ///< "F2".
+  double value = 0.0;                 ///< Of finger, step (deg), velocity (deg/s), torque (N m).
   double torque_nm = 0.5;
+  std::optional<std::filesystem::path> bus_log;  ///< Where the bus's frames are logged.
+  std::filesystem::path replay;                  ///< A log that is played.
 };
 
 /// Bring-up of the arm: state, watch, hold, move-joint, load, limits, stiffness. 0 done, 1 came to rest

@@ -4,9 +4,11 @@
 #include <cstdio>
 #include <future>
 
+#include "hal/config/config_file.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/types/units.hpp"
 #include "tools/bring_up/bring_up.hpp"
+#include "tools/bring_up/bundle/bundle.hpp"
 #include "tools/bring_up/hal_arm_json.hpp"
 #include "tools/bring_up/hal_arm_obstacles.hpp"
 #include "tools/bring_up/hal_arm_task.hpp"
@@ -101,7 +103,7 @@ hal::Result<ArmTask> task_of(const HalOptions& o, const Bench& bench) {
           "path is free, confirm with --yes");
     task.kind = ArmTask::Kind::Load;
     task.speed_rad_s = hal::deg_to_rad(kLoadSpeed_deg_s);
-  } else if (o.verb == "state") {
+  } else if (o.verb == "state" || o.verb == "doctor") {
     // the KRC's figures are over 100 answers; the KRL program's heartbeat needs a second
     task.for_s = o.for_s.value_or(std::clamp(0.13 * bench.fri.cycle_ms, 1.2, 4.0));
   } else if (o.verb == "watch") {
@@ -251,6 +253,23 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
   const ArmTaskEnd end = work.get();
   const ArmView view = view_of(fri, program, realtime, bench.guard.limit_margin_deg, at_s());
 
+  if (options.verb == "doctor") {
+    const std::filesystem::path out = options.out.value_or("arm-doctor.tar");
+    hal::FriConfig fri_config = bench.fri;
+    std::string machine;
+    for (const std::string& words : realtime.words) machine += words + "\n";
+    const std::string trouble = end.reason.empty() ? std::string() : end.reason + "\n";
+    const auto written = write_bundle(
+        out, {{"state.txt", arm_screen(view, *bench.model)},
+              {"answers.txt", histogram_text(view.answers)},
+              {"obstacles.txt", trouble + advice(view, *bench.model, end)},
+              {"state.json", arm_document(options.verb, view, *bench.model, task, end) + "\n"},
+              {"machine.txt", machine},
+              {"config.yaml", hal::effective_yaml(hal::table_of(fri_config), false)}});
+    if (!written) return report_error("hal arm doctor", written.error());
+    std::fprintf(stderr, "%s: state, answer times, what prevents command mode, settings: send this file\n",
+                 out.c_str());
+  }
   if (common.json) {
     std::puts(arm_document(options.verb, view, *bench.model, task, end).c_str());
   } else if (view.status.received > 0) {

@@ -3,15 +3,26 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <thread>
 
+#include "hal/can_log/logged_can_bus.hpp"
+#include "hal/config/config_file.hpp"
 #include "hal/drivers/barrett_can/emergency_open.hpp"
+#include "hal/drivers/barrett_can/make_barrett_hand.hpp"
+#include "hal/drivers/barrett_can/replay/hand_log.hpp"
 #include "hal/guards/guarded_hand.hpp"
+#include "hal/os/can_link.hpp"
 #include "hal/os/make_can_bus.hpp"
 #include "hal/os/realtime.hpp"
 #include "hal/types/units.hpp"
 #include "tools/bring_up/bring_up.hpp"
+#include "tools/bring_up/bundle/bundle.hpp"
+#include "tools/bring_up/finger/finger_words.hpp"
 #include "tools/bring_up/hal_hand_task.hpp"
+#include "tools/bring_up/replay/hand_replay.hpp"
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/session.hpp"
 
@@ -36,6 +47,7 @@ hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& opt
   Bench bench{file->barrett, config->guard_hand};
   // nothing moves but on the verb that says so
   bench.barrett.initialise = options.verb == "init" ? "always" : "never";
+  if (options.bus_log) bench.barrett.bus_log = options.bus_log->string();
   return bench;
 }
 
@@ -68,11 +80,31 @@ hal::Result<HandTask> task_of(const HalOptions& o, const Bench& bench) {
   return task;
 }
 
+/// The bus, and the log that it goes into where one is asked for.
+struct LoggedBus {
+  std::unique_ptr<hal::CanLogWriter> log;  // in this order: the bus ends before it
+  std::unique_ptr<hal::CanBus> bus;
+};
+
+hal::Result<LoggedBus> make_bus(const Bench& bench, const hal::Clock& clock) {
+  auto bus = hal::make_can_bus(bench.barrett.can);
+  if (!bus) return tl::unexpected(bus.error());
+  auto log = hal::make_bus_log(bench.barrett);
+  if (!log) return tl::unexpected(log.error());
+  if (!*log) return LoggedBus{nullptr, std::move(*bus)};
+  std::fprintf(stderr, "the bus is logged in %s\n", (*log)->file().c_str());
+  auto logged = std::make_unique<hal::LoggedCanBus>(std::move(*bus), **log, clock);
+  return LoggedBus{std::move(*log), std::move(logged)};
+}
+
 /// Whether the hand knows its zeros and has its fingers closed: it may hold something then.
-bool may_hold(hal::CanBus& bus, const hal::BarrettHandConfig& config, const hal::Clock& clock) {
+/// On a bus of its own: what a log tells begins with the calls of the verb.
+bool may_hold(const hal::BarrettHandConfig& config, const hal::Clock& clock) {
+  const auto bus = hal::make_can_bus(config.can);
+  if (!bus) return false;  // the verb says so
   hal::BarrettHandConfig looking = config;
   looking.initialise = "never";
-  hal::BarrettHand hand(bus, looking, clock);
+  hal::BarrettHand hand(**bus, looking, clock);
   return hand.configure() && hand.report().loaded;
 }
 
@@ -84,11 +116,11 @@ int open_at_once(const CommonOptions& common, const HalOptions& options, const B
     return kBadInput;
   }
   const hal::SteadyClock clock;
-  auto bus = hal::make_can_bus(bench.barrett.can);
+  auto bus = make_bus(bench, clock);
   if (!bus) return report_error("hal hand", bus.error());
   const InterruptGuard signals;
   const auto fingers =
-      hal::emergency_open(**bus, clock, bench.barrett, [] { return InterruptGuard::asked(); });
+      hal::emergency_open(*bus->bus, clock, bench.barrett, [] { return InterruptGuard::asked(); });
   if (!fingers) {
     report_failure("hand", options.verb, fingers.error().text(),
                    fmt::format("next: {}\n", hand_advice(fingers.error().code, bench.barrett.can)));
@@ -106,9 +138,9 @@ int open_at_once(const CommonOptions& common, const HalOptions& options, const B
 /// Questions alone: a cold hand stays cold, and nothing that another program does with it is disturbed.
 int read_state(const CommonOptions& common, const HalOptions& options, const Bench& bench) {
   const hal::SteadyClock clock;
-  auto bus = hal::make_can_bus(bench.barrett.can);
+  auto bus = make_bus(bench, clock);
   if (!bus) return report_error("hal hand", bus.error());
-  const auto reading = hal::read_hand(**bus, clock, bench.barrett);
+  const auto reading = hal::read_hand(*bus->bus, clock, bench.barrett);
   if (!reading) {
     report_failure("hand", options.verb, reading.error().text(),
                    fmt::format("next: {}\n", hand_advice(reading.error().code, bench.barrett.can)));
@@ -125,21 +157,149 @@ int read_state(const CommonOptions& common, const HalOptions& options, const Ben
   return kDeviceFailed;
 }
 
+/// What a kernel says of the interface; a gateway's is not asked.
+std::string link_text(const std::string& can) {
+  constexpr std::string_view kSocketcan = "socketcan:";
+  if (!can.starts_with(kSocketcan)) return fmt::format("{}: no interface of this machine\n", can);
+  const std::string interface = can.substr(kSocketcan.size());
+  const auto link = hal::read_can_link(interface);
+  if (!link) return link.error().text() + "\n";
+  const auto good = hal::check_can_link(interface, *link, 1'000'000);
+  return fmt::format("{}: {}{}, bit rate {}, restart {} ms, errors sent {} received {}\n{}\n", interface,
+                     link->index == 0 ? "not there"
+                     : link->up       ? "up"
+                                      : "down",
+                     link->running ? ", has a carrier" : "", link->bitrate.value_or(0),
+                     link->restart_ms.value_or(0), link->send_errors.value_or(0),
+                     link->receive_errors.value_or(0), good ? "nothing wrong with it" : good.error().text());
+}
+
+/// All that is known of the hand without moving it, as one file that a person can send.
+int make_bundle(const HalOptions& options, Bench bench) {
+  const std::filesystem::path out = options.out.value_or("hand-doctor.tar");
+  if (bench.barrett.bus_log.empty()) bench.barrett.bus_log = out.string() + ".log";
+  std::vector<BundlePart> parts;
+  std::string fault;
+  std::filesystem::path log_file;
+  {
+    const hal::SteadyClock clock;
+    auto bus = make_bus(bench, clock);
+    if (!bus) return report_error("hal hand doctor", bus.error());
+    log_file = bus->log->file();
+    const auto reading = hal::read_hand(*bus->bus, clock, bench.barrett);
+    if (reading) {
+      fault = hand_reading_fault(*reading);
+      parts.push_back({"state.txt", hand_reading_text(bench.barrett.can, *reading)});
+      parts.push_back({"state.json", hand_reading_document(bench.barrett.can, *reading) + "\n"});
+    } else {
+      fault = reading.error().text();
+      parts.push_back({"state.txt", fmt::format("{}\nnext: {}\n", fault,
+                                                hand_advice(reading.error().code, bench.barrett.can))});
+    }
+    const hal::CanHealth health = bus->bus->health();
+    parts.push_back(
+        {"bus.txt",
+         fmt::format("{}received {}, sent {}, not sent {}, dropped {}, error frames {}, "
+                     "bus-offs {}, not acknowledged {}\n",
+                     link_text(bench.barrett.can), health.received, health.sent, health.not_sent,
+                     health.dropped, health.error_frames, health.bus_offs, health.not_acknowledged)});
+  }  // the log is complete
+  parts.push_back({"config.yaml", hal::effective_yaml(hal::table_of(bench.barrett), false)});
+  std::ifstream log(log_file);
+  parts.push_back({"bus.log", {std::istreambuf_iterator<char>(log), {}}});
+  if (!options.bus_log) std::filesystem::remove(log_file);
+  if (auto done = write_bundle(out, parts); !done) return report_error("hal hand doctor", done.error());
+  std::fputs(
+      fmt::format("{}: what the hand answered, its bus, settings, the log of both: send this file\n{}{}",
+                  out.string(), fault, fault.empty() ? "" : "\n")
+          .c_str(),
+      stdout);
+  return fault.empty() ? kDone : kDeviceFailed;
+}
+
+/// One finger alone, with the pucks' own modes. 0 as asked, 1 stopped before.
+int move_one_finger(const CommonOptions& common, const HalOptions& options, const Bench& bench) {
+  const std::string where = fmt::format("hal hand {}", options.verb);
+  const auto finger = parse_finger(options.finger);
+  if (!finger)
+    return report_error(where.c_str(),
+                        hal::Error{hal::ErrorCode::BadInput, "FINGER",
+                                   fmt::format("\"{}\", expected F1, F2 or F3", options.finger)});
+  auto motion = *finger_motion_of(options.verb, *finger, options.value);
+  motion.torque_nm = options.torque_nm;
+  motion.for_s = options.for_s.value_or(1.0);
+  motion.although_closed = options.yes;
+  if (motion.kind == hal::FingerMotion::Kind::Torque && !options.yes) {
+    std::fputs(
+        "colift hal hand torque: a puck in torque control knows no limits of the joint: keep clear, and say "
+        "--yes\n",
+        stderr);
+    return kBadInput;
+  }
+  hal::BarrettHandConfig config = bench.barrett;
+  config.max_torque_nm = std::min(config.max_torque_nm, bench.guard.max_torque_nm);
+  const hal::SteadyClock clock;
+  auto bus = make_bus(bench, clock);
+  if (!bus) return report_error("hal hand", bus.error());
+  (void)hal::ask_for_realtime(
+      {.priority = kPriority, .lock_memory = false, .stack_bytes = 65536, .heap_bytes = 0});
+  const InterruptGuard signals;
+  const auto end = hal::move_finger(*bus->bus, clock, config, motion, [] { return InterruptGuard::asked(); });
+  if (!end) {
+    const bool typed = end.error().code == hal::ErrorCode::LimitExceeded ||
+                       end.error().detail.find("--yes") != std::string::npos;
+    if (typed) return report_error(where.c_str(), end.error()), kBadInput;
+    report_failure("hand", options.verb, end.error().text(),
+                   fmt::format("next: {}\n", hand_advice(end.error().code, bench.barrett.can)));
+    return kDeviceFailed;
+  }
+  std::fputs((common.json ? finger_document(options.verb, *finger, *end) + "\n" : finger_text(*finger, *end))
+                 .c_str(),
+             stdout);
+  if (!end->rests) return kDeviceFailed;
+  return end->as_asked ? kDone : InterruptGuard::asked() ? 130 : kNoGoal;
+}
+
+/// A recorded session against today's driver and the emulated hand. No device, no time but the log's.
+int replay(const CommonOptions& common, const HalOptions& options) {
+  const auto log = hal::read_candump(options.replay);
+  if (!log) return report_error("hal hand replay", log.error());
+  std::optional<hal::DriverReplay> driver;
+  std::string why;
+  if (auto played = hal::replay_driver(*log, options.replay.string()))
+    driver = std::move(*played);
+  else if (played.error().code != hal::ErrorCode::NotFound)
+    return report_error("hal hand replay", played.error());
+  else
+    why = played.error().detail;
+  const EmulatorReplay emulator = replay_emulator(*log);
+  const std::string text = common.json
+                               ? replay_document(options.replay.string(), driver, why, emulator) + "\n"
+                               : replay_text(driver, why, emulator);
+  std::fputs(text.c_str(), stdout);
+  return (!driver || driver->equal()) && emulator.equal() ? kDone : kNoGoal;
+}
+
 int run(const CommonOptions& common, const HalOptions& options, const Bench& bench, const HandTask& task) {
   const hal::SteadyClock clock;
-  auto bus = hal::make_can_bus(bench.barrett.can);
+  auto bus = make_bus(bench, clock);
   if (!bus) return report_error("hal hand", bus.error());
   // looking for the stops opens the fingers, whatever is in them
-  if (options.verb == "init" && !options.yes && may_hold(**bus, bench.barrett, clock)) {
+  if (options.verb == "init" && !options.yes && may_hold(bench.barrett, clock)) {
     std::fputs(
         "colift hal hand init: its fingers are closed and may hold something, which would fall: support it, "
         "and say --yes\n",
         stderr);
     return kBadInput;
   }
-  auto barrett = std::make_unique<hal::BarrettHand>(**bus, bench.barrett, clock);
+  auto barrett = std::make_unique<hal::BarrettHand>(*bus->bus, bench.barrett, clock);
   const hal::BarrettHand& driver = *barrett;
-  hal::GuardedHand hand(std::move(barrett), bench.guard, &clock);
+  std::unique_ptr<hal::Hand> called = std::move(barrett);
+  if (bus->log) {
+    hal::note_hand_settings(*bus->log, bench.barrett, clock);
+    called = std::make_unique<hal::LoggedHand>(std::move(called), *bus->log, clock);
+  }
+  hal::GuardedHand hand(std::move(called), bench.guard, &clock);
 
   // the driver runs in this thread: other programs' load must not make answers late
   (void)hal::ask_for_realtime(
@@ -202,16 +362,36 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
 }  // namespace
 
 int cmd_hal_hand(const CommonOptions& common, const HalOptions& options) {
+  if (options.verb == "replay") return replay(common, options);
   const auto bench = load_bench(common, options);
   if (!bench) return report_error("hal hand", bench.error());
   if (options.verb == "emergency-open") return open_at_once(common, options, *bench);
   if (options.verb == "state") return read_state(common, options, *bench);
+  if (options.verb == "doctor") return make_bundle(options, *bench);
+  if (finger_motion_of(options.verb, hal::barrett::Puck::F1, 0.0))
+    return move_one_finger(common, options, *bench);
   const auto task = task_of(options, *bench);
   if (!task) {
     const std::string where = fmt::format("hal hand {}", options.verb);
     return report_error(where.c_str(), task.error());
   }
-  return run(common, options, *bench, *task);
+  if (options.verb != "preshape" || !options.fingers_deg) return run(common, options, *bench, *task);
+  if (!(*options.fingers_deg >= 0.0 && *options.fingers_deg <= hal::rad_to_deg(hal::kMaxFinger_rad)))
+    return report_error("hal hand preshape",
+                        hal::Error{hal::ErrorCode::BadInput, "--fingers",
+                                   fmt::format("{} degrees, expected 0 to {:.0f}", *options.fingers_deg,
+                                               hal::rad_to_deg(hal::kMaxFinger_rad))});
+  // the spread first: closed fingers would meet each other
+  int code = run(common, options, *bench, *task);
+  for (const char* finger : {"F1", "F2", "F3"}) {
+    if (code != kDone) break;
+    HalOptions one = options;
+    one.verb = "finger";
+    one.finger = finger;
+    one.value = *options.fingers_deg;
+    code = move_one_finger(common, one, *bench);
+  }
+  return code;
 }
 
 }  // namespace colift::tools

@@ -122,6 +122,40 @@ std::string hand_line(const HandView& v) {
       s.torque_nm[2], s.tip_force_n[0], s.tip_force_n[1], s.tip_force_n[2], doing(v), word(v.report.bus));
 }
 
+namespace {
+
+// Each cell as a letter: '.' none, 1 to 9 in steps of a tenth of what a cell can show, '#' beyond. The tip of
+// a finger is up.
+std::string cells_text(const std::array<hal::TactileArray, hal::kTactileArrays>& arrays) {
+  constexpr float kTouch_n_cm2 = 0.1F, kStep_n_cm2 = 1.6F;
+  constexpr std::array<std::size_t, 4> kPalmFirst{0, 5, 12, 19}, kPalmCount{5, 7, 7, 5};
+  const auto letter = [&](std::size_t array, std::size_t cell) {
+    const float p = arrays[array].pressure_n_cm2[cell];
+    if (std::isnan(p)) return ' ';
+    if (p < kTouch_n_cm2) return '.';
+    const int step = 1 + static_cast<int>(p / kStep_n_cm2);
+    return step > 9 ? '#' : static_cast<char>('0' + step);
+  };
+  const auto silent = [](const hal::TactileArray& a) { return std::isnan(a.pressure_n_cm2[0]); };
+  if (std::all_of(arrays.begin(), arrays.end(), silent)) return {};
+  std::string t = "\n      F1    F2    F3    palm\n";
+  for (std::size_t row = 0; row < 8; ++row) {
+    std::string line = "      ";
+    for (std::size_t finger = 0; finger < hal::kFingers; ++finger) {
+      for (std::size_t column = 0; column < 3; ++column) line += letter(finger, 3 * (7 - row) + column);
+      line += "   ";
+    }
+    if (row < kPalmFirst.size()) {
+      line.append((7 - kPalmCount[row]) / 2, ' ');
+      for (std::size_t i = 0; i < kPalmCount[row]; ++i) line += letter(hal::kPalmArray, kPalmFirst[row] + i);
+    }
+    t += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  }
+  return t;
+}
+
+}  // namespace
+
 std::string tactile_text(const HandView& v) {
   constexpr double kBar_n = 0.5;
   constexpr double kMost = 60.0;
@@ -134,6 +168,7 @@ std::string tactile_text(const HandView& v) {
   for (std::size_t f = 0; f < hal::kFingers; ++f)
     bar(fmt::format("F{}", f + 1), v.state ? v.state->tip_force_n[f] : std::nan(""));
   bar("palm", v.report.palm_force_n);
+  if (v.state) t += cells_text(v.state->tactile);
   if (std::isnan(v.report.palm_force_n) && v.state && std::isnan(v.state->tip_force_n[0]))
     t += "no tactile pad reports anything: a hand without the tactile option, or tactile: off\n";
   return t;
@@ -314,6 +349,8 @@ std::string hand_document(const std::string& verb, const HandView& v, const Hand
     j["state"] = {{"fingers", s.finger_rad}, {"outer", s.outer_rad},       {"spread", s.spread_rad},
                   {"torque", s.torque_nm},   {"tip_force", s.tip_force_n}, {"moving", s.moving},
                   {"held", s.held}};
+    j["state"]["tactile"] = Json::array();
+    for (const hal::TactileArray& a : s.tactile) j["state"]["tactile"].push_back(a.pressure_n_cm2);
   }
   j["pucks"] = Json::array();
   for (std::size_t i = 0; i < r.silent.size(); ++i)

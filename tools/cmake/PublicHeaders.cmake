@@ -7,6 +7,8 @@ set(COLIFT_PUBLIC_HEADERS
   hal/depth_camera.hpp
   hal/device.hpp
   hal/drivers/barrett_can/make_barrett_hand.hpp
+  hal/can_log/can_log_writer.hpp
+  hal/can_log/candump.hpp
   hal/drivers/kinect/guarded_kinect.hpp
   hal/drivers/kuka_fri/make_kuka_arm.hpp
   hal/drivers/recorded/frame_file.hpp

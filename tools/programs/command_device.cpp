@@ -31,6 +31,11 @@ void add_hal_arm(CommandLine& line, CLI::App& arm, HalOptions& o) {
   };
   for_s(add_verb(arm, "state", "State, and what prevents command mode; no motion", o, line),
         "Observation time (default 1.2)");
+  const auto out = [&o](CLI::App& verb) {
+    verb.add_option("--out", o.out, "The file (default arm-doctor.tar)")->type_name("FILE.tar");
+  };
+  out(add_verb(arm, "doctor", "State, answer times, obstacles and settings as one file to send; no motion", o,
+               line));
   for_s(add_verb(arm, "watch", "State continuously, with response times; no motion", o, line),
         "Duration (default: until interrupted)");
   for_s(
@@ -67,6 +72,10 @@ void add_hal_hand(CommandLine& line, CLI::App& hand, HalOptions& o) {
                line));
   for_s(add_verb(hand, "state", "What each puck answers; read-only, also of a cold hand", o, line),
         "Ignored: the state is read once");
+  add_verb(hand, "doctor", "What each puck answers, the bus, settings and the bus log as one file to send", o,
+           line)
+      .add_option("--out", o.out, "The file (default hand-doctor.tar)")
+      ->type_name("FILE.tar");
   for_s(add_verb(hand, "watch", "State continuously; no motion", o, line),
         "Duration (default: until interrupted)");
   for_s(add_verb(hand, "tactile", "Forces on the tactile pads; no motion", o, line),
@@ -80,9 +89,35 @@ void add_hal_hand(CommandLine& line, CLI::App& hand, HalOptions& o) {
   CLI::App& preshape = add_verb(hand, "preshape", "Opens the fingers and turns the spread", o, line);
   preshape.add_option("DEG", o.spread_deg, "Spread, 0 to 180 degrees")->required();
   yes(preshape);
+  preshape
+      .add_option("--fingers", o.fingers_deg, "Then closes the fingers to this angle, one after the other")
+      ->type_name("DEG");
+  const auto one = [&](const char* name, const char* help, const char* value, const char* what) -> CLI::App& {
+    CLI::App& verb = add_verb(hand, name, help, o, line);
+    verb.add_option("FINGER", o.finger, "F1, F2 or F3")->required();
+    verb.add_option(value, o.value, what)->required();
+    yes(verb);
+    return verb;
+  };
+  torque(one("finger", "Moves one finger to an angle of its inner joint", "DEG", "0 to 137 degrees"));
+  torque(one("step", "Moves one finger by an angle", "DEG", "Degrees, closing is positive"));
+  CLI::App& velocity = one("velocity", "Moves one finger with a velocity", "DEG/S", "Up to 34 either way");
+  torque(velocity);
+  for_s(velocity, "Duration (default 1)");
+  CLI::App& push = one("torque", "Drives one finger with a torque; the puck knows no joint limits then", "NM",
+                       "At the fingertip, closing is positive");
+  for_s(push, "Duration (default 1)");
   CLI::App& grip = add_verb(hand, "grip", "Closes on an object and monitors the grip", o, line);
   torque(grip);
   for_s(grip, "Duration (default 5)");
+  for (CLI::App* verb : hand.get_subcommands({}))
+    verb->add_option("--bus-log", o.bus_log, "Logs every frame of the bus (candump -L -x), for replay")
+        ->type_name("FILE");
+  CLI::App& replay = add_verb(
+      hand, "replay", "Plays a bus log to today's driver and to an emulated hand; no device", o, line);
+  replay
+      .add_option("FILE", o.replay, "Made by --bus-log, or by candump -L (then for the emulated hand only)")
+      ->required();
 }
 
 void add_hal_camera(CommandLine& line, CLI::App& camera, HalCameraOptions& o) {

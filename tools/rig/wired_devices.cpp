@@ -85,7 +85,9 @@ class Wired final : public WiredDevices {
     if (!bus) return tl::unexpected(bus.error());
     // a bus that is not there is said before the arm is asked for anything
     if (auto opened = (*bus)->open(); !opened) return tl::unexpected(opened.error());
-    return hal::make_barrett_hand(std::move(*bus), file.barrett);
+    auto log = hal::make_bus_log(file.barrett);
+    if (!log) return tl::unexpected(log.error());
+    return hal::make_barrett_hand(std::move(*bus), file.barrett, std::move(*log));
   }
 
   [[nodiscard]] hal::Result<> camera(const RobotFile& file, const sim_hal::Scenario& scenario,

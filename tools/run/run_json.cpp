@@ -76,6 +76,24 @@ Json test_lifts(const control::RunRecord& record) {
   return all;
 }
 
+Json grip(const control::RunRecord& record) {
+  if (!record.grip) return nullptr;
+  const control::GripQuality& g = *record.grip;
+  static constexpr std::array<const char*, hal::kTactileArrays> kNames{"F1", "F2", "F3", "palm"};
+  Json contacts = Json::array();
+  for (std::size_t i = 0; i < kNames.size(); ++i)
+    contacts.push_back({{"name", kNames[i]},
+                        {"cells", g.contacts[i].cells},
+                        {"force_n", number(g.contacts[i].force_n)},
+                        {"torque_nm", i < hal::kFingers ? number(g.torque_nm[i]) : Json(nullptr)}});
+  return {{"contact_points", g.contact_points},
+          {"palm_touches", g.palm_touches()},
+          {"held_fraction", number(g.held_fraction)},
+          {"friction_limit_n", number(g.friction_limit_n)},
+          {"friction_margin", number(record.lift ? control::friction_margin(g, record.lift->load_n) : NAN)},
+          {"contacts", std::move(contacts)}};
+}
+
 Json asked(const control::RunRecord& record) {
   Json all = Json::array();
   for (const control::AskRecord& a : record.asked)
@@ -261,6 +279,7 @@ std::string run_document(const RunView& view) {
             {"asked", asked(record)},
             {"intents", intents(record)},
             {"test_lifts", test_lifts(record)},
+            {"grip", grip(record)},
             {"lift", lift(record)},
             {"timing", timing(record)}};
   if (view.truth) j["truth"] = truth(view);

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "tools/run/run_view.hpp"
 #include "tools/visualization/canvas.hpp"
@@ -28,6 +30,11 @@ struct DrawnScenes {
 
 /// Distance of people to the arm and the arm's speed over time; nullopt when nobody was near.
 [[nodiscard]] std::optional<picture::LinePlot> separation_plot(const RunView& view);
+
+/// Every cell of the tactile arrays when the grip was judged; nullopt for a hand without them.
+[[nodiscard]] std::optional<picture::Canvas> tactile_picture(const control::RunRecord& record);
+/// How well the closed hand held, in sentences; empty when it was not closed.
+[[nodiscard]] std::vector<std::string> grip_sentences(const control::RunRecord& record);
 
 /// Load, share, tilt, height and slip over time with the states behind them; nullopt without curves.
 [[nodiscard]] std::optional<picture::LinePlot> curves_plot(const RunView& view);

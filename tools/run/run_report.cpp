@@ -332,6 +332,12 @@ std::string run_report_html(const RunView& view) {
     body += picture::report_candidates(candidate_rows(r.decision->candidates, r.decision->decision.scores));
   else if (r.analysis)
     body += picture::report_candidates(candidate_rows(r.analysis->candidates, {}));
+  if (const auto grip = grip_sentences(r); !grip.empty()) {
+    body += picture::report_heading("Grip") + picture::report_paragraphs(grip);
+    if (const auto cells = tactile_picture(r))
+      body += picture::report_figure(
+          {cells->png(), "Pressure on each cell of the tactile arrays when the grip was judged."});
+  }
   if (const auto plot = curves_plot(view))
     body += picture::report_heading("Curves") +
             picture::report_figure({picture::draw_line_plot(*plot).png(),

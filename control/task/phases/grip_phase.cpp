@@ -52,10 +52,10 @@ std::optional<TaskEvent> GripPhase::verify() {
   const double expected = planner::stopped_angle(c_.rig.hand, c_.chosen());
   double widest = 0.0;
   for (const double q : hand.finger_rad) widest = std::max(widest, std::abs(q - expected));
-  double force = 0.0;
-  for (const double f : hand.tip_force_n) force += std::isnan(f) ? 0.0 : f;
-  const std::string facts = fmt::format("fingers within {:.0f} deg of the observed width, pad force {:.0f} N",
-                                        hal::rad_to_deg(widest), force);
+  const GripQuality quality = grip_quality(hand, c_.config.task.close_torque_nm, c_.config.task.grip);
+  c_.record.grip = quality;
+  const std::string facts = fmt::format("fingers within {:.0f} deg of the observed width; {}",
+                                        hal::rad_to_deg(widest), describe(quality));
   if (!hand.held) return TaskEvent{Event::GripBad, "the grip was lost: " + facts};
   // a finger of somebody, a cable: thicker than what was seen. Fingers that wrap a bar do not show its width
   const GripConfig& grip = c_.config.task.grip;
@@ -68,6 +68,11 @@ std::optional<TaskEvent> GripPhase::verify() {
                     1e3 * excess_m, 1e3 * grip.max_excess_width_m)};
   if (widest > c_.config.task.grip.finger_tolerance_rad)
     return TaskEvent{Event::GripBad, "that does not match the observed object: " + facts};
+  // fingers that wrap a bar press with their inner links, which have no gauge
+  if (c_.chosen().kind != planner::GraspKind::Wrap && quality.held_fraction < grip.min_held_fraction)
+    return TaskEvent{Event::GripBad,
+                     fmt::format("held at {:.2f} of what was asked (limit {:.2f}): not lifted; {}",
+                                 quality.held_fraction, grip.min_held_fraction, facts)};
   return TaskEvent{Event::GripGood, facts};
 }
 

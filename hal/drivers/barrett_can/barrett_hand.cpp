@@ -189,6 +189,8 @@ struct BarrettHand::Impl {
       s.torque_nm[f] = strain_above_idle(link, facts, finger);
       s.tip_force_n[f] = pad_force(link, facts, finger, clock.now());
     }
+    for (const Puck puck : kAllPucks) s.tactile[index(puck)] = pad_cells(link, facts, puck, clock.now());
+    s.palm_force_n = pad_force(link, facts, Puck::Spread, clock.now());
     s.spread_rad = watch.good(Puck::Spread).motor / kSpreadCounts_rad;
     s.moving = motion.moving();
     s.held = motion.held();

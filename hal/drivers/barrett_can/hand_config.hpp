@@ -12,6 +12,7 @@ struct BarrettHandConfig {
   std::string can = "socketcan:can0";
   std::string initialise = "when-needed";
   std::string tactile = "full";
+  std::string bus_log;
 
   double max_torque_nm = 1.0;
   double torque_units_per_nm = 2900.0;
@@ -50,6 +51,7 @@ struct BarrettHandConfig {
   double contact_n = 0.3;
   double slip_rad = 0.03;
   double slip_share = 0.5;
+  double slip_pattern_mm = 4.0;
   double spread_slip_rad = 0.1;
 
   template <class Visitor>
@@ -61,6 +63,8 @@ struct BarrettHandConfig {
       "Whether configure() may open the hand to its stops to find its zero.");
     v("tactile", tactile, Choices{"full", "top10", "off"},
       "Format of the tactile pads; top10 is quicker and coarser.");
+    v("bus_log", bus_log,
+      "File in which every frame of the bus is logged (candump -L -x), numbered if it exists; empty: none.");
     v("max_torque_nm", max_torque_nm, kPositive, "Max closing torque at the fingertips (N m).");
     v("torque_units_per_nm", torque_units_per_nm, kPositive,
       "Units of a puck for 1 N m at the fingertip; to be measured on the hand.");
@@ -102,6 +106,8 @@ struct BarrettHandConfig {
     v("slip_rad", slip_rad, kPositive,
       "Holding fingers that close by this much in the mean have slipped (rad).");
     v("slip_share", slip_share, kFraction, "A grip force that falls to this share at once is a slip.");
+    v("slip_pattern_mm", slip_pattern_mm, Range{1.0, 50.0},
+      "The centre of pressure of two tactile arrays that moves by this much is a slip (mm).");
     v("spread_slip_rad", spread_slip_rad, kPositive,
       "A loaded spread that turns by this much has given way: it has no worm gear (rad).");
   }

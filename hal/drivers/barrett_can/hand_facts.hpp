@@ -76,4 +76,18 @@ void say(ShortText& text, fmt::format_string<Args...> format, Args&&... args) {
   return pad_force_n(puck, pad.cells);
 }
 
+/// The cells of a pad; NaN as pad_force().
+[[nodiscard]] inline TactileArray pad_cells(const PuckLink& link, const HandFacts& facts, Puck puck,
+                                            Timestamp now) {
+  TactileArray array;
+  const PadScan& pad = link.pad(puck);
+  if (!facts.pad_works[index(puck)] || !pad.known || now - pad.at > std::chrono::milliseconds(300))
+    return array;
+  array.measured_at = pad.at;
+  static_assert(kTactileCells == kArrayCells);
+  for (std::size_t i = 0; i < kArrayCells; ++i)
+    array.pressure_n_cm2[i] = static_cast<float>(pad.cells[i]) / 256.0F;
+  return array;
+}
+
 }  // namespace colift::hal::barrett

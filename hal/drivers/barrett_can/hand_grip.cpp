@@ -186,6 +186,7 @@ void HandMotion::verify(Timestamp now) {
   }
   phase_ = Phase::Held;
   slip_.start();
+  pattern_.start();
   spread_turned_ = false;
 }
 
@@ -220,10 +221,15 @@ void HandMotion::watch_grip(Timestamp now) {
   }
   std::array<bool, kFingers> holding = contact_;
   for (std::size_t f = 0; f < kFingers; ++f) holding[f] = holding[f] && !facts_.zero_lost[f];
-  const bool before = slip_.slipped();
+  const bool before = slip_.slipped() || pattern_.slipped();
   slip_.add(at, inner, strain, pads, holding);
-  if (slip_.slipped() && !before) {
-    say(why_, "the object slips in the hand");
+  std::array<TactileArray, kFingers> cells;
+  for (const Puck finger : kFingerPucks) cells[index(finger)] = pad_cells(link_, facts_, finger, now);
+  pattern_.add(cells, holding);
+  if ((slip_.slipped() || pattern_.slipped()) && !before) {
+    say(why_, "{}",
+        slip_.slipped() ? "the object slips in the hand"
+                        : "the object slips: its pattern moves over the pads");
     grip_up();
   }
   for (const Puck finger : kFingerPucks) {

@@ -18,7 +18,8 @@ HandMotion::HandMotion(const BarrettHandConfig& config, PuckLink& link, HandFact
       link_(link),
       facts_(facts),
       hold_limit_units_(config.hold_torque_units),
-      slip_({config.slip_rad, config.slip_share, config.contact_nm, config.contact_n}) {}
+      slip_({config.slip_rad, config.slip_share, config.contact_nm, config.contact_n}),
+      pattern_({.moved_mm = config.slip_pattern_mm}) {}
 
 bool HandMotion::any_active() const {
   return std::any_of(moves_.begin(), moves_.end(), [](const Move& m) { return m.active; });
@@ -81,6 +82,7 @@ void HandMotion::release() {
   turn_after_ = false;
   releasing_ = true;
   slip_.start();
+  pattern_.start();
   spread_turned_ = false;
   open_fingers();
 }
@@ -278,6 +280,13 @@ void HandMotion::after_opening() {
     if (std::abs(position(finger)) > kOpen) shut = &finger;
   if (shut != nullptr && why_.empty())
     say(why_, "{} did not open: it stands at {:.2f} rad", name(*shut), position(*shut) / kFingerCounts_rad);
+  for (const Puck finger : kFingerPucks) {
+    const GoodPosition& p = facts_.good[index(finger)];
+    if (shut == nullptr && why_.empty() && p.known && broken_away(p.motor, p.joint))
+      say(why_,
+          "{} is still broken away after opening: its outer link is ahead; it has to be initialised anew",
+          name(finger));
+  }
   if (!turn_after_) return;
   turn_after_ = false;
   if (shut != nullptr || facts_.zero_lost[index(Puck::Spread)]) return;  // it would be in the spread's way

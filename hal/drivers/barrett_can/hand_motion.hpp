@@ -7,6 +7,7 @@
 #include "hal/drivers/barrett_can/hand_config.hpp"
 #include "hal/drivers/barrett_can/hand_facts.hpp"
 #include "hal/drivers/barrett_can/slip_detector.hpp"
+#include "hal/drivers/barrett_can/tactile/pattern_slip.hpp"
 
 namespace colift::hal::barrett {
 
@@ -41,7 +42,7 @@ class HandMotion {
   [[nodiscard]] bool held() const { return phase_ == Phase::Held; }
   /// From the first contact of a close() to the end of a release(): the hand must not open by itself.
   [[nodiscard]] bool loaded() const { return loaded_; }
-  [[nodiscard]] bool slipped() const { return slip_.slipped() || spread_turned_; }
+  [[nodiscard]] bool slipped() const { return slip_.slipped() || pattern_.slipped() || spread_turned_; }
   /// The motors press now; a puck that says another mode than trapezoid has lost it.
   [[nodiscard]] bool pressing(Puck finger, Timestamp now) const;
   /// Its motor may have ended the pressing by itself, because nobody renewed it (a bus that was lost).
@@ -109,6 +110,7 @@ class HandMotion {
   bool verify_timed_ = false;
   int press_tries_ = 0;
   SlipDetector slip_;
+  PatternSlip pattern_;
   std::optional<std::int32_t> spread_kept_;  ///< Counts when the grip began.
   Timestamp spread_seen_{0};
   int spread_off_ = 0;  ///< Readings in a row that are far from it.

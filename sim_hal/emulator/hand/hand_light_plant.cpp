@@ -113,9 +113,11 @@ HandJoint LightHandPlant::joint(std::size_t puck) const {
   j.strain_nm = pad_nm(puck, f.motor);
   double weight_cm2 = 0.0;
   const auto share = [](std::size_t cell) { return cell % 3 == 1 ? 2.0 : 1.0; };
-  for (std::size_t cell = kFirstTouched; cell < kBehindTouched; ++cell)
+  const std::size_t moved = 3 * std::min<std::size_t>(object_.pad_rows, 3);
+  const std::size_t first = kFirstTouched + moved, behind = kBehindTouched + moved;
+  for (std::size_t cell = first; cell < behind; ++cell)
     weight_cm2 += share(cell) * hand_cell_cm2(false, cell);
-  for (std::size_t cell = kFirstTouched; cell < kBehindTouched; ++cell)
+  for (std::size_t cell = first; cell < behind; ++cell)
     j.pressure[cell] = share(cell) * j.strain_nm / kTip_m / weight_cm2;
   return j;
 }

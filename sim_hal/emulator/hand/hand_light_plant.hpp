@@ -11,6 +11,7 @@ struct HandObject {
   std::array<std::optional<double>, kHandFingers> inner_rad;  ///< Angle of the inner link that touches it.
   std::array<std::optional<double>, kHandFingers> total_rad;  ///< Of both joints together, when the pad does.
   double palm_n = 0.0;                                        ///< How it rests on the palm.
+  std::size_t pad_rows = 0;  ///< How many rows of cells towards the tips it touches, from the pads' middle.
 
   /// In the middle of the hand, touched by the three pads. Wider than 0.3 m: not at all; the fingers' length
   /// and the bend of 42 degrees in the outer link are those of the maker's tables.

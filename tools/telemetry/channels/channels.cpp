@@ -252,6 +252,16 @@ Json load() {
                  {"slip_m", maybe()}});
 }
 
+Json tactile() {
+  return object(
+      {{"arrays", list(object({{"name", text("F1, F2, F3 or palm")},
+                               {"at", integer("ns")},
+                               {"force_n", maybe()},
+                               {"cells", list(maybe("N/cm2; fingertip: eight rows of three from its "
+                                                    "root, palm: rows of 5, 7, 7, 5"))}}))},
+       {"palm_touches", boolean()}});
+}
+
 Json truth() {
   return object({{"t", number("s since the start of the run")},
                  {"robot_force_z_n", number()},
@@ -292,6 +302,8 @@ Json inputs() {
                             {"spread", number()},
                             {"torque", list(maybe())},
                             {"tip_force", list(maybe())},
+                            {"palm_force", maybe()},
+                            {"tactile", list(type("object"))},
                             {"moving", boolean()},
                             {"held", boolean()},
                             {"slips", boolean()},
@@ -334,6 +346,7 @@ std::vector<ChannelInfo> all() {
   add(Topic::Timing, "/arm/timing", "colift.CycleTiming", timing());
   add(Topic::Stages, "/stages", "colift.StageTiming", stages());
   add(Topic::Load, "/load", "colift.Load", load());
+  add(Topic::Tactile, "/hand/tactile", "colift.Tactile", tactile());
   add(Topic::Truth, "/truth", "colift.Truth", truth());
   const auto add_image = [&](Topic id, const char* topic) {
     list.push_back({id, topic, "cdr", kImageType, "ros2msg", image_definition()});

@@ -30,6 +30,7 @@ enum class Topic : std::uint8_t {
   Timing,       ///< colift.CycleTiming: the arm's cycle, ten times a second.
   Stages,       ///< colift.StageTiming: computing times, for each decision.
   Load,         ///< colift.Load: force and torque at the palm, share, height, tilt, slip.
+  Tactile,      ///< colift.Tactile: every cell of the hand's tactile arrays, 20 a second where it has any.
   Truth,        ///< colift.Truth: what only a simulation knows.
   Depth,        ///< sensor_msgs/msg/Image: the depth of every frame, lossless (image_message.hpp).
   Colour,       ///< sensor_msgs/msg/Image: its colour, where the camera has any.

@@ -68,6 +68,19 @@ std::string joints_message(hal::Timestamp at, const hal::RobotModel& model, cons
   return dumped({{"timestamp", time_json(at)}, {"joints", std::move(all)}});
 }
 
+std::string tactile_message(const hal::HandState& hand) {
+  static constexpr std::array<const char*, hal::kTactileArrays> kNames{"F1", "F2", "F3", "palm"};
+  constexpr double kTouch_n = 0.3;
+  Json arrays = Json::array();
+  for (std::size_t i = 0; i < kNames.size(); ++i)
+    arrays.push_back(
+        {{"name", kNames[i]},
+         {"at", hand.tactile[i].measured_at.count()},
+         {"force_n", number_json(i == hal::kPalmArray ? hand.palm_force_n : hand.tip_force_n[i])},
+         {"cells", numbers_json(hand.tactile[i].pressure_n_cm2)}});
+  return dumped({{"arrays", std::move(arrays)}, {"palm_touches", hand.palm_force_n > kTouch_n}});
+}
+
 std::string log_message(hal::Timestamp at, Level level, const std::string& name, const std::string& text) {
   return dumped({{"timestamp", time_json(at)},
                  {"level", static_cast<int>(level)},

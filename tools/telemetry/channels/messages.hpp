@@ -24,6 +24,7 @@ inline constexpr const char* kCameraFrame = "camera";
 [[nodiscard]] std::string transforms_message(hal::Timestamp at, const hal::RobotModel& model,
                                              const hal::JointVector& q_rad, const hal::HandPosture& hand,
                                              const hal::Pose& X_WC);
+[[nodiscard]] std::string tactile_message(const hal::HandState& hand);
 [[nodiscard]] std::string joints_message(hal::Timestamp at, const hal::RobotModel& model,
                                          const hal::ArmState& arm, const hal::HandState& hand);
 

@@ -40,6 +40,15 @@ struct Saver {
   void choice(const char* key, Enum& v, int) {
     j[key] = static_cast<int>(v);
   }
+  /// Only what a hand with tactile sensors has measured.
+  template <std::size_t kCount>
+  void tactile(const char* key, const std::array<hal::TactileArray, kCount>& arrays) {
+    for (std::size_t i = 0; i < kCount; ++i)
+      if (arrays[i].measured_at != hal::Timestamp{0})
+        j[key].push_back({{"array", i},
+                          {"at", arrays[i].measured_at.count()},
+                          {"cells", numbers_json(arrays[i].pressure_n_cm2)}});
+  }
   template <class Enum>
   void added_choice(const char* key, Enum& v, int last) {
     choice(key, v, last);
@@ -81,6 +90,16 @@ struct Loader {
   void added_choice(const char* key, Enum& v, int last) {
     if (j.contains(key)) choice(key, v, last);
   }
+  template <std::size_t kCount>
+  void tactile(const char* key, std::array<hal::TactileArray, kCount>& arrays) {
+    if (!j.contains(key)) return;
+    for (const Json& one : j.at(key)) {
+      hal::TactileArray& a = arrays.at(one.at("array").get<std::size_t>());
+      a.measured_at = hal::Timestamp(one.at("at").get<std::int64_t>());
+      for (std::size_t i = 0; i < hal::kArrayCells; ++i)
+        a.pressure_n_cm2[i] = static_cast<float>(number(one.at("cells").at(i)));
+    }
+  }
   void fill(const char* key, double* to, std::size_t count) {
     const Json& list = j.at(key);
     for (std::size_t i = 0; i < count; ++i) to[i] = number(list.at(i));
@@ -106,6 +125,8 @@ void visit(Visitor& v, hal::HandState& s) {
   v("spread", s.spread_rad);
   v("torque", s.torque_nm);
   v("tip_force", s.tip_force_n);
+  v.added("palm_force", s.palm_force_n);
+  v.tactile("tactile", s.tactile);
   v("moving", s.moving);
   v("held", s.held);
   v("slips", s.slips);

@@ -19,7 +19,8 @@ using namespace std::chrono_literals;
 using control::Task;
 
 constexpr hal::Duration kJointsEvery = 20ms, kTransformsEvery = 100ms, kTimingEvery = 100ms;
-constexpr hal::Duration kDevicesEvery = 500ms, kPreviewEvery = 500ms, kCloudEvery = 1000ms;
+constexpr hal::Duration kTactileEvery = 50ms, kDevicesEvery = 500ms, kPreviewEvery = 500ms,
+                        kCloudEvery = 1000ms;
 
 /// What is due every so often on the robot's clock.
 class Every {
@@ -48,8 +49,8 @@ struct RunTelemetry::Impl {
   std::function<void(const std::string&)> fault_listener;
 
   hal::Timestamp now{0};
-  Every joints{kJointsEvery}, transforms{kTransformsEvery}, timing{kTimingEvery}, devices{kDevicesEvery},
-      preview{kPreviewEvery}, cloud{kCloudEvery};
+  Every joints{kJointsEvery}, transforms{kTransformsEvery}, timing{kTimingEvery}, tactile{kTactileEvery},
+      devices{kDevicesEvery}, preview{kPreviewEvery}, cloud{kCloudEvery};
   control::ArmView view;
   hal::HandState hand;
   // the arm's cycle since its last message
@@ -164,6 +165,9 @@ struct RunTelemetry::Impl {
               [at, model, q = view.state.q_rad, h = hal::posture_of(hand), X = camera_pose()] {
                 return transforms_message(at, *model, q, h, X);
               });
+    const bool has_cells = std::any_of(hand.tactile.begin(), hand.tactile.end(),
+                                       [](const auto& a) { return a.measured_at != hal::Timestamp{0}; });
+    if (has_cells && tactile.due(now)) publish(Topic::Tactile, at, [h = hand] { return tactile_message(h); });
     if (timing.due(now)) {
       if (answers > 0) cycles.answer_us_mean = answer_sum_us / static_cast<double>(answers);
       cycles.lost_samples = book.arm.refused() - lost_before;

@@ -105,6 +105,12 @@ TEST_CASE("every message is what its schema says", "[messages]") {
   check_message(Topic::Devices, devices_message({{"arm", {}}}));
   check_message(Topic::Timing, timing_message({10, 1, 0, 2.0, {}, {}}));
   check_message(Topic::Stages, stages_message({}, 1.0, {}));
+  check_message(Topic::Tactile, tactile_message({}));
+  hal::HandState pressed;
+  pressed.tactile[3].measured_at = at;
+  pressed.tactile[3].pressure_n_cm2.fill(0.5F);
+  pressed.palm_force_n = 11.6;
+  check_message(Topic::Tactile, tactile_message(pressed));
   check_message(Topic::Load, load_message({}));
   LoadNow load;
   load.wrench_W = hal::Wrench{{1, 2, 3}, {4, 5, 6}};

@@ -242,6 +242,25 @@ inline void check_hand(const MakeHand& make, const HandTraits& traits = {}) {
     }
   }
 
+  SECTION(
+      "a hand's tactile cells are pressures of its own time, or NaN, and agree with the forces on its pads") {
+    for (const auto& state : detail::states_while_closing(make, traits.torque_nm))
+      for (std::size_t a = 0; a < state.tactile.size(); ++a) {
+        const auto& array = state.tactile[a];
+        const double force_n = a < hal::kFingers ? state.tip_force_n[a] : state.palm_force_n;
+        double most = 0.0;
+        const bool known = array.measured_at != hal::Timestamp{0};
+        for (const float cell : array.pressure_n_cm2) {
+          CHECK(std::isnan(cell) == !known);
+          if (known) CHECK((cell >= 0.0F && cell < 1000.0F));
+          most = std::max<double>(most, cell);
+        }
+        if (!known) continue;
+        CHECK(array.measured_at <= state.measured_at + milliseconds(50));
+        CHECK((force_n > 0.0) == (most > 0.0));
+      }
+  }
+
   if (!traits.repeatable) return;
   SECTION("the same calls give the same states of a hand") {
     const auto one = detail::states_while_closing(make, traits.torque_nm);
