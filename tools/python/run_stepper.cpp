@@ -2,8 +2,8 @@
 
 #include <list>
 
+#include "tools/run/report/run_report.hpp"
 #include "tools/run/run_json.hpp"
-#include "tools/run/run_report.hpp"
 
 namespace colift::python {
 namespace {

@@ -10,11 +10,11 @@
 #include "tools/cli/session.hpp"
 #include "tools/recover/stopped_run.hpp"
 #include "tools/rig/back_ends.hpp"
+#include "tools/run/report/run_report.hpp"
 #include "tools/run/run_json.hpp"
 #include "tools/run/run_pace.hpp"
 #include "tools/run/run_parts.hpp"
 #include "tools/run/run_progress.hpp"
-#include "tools/run/run_report.hpp"
 #include "tools/run/run_session.hpp"
 
 namespace colift::tools {

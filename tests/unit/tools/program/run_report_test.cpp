@@ -3,7 +3,7 @@
 #include <string>
 
 #include "run_example.hpp"
-#include "tools/run/run_report.hpp"
+#include "tools/run/report/run_report.hpp"
 #include "tools/visualization/report/report.hpp"
 
 using namespace colift;

@@ -1,4 +1,4 @@
-#include "tools/run/run_pictures.hpp"
+#include "tools/run/report/run_pictures.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "tools/run/run_report.hpp"
+#include "tools/run/report/run_report.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 
 #include "hal/types/units.hpp"
 #include "tools/analyse/grasp_rows.hpp"
-#include "tools/run/run_pictures.hpp"
+#include "tools/run/report/run_pictures.hpp"
 #include "tools/run/run_text.hpp"
 #include "tools/visualization/file_output.hpp"
 #include "tools/visualization/report/report_parts.hpp"
