@@ -12,8 +12,10 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
 
 find_program(CCACHE ccache)
 if(CCACHE)
-  # what is new is not preprocessed first only to be looked up; what used a precompiled header may be reused
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_DEPEND=1 ${CCACHE})
+  # what is new is not preprocessed first only to be looked up; what used a precompiled header may be reused, and is known by
+  # that header's checksum
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_DEPEND=1 CCACHE_PCH_EXTSUM=1
+      ${CCACHE})
 endif()
 
 set(COLIFT_SANITIZE "" CACHE STRING "Sanitizers: address,undefined or thread")

@@ -10,6 +10,10 @@ function(colift_precompiled_headers kind)
   target_precompile_headers(precompiled_${kind} PRIVATE ${PROJECT_SOURCE_DIR}/tools/cmake/precompiled/${kind}.hpp)
   target_compile_options(precompiled_${kind} PRIVATE ${ARGN} $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
   target_link_libraries(precompiled_${kind} PRIVATE Eigen3::Eigen fmt::fmt)
+  if(CCACHE)
+    set_target_properties(precompiled_${kind} PROPERTIES
+                          CXX_COMPILER_LAUNCHER "${PROJECT_SOURCE_DIR}/tools/cmake/precompiled/with_checksum;${CMAKE_CXX_COMPILER_LAUNCHER}")
+  endif()
   colift_warnings(precompiled_${kind})  # the same macros: -Wpedantic takes one away
 endfunction()
 
