@@ -49,4 +49,6 @@ set(CPACK_DEBIAN_PYTHON3-COLIFT_PACKAGE_DEPENDS "colift (= ${PROJECT_VERSION}), 
 set(CPACK_DEBIAN_PYTHON3-COLIFT_DESCRIPTION "CoLift from Python: depth frames as NumPy arrays, scene analysis,
 decisions, simulated runs step by step with own grasps and policies,
 recordings and experiments.")
+# what Python compiled there is nobody's file
+set(CPACK_DEBIAN_PYTHON3-COLIFT_PACKAGE_CONTROL_EXTRA ${debian}/python3-colift/prerm)
 include(CPack)

@@ -68,8 +68,8 @@ std::unique_ptr<PySetup> setup_of(const std::string& command, const std::string&
 }
 
 std::string setting_of(const PySetup& s, const std::string& path) {
-  control::Config config = s.setup->config;
-  hal::FieldTable table = hal::table_of(config);
+  control::Config copy = s.setup->config;  // only read: a table refers to what can be changed
+  hal::FieldTable table = hal::table_of(copy);
   const hal::Field* field = table.find(path);
   if (field == nullptr)
     throw Failure{{hal::ErrorCode::BadConfig, path, "there is no such entry; Setup.yaml() shows all"}};

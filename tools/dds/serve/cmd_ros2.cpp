@@ -18,8 +18,7 @@ namespace colift::tools {
 namespace {
 
 hal::Result<ros2::DecideResult> decide(const ros2::DecideTask& task, const Setup& setup) {
-  control::Config config = setup.config;
-  if (task.share) config.decision.share = *task.share;
+  const control::Config& config = setup.config;
   control::SceneAnalysisInput input;
   input.frame = task.frame;
   const hal::SteadyClock clock;
@@ -49,8 +48,15 @@ int cmd_ros2(const CommonOptions& common, const Ros2ServeOptions& options) {
       options.ros2.domain ? hal::Result<int>(*options.ros2.domain) : hal::dds::domain_of_environment();
   if (!domain) return report_error("ros2", domain.error());
   dds.domain = *domain;
-  auto server =
-      ros2::DecideServer::open(dds, [&setup](const ros2::DecideTask& task) { return decide(task, *setup); });
+  const auto answer = [&](const ros2::DecideTask& task) -> hal::Result<ros2::DecideResult> {
+    if (!task.share) return decide(task, *setup);
+    DecideOptions asked;
+    asked.share = fmt::format("{}", *task.share);
+    const auto with_share = load_setup(config_of_decide(common, asked));
+    if (!with_share) return tl::unexpected(with_share.error());
+    return decide(task, *with_share);
+  };
+  auto server = ros2::DecideServer::open(dds, answer);
   if (!server) return report_error("ros2", server.error());
   if (!common.quiet)
     std::fprintf(stderr, "ROS 2: domain %d on interface %s; answers %s on %s\n", dds.domain,

@@ -107,10 +107,12 @@ struct Rig {
 
   /// Lets n cycles pass in the arm's thread and waits until the task knows of them.
   void pass(int n) {
+    loop.begin_cycle();  // after let_alone() the view is old
     for (std::uint64_t until = loop.view().cycles + loop.view().missed; n > 0; n -= kAtOnce) {
       until += static_cast<std::uint64_t>(std::min(n, kAtOnce));
       arm.let(std::min(n, kAtOnce));
-      while (loop.view().cycles + loop.view().missed < until) loop.begin_cycle();
+      do loop.begin_cycle();
+      while (loop.view().cycles + loop.view().missed < until);
     }
   }
   /// Lets n cycles pass while the task's thread does nothing at all.

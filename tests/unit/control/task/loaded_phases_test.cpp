@@ -1,5 +1,6 @@
 // Grip, lift, hold, lower and test lift without a camera: what joints, forces and fingers say alone.
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "control/task/phases/grip_phase.hpp"
 #include "control/task/phases/lift_phase.hpp"
@@ -73,7 +74,20 @@ TEST_CASE("a grip is good when the fingers stop where the observed width says", 
   rig.enter(Task::Verify);
   SECTION("there") {
     rig.hand->now.finger_rad.fill(expected + 0.3);
+    rig.hand->now.torque_nm.fill(0.9);
     CHECK(rig.run([&] { return rig.grip.verify(); })->event == Event::GripGood);
+  }
+  SECTION("without gauges") {
+    rig.hand->now.finger_rad.fill(expected);
+    rig.hand->now.torque_nm.fill(NAN);
+    CHECK(rig.run([&] { return rig.grip.verify(); })->event == Event::GripGood);
+  }
+  SECTION("held at a quarter of what was asked") {
+    rig.hand->now.finger_rad.fill(expected);
+    rig.hand->now.torque_nm = {0.25, 0.1, 0.2};
+    const auto judged = rig.run([&] { return rig.grip.verify(); });
+    CHECK(judged->event == Event::GripBad);
+    CHECK(judged->reason.find("held at 0.25 of what was asked (limit 0.40): not lifted") == 0);
   }
   SECTION("elsewhere") {
     rig.hand->now.finger_rad = {expected, expected + 0.6, expected};
