@@ -83,7 +83,9 @@ set(COLIFT_PUBLIC_HEADERS
   perception/noise_model.hpp
   perception/change_limit.hpp
   perception/partner/change_image.hpp
+  perception/partner/contact_cover.hpp
   perception/partner/grasp_presence.hpp
+  perception/partner/hidden_edge.hpp
   perception/partner/local_shape.hpp
   perception/object_grid.hpp
   perception/partner/partner_contact.hpp
@@ -148,6 +150,7 @@ set(COLIFT_PUBLIC_HEADERS
   control/config/recovery_config.hpp
   control/lift/load_balance.hpp
   control/lift/load_estimator.hpp
+  control/task/grip_quality.hpp
   control/task/job_policies.hpp
   control/task/job_status.hpp
   control/test_lift/cog_belief.hpp
