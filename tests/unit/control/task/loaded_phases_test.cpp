@@ -87,7 +87,7 @@ TEST_CASE("a grip is good when the fingers stop where the observed width says", 
     rig.hand->now.torque_nm = {0.25, 0.1, 0.2};
     const auto judged = rig.run([&] { return rig.grip.verify(); });
     CHECK(judged->event == Event::GripBad);
-    CHECK(judged->reason.find("held at 0.25 of what was asked (limit 0.40): not lifted") == 0);
+    CHECK(judged->detail.find("held at 0.25 of what was asked (limit 0.40): not lifted") == 0);
   }
   SECTION("elsewhere") {
     rig.hand->now.finger_rad = {expected, expected + 0.6, expected};
