@@ -35,7 +35,8 @@ class HandPixels {
  public:
   explicit HandPixels(const HiddenConfig& config) : config_(config) {}
 
-  /// A frame that shows the hand. \param changed  Pixels of bodies in it, ascending. \param contact_W  m.
+  /// A frame that shows the hand; one that shows less than half of what was seen at the same place changes
+  /// nothing. \param changed  Pixels of bodies in it, ascending. \param contact_W  m.
   void seen(const OrganisedCloud& reference, const hal::DepthFrame& frame,
             std::span<const std::uint32_t> changed, const hal::Vec3& contact_W);
 
@@ -53,7 +54,7 @@ class HandPixels {
  private:
   HiddenConfig config_;
   std::vector<std::uint32_t> pixels_;
-  double contact_depth_m_ = 0.0;
+  hal::Vec3 contact_C_ = hal::Vec3::Zero();  ///< Where the hand was then, in the camera.
 };
 
 }  // namespace colift::perception

@@ -71,6 +71,16 @@ TEST_CASE("the robot before a hand hides it", "[partner][hidden]") {
   CHECK(view.hidden(view.with(NAN, 0, 100), view.hand));
 }
 
+TEST_CASE("a rim of the hand that flickers is no picture of it", "[partner][hidden]") {
+  View view;
+  view.show_hand();
+  const std::vector<std::uint32_t> rim(view.hand.begin(), view.hand.begin() + 20);
+  view.pixels.seen(view.reference, view.with(kHand, 0, 20), rim, hal::Vec3(0, 0, kHand));
+  hal::DepthFrame behind = view.frame;  // the rim shows the wall again, the body covers the rest
+  for (std::size_t n = 20; n < 100; ++n) behind.depth_m[view.hand[n]] = kBody;
+  CHECK(view.hidden(behind));
+}
+
 TEST_CASE("of a hand that was never seen nothing is known", "[partner][hidden]") {
   View view;
   CHECK_FALSE(view.hidden(view.with(kBody, 0, 100)));
