@@ -259,13 +259,13 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
     std::string machine;
     for (const std::string& words : realtime.words) machine += words + "\n";
     const std::string trouble = end.reason.empty() ? std::string() : end.reason + "\n";
-    const auto written = write_bundle(
-        out, {{"state.txt", arm_screen(view, *bench.model)},
-              {"answers.txt", histogram_text(view.answers)},
-              {"obstacles.txt", trouble + advice(view, *bench.model, end)},
-              {"state.json", arm_document(options.verb, view, *bench.model, task, end) + "\n"},
-              {"machine.txt", machine},
-              {"config.yaml", hal::effective_yaml(hal::table_of(fri_config), false)}});
+    const auto written =
+        write_bundle(out, {{"state.txt", arm_screen(view, *bench.model)},
+                           {"answers.txt", histogram_text(view.answers)},
+                           {"obstacles.txt", trouble + advice(view, *bench.model, end)},
+                           {"state.json", arm_document(options.verb, view, *bench.model, task, end) + "\n"},
+                           {"machine.txt", machine},
+                           {"config.yaml", hal::effective_yaml(hal::table_of(fri_config), false)}});
     if (!written) return report_error("hal arm doctor", written.error());
     std::fprintf(stderr, "%s: state, answer times, what prevents command mode, settings: send this file\n",
                  out.c_str());

@@ -309,7 +309,8 @@ void TaskRunner::apply(const TaskEvent& event, const JobHooks& hooks) {
 }
 
 void TaskRunner::ask_partner(const hal::Vec3& place, const JobHooks& hooks) {
-  c_.request(fmt::format("please grasp the object at ({:.2f}, {:.2f}, {:.2f}) m", place.x(), place.y(), place.z()));
+  c_.request(
+      fmt::format("please grasp the object at ({:.2f}, {:.2f}, {:.2f}) m", place.x(), place.y(), place.z()));
   if (hooks.asked) hooks.asked(place);
 }
 

@@ -48,8 +48,7 @@ std::optional<std::string> place_forbidden(const Scenario& box, double place_m) 
   if (place_m > end + 1e-9)
     return fmt::format("its place is {:.0f} mm beyond where the box can be held", 1e3 * (place_m - end));
   if (apart < kHandsApart_m - 1e-9)
-    return fmt::format("the hands would be {:.0f} mm apart, min {:.0f} mm", 1e3 * apart,
-                       1e3 * kHandsApart_m);
+    return fmt::format("the hands would be {:.0f} mm apart, min {:.0f} mm", 1e3 * apart, 1e3 * kHandsApart_m);
   const double reach = planner::DecisionConfig().arm_reach_m, far = wrist_from_shoulder(box, place_m);
   if (far > reach) return fmt::format("its place is {:.0f} mm beyond the arm's reach", 1e3 * (far - reach));
   const Vec3 at = sim_hal::object_pose(box.object) * Vec3(-place_m, 0.0, 0.0);
