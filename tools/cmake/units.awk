@@ -1,15 +1,19 @@
-# Which files of a library can be compiled as one unit (CoLiftUnits.cmake): prints "UNIT FILE" for each file.
+# Which files of a library or a test program can be compiled as one unit (CoLiftUnits.cmake): prints "UNIT FILE" for each file.
 #   awk -v most_lines=N -f units.awk FILE...
 # Two files do not go together when one declares a name for itself (in its anonymous namespace) that occurs in the other.
+# What it declares in a namespace that is its own besides (namespace tilt_trials) meets nobody.
 # A file that takes all names of an enum into its namespace stays alone. Relies on clang-format: what stands in a namespace
 # starts in the first column.
 
-FNR == 1 { files[++count] = FILENAME; own = 0 }
+FNR == 1 { files[++count] = FILENAME; own = 0; scope = "" }
 { ++lines[count] }
+/^namespace [a-z_]+ \{/ && $2 != "colift" { scope = $2; opens[count, scope] = 1 }
+/^\}  \/\/ namespace [a-z_]+$/ { if ($4 == scope) scope = "" }
 /^namespace \{/ { own = 1; next }
 /^\}  \/\/ namespace$/ { own = 0; next }
 {
   text = $0
+  gsub(/"([^"\\]|\\.)*"/, "\"\"", text)
   sub(/\/\/.*/, "", text)
   if (text ~ /^using enum/) alone[count] = 1
   else if (text ~ /^using [A-Za-z0-9_:]*;/ || (own && text ~ /^[A-Za-z\[]/)) note(text)
@@ -24,7 +28,7 @@ FNR == 1 { files[++count] = FILENAME; own = 0 }
 function note(text,  name) {
   sub(/^\[\[[^\]]*\]\] */, "", text)
   # the same alias twice is no contradiction; another one of its name is
-  if (text ~ /^(using namespace|static_assert|template|friend|public|private|extern)/) return
+  if (text ~ /^(using namespace|static_assert|template|friend|public|private|extern|[A-Z_]*TEST_CASE)/) return
   if (text ~ /^using [A-Za-z0-9_:]*;/) {
     name = text
     sub(/;.*/, "", name)
@@ -45,13 +49,16 @@ function note(text,  name) {
     sub(/ *[=({\[;].*/, "", text)   # up to the value or the parameters
     sub(/.*[ *&>]/, "", text)
   }
-  if (match(text, /^[A-Za-z_][A-Za-z0-9_]*/)) declares[count] = declares[count] " " substr(text, RSTART, RLENGTH)
+  if (match(text, /^[A-Za-z_][A-Za-z0-9_]*/)) declares[count] = declares[count] " " scope ":" substr(text, RSTART, RLENGTH)
 }
 
-function contradict(a, b,  n, i, word) {
+function contradict(a, b,  n, i, word, own) {
   if (alone[a] || alone[b]) return 1
   n = split(declares[a], word, " ")
-  for (i = 1; i <= n; ++i) if ((b, word[i]) in occurs) return 1
+  for (i = 1; i <= n; ++i) {
+    split(word[i], own, ":")
+    if ((own[1] == "" || (b, own[1]) in opens) && (b, own[2]) in occurs) return 1
+  }
   n = split(aliases[a], word, " ")
   for (i = 1; i <= n; ++i) if ((b, word[i]) in alias && alias[b, word[i]] != alias[a, word[i]]) return 1
   return 0

@@ -15,6 +15,7 @@
 #include "tools/experiments/trials/tried_grasps.hpp"
 
 namespace colift::experiments {
+namespace agents_trials {
 namespace {
 
 using planner::CarryingAgent;
@@ -231,8 +232,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace agents_trials
 
 Experiment agents_experiment() {
+  using namespace agents_trials;
   Experiment e;
   e.name = "agents";
   e.title = "Who else carries, and where he should grasp";

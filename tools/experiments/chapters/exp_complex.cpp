@@ -11,6 +11,7 @@
 #include "tools/experiments/trials/layouts.hpp"
 
 namespace colift::experiments {
+namespace complex_trials {
 namespace {
 
 constexpr std::array<const char*, 2> kObjects{"pipe", "chair"};
@@ -84,8 +85,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace complex_trials
 
 Experiment complex_experiment() {
+  using namespace complex_trials;
   Experiment e;
   e.name = "complex";
   e.title = "Objects of complex shape";

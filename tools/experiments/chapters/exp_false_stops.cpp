@@ -10,6 +10,7 @@
 #include "tools/experiments/trials/layouts.hpp"
 
 namespace colift::experiments {
+namespace false_stops_trials {
 namespace {
 
 using control::Task;
@@ -105,8 +106,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace false_stops_trials
 
 Experiment false_stops_experiment() {
+  using namespace false_stops_trials;
   Experiment e;
   e.name = "false-stops";
   e.title = "Lifts beside which nobody comes";

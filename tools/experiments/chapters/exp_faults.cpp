@@ -12,6 +12,7 @@
 #include "tools/experiments/trials/sighting.hpp"
 
 namespace colift::experiments {
+namespace faults_trials {
 namespace {
 
 const char* word_of(control::RunRecord::Result result) {
@@ -87,8 +88,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace faults_trials
 
 Experiment faults_experiment() {
+  using namespace faults_trials;
   Experiment e;
   e.name = "faults";
   e.title = "Up to three faults at random instants";

@@ -11,6 +11,7 @@
 #include "tools/experiments/trials/tried_grasps.hpp"
 
 namespace colift::experiments {
+namespace grasps_trials {
 namespace {
 
 constexpr std::size_t kGrasps = 12;  // thesis: at least ten
@@ -155,8 +156,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace grasps_trials
 
 Experiment grasps_experiment() {
+  using namespace grasps_trials;
   Experiment e;
   e.name = "grasps";
   e.title = "Verification of candidate grasps";

@@ -12,6 +12,7 @@
 #include "tools/experiments/trials/layouts.hpp"
 
 namespace colift::experiments {
+namespace imperfect_trials {
 namespace {
 
 constexpr int kDrawn = 8;  // trials before it have shipped scenes
@@ -108,8 +109,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace imperfect_trials
 
 Experiment imperfect_experiment() {
+  using namespace imperfect_trials;
   Experiment e;
   e.name = "imperfect";
   e.title = "A rig with the faults of real sensors";

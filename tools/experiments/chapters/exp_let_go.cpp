@@ -12,6 +12,7 @@
 #include "tools/experiments/trials/layouts.hpp"
 
 namespace colift::experiments {
+namespace let_go_trials {
 namespace {
 
 using control::Task;
@@ -153,8 +154,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace let_go_trials
 
 Experiment let_go_experiment() {
+  using namespace let_go_trials;
   Experiment e;
   e.name = "let-go";
   e.title = "A partner who lets go at a random instant";

@@ -14,6 +14,7 @@
 #include "tools/visualization/palette.hpp"
 
 namespace colift::experiments {
+namespace lift_alone_trials {
 namespace {
 
 // High enough that the lower end of a box that hangs askew leaves the floor.
@@ -111,8 +112,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace lift_alone_trials
 
 Experiment lift_alone_experiment() {
+  using namespace lift_alone_trials;
   Experiment e;
   e.name = "lift-alone";
   e.title = "Total load by lifting alone";

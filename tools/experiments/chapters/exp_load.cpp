@@ -14,6 +14,7 @@
 #include "tools/visualization/palette.hpp"
 
 namespace colift::experiments {
+namespace load_trials {
 namespace {
 
 constexpr std::array<double, 3> kWanted{0.30, 0.50, 0.67};
@@ -196,8 +197,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace load_trials
 
 Experiment load_experiment() {
+  using namespace load_trials;
   Experiment e;
   e.name = "load";
   e.title = "Load distribution";

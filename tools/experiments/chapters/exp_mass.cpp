@@ -13,6 +13,7 @@
 #include "tools/experiments/trials/random_bodies.hpp"
 
 namespace colift::experiments {
+namespace mass_trials {
 namespace {
 
 constexpr double kMassGoal = 0.05, kCogGoal_m = 0.02, kShareGoal = 0.03;
@@ -135,8 +136,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace mass_trials
 
 Experiment mass_experiment() {
+  using namespace mass_trials;
   Experiment e;
   e.name = "mass";
   e.title = "Mass, centre of gravity and share after a plain lift";

@@ -13,6 +13,7 @@
 #include "tools/experiments/runs/whole_lift.hpp"
 
 namespace colift::experiments {
+namespace people_trials {
 namespace {
 
 constexpr double kSeenBefore_s = 0.5;  // in view so long before: the arm has to be at rest when he is touched
@@ -160,8 +161,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace people_trials
 
 Experiment people_experiment() {
+  using namespace people_trials;
   Experiment e;
   e.name = "people";
   e.title = "Somebody comes into a lift";

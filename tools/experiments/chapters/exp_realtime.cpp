@@ -15,6 +15,7 @@
 #include "tools/visualization/palette.hpp"
 
 namespace colift::experiments {
+namespace realtime_trials {
 namespace {
 
 constexpr double kHeight_m = 0.05;
@@ -232,8 +233,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace realtime_trials
 
 Experiment realtime_experiment() {
+  using namespace realtime_trials;
   Experiment e;
   e.name = "realtime";
   e.title = "Real-time grasp decision";

@@ -15,6 +15,7 @@
 #include "tools/experiments/trials/tried_grasps.hpp"
 
 namespace colift::experiments {
+namespace robust_trials {
 namespace {
 
 constexpr double kBoxShare = 0.3;  // laid out for it: the partner holds near the middle
@@ -187,8 +188,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace robust_trials
 
 Experiment robust_experiment() {
+  using namespace robust_trials;
   Experiment e;
   e.name = "robust";
   e.title = "Choice over an uncertain centre of gravity";

@@ -11,6 +11,7 @@
 #include "tools/visualization/palette.hpp"
 
 namespace colift::experiments {
+namespace rooms_trials {
 namespace {
 
 // of the contact sheet
@@ -126,8 +127,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace rooms_trials
 
 Experiment rooms_experiment() {
+  using namespace rooms_trials;
   Experiment e;
   e.name = "rooms";
   e.title = "Any room: is the target the object?";

@@ -14,6 +14,7 @@
 #include "tools/visualization/palette.hpp"
 
 namespace colift::experiments {
+namespace share_trials {
 namespace {
 
 constexpr std::array<double, 5> kWanted{0.30, 0.40, 0.50, 0.60, 0.70};
@@ -237,8 +238,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace share_trials
 
 Experiment share_experiment() {
+  using namespace share_trials;
   Experiment e;
   e.name = "share";
   e.title = "The share of the load as a promise";

@@ -14,6 +14,7 @@
 #include "tools/visualization/palette.hpp"
 
 namespace colift::experiments {
+namespace slip_trials {
 namespace {
 
 constexpr std::size_t kGrasps = 4;
@@ -136,8 +137,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace slip_trials
 
 Experiment slip_experiment() {
+  using namespace slip_trials;
   Experiment e;
   e.name = "slip";
   e.title = "Predicted margin against simulated slip";

@@ -12,6 +12,7 @@
 #include "tools/experiments/runs/stalled_run.hpp"
 
 namespace colift::experiments {
+namespace stalls_trials {
 namespace {
 
 /// A state in which the arm moves, and how long it does so at least in the built-in lift.
@@ -95,8 +96,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace stalls_trials
 
 Experiment stalls_experiment() {
+  using namespace stalls_trials;
   Experiment e;
   e.name = "stalls";
   e.title = "A thread of a run stops";

@@ -14,6 +14,7 @@
 #include "tools/experiments/trials/sighting.hpp"
 
 namespace colift::experiments {
+namespace tasks_trials {
 namespace {
 
 using planner::Task;
@@ -163,8 +164,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace tasks_trials
 
 Experiment tasks_experiment() {
+  using namespace tasks_trials;
   Experiment e;
   e.name = "tasks";
   e.title = "The choice for a task of many poses";

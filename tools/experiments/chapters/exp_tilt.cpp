@@ -12,6 +12,7 @@
 #include "tools/visualization/palette.hpp"
 
 namespace colift::experiments {
+namespace tilt_trials {
 namespace {
 
 constexpr std::size_t kGrasps = 8;  // thesis: 7 and 8
@@ -170,8 +171,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace tilt_trials
 
 Experiment tilt_experiment() {
+  using namespace tilt_trials;
   Experiment e;
   e.name = "tilt";
   e.title = "Collaborative grasp stability";

@@ -15,6 +15,7 @@
 #include "tools/visualization/palette.hpp"
 
 namespace colift::experiments {
+namespace wrong_cog_trials {
 namespace {
 
 constexpr double kMin_m = 0.10, kMost_m = 0.20;
@@ -175,8 +176,10 @@ picture::Canvas plot(const Results& r) {
 }
 
 }  // namespace
+}  // namespace wrong_cog_trials
 
 Experiment wrong_cog_experiment() {
+  using namespace wrong_cog_trials;
   Experiment e;
   e.name = "wrong-cog";
   e.title = "Uneven density and a test lift";

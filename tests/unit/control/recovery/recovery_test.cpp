@@ -43,7 +43,7 @@ struct RecoveryRig {
     };
   }
   static JointVector away() {
-    JointVector q = home();
+    JointVector q = phase_home();
     q[0] += 0.4;
     return q;
   }
@@ -56,7 +56,7 @@ struct RecoveryRig {
   }
   RecoveryRecord run() {
     Recovery recovery(robot, {hal::built_in_robot(), hand_model, nullptr, hal::Pose::Identity()}, Config{},
-                      {Method::Fast, 1, Drive::InStep, home()}, stopwatch);
+                      {Method::Fast, 1, Drive::InStep, phase_home()}, stopwatch);
     return recovery.run(hooks);
   }
 
@@ -78,7 +78,7 @@ struct RecoveryRig {
 }  // namespace
 
 TEST_CASE("an open hand at home needs nothing, and nothing is asked", "[recovery]") {
-  RecoveryRig rig(home());
+  RecoveryRig rig(phase_home());
   const RecoveryRecord record = rig.run();
   CHECK(record.recovered);
   CHECK(rig.asked.empty());
@@ -130,7 +130,7 @@ TEST_CASE("a held object is lowered until it is borne, then the hand opens and t
   CHECK(start_m - released_at_m < 0.06);
   CHECK_FALSE(rig.opened_before);
   CHECK(rig.hand->commands == std::vector<std::string>{"release"});
-  CHECK((rig.arm->q_rad() - home()).cwiseAbs().maxCoeff() < 1e-3);
+  CHECK((rig.arm->q_rad() - phase_home()).cwiseAbs().maxCoeff() < 1e-3);
 }
 
 TEST_CASE("an object without ground under it stays in the hand", "[recovery]") {

@@ -16,7 +16,7 @@ struct EmptyHand : PhaseRig {
   explicit EmptyHand(const Config& config = unannounced()) : PhaseRig(config) {
     make_plan();
     make_decision();
-    retreat.set_home(home());
+    retreat.set_home(phase_home());
   }
 
   void begin_approach() {
@@ -92,7 +92,7 @@ TEST_CASE("a hand that refuses to open ends the approach before the arm moves", 
   const auto back = rig.back_off_after(Event::HandUnfit);
   REQUIRE(back);
   CHECK(back->event == Event::BackHome);
-  CHECK(rig.off(home()) == 0.0);
+  CHECK(rig.off(phase_home()) == 0.0);
 }
 
 TEST_CASE("a finger that stays closed ends the approach on its path, and the arm goes back", "[phases]") {
@@ -106,14 +106,14 @@ TEST_CASE("a finger that stays closed ends the approach on its path, and the arm
   const auto back = rig.back_off_after(Event::HandUnfit);
   REQUIRE(back);
   CHECK(back->event == Event::BackHome);
-  CHECK(rig.off(home()) < 1e-6);
+  CHECK(rig.off(phase_home()) < 1e-6);
 }
 
 TEST_CASE("an approach whose path starts elsewhere is blocked and says where", "[phases]") {
   EmptyHand rig;
-  hal::JointVector elsewhere = home();
+  hal::JointVector elsewhere = phase_home();
   elsewhere[2] += 0.2;
-  rig.c->record.plan->transit = trajectory(elsewhere, home());
+  rig.c->record.plan->transit = trajectory(elsewhere, phase_home());
   rig.begin_approach();
   const auto event = rig.run([&] { return rig.approach.approach(); });
   REQUIRE(event);
@@ -162,7 +162,7 @@ TEST_CASE("who only moved his hand is followed from where the arm stopped", "[ph
   REQUIRE(event);
   CHECK(event->event == Event::BackHome);
   CHECK(rig.back_off.leg() == BackOffPhase::Leg::Braking);
-  CHECK(rig.off(home()) > 0.02);
+  CHECK(rig.off(phase_home()) > 0.02);
 }
 
 TEST_CASE("for a partner who let go the arm goes all the way back", "[phases]") {
@@ -181,7 +181,7 @@ TEST_CASE("for a partner who let go the arm goes all the way back", "[phases]") 
     CHECK(event->event == Event::BackHome);
     CHECK(rig.back_off.leg() == BackOffPhase::Leg::Home);
   }
-  CHECK(rig.off(home()) < 0.01);
+  CHECK(rig.off(phase_home()) < 0.01);
 }
 
 TEST_CASE("after five approaches the job is given up", "[phases]") {
@@ -191,7 +191,7 @@ TEST_CASE("after five approaches the job is given up", "[phases]") {
   const auto event = rig.back_off_after(Event::PartnerMoved);
   REQUIRE(event);
   CHECK(event->event == Event::BackInVain);
-  CHECK(rig.off(home()) < 0.01);
+  CHECK(rig.off(phase_home()) < 0.01);
 }
 
 TEST_CASE("a hand is open when every finger that answers is", "[phases]") {
@@ -288,7 +288,7 @@ TEST_CASE("a retreat goes from the object, then home, and says how the job stand
   CHECK(event->event == wanted);
   CHECK(event->detail == attempts.failure);
   CHECK(rig.retreat.leg() == RetreatPhase::Leg::Home);
-  CHECK(rig.off(home()) < 0.01);
+  CHECK(rig.off(phase_home()) < 0.01);
 }
 
 TEST_CASE("a retreat keeps the acceleration that the configuration allows planned motions", "[phases]") {
@@ -323,7 +323,7 @@ TEST_CASE("neither arm nor hand moves before it was announced for half a second"
   CHECK_FALSE(rig.run([&] { return rig.approach.approach(); }, 0.45));
   CHECK(rig.approach.leg() == ApproachPhase::Leg::Announced);
   CHECK(rig.hand->commands.empty());
-  CHECK(rig.off(home()) == 0.0);
+  CHECK(rig.off(phase_home()) == 0.0);
   const auto arrived = rig.run([&] { return rig.approach.approach(); });
   REQUIRE(arrived);
   CHECK(arrived->event == Event::Arrived);

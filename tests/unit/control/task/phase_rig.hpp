@@ -82,7 +82,7 @@ class SharedClock final : public hal::Clock {
   const hal::Clock& clock_;
 };
 
-inline JointVector home() {
+inline JointVector phase_home() {
   return (JointVector() << 0.0, 0.35, 0.0, 1.75, 0.0, -0.9, 0.0).finished();
 }
 
@@ -100,7 +100,7 @@ inline Config unannounced() {
 struct PhaseRig {
   explicit PhaseRig(const Config& config = unannounced(), const JobOptions& options = {}) {
     sim_hal::ArmScript script;
-    script.start_rad = home();
+    script.start_rad = phase_home();
     script.external_nm = [this](hal::Timestamp, const JointVector&) { return external_nm; };
     auto made_arm = std::make_unique<sim_hal::MockArm>(script, clock);
     arm = made_arm.get();
@@ -156,15 +156,15 @@ struct PhaseRig {
 
   /// A plan around the present position: transit in A1, approach in A4, and both backwards.
   void make_plan() {
-    JointVector pre = home(), grasp = home();
+    JointVector pre = phase_home(), grasp = phase_home();
     pre[0] += 0.3;
     grasp = pre;
     grasp[3] += 0.1;
     planner::MotionPlan plan;
-    plan.transit = trajectory(home(), pre);
+    plan.transit = trajectory(phase_home(), pre);
     plan.approach = trajectory(pre, grasp);
     plan.retreat = trajectory(grasp, pre);
-    plan.home = trajectory(pre, home());
+    plan.home = trajectory(pre, phase_home());
     c->record.plan = plan;
   }
 
