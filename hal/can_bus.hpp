@@ -36,9 +36,8 @@ struct CanHealth {
   std::uint64_t error_frames = 0;
   std::uint64_t bus_offs = 0;
   std::uint64_t not_acknowledged = 0;  ///< Error frames that say so: nobody else is on the bus.
-  std::uint64_t bus_errors =
-      0;  ///< Error frames that tell of bits, stuffing or form: noise, or a wrong bit rate.
-  std::uint8_t send_errors = 0, receive_errors = 0;  ///< The controller's own counters, as last told.
+  std::uint64_t bus_errors = 0;  ///< Error frames about bits, stuffing or form: noise, or a wrong bit rate.
+  std::uint8_t send_errors = 0, receive_errors = 0;  ///< The controller's own counters, as last reported.
 };
 
 /// A CAN bus: SocketCAN, a socketcand gateway, or memory. One thread.

@@ -36,7 +36,7 @@ void ArmController::measured(const hal::Result<hal::ArmState>& state) {
     ++view_.missed;
     ++view_.misses;
     view_.link_lost = state.error().code != hal::ErrorCode::Timeout;
-    view_.trouble.set(state.error().text());
+    view_.fault.set(state.error().text());
     return;
   }
   ++view_.cycles;

@@ -85,7 +85,7 @@ struct ArmView {
   int misses = 0;                        ///< In a row, until now.
   bool link_lost = false;                ///< The last error was not a mere miss.
   std::uint64_t refused_commands = 0;    ///< By the last gate or by the controller.
-  hal::ShortText trouble, refusal;
+  hal::ShortText fault, refusal;
 };
 
 /// Why the arm stopped by itself, with figures.

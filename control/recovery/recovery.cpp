@@ -183,7 +183,7 @@ std::optional<Recovery::Finding> Recovery::read_devices() {
   if (hooks_->interrupted()) return Finding{Event::Interrupted, ""};
   const ArmView& view = arm_.view();
   if (view.link_lost || view.misses > limits.arm_max_misses)
-    return Finding{Event::DeviceLost, view.trouble.str()};
+    return Finding{Event::DeviceLost, view.fault.str()};
   if (view.misses == 0 && (!view.state.may_command || !view.running)) {
     if (!not_commanded_since_) not_commanded_since_ = now_;
     if (hal::seconds(now_ - *not_commanded_since_) > config_.task.arm_timeout_s)

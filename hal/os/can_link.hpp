@@ -8,13 +8,13 @@
 
 namespace colift::hal {
 
-/// What the kernel tells of a CAN interface.
+/// What the kernel reports of a CAN interface.
 struct CanLink {
   int index = 0;  ///< 0: there is no interface of that name.
   bool is_can = false;
   bool up = false;                          ///< Set up by an administrator.
   bool running = false;                     ///< Has a carrier: not bus-off, plugged in.
-  std::string kind;                         ///< "can" for hardware, "vcan", "vxcan"; empty when not told.
+  std::string kind;                         ///< "can" for hardware, "vcan", "vxcan"; empty when not reported.
   std::optional<CanHealth::State> state;    ///< Of the controller; these only from hardware.
   std::optional<std::uint32_t> bitrate;     ///< Bits per second.
   std::optional<double> sample_point;       ///< As a fraction of the bit.

@@ -33,7 +33,7 @@ class SteadyClock final : public Clock {
   [[nodiscard]] Timestamp now() const override { return std::chrono::steady_clock::now().time_since_epoch(); }
 };
 
-/// Time that moves only when it is told to: tests and lock-step simulation.
+/// Time that is advanced by its owner only: tests and lock-step simulation.
 class ManualClock final : public Clock {
  public:
   [[nodiscard]] Timestamp now() const override { return now_; }

@@ -130,7 +130,8 @@ bool borders(const EdgeLine& line, const LocalFace& face, const Figures& fig) {
 }
 
 // The face that most of the fingers lie on, if there is one.
-const LocalFace* finger_face(std::span<const HandPoint> hand, const std::vector<LocalFace>& faces, const Figures& fig) {
+const LocalFace* finger_face(std::span<const HandPoint> hand, const std::vector<LocalFace>& faces,
+                             const Figures& fig) {
   const LocalFace* best = nullptr;
   float area = 0.0F, most = 0.0F;
   for (const HandPoint& h : hand) area += h.area_m2;

@@ -79,7 +79,7 @@ std::vector<hal::Vec3> points_on(const ThesisMesh& mesh, double spacing_m) {
   for (const auto& p : mesh.vertices) out.emplace_back(p.cast<double>());
   for (const auto& t : mesh.triangles) {
     const hal::Vec3 a = mesh.vertices[t[0]].cast<double>(), ab = mesh.vertices[t[1]].cast<double>() - a,
-               ac = mesh.vertices[t[2]].cast<double>() - a;
+                    ac = mesh.vertices[t[2]].cast<double>() - a;
     const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});
     const int steps = static_cast<int>(std::ceil(longest / spacing_m));
     for (int i = 0; i <= steps && steps > 1; ++i)

@@ -386,7 +386,7 @@ Overlap Physics::overlap() const {
   return overlap;
 }
 
-int Physics::troubles() const {
+int Physics::divergences() const {
   const mjWarningStat* w = impl_->data->warning;
   return w[mjWARN_BADQPOS].number + w[mjWARN_BADQVEL].number + w[mjWARN_BADQACC].number +
          w[mjWARN_CONTACTFULL].number + w[mjWARN_CNSTRFULL].number;

@@ -78,7 +78,7 @@ class Physics {
   void place_clutter(std::size_t index, const Vec3& center_W);
   [[nodiscard]] Overlap overlap() const;
   /// Times that MuJoCo met numbers that cannot be (and reset the state) or had no room for contacts.
-  [[nodiscard]] int troubles() const;
+  [[nodiscard]] int divergences() const;
 
  private:
   struct Impl;

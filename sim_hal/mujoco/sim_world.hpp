@@ -27,7 +27,7 @@ struct SimConfig {
   [[nodiscard]] static hal::JointVector home_rad();
 };
 
-/// What is true at this moment, for reports and tests; no device tells it.
+/// What is true at this moment, for reports and tests; no device reports it.
 struct SimTruth {
   hal::Timestamp at{0};
   Pose X_WT = Pose::Identity();  ///< Object.
@@ -46,7 +46,7 @@ struct SimTruth {
   bool robot_hit_something =
       false;  ///< A link of the arm or the palm's back met anything, at any time so far.
   hal::JointVector q_rad = hal::JointVector::Zero();
-  int troubles =
+  int divergences =
       0;  ///< Times that the physics diverged or had no room for contacts; anything but 0 is a bug.
 };
 

@@ -144,7 +144,7 @@ SimTruth SimWorld::Impl::truth() const {
   truth.robot_touches_object = contacts.robot_touches_object;
   truth.robot_hit_something = contacts.robot_hit;
   truth.q_rad = arm_reading.q_rad;
-  truth.troubles = physics->troubles();
+  truth.divergences = physics->divergences();
   return truth;
 }
 

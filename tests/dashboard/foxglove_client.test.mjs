@@ -49,7 +49,8 @@ for (const protocol of ["foxglove.websocket.v1", "foxglove.sdk.v1"])
     const map = seen.messages.get("/map").at(-1);
     assert.deepEqual(map.entities.map((e) => e.id), ["obstacles", "target", "hidden"]);
     assert.ok(map.entities[0].cubes.length > 0 && map.entities[1].cubes.length > 0);
-    assert.ok(seen.messages.get("/scene").at(-1).entities.some((e) => e.id === "gripper" && e.arrows.length === 3));
+    // the scene with the chosen grasp is published after the decision
+    await until(() => seen.messages.get("/scene").at(-1).entities.some((e) => e.id === "gripper" && e.arrows.length === 3), "the grasp");
     const decision = seen.messages.get("/decision").at(-1);
     assert.ok(decision.candidates.length > 10);
     assert.ok(decision.candidates.every((c) => c.because !== "" || ["ok", "chosen"].includes(c.verdict)));

@@ -227,7 +227,7 @@ void check(const Row& row, const tests::ForkedEnd& lift) {
   // whatever happened, no finger opened while the object was in the air
   if (in_air) CHECK(lift.most_open_while_loaded_rad < kPlay_rad);
   CHECK_FALSE(lift.hit_something);
-  CHECK(lift.troubles == 0);
+  CHECK(lift.divergences == 0);
 }
 
 /// Each row branches off the same lift.

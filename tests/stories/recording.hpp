@@ -34,8 +34,8 @@ struct Recording {
   }
 
   [[nodiscard]] control::SceneAnalysis analysis(std::optional<Vec3> at = std::nullopt,
-                                                     control::Method method = control::Method::Fast,
-                                                     const std::string& image = "depth.png") const {
+                                                control::Method method = control::Method::Fast,
+                                                const std::string& image = "depth.png") const {
     control::SceneAnalysisInput input;
     input.frame = frame(image);
     input.at_W = at;

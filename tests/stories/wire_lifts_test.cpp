@@ -133,7 +133,7 @@ void check(const Row& row, Task in, char expected, const tests::ForkedEnd& lift)
   // the hand never opens on a load but when the object stands again
   if (hand_at_object(in) && in != Task::Close) CHECK(lift.hand_keeps_grip == (expected == '.'));
   CHECK_FALSE(lift.hit_something);
-  CHECK(lift.troubles == 0);
+  CHECK(lift.divergences == 0);
   // whatever happened, the client itself kept the controller's rules: silence on a datagram that is no number
   // is its duty, and the controller counts it
   CHECK(lift.broken_rules <= (std::string_view(row.fault).starts_with("nan") ? 1u : 0u));
@@ -210,7 +210,7 @@ TEST_CASE("faults of wire and controller on the way back from a grasp that is of
     }
     CHECK_FALSE(lift.hand_keeps_grip);
     CHECK_FALSE(lift.hit_something);
-    CHECK(lift.troubles == 0);
+    CHECK(lift.divergences == 0);
     CHECK(lift.broken_rules <= (std::string_view(kRows[i].fault).starts_with("nan") ? 1u : 0u));
   }
 }
@@ -246,7 +246,7 @@ TEST_CASE("while the controller is patient, a gap that heals makes the arm rest 
     CHECK_THAT(lift.told, Catch::Contains("takes commands again after"));
     CHECK_THAT(lift.told, Catch::Contains("continues from the current position"));
     CHECK_FALSE(lift.hit_something);
-    CHECK(lift.troubles == 0);
+    CHECK(lift.divergences == 0);
     CHECK(lift.broken_rules == 0);
   }
 }

@@ -72,7 +72,7 @@ struct Numbers {
   control::RunRecord::Result outcome;
   control::Task end;
   bool hand_keeps_grip, hit_something, touches_object;
-  unsigned troubles, broken_rules;
+  unsigned divergences, broken_rules;
   double in_state_s, most_open_while_loaded_rad;
   unsigned long visited;
 };
@@ -83,7 +83,7 @@ void send(int pipe, control::Task in, const SimulatedLift& lift) {
   n.end = lift.record.states.back().state;
   n.hand_keeps_grip = lift.record.hand_keeps_grip;
   n.hit_something = lift.hit_something;
-  n.troubles = static_cast<unsigned>(lift.at_end.troubles);
+  n.divergences = static_cast<unsigned>(lift.at_end.divergences);
   n.touches_object = lift.at_end.robot_touches_object;
   if (lift.wire) n.broken_rules = static_cast<unsigned>(lift.wire->broken_rules_in_all);
   for (std::size_t r = 0; lift.pucks && r < sim_hal::kHandRules; ++r)
@@ -106,7 +106,7 @@ ForkedEnd receive(int pipe, pid_t child) {
   e.end = n.end;
   e.hand_keeps_grip = n.hand_keeps_grip;
   e.hit_something = n.hit_something;
-  e.troubles = n.troubles;
+  e.divergences = n.divergences;
   e.broken_rules = n.broken_rules;
   e.in_state_s = n.in_state_s;
   e.touches_object = n.touches_object;

@@ -26,7 +26,7 @@ struct ForkedEnd {
   std::string reason, told;                    ///< The reason; everything that was said.
   bool hand_keeps_grip = false, hit_something = false;
   bool touches_object = false;  ///< The hand, when the job was over.
-  unsigned troubles = 0, broken_rules = 0;
+  unsigned divergences = 0, broken_rules = 0;
   double in_state_s = 0.0;                  ///< Spent in the fault's state, from its first entry.
   double most_open_while_loaded_rad = NAN;  ///< SimulatedLift's.
   std::bitset<control::kTasks> visited;     ///< States that the job came to, by their number.

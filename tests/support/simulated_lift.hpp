@@ -27,9 +27,9 @@ struct SimulatedLift {
   double slip_m = NAN;
   double partner_error_m = NAN;  ///< Of the seen grasp.
   bool hit_something = false;
-  int person_contacts = 0;  ///< Cycles in which the robot touched people beside the partner.
-  sim_hal::SimTruth at_end;                          ///< The world when the job was over.
-  std::optional<sim_hal::KrcReport> wire;            ///< Of a lift over the arm's wire.
+  int person_contacts = 0;                 ///< Cycles in which the robot touched people beside the partner.
+  sim_hal::SimTruth at_end;                ///< The world when the job was over.
+  std::optional<sim_hal::KrcReport> wire;  ///< Of a lift over the arm's wire.
   std::optional<sim_hal::HandEmulatorReport> pucks;  ///< Of one over the hand's.
   int frames_lost = 0;                               ///< On a bus of this machine.
   double most_open_while_loaded_rad =

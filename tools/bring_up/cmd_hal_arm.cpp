@@ -144,11 +144,11 @@ std::string progress_line(const ArmProgress& p, const ArmTask& task, double at_s
   return t;
 }
 
-/// Tells of the work while it goes on.
-class Teller {
+/// Reports progress while the task runs.
+class ProgressPrinter {
  public:
-  Teller(const CommonOptions& common, const HalOptions& options, const ArmTask& task,
-         const hal::RobotModel& model)
+  ProgressPrinter(const CommonOptions& common, const HalOptions& options, const ArmTask& task,
+                  const hal::RobotModel& model)
       : screen_(progress_screen(common, options, "state")), task_(task), model_(model) {}
 
   /// The last screen still stands there.
@@ -224,9 +224,9 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
     for (const std::string& words : realtime.words) std::fprintf(stderr, "%s\n", words.c_str());
 
   ProgramMonitor program;
-  Teller teller(common, options, task, *bench.model);
+  ProgressPrinter printer(common, options, task, *bench.model);
   std::optional<double> asking_since_s;
-  bool told_why = false, told_remarks = task.kind == ArmTask::Kind::Watch || common.quiet;
+  bool printed_why = false, printed_remarks = task.kind == ArmTask::Kind::Watch || common.quiet;
   while (work.wait_for(kLook) != std::future_status::ready) {
     const ArmProgress p = progress.read();
     if (InterruptGuard::asked()) {
@@ -235,9 +235,9 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
     }
     if (fri.status().received > 0) program.note(fri.measurement(), at_s());
     const ArmView view = view_of(fri, program, realtime, bench.guard.limit_margin_deg, at_s());
-    teller.show(view, p);
-    if (!told_remarks && p.phase >= ArmProgress::Phase::Asking && view.status.received > 0) {
-      told_remarks = true;
+    printer.show(view, p);
+    if (!printed_remarks && p.phase >= ArmProgress::Phase::Asking && view.status.received > 0) {
+      printed_remarks = true;
       for (const Obstacle& o : obstacles(view, *bench.model))
         if (o.kind == std::string_view("unexplained-load") || o.kind == std::string_view("torque-sign") ||
             o.kind == std::string_view("krc-address"))
@@ -245,8 +245,8 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
     }
     if (p.phase != ArmProgress::Phase::Asking) continue;
     if (!asking_since_s) asking_since_s = at_s();
-    if (told_why || common.quiet || at_s() - *asking_since_s < kTimeout_s) continue;
-    told_why = true;
+    if (printed_why || common.quiet || at_s() - *asking_since_s < kTimeout_s) continue;
+    printed_why = true;
     if (const std::string text = refusing(view, *bench.model); !text.empty())
       std::fputs(fmt::format("command mode does not come:\n{}", text).c_str(), stderr);
   }
@@ -258,11 +258,11 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
     hal::FriConfig fri_config = bench.fri;
     std::string machine;
     for (const std::string& words : realtime.words) machine += words + "\n";
-    const std::string trouble = end.reason.empty() ? std::string() : end.reason + "\n";
+    const std::string why = end.reason.empty() ? std::string() : end.reason + "\n";
     const auto written =
         write_bundle(out, {{"state.txt", arm_screen(view, *bench.model)},
                            {"answers.txt", histogram_text(view.answers)},
-                           {"obstacles.txt", trouble + advice(view, *bench.model, end)},
+                           {"obstacles.txt", why + advice(view, *bench.model, end)},
                            {"state.json", arm_document(options.verb, view, *bench.model, task, end) + "\n"},
                            {"machine.txt", machine},
                            {"config.yaml", hal::effective_yaml(hal::table_of(fri_config), false)}});
@@ -276,9 +276,10 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
     std::string text;
     if (task.kind != ArmTask::Kind::Watch)
       text = task_summary(task, end);
-    else if (options.verb == "state" || (!common.quiet && !teller.shown()))
+    else if (options.verb == "state" || (!common.quiet && !printer.shown()))
       text = arm_screen(view, *bench.model);
-    if (options.verb == "watch" && !teller.shown()) text += fmt::format("\n{}", histogram_text(view.answers));
+    if (options.verb == "watch" && !printer.shown())
+      text += fmt::format("\n{}", histogram_text(view.answers));
     std::fputs(text.c_str(), stdout);
   }
   std::fflush(stdout);

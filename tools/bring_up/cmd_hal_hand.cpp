@@ -321,7 +321,7 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
   hooks.interrupted = [] { return InterruptGuard::asked(); };
   hooks.pause = [] { std::this_thread::sleep_for(kPause); };
   hooks.report = [&] { return driver.report(); };
-  hooks.tell = [&](std::string_view doing, const std::optional<hal::HandState>& state) {
+  hooks.progress = [&](std::string_view doing, const std::optional<hal::HandState>& state) {
     look(state);
     if (said != doing) {
       said = doing;

@@ -85,9 +85,9 @@ class Runner {
   void go_on(Phase phase) {
     phase_ = phase;
     since_ = clock_.now();
-    tell();
+    report();
   }
-  void tell() {
+  void report() {
     ArmProgress p;
     p.phase = phase_;
     p.in_phase_s = in_phase();
@@ -126,7 +126,7 @@ class Runner {
       } else {
         ++end_.bad_cycles;
       }
-      tell();
+      report();
     }
     // whoever watches without an end has no other way than to interrupt
     const bool cut = hooks_.interrupted && std::isfinite(task_.for_s);
@@ -160,7 +160,7 @@ class Runner {
       ++end_.cycles;
       state_ = *state;
       answer();
-      tell();
+      report();
     }
   }
 

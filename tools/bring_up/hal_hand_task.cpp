@@ -43,9 +43,9 @@ class Runner {
       : hand_(hand), task_(task), clock_(clock), hooks_(hooks) {}
 
   HandTaskEnd run() {
-    tell("opens the bus and looks for the pucks");
+    show_progress("opens the bus and looks for the pucks");
     if (auto opened = hand_.configure(); !opened) return refused(opened.error());
-    if (!first_state()) return end(How::Refused, trouble_);
+    if (!first_state()) return end(How::Refused, error_);
     end_.before = end_.after = *state_;
     if (task_.kind == HandTask::Kind::Watch) return watch();
     if (auto active = hand_.activate(); !active) return refused(active.error());
@@ -59,8 +59,8 @@ class Runner {
 
  private:
   [[nodiscard]] double now() const { return hal::seconds(clock_.now()); }
-  void tell(std::string_view doing) const {
-    if (hooks_.tell) hooks_.tell(doing, state_);
+  void show_progress(std::string_view doing) const {
+    if (hooks_.progress) hooks_.progress(doing, state_);
   }
   HandTaskEnd end(How how, std::string reason) {
     end_.how = how;
@@ -83,11 +83,11 @@ class Runner {
       ++end_.states;
     } else {
       ++end_.bad_states;
-      trouble_ = state.error().text();
+      error_ = state.error().text();
       end_.code = state.error().code;
       if (!bad_since_) bad_since_ = now();
     }
-    tell(doing);
+    show_progress(doing);
     return !bad_since_ || now() - *bad_since_ < kFault_s;
   }
 
@@ -100,8 +100,8 @@ class Runner {
   HandTaskEnd watch() {
     const double since = now();
     while (!hooks_.interrupted() && now() - since < task_.for_s)
-      if (!turn("watches") && std::isfinite(task_.for_s)) return end(How::Failed, trouble_);
-    if (bad_since_) return end(How::Failed, trouble_);
+      if (!turn("watches") && std::isfinite(task_.for_s)) return end(How::Failed, error_);
+    if (bad_since_) return end(How::Failed, error_);
     const bool cut = hooks_.interrupted() && std::isfinite(task_.for_s);
     return end(cut ? How::Interrupted : How::Done, cut ? "asked to end" : "");
   }
@@ -152,7 +152,7 @@ class Runner {
     for (;;) {
       if (!turn(doing)) {
         stop();
-        return end(How::Failed, trouble_);
+        return end(How::Failed, error_);
       }
       if (hooks_.interrupted()) {
         stop();
@@ -203,7 +203,7 @@ class Runner {
     if (task_.kind != HandTask::Kind::Grip) return end(How::Done, "");
     const double since = now();
     while (now() - since < task_.for_s && !hooks_.interrupted()) {
-      if (!turn("holds")) return end(How::Failed, trouble_);
+      if (!turn("holds")) return end(How::Failed, error_);
       if (hooks_.report().slipped || !state_->held)
         return end(How::NoGrip, fmt::format("the grip slipped after {:.1f} s", now() - since));
       if (const auto weak = weak_grip()) return end(How::NoGrip, *weak);
@@ -221,7 +221,7 @@ class Runner {
   const HandTaskHooks& hooks_;
   std::optional<hal::HandState> state_;
   std::optional<double> bad_since_;
-  std::string trouble_ = "no state came";
+  std::string error_ = "no state came";
   HandTaskEnd end_;
 };
 

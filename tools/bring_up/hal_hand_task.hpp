@@ -50,7 +50,7 @@ struct HandTaskEnd {
 struct HandTaskHooks {
   std::function<bool()> interrupted;
   std::function<void()> pause;  ///< Lets some milliseconds pass.
-  std::function<void(std::string_view doing, const std::optional<hal::HandState>& state)> tell;
+  std::function<void(std::string_view doing, const std::optional<hal::HandState>& state)> progress;
   std::function<hal::HandReport()> report;
 };
 

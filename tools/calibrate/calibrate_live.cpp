@@ -149,7 +149,7 @@ class Session {
     commander_.end_cycle();
     const control::ArmView& view = commander_.view();
     if (view.link_lost || view.misses >= kArmMisses)
-      return hal::failure(ErrorCode::LinkLost, "calibrate", "the arm: " + std::string(view.trouble.str()));
+      return hal::failure(ErrorCode::LinkLost, "calibrate", "the arm: " + std::string(view.fault.str()));
     return {};
   }
 
@@ -190,13 +190,13 @@ class Session {
     }
     Seen out;
     int cycles = 0;
-    std::string trouble = "none came";
+    std::string error = "none came";
     const hal::Timestamp deadline = clock.now() + kTimeout;
     while (static_cast<int>(out.frames.size()) < images) {
       if (clock.now() > deadline)
         return hal::failure(ErrorCode::Timeout, "calibrate",
                             fmt::format("{} of {} infrared images within {:.0f} s: {}", out.frames.size(),
-                                        images, hal::seconds(kTimeout), trouble));
+                                        images, hal::seconds(kTimeout), error));
       if (auto done = cycle(); !done) return tl::unexpected(done.error());
       out.q_rad += commander_.view().state.q_rad;
       ++cycles;
@@ -204,7 +204,7 @@ class Session {
       if (frame)
         out.frames.push_back(std::move(*frame));
       else
-        trouble = frame.error().detail;
+        error = frame.error().detail;
     }
     out.q_rad /= cycles;
     // depth beside infrared where the camera can; else without

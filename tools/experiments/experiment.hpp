@@ -20,7 +20,7 @@ enum class View {
              ///< arm, which the thesis's method needs.
 };
 
-/// What one trial is told. The same trial gives the same rows, wherever and beside whatever it runs.
+/// What one trial is made from. The same trial gives the same rows, wherever and beside whatever it runs.
 struct Trial {
   std::uint64_t seed = 1;  ///< Of the campaign.
   int index = 0;

@@ -26,8 +26,8 @@ void Hub::pass_on() {
     taken_.swap(waiting_);
   }
   for (const auto& publication : taken_) now_ = publication.at;
-  if (now_ && (!told_ || *now_ < *told_ || *now_ - *told_ >= kTimeEvery)) {
-    told_ = now_;
+  if (now_ && (!published_ || *now_ < *published_ || *now_ - *published_ >= kTimeEvery)) {
+    published_ = now_;
     for (Listener* listener : listeners_) listener->tell_time(*now_);
   }
   for (auto& publication : taken_)

@@ -40,7 +40,7 @@ class Hub {
   void join(Listener* listener) { listeners_.insert(listener); }
   void leave(Listener* listener) { listeners_.erase(listener); }
 
-  /// Any thread. True: nobody has been told yet that something waits.
+  /// Any thread. True: nobody has been notified yet that something waits.
   [[nodiscard]] bool hand_in(const telemetry::Publication& publication);
   /// Takes what was handed in and passes it on.
   void pass_on();
@@ -55,7 +55,7 @@ class Hub {
   const PageFiles files_;
   std::string session_;
   Board board_;
-  std::optional<hal::Timestamp> now_, told_;
+  std::optional<hal::Timestamp> now_, published_;
   std::set<Listener*> listeners_;
 
   std::mutex waiting_mutex_;

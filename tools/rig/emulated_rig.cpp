@@ -127,11 +127,11 @@ void EmulatedRig::stop() {
 }
 
 hal::Result<ServedRigSign> ServedRigSign::put_up(std::uint16_t port) {
-  const auto trouble = [&](const char* what) {
+  const auto refused = [&](const char* what) {
     return hal::failure(hal::ErrorCode::DeviceFault, fmt::format("fri.port {}", port), what);
   };
   const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (socket < 0) return trouble("this machine gives no socket");
+  if (socket < 0) return refused("this machine gives no socket");
   ServedRigSign sign(socket);
   // an abstract name: no file that a killed program would leave behind
   const std::string name = fmt::format("colift-rig-{}", port);
@@ -140,7 +140,7 @@ hal::Result<ServedRigSign> ServedRigSign::put_up(std::uint16_t port) {
   std::copy(name.begin(), name.end(), address.sun_path + 1);
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
   if (::bind(socket, reinterpret_cast<const sockaddr*>(&address), size) != 0)
-    return trouble("a rig is served for it already, by another program");
+    return refused("a rig is served for it already, by another program");
   return sign;
 }
 

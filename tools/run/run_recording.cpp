@@ -92,7 +92,7 @@ class Recording final : public RunRecording {
                                   report.lost_queue));
     if (report.lost_disk > 0)
       lines.push_back(fmt::format("recording: {} messages were lost", report.lost_disk));
-    if (!report.trouble.empty()) lines.push_back("recording: " + report.trouble);
+    if (!report.error.empty()) lines.push_back("recording: " + report.error);
     if (file && !report.complete)
       lines.push_back("recording: it has no end; colift log recover makes a whole file of it");
     for (const auto& flight : report.flights)

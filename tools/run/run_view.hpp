@@ -16,7 +16,7 @@
 
 namespace colift::tools {
 
-/// What the simulation knows and no device tells. About 30 samples a second from Close to Release.
+/// What the simulation knows and no device reports. About 30 samples a second from Close to Release.
 struct RunTruth {
   double mass_kg = 0.0;
   hal::Vec3 cog = hal::Vec3::Zero();  ///< In W, before the lift.

@@ -44,7 +44,7 @@ enum class Event {
   NobodyCame,
   GraspChosen,
   NoGraspFits,
-  PartnerAsked,  ///< PartnerAsked: no grasp fits while he holds there; he was told where one would.
+  PartnerAsked,  ///< PartnerAsked: no grasp fits while he holds there; he was asked where one would.
   PlanReady,
   NoPath,
   Arrived,
@@ -104,7 +104,7 @@ inline constexpr int kEvents = static_cast<int>(Event::TimeOut) + 1;
 
 [[nodiscard]] std::string_view word(Task task);
 [[nodiscard]] std::string_view word(Event event);
-/// What a person is told that the state waits for.
+/// What the state waits for, in words for a person.
 [[nodiscard]] std::string_view waits_for(Task task);
 [[nodiscard]] bool is_end(Task task);
 /// From first finger contact to the end of Release.

@@ -32,8 +32,8 @@ TaskEvent PlanPhase::plan() {
 
 TaskEvent PlanPhase::find_path() {
   const hal::Timestamp start = c_.stopwatch.now();
-  if (auto trouble = map_fault(c_.session.map(), c_.session.analysis().cloud, c_.config.map_check))
-    return {Event::NoPath, *std::move(trouble)};
+  if (auto fault = map_fault(c_.session.map(), c_.session.analysis().cloud, c_.config.map_check))
+    return {Event::NoPath, *std::move(fault)};
   std::vector<Eigen::Vector3f> people = c_.session.partner_points();
   people.insert(people.end(), c_.obstacles_W.begin(), c_.obstacles_W.end());
   c_.motion_planner.set_scene(

@@ -157,9 +157,9 @@ TaskEvent RetreatPhase::judge_at_home() {
   if (!attempts.regrasp && (attempts.approaches >= max_grips || attempts.lifted || c_.readings.without_puck))
     return {Event::BackInVain, attempts.failure};
   if (moved_m > c_.config.task.attempts.object_moved_m)
-    if (const std::string trouble = take_scene_as_moved(); !trouble.empty())
+    if (const std::string refused = take_scene_as_moved(); !refused.empty())
       return {Event::BackInVain,
-              fmt::format("{}; the object moved by {:.0f} mm: {}", attempts.failure, 1e3 * moved_m, trouble)};
+              fmt::format("{}; the object moved by {:.0f} mm: {}", attempts.failure, 1e3 * moved_m, refused)};
   return {Event::TryAgain, attempts.failure};
 }
 

@@ -51,7 +51,7 @@ void ArmSupervisor::not_commanded() {
   const ArmView& view = c_.arm.view();
   const SupervisionConfig& limits = c_.config.task.supervision;
   bool gone = view.link_lost;
-  std::string why = view.trouble.str();
+  std::string why = view.fault.str();
   if (view.misses == 0) {
     using State = hal::DeviceHealth::State;
     const hal::DeviceHealth health = c_.robot.arm->health();

@@ -24,8 +24,8 @@ namespace {
 /// `where` of an error of state(): of one puck alone, or of the hand. Short enough not to be allocated.
 constexpr std::array<const char*, 4> kWhereAlone{"hand.f1.state", "hand.f2.state", "hand.f3.state",
                                                  "hand.spread"};
-const char* where_of(const HandFault& trouble) {
-  return trouble.alone ? kWhereAlone[index(*trouble.alone)] : "hand.state";
+const char* where_of(const HandFault& fault) {
+  return fault.alone ? kWhereAlone[index(*fault.alone)] : "hand.state";
 }
 
 constexpr Duration kGap = std::chrono::milliseconds(30);  // nobody let the hand run
@@ -69,8 +69,8 @@ struct BarrettHand::Impl {
   Timestamp polled_at{0};
   ShortText last_error, bus_words, remark;
   std::array<std::optional<std::int32_t>, kPucks> mode_at_rest{};
-  LatestValue<Facts> told_health;
-  LatestValue<HandReport> told_report;
+  LatestValue<Facts> latest_health;
+  LatestValue<HandReport> latest_report;
 
   tl::unexpected<Error> fail(ErrorCode code, const char* where, std::string detail) {
     last_error.set(detail);
@@ -100,8 +100,8 @@ struct BarrettHand::Impl {
       case Life::Configured:
       case Life::Active:
         f.state = life == Life::Active ? State::Streaming : State::Opening;
-        if (const auto trouble = watch.trouble())
-          f.state = trouble->code == ErrorCode::LinkLost ? State::Lost : State::Failed;
+        if (const auto fault = watch.fault())
+          f.state = fault->code == ErrorCode::LinkLost ? State::Lost : State::Failed;
         else if (stale())
           f.state = State::Stalled;
         break;
@@ -122,7 +122,7 @@ struct BarrettHand::Impl {
     const std::array<const ShortText*, 4> lesser{&watch.warning(), &bus_words, &motion.why(), &remark};
     for (const ShortText* words : lesser)
       if (f.last_error.empty()) f.last_error = *words;
-    told_health.write(f);
+    latest_health.write(f);
 
     HandReport r;
     r.slipped = motion.slipped();
@@ -148,7 +148,7 @@ struct BarrettHand::Impl {
     r.why = motion.why();
     r.warning = watch.warning();
     r.remark = remark;
-    told_report.write(r);
+    latest_report.write(r);
   }
 
   /// Nobody acknowledges a setting: the modes are read once they were all taken or the time is up.
@@ -206,7 +206,7 @@ struct BarrettHand::Impl {
   Result<> may_act(const char* where, bool although = false) {
     if (life != Life::Active) return fail(ErrorCode::NotReady, where, "the hand is not active");
     if (bus_monitor.state() == BusMonitor::State::Up && although) return {};
-    if (const auto trouble = watch.trouble()) return fail(trouble->code, where, trouble->words.str());
+    if (const auto fault = watch.fault()) return fail(fault->code, where, fault->words.str());
     if (const auto missing = watch.missing(); !although && missing)
       return fail(ErrorCode::LinkLost, where, fmt::format("{} is silent", name(*missing)));
     return {};
@@ -271,12 +271,12 @@ void BarrettHand::deactivate() noexcept {
 }
 
 DeviceHealth BarrettHand::health() const {
-  const Impl::Facts f = impl_->told_health.read();
+  const Impl::Facts f = impl_->latest_health.read();
   return {f.state, f.accepted, f.rejected, f.last_error.str()};
 }
 
 HandReport BarrettHand::report() const {
-  return impl_->told_report.read();
+  return impl_->latest_report.read();
 }
 
 Result<HandState> BarrettHand::state() {
@@ -295,8 +295,7 @@ Result<HandState> BarrettHand::state() {
       h.poll(std::chrono::microseconds(500));
   }
   h.publish();
-  if (const auto trouble = h.watch.trouble())
-    return h.fail(trouble->code, where_of(*trouble), trouble->words.str());
+  if (const auto fault = h.watch.fault()) return h.fail(fault->code, where_of(*fault), fault->words.str());
   if (h.stale()) return h.fail(ErrorCode::Timeout, kWhere, "the pucks report no new positions");
   h.last_error = {};
   return h.state_now();

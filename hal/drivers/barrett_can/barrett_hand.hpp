@@ -13,7 +13,7 @@
 
 namespace colift::hal {
 
-/// What the hand tells beyond HandState, for an operator and for reactions. Index 3 is the spread.
+/// What the hand reports beyond HandState, for an operator and for reactions. Index 3 is the spread.
 struct HandReport {
   bool slipped = false;  ///< The object leaves the grip; until the next release().
   bool loaded = false;   ///< From the first contact of close() to the end of release().
@@ -23,7 +23,7 @@ struct HandReport {
   CanHealth::State bus = CanHealth::State::Closed;  ///< Warning and Passive: go slower.
   std::array<bool, 4> silent{}, zero_lost{};
   std::array<bool, kFingers> broken_away{};  ///< The clutch of the inner link has given way.
-  std::array<double, 4> temperature_c{};     ///< Of puck or motor, the hotter; NaN when not told.
+  std::array<double, 4> temperature_c{};     ///< Of puck or motor, the hotter; NaN when not reported.
   double palm_force_n = 0.0;                 ///< NaN without tactile pads.
   std::uint64_t error_frames = 0, bus_offs = 0, not_sent = 0;
   /// MODE of each motor as it was read back after deactivate(); nullopt: not read back, so not known.
@@ -44,7 +44,7 @@ struct HandReport {
 ///
 /// Nobody but the caller lets it run: every call of state() takes in answers and sends what is due, and costs
 /// some ten microseconds; it has to come every few milliseconds (HandThread does that). state() waits, up to
-/// 3 ms, only when it was not called for more than 30 ms. It allocates nothing but to report trouble. While a
+/// 3 ms, only when it was not called for more than 30 ms. It allocates nothing but to report a fault. While a
 /// lost gateway is opened again, one call a second may take as long as CanBus::open(). configure() waits for
 /// the pucks and opens the hand to find its zeros, when those are not known and nothing is held.
 ///

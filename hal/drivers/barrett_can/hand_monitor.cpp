@@ -290,7 +290,7 @@ Timestamp HandMonitor::oldest_position() const {
   return oldest == Timestamp::max() ? Timestamp{0} : oldest;  // without any of them: no state
 }
 
-std::optional<HandFault> HandMonitor::trouble() const {
+std::optional<HandFault> HandMonitor::fault() const {
   HandFault t;
   if (bus_.state() == BusMonitor::State::Lost) {
     t.words = bus_.why();

@@ -28,15 +28,16 @@ class HandMonitor {
   void start();  ///< Forgets what was noticed; after start-up.
   void step(Timestamp now);
 
-  [[nodiscard]] std::optional<HandFault> trouble() const;
-  /// Pucks that are silent now are no trouble any more, until they have answered again or start() was called:
+  [[nodiscard]] std::optional<HandFault> fault() const;
+  /// Pucks that are silent now are no fault any more, until they have answered again or start() was called:
   /// a person or a controller knows, and goes on with the others.
   void go_without_silent();
   [[nodiscard]] std::optional<Puck> missing() const;  ///< One of those.
   [[nodiscard]] const GoodPosition& good(Puck puck) const { return facts_.good[index(puck)]; }
   [[nodiscard]] Timestamp oldest_position() const;  ///< Of those that are not done without.
   [[nodiscard]] bool all_known() const;
-  [[nodiscard]] double temperature_c(Puck puck) const;  ///< Of puck or motor, the hotter; NaN when not told.
+  [[nodiscard]] double temperature_c(
+      Puck puck) const;  ///< Of puck or motor, the hotter; NaN when not reported.
   [[nodiscard]] double hottest_c() const;
   [[nodiscard]] bool warm() const { return warm_; }
   [[nodiscard]] bool hot() const { return hot_; }

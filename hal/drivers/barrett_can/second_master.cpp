@@ -23,28 +23,29 @@ void SecondMaster::ask() {
 void SecondMaster::judge(Puck puck, std::size_t which) {
   const Property property = kWatched[which];
   std::optional<Odd>& odd = odd_[index(puck)][which];
-  const Reported& told = link_.reported(puck, property);
+  const Reported& reported = link_.reported(puck, property);
   const auto& taken = link_.taken(puck, property);
   // one whose answers are another puck's, or that was reset, is reported as that
   const Reported& ct = link_.reported(puck, Property::Ct);
   const bool was_reset = ct.known && ct.value == factory_ct(puck);
   const bool other =
       was_reset || facts_.zero_lost[index(puck)] || facts_.jump_pending[index(puck)] || link_.busy(puck);
-  if (!told.known || !taken || told.asked_at <= taken->at || told.value == taken->value || other) {
+  if (!reported.known || !taken || reported.asked_at <= taken->at || reported.value == taken->value ||
+      other) {
     odd.reset();
     return;
   }
   // a warm puck may limit its torque by itself
-  if (property == Property::Mt && told.value < taken->value && puck != Puck::Spread &&
+  if (property == Property::Mt && reported.value < taken->value && puck != Puck::Spread &&
       torque_fraction(link_, facts_, puck) < 1.0)
     return;
-  if (odd && odd->value == told.value && told.asked_at > odd->asked_at) {
+  if (odd && odd->value == reported.value && reported.asked_at > odd->asked_at) {
     say(words_, "another program commands the hand: {} of {} is {}, was set to {}; end it, then start again",
-        property_info(property).name, name(puck), told.value, taken->value);
+        property_info(property).name, name(puck), reported.value, taken->value);
     return;
   }
-  if (odd && odd->asked_at == told.asked_at) return;
-  odd = Odd{told.value, told.asked_at};
+  if (odd && odd->asked_at == reported.asked_at) return;
+  odd = Odd{reported.value, reported.asked_at};
   link_.ask(puck, Property::Ct);  // before the other: it was reset, perhaps
   link_.ask(puck, property);
 }

@@ -91,7 +91,7 @@ Result<> KinectCamera::want_infrared(bool wanted) {
   if (wanted)
     k.ask_for_infrared();
   else if (k.process)
-    k.process->tell("infrared off");
+    k.process->send_line("infrared off");
   return {};
 }
 
@@ -125,7 +125,7 @@ Result<> KinectCamera::tilt(double degrees) {
     return failure(ErrorCode::NotReady, kWhere, "the camera is not open, call configure() first");
   if (!k.config.motor)
     return failure(ErrorCode::NotReady, kWhere, "the motor is not opened: kinect: {motor: true}");
-  k.process->tell(fmt::format("tilt {}", degrees));
+  k.process->send_line(fmt::format("tilt {}", degrees));
   return {};
 }
 
@@ -135,7 +135,7 @@ Result<> KinectCamera::set_infrared_brightness(int brightness) {
     return failure(ErrorCode::LimitExceeded, kWhere, fmt::format("{}, expected 1 to 50", brightness));
   if (!impl_->process || !impl_->opened)
     return failure(ErrorCode::NotReady, kWhere, "the camera is not open, call configure() first");
-  impl_->process->tell(fmt::format("brightness {}", brightness));
+  impl_->process->send_line(fmt::format("brightness {}", brightness));
   return {};
 }
 

@@ -28,7 +28,7 @@ struct KinectReport {
   bool own_constants = false;  ///< The device's own, not the nominal ones.
   bool infrared = false, motor = false;
   std::optional<double> tilt_deg;
-  std::string trouble;     ///< Why it does not stream; empty when it does.
+  std::string error;       ///< Why it does not stream; empty when it does.
   std::string last_words;  ///< The last line of the library.
 };
 

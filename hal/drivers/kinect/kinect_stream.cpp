@@ -40,13 +40,13 @@ void KinectStream::start() {
   device_at_ = infrared_at_ = Timestamp::min();
   auto made = FrameRing::make();
   if (!made) {
-    report.trouble = made.error().text();
+    report.error = made.error().text();
     return;
   }
   ring.emplace(std::move(*made));
   auto started = CaptureProcess::start(source->call, ring->fd());
   if (!started) {
-    report.trouble = started.error().text();
+    report.error = started.error().text();
     return;
   }
   process.emplace(std::move(*started));
@@ -55,13 +55,14 @@ void KinectStream::start() {
 
 void KinectStream::ask_for_infrared() const {
   if (!process) return;
-  process->tell("infrared on");
-  if (config.infrared_brightness > 0) process->tell(fmt::format("brightness {}", config.infrared_brightness));
+  process->send_line("infrared on");
+  if (config.infrared_brightness > 0)
+    process->send_line(fmt::format("brightness {}", config.infrared_brightness));
 }
 
 std::string KinectStream::words_of_end() const {
   if (news.end) return news.reason;
-  if (!process) return report.trouble.empty() ? "the capture process is not there" : report.trouble;
+  if (!process) return report.error.empty() ? "the capture process is not there" : report.error;
   const std::string& how = process->ended();
   const std::string last =
       news.last_words.empty() ? "" : fmt::format("; its last words: {}", news.last_words);
@@ -105,7 +106,7 @@ void KinectStream::look_after() {
 }
 
 void KinectStream::note_device(const std::string& why) {
-  report.trouble = why;
+  report.error = why;
   last_error = why;
 }
 
@@ -114,9 +115,9 @@ bool KinectStream::lost() const {
 }
 
 std::string KinectStream::words_of_loss() const {
-  if (!watch.running()) return report.trouble.empty() ? "the capture process is not there" : report.trouble;
+  if (!watch.running()) return report.error.empty() ? "the capture process is not there" : report.error;
   return fmt::format("no frame for {:.1f} s{}", seconds(clock.now() - frame_at),
-                     report.trouble.empty() ? "" : fmt::format(" (before: {})", report.trouble));
+                     report.error.empty() ? "" : fmt::format(" (before: {})", report.error));
 }
 
 void KinectStream::wait(Duration timeout) const {
@@ -192,7 +193,7 @@ DepthFrame KinectStream::convert(const DeviceClock::Times& t) {
       std::count_if(frame.depth_m.begin(), frame.depth_m.end(), [](float z) { return z > 0.0f; });
   report.seen = static_cast<double>(seen) / static_cast<double>(kPixels);
   report.tilt_deg = raw_.stamp.has_accel != 0 ? std::optional(raw_.stamp.tilt_half_deg / 2.0) : std::nullopt;
-  report.trouble.clear();
+  report.error.clear();
   ++report.frames;
   frame_at = clock.now();
   return frame;
@@ -231,7 +232,7 @@ Result<> KinectStream::first_frame() {
     if (ring && watch.running() && ring->newest(Stream::Depth) > 0) break;
     const bool ended = !watch.running();
     if (ended || clock.now() >= deadline) {
-      const std::string why = ended ? report.trouble : fmt::format("no frame within {:.1f} s", config.open_s);
+      const std::string why = ended ? report.error : fmt::format("no frame within {:.1f} s", config.open_s);
       const bool gone = news.end == CaptureEnd::NoDevice || news.end == CaptureEnd::DeviceLost;
       last_error = why;
       watch.rest();
@@ -241,7 +242,7 @@ Result<> KinectStream::first_frame() {
     wait(kLongestWait);
   }
   frame_at = clock.now();
-  report.trouble.clear();
+  report.error.clear();
   return {};
 }
 

@@ -59,7 +59,7 @@ class FriArm final : public Arm {
   Result<> command_cartesian(const CartesianCommand& command);
   void stop() noexcept override;
 
-  /// deactivate(), then tells the KRL program to end if FriConfig::end_script, and closes the link.
+  /// deactivate(), then makes the KRL program end if FriConfig::end_script, and closes the link.
   void shut_down() noexcept;
 
   [[nodiscard]] FriStatus status() const;

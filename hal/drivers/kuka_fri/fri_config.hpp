@@ -89,7 +89,7 @@ struct FriConfig {
     v("null_space_posture", null_space_posture, "Cartesian commands also carry a posture (flags 0x3501).");
     v("warm_c", warm_c, kPositive, "Drive temperature from which the arm goes slow (deg C).");
     v("hot_c", hot_c, kPositive, "Drive temperature from which command mode is left (deg C).");
-    v("end_script", end_script, "Tell the KRL program to close FRI and end when the arm is shut down.");
+    v("end_script", end_script, "Make the KRL program close FRI and end when the arm is shut down.");
   }
 };
 

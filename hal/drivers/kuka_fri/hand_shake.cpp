@@ -109,7 +109,7 @@ class StanfordScript final : public HandShake {
     if (ask != asked_) {
       asked_ = ask;
       since_asked_s_ = 0.0;
-      told_ = kStop;
+      request_ = kStop;
     }
     since_asked_s_ += since_s;
     out = KrlChannels{};
@@ -122,10 +122,10 @@ class StanfordScript final : public HandShake {
     bool done = false;
     if (ask == Ask::Start) {
       // it starts on a change only: a start that it believes to have done has to be taken back first
-      if (told_ == kStart || says != kSaysStarted || commanding(m)) told_ = kStart;
-      done = told_ == kStart && says == kSaysStarted;
+      if (request_ == kStart || says != kSaysStarted || commanding(m)) request_ = kStart;
+      done = request_ == kStart && says == kSaysStarted;
       out.integer[14] = strategy_;
-      out.integer[15] = told_;
+      out.integer[15] = request_;
     } else if (ask == Ask::Stop) {
       out.integer[15] = kStop;
       done = says == kSaysStopped;
@@ -140,7 +140,7 @@ class StanfordScript final : public HandShake {
   }
 
  private:
-  std::int32_t strategy_, told_ = 0;
+  std::int32_t strategy_, request_ = 0;
   Ask asked_ = Ask::Nothing;
   bool ever_ = false;
   double since_asked_s_ = 0.0;

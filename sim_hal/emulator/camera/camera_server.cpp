@@ -142,7 +142,7 @@ void CameraServer::accept_client() {
     const std::lock_guard lock(mutex_);
     ++report_.clients;
   }
-  tell("a client opens the camera");
+  report("a client opens the camera");
 }
 
 void CameraServer::drop_client(const std::string& why) {
@@ -151,7 +151,7 @@ void CameraServer::drop_client(const std::string& why) {
   wants_ = 0;
   queue_.clear();
   written_ = 0;
-  tell(why);
+  report(why);
 }
 
 void CameraServer::hear() {
@@ -173,15 +173,15 @@ void CameraServer::hear() {
     heard_.erase(heard_.begin(), heard_.begin() + sizeof head);
     if (head.what == CameraMessage::Want && head.value != wants_) {
       wants_ = head.value;
-      tell(fmt::format("the client wants {}{}{}", (wants_ & 1U) != 0 ? "depth" : "",
-                       (wants_ & 2U) != 0 ? " infrared" : "", wants_ == 0 ? "nothing" : ""));
+      report(fmt::format("the client wants {}{}{}", (wants_ & 1U) != 0 ? "depth" : "",
+                         (wants_ & 2U) != 0 ? " infrared" : "", wants_ == 0 ? "nothing" : ""));
     } else if (head.what == CameraMessage::SetTilt) {
       const auto degrees = static_cast<std::int32_t>(head.value);
       if (std::abs(degrees) <= 31) {
         const std::lock_guard lock(mutex_);
         report_.tilt_deg = degrees;
       }
-      tell(fmt::format("the motor turns to {} deg", degrees));
+      report(fmt::format("the motor turns to {} deg", degrees));
     } else if (head.what == CameraMessage::Brightness) {
       const std::lock_guard lock(mutex_);
       report_.brightness = static_cast<int>(std::min<std::uint32_t>(head.value, 50));
@@ -210,7 +210,7 @@ void CameraServer::follow_faults() {
     const bool active = f.active(t_s_);
     if (active == (was_active_[i] != 0)) continue;
     was_active_[i] = active ? 1 : 0;
-    tell(fmt::format("{} {}", f.text, active ? "begins" : "is over"));
+    report(fmt::format("{} {}", f.text, active ? "begins" : "is over"));
     if (f.kind == Kind::Freeze) frozen_ = last_codes_;
     if (f.kind == Kind::Restamp) same_ticks_.reset();
     if (f.kind == Kind::Moved && active) {
@@ -350,7 +350,7 @@ void CameraServer::flush(hal::Timestamp now) {
   }
 }
 
-void CameraServer::tell(std::string text) {
+void CameraServer::report(std::string text) {
   const std::lock_guard lock(mutex_);
   if (events_.size() < kMostEvents) events_.push_back({t_s_, std::move(text)});
 }

@@ -80,7 +80,7 @@ class CameraServer {
   void flush(hal::Timestamp now);
   void follow_faults();
   [[nodiscard]] const CameraFault* now_active(CameraFault::Kind kind) const;
-  void tell(std::string text);
+  void report(std::string text);
   [[nodiscard]] std::uint32_t ticks_at(hal::Timestamp at) const;
 
   CameraServerConfig config_;

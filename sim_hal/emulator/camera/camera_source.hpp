@@ -43,7 +43,7 @@ class ScriptedCameraSource final : public CameraSource {
  public:
   /// `world` is asked for each frame, with the time since the first; `noise` unset: an ideal camera.
   ScriptedCameraSource(std::function<World(double t_s)> world, const Pose& X_WC,
-                    std::optional<KinectNoise> noise, std::uint64_t seed, const hal::Clock& clock);
+                       std::optional<KinectNoise> noise, std::uint64_t seed, const hal::Clock& clock);
   [[nodiscard]] CameraExposure look(std::uint64_t frame) override;
   [[nodiscard]] Vec3 up_C() const override { return up_in(X_WC_); }
   void turn(double angle_rad) override;

@@ -180,11 +180,11 @@ void KrcEmulator::watch_quality() {
   const FriQuality wanted = config_.strict ? FriQuality::Perfect : FriQuality::Ok;
   good_cycles_ = quality_now_ >= wanted ? good_cycles_ + 1 : 0;
   ++report_.quality_cycles[static_cast<std::size_t>(quality_now_)];
-  if (quality_now_ != quality_told_ && t_s_ - quality_told_s_ > 0.5) {
+  if (quality_now_ != quality_published_ && t_s_ - quality_published_s_ > 0.5) {
     event(fmt::format("quality {} (answers {:.0f} %, latency {:.2f} ms)", name(quality_now_),
                       100.0 * quality_.answer_rate(), 1e3 * quality_.latency_s()));
-    quality_told_ = quality_now_;
-    quality_told_s_ = t_s_;
+    quality_published_ = quality_now_;
+    quality_published_s_ = t_s_;
   }
 }
 

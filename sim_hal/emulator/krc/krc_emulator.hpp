@@ -141,8 +141,8 @@ class KrcEmulator final : private KrlHost {
   std::optional<double> start_until_s_, restart_at_s_;
   double safety_limits_ = 1.0;
   int good_cycles_ = 0;
-  FriQuality quality_now_ = FriQuality::Unacceptable, quality_told_ = FriQuality::Unacceptable;
-  double quality_told_s_ = -1.0;
+  FriQuality quality_now_ = FriQuality::Unacceptable, quality_published_ = FriQuality::Unacceptable;
+  double quality_published_s_ = -1.0;
   KrlChannels from_pc_, to_pc_;
 
   // the wire

@@ -53,25 +53,25 @@ void HandWorldPlant::begin(const Request& request) {
   if (request.move == Move::Close) world_.close_hand(request.torque_nm);
   if (request.move == Move::Open) world_.open_hand(request.opens);
   if (request.move == Move::Turn) world_.preshape_hand(request.spread_rad);
-  told_ = request;
-  since_told_ms_ = 0;
+  request_ = request;
+  since_request_ms_ = 0;
   world_moves_ = true;
 }
 
 bool HandWorldPlant::differs(const Request& request) const {
-  if (request.move != told_.move) return true;
-  if (request.move == Move::Turn) return std::abs(request.spread_rad - told_.spread_rad) > 0.001;
-  if (request.move == Move::Open) return request.opens != told_.opens;
+  if (request.move != request_.move) return true;
+  if (request.move == Move::Turn) return std::abs(request.spread_rad - request_.spread_rad) > 0.001;
+  if (request.move == Move::Open) return request.opens != request_.opens;
   for (std::size_t f = 0; f < kHandFingers; ++f)
-    if ((request.torque_nm[f] > 0.0) != (told_.torque_nm[f] > 0.0) ||
-        std::abs(request.torque_nm[f] - told_.torque_nm[f]) > 0.1 * told_.torque_nm[f])
+    if ((request.torque_nm[f] > 0.0) != (request_.torque_nm[f] > 0.0) ||
+        std::abs(request.torque_nm[f] - request_.torque_nm[f]) > 0.1 * request_.torque_nm[f])
       return true;
   return false;
 }
 
 // The world's fingers are locked when they have stopped; a motor that is on would go on.
 bool HandWorldPlant::yielded(const Request& request) const {
-  if (request.move != Move::Close || world_moves_ || since_told_ms_ <= kPressAgain_ms) return false;
+  if (request.move != Move::Close || world_moves_ || since_request_ms_ <= kPressAgain_ms) return false;
   for (std::size_t f = 0; f < kHandFingers; ++f)
     if (request.torque_nm[f] > 0.0 && joints_[f].strain_nm < 0.5 * request.torque_nm[f]) return true;
   return false;
@@ -79,18 +79,18 @@ bool HandWorldPlant::yielded(const Request& request) const {
 
 void HandWorldPlant::tell_world() {
   const Request request = wished();
-  ++since_told_ms_;
+  ++since_request_ms_;
   if (request.move != Move::None) {
     if (differs(request) || yielded(request)) begin(request);
     return;
   }
-  if (told_.move == Move::None) return;
+  if (request_.move == Move::None) return;
   // closing with no torque locks the worms, and lets the world count what is touched as a grasp
-  if (told_.move == Move::Close && touches_ && world_moves_)
+  if (request_.move == Move::Close && touches_ && world_moves_)
     world_.close_hand(request.torque_nm);
   else if (world_moves_)
     world_.stop_hand();
-  told_ = request;
+  request_ = request;
 }
 
 void HandWorldPlant::read_world() {
@@ -98,11 +98,11 @@ void HandWorldPlant::read_world() {
   const bool moves = s.moving || world_moves_;  // the last millisecond of a move counts
   world_moves_ = s.moving;
   touches_ = false;
-  const auto follow = [](double& told, double now, double goal, double there, bool powered) {
+  const auto follow = [](double& commanded, double now, double goal, double there, bool powered) {
     if (powered && std::abs(now - goal) < there)
-      told = goal;
-    else if (std::abs(now - told) > kNoise)
-      told = now;
+      commanded = goal;
+    else if (std::abs(now - commanded) > kNoise)
+      commanded = now;
   };
   for (std::size_t f = 0; f < kHandFingers; ++f) {
     HandJoint& j = joints_[f];

@@ -44,8 +44,8 @@ class HandWorldPlant final : public HandPlant {
   HandWorldConfig config_;
   std::array<HandMotor, kHandPucks> motors_{};
   std::array<HandJoint, kHandPucks> joints_{};
-  Request told_;
-  int since_told_ms_ = 0;
+  Request request_;
+  int since_request_ms_ = 0;
   bool world_moves_ = false, touches_ = false;
 };
 

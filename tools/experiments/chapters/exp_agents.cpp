@@ -10,8 +10,8 @@
 #include "sim_hal/synthetic/hash_random.hpp"
 #include "tools/experiments/bar_plot.hpp"
 #include "tools/experiments/experiment.hpp"
+#include "tools/experiments/trials/asked_partner.hpp"
 #include "tools/experiments/trials/layouts.hpp"
-#include "tools/experiments/trials/told_partner.hpp"
 #include "tools/experiments/trials/tried_grasps.hpp"
 
 namespace colift::experiments {

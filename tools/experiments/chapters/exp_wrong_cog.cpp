@@ -98,7 +98,7 @@ TrialRows run(const Trial& trial) {
               cell(1e3 * off),
               cell(blind.lifted ? blind.tilt_deg : NAN),
               cell(static_cast<int>(search.tried.size())),
-              cell(static_cast<int>(search.told.size())),
+              cell(static_cast<int>(search.asked.size())),
               last.known ? word(last.known->next) : "nothing",
               cell(last.known ? last.known->mass_kg : NAN),
               cell(last.known ? 1e3 * (last.known->cog - true_cog).head<2>().norm() : NAN),
@@ -109,7 +109,7 @@ TrialRows run(const Trial& trial) {
               cell(lift.lifted ? lift.tilt_deg : NAN),
               search.level && !lift.lifted ? lift.reason : search.reason};
   rows.words = fmt::format("{}: {:.0f} mm off: tilt {:.2f} deg; {} grips, asked {} times, {}: {:.2f} deg",
-                           scenario.name, 1e3 * off, blind.tilt_deg, search.tried.size(), search.told.size(),
+                           scenario.name, 1e3 * off, blind.tilt_deg, search.tried.size(), search.asked.size(),
                            search.level ? "lifted" : "refused", lift.tilt_deg);
   return rows;
 }
@@ -124,10 +124,10 @@ std::vector<Figure> figures(const Results& r) {
     const bool level = r.trials.number(row, "level") > 0.5;
     const bool bad = !(b <= kBudget_deg), good = t <= kBudget_deg;
     broke += bad;
-    const bool told = r.trials.number(row, "asked") > 0.5;
+    const bool was_asked = r.trials.number(row, "asked") > 0.5;
     recovered += bad && good;
-    alone += bad && good && !told;
-    asked += bad && told;
+    alone += bad && good && !was_asked;
+    asked += bad && was_asked;
     refused += bad && !level;
     spoilt += !bad && !good;
     lifted += level;

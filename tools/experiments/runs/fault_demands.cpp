@@ -63,7 +63,7 @@ std::vector<std::string> objections(const FaultyLift& lift, const std::vector<Dr
   for (const DrawnFault& fault : faults)
     if (auto broken = demand_broken(lift, fault); !broken.empty()) all.push_back(std::move(broken));
   for (const std::string& rule : lift.broken_rules) all.push_back("broke a rule of the wire: " + rule);
-  if (lift.troubles > 0) all.push_back("the physics diverged");
+  if (lift.divergences > 0) all.push_back("the physics diverged");
   return all;
 }
 

@@ -186,7 +186,7 @@ hal::Result<FaultyLift> run_faulty_lift(const FaultyScene& scene, const control:
   if (endless && lift.failed.empty()) lift.failed = fmt::format("no end within {:.0f} s", kMaxJob_s);
   lift.verdict = judge.verdict(lift.record.outcome == control::RunRecord::Result::Lifted);
   lift.broken_rules = rig.broken_rules();
-  lift.troubles = world.truth().troubles;
+  lift.divergences = world.truth().divergences;
   lift.hit_something = world.truth().robot_hit_something;
   return lift;
 }

@@ -32,7 +32,7 @@ struct FaultyLift {
   std::string failed;  ///< An exception, an error at the start, or no end in time; empty: it came to its end.
   std::map<std::string, double> entered;  ///< First entry into each state (s of the scenario).
   std::vector<std::string> broken_rules;  ///< What the wire's far end had to complain of.
-  int troubles = 0;                       ///< Of the physics.
+  int divergences = 0;                    ///< Of the physics.
   bool hit_something = false;             ///< A link of the arm met anything at any time.
 
   /// The arm at an instant of the scenario (rad); what touches it.

@@ -8,7 +8,7 @@
 #include "control/test_lift/level_grip.hpp"
 #include "control/test_lift/test_lift_observer.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
-#include "tools/experiments/trials/told_partner.hpp"
+#include "tools/experiments/trials/asked_partner.hpp"
 
 namespace colift::experiments {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 constexpr double kSameGrasp_m = 0.004;  // two candidates so near to each other are one
 constexpr double kFailed_m = 0.02;      // so near to a grip that failed no other is tried
 constexpr double kWantedShare = 0.5;
-constexpr std::uint64_t kTold = 7970;  // stream of the seeds of where he really goes
+constexpr std::uint64_t kAsked = 7970;  // stream of the seeds of where he really goes
 
 bool possible(const planner::GraspCandidate& c) {
   return c.verdict == planner::Verdict::Ok || c.verdict == planner::Verdict::Chosen;
@@ -102,7 +102,7 @@ class Search {
     TriedGrip& tried = out_.tried.emplace_back();
     tried.grasp = choice.grasp;
     tried.partner = partner();
-    tried.asked = static_cast<int>(out_.told.size());
+    tried.asked = static_cast<int>(out_.asked.size());
     tried.chance = choice.chance;
     const hal::Vec3 grasp = planner::load_point(choice.grasp);
     control::TestLiftObserver eye(object_, partner(), grasp, test_config_);
@@ -164,16 +164,16 @@ class Search {
 
   // Whether the partner was asked, went elsewhere and is seen there.
   bool ask() {
-    while (belief_ && static_cast<int>(out_.told.size()) < test_config_.asks) {
+    while (belief_ && static_cast<int>(out_.asked.size()) < test_config_.asks) {
       const auto place = control::next_partner_place(observation_->analysis().candidates, grasps(), held_,
                                                      *belief_, test_config_);
       if (!place) {
         out_.reason += "; nor is there a better place for the partner";
         return false;
       }
-      out_.told.push_back(*place);
+      out_.asked.push_back(*place);
       out_.scenario =
-          partner_goes_to(out_.scenario, place->position, sim_hal::hash(seed_, kTold, out_.told.size()));
+          partner_goes_to(out_.scenario, place->position, sim_hal::hash(seed_, kAsked, out_.asked.size()));
       auto seen = Observation::make(out_.scenario, method_, seed_, config_.task.lift_height_m);
       if (!seen) {
         out_.reason = fmt::format("asked to {}; {}", place->reason, seen.error().text());
@@ -197,7 +197,7 @@ class Search {
   GripSearch out_;
   Observation* observation_ = nullptr;
   std::vector<hal::Vec3> held_;    // where the partner holds, and held before
-  std::vector<hal::Vec3> failed_;  // grips that told nothing, while he holds there
+  std::vector<hal::Vec3> failed_;  // grips that measured nothing, while he holds there
   std::vector<Choice> unknowing_;  // the decision's own, best first
   std::vector<control::MeasuredLift> measured_;
   std::optional<control::CogBelief> belief_;

@@ -25,7 +25,7 @@ struct TriedGrip {
 struct GripSearch {
   std::vector<TriedGrip> tried;                 ///< At least one.
   std::optional<std::size_t> level = {};        ///< The one that may be lifted.
-  std::vector<control::PartnerRequest> told;    ///< Where the partner was asked to grasp, in order.
+  std::vector<control::PartnerRequest> asked;   ///< Where the partner was asked to grasp, in order.
   sim_hal::Scenario scenario;                   ///< With the partner where he holds at the end,
   std::unique_ptr<Observation> elsewhere = {};  ///< and what is seen then; none where nobody was asked.
   std::string reason;

@@ -43,7 +43,7 @@ std::string unzip(std::string_view records, std::uint64_t most, bool& whole) {
 Unpacked unpack(const ChunkHead& head, std::string_view records, bool cut) {
   Unpacked out;
   if (head.uncompressed_size > kMostChunkBytes) {
-    out.trouble = fmt::format("claims {} bytes (limit {})", head.uncompressed_size, kMostChunkBytes);
+    out.error = fmt::format("claims {} bytes (limit {})", head.uncompressed_size, kMostChunkBytes);
     return out;
   }
   bool whole = true;
@@ -52,14 +52,14 @@ Unpacked unpack(const ChunkHead& head, std::string_view records, bool cut) {
   else if (head.compression.empty())
     out.bytes = std::string(records);
   else
-    out.trouble =
+    out.error =
         fmt::format("is compressed by \"{}\"; expected zstd or nothing", head.compression.substr(0, 40));
-  if (!out.trouble.empty() || cut) return out;
+  if (!out.error.empty() || cut) return out;
   if (!whole || out.bytes.size() != head.uncompressed_size)
-    out.trouble = fmt::format("gives {} of {} bytes", out.bytes.size(), head.uncompressed_size);
+    out.error = fmt::format("gives {} of {} bytes", out.bytes.size(), head.uncompressed_size);
   else if (head.uncompressed_crc != 0 && crc32_of(out.bytes) != head.uncompressed_crc)
-    out.trouble = "has a wrong checksum";
-  if (!out.trouble.empty()) out.bytes.clear();
+    out.error = "has a wrong checksum";
+  if (!out.error.empty()) out.bytes.clear();
   return out;
 }
 
@@ -128,8 +128,8 @@ void McapWalk::take_chunk(std::string_view content, bool cut) {
     records = records.substr(0, static_cast<std::size_t>(head->records_size));
   }
   Unpacked unpacked = unpack(*head, records, cut);
-  if (!unpacked.trouble.empty())
-    hurt(fmt::format("the chunk at byte {} {}; it is left out", at_, unpacked.trouble));
+  if (!unpacked.error.empty())
+    hurt(fmt::format("the chunk at byte {} {}; it is left out", at_, unpacked.error));
   chunk_ = std::move(unpacked.bytes);
   in_chunk_ = 0;
   info_.chunks.push_back({head->start_time,

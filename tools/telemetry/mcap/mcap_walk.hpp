@@ -23,7 +23,7 @@ inline constexpr std::uint64_t kMostChunkBytes = 1u << 29;
 /// What came of decompressing.
 struct Unpacked {
   std::string bytes;
-  std::string trouble;  ///< Empty: all of it, and the checksum is right.
+  std::string error;  ///< Empty: all of it, and the checksum is right.
 };
 /// `cut`: the records end too early, and what they give is to be taken.
 [[nodiscard]] Unpacked unpack(const ChunkHead& head, std::string_view records, bool cut);

@@ -169,7 +169,7 @@ void visit(Visitor& v, control::ArmView& w) {
   v("misses", w.misses);
   v("link_lost", w.link_lost);
   v("refused_commands", w.refused_commands);
-  v("trouble", w.trouble);
+  v("trouble", w.fault);
   v("refusal", w.refusal);
 }
 

@@ -121,7 +121,7 @@ struct Recorder::Impl {
         report.written += chunk->messages;
       } else {
         report.lost_disk += chunk->messages;
-        if (report.trouble.empty()) report.trouble = done.error().text();
+        if (report.error.empty()) report.error = done.error().text();
       }
     } else {
       report.written += chunk->messages;
@@ -166,7 +166,7 @@ struct Recorder::Impl {
     std::error_code error;
     if (written) std::filesystem::rename(part, file, error);
     if (!written || error) {
-      if (report.trouble.empty()) report.trouble = written ? error.message() : written.error().text();
+      if (report.error.empty()) report.error = written ? error.message() : written.error().text();
       std::filesystem::remove(part, error);
       return;
     }
@@ -298,7 +298,7 @@ RecorderReport Recorder::finish(const RunDocuments& at_end) {
   if (!i.writer) return i.report;
 
   const auto remember = [&](const hal::Result<>& done) {
-    if (!done && i.report.trouble.empty()) i.report.trouble = done.error().text();
+    if (!done && i.report.error.empty()) i.report.error = done.error().text();
     return done.has_value();
   };
   for (const Attachment& a : at_end.attachments) (void)remember(i.writer->attach(a));
@@ -307,7 +307,7 @@ RecorderReport Recorder::finish(const RunDocuments& at_end) {
                                         {{"written", std::to_string(i.report.written)},
                                          {"lost_queue", std::to_string(i.report.lost_queue)},
                                          {"lost_disk", std::to_string(i.report.lost_disk)},
-                                         {"trouble", i.report.trouble}}}));
+                                         {"error", i.report.error}}}));
   i.report.complete = remember(i.writer->finish());
   i.report.file_bytes = i.writer->size();
   i.writer.reset();

@@ -52,7 +52,7 @@ struct RecorderReport {
   std::uint64_t lost_disk = 0;   ///< The disk refused them.
   std::uint64_t file_bytes = 0;
   bool complete = false;                       ///< The file has its summary.
-  std::string trouble;                         ///< First error of the disk; empty when there was none.
+  std::string error;                           ///< First error of the disk; empty when there was none.
   std::vector<std::filesystem::path> flights;  ///< Files with last seconds that were written.
 };
 

@@ -66,11 +66,11 @@ hal::Result<Recovered> recover(const McapReader& file, const std::filesystem::pa
   auto sink = create_file(part);
   if (!sink) return tl::unexpected(sink.error());
   auto done = copy(file, std::move(*sink));
-  std::error_code trouble;
-  if (done) std::filesystem::rename(part, to, trouble);
-  if (trouble)
-    done = hal::failure(hal::ErrorCode::BadInput, to.string(), "cannot be written: " + trouble.message());
-  if (!done) std::filesystem::remove(part, trouble);
+  std::error_code error;
+  if (done) std::filesystem::rename(part, to, error);
+  if (error)
+    done = hal::failure(hal::ErrorCode::BadInput, to.string(), "cannot be written: " + error.message());
+  if (!done) std::filesystem::remove(part, error);
   return done;
 }
 

@@ -341,8 +341,8 @@ void PuckLink::run_queue(Puck puck, Timestamp now) noexcept {
   if (q.reading_back) {
     if (pending(puck, s.property)) return;
     q.reading_back = false;
-    const Reported& now_told = reported(puck, s.property);
-    if (!unanswered(puck, s.property) && now_told.asked_at >= q.last_sent && now_told.value == s.value) {
+    const Reported& read_back = reported(puck, s.property);
+    if (!unanswered(puck, s.property) && read_back.asked_at >= q.last_sent && read_back.value == s.value) {
       question(puck, s.property).taken = TakenSetting{s.value, now};
       done();
     } else if (unanswered(puck, s.property) || ++q.tries >= kTries) {

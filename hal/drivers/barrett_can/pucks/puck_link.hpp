@@ -12,7 +12,7 @@
 
 namespace colift::hal::barrett {
 
-/// A value as a puck last told it.
+/// A value as a puck last reported it.
 struct Reported {
   std::int32_t value = 0;
   Timestamp at{0};        ///< Of the answer.
@@ -33,7 +33,7 @@ struct ForeignRequests {
   Request last_setting{};  ///< When there is any.
 };
 
-/// A pad as it was last told whole.
+/// A pad as it was last reported whole.
 struct PadScan {
   std::array<std::uint16_t, kTactileCells> cells{};
   Timestamp at{0};
@@ -84,7 +84,7 @@ class PuckLink {
   [[nodiscard]] bool silent(Puck puck) const noexcept;
   /// A question is out to it for the second time or more.
   [[nodiscard]] bool repeats(Puck puck) const noexcept;
-  void forget(Puck puck) noexcept;           ///< What it told, and that it did not answer.
+  void forget(Puck puck) noexcept;           ///< What it reported, and that it did not answer.
   void forget_settings(Puck puck) noexcept;  ///< What it took: a reset has brought the factory's values back.
 
   void use_group(bool yes) noexcept { grouped_ = yes; }
@@ -93,7 +93,7 @@ class PuckLink {
   void clear_full() noexcept { full_in_a_row_ = 0; }
   /// The last setting of MODE has left, and when.
   [[nodiscard]] Timestamp mode_set_at(Puck puck) const noexcept { return mode_set_at_[index(puck)]; }
-  /// What the puck was told last and took; E is nullopt after CMD, which may change it.
+  /// The last setting that the puck took; E is nullopt after CMD, which may change it.
   [[nodiscard]] const std::optional<TakenSetting>& taken(Puck puck, Property property) const noexcept {
     return question(puck, property).taken;
   }

@@ -65,8 +65,8 @@ class Mover {
   }
 
  private:
-  [[nodiscard]] const Reported& told(Property p) const { return link_.reported(finger_, p); }
-  [[nodiscard]] std::int32_t position() const { return told(Property::P).value; }
+  [[nodiscard]] const Reported& reported(Property p) const { return link_.reported(finger_, p); }
+  [[nodiscard]] std::int32_t position() const { return reported(Property::P).value; }
   [[nodiscard]] bool opens() const {
     return motion_.kind == Kind::To ? target_ < start_ : motion_.value < 0.0;
   }
@@ -131,16 +131,16 @@ class Mover {
       const Reported& p = link_.reported(puck, Property::P);
       closed_ += p.known && p.value > kClosedFrom ? 1 : 0;
     }
-    const Reported& temp = told(Property::Temp);
-    if (!told(Property::P).known || !temp.known)
+    const Reported& temp = reported(Property::Temp);
+    if (!reported(Property::P).known || !temp.known)
       return refuse(ErrorCode::LinkLost,
-                    fmt::format("{} does not tell its position and heat", name(finger_)));
+                    fmt::format("{} does not report its position and heat", name(finger_)));
     if (temp.value >= config_.limit_c)
       return refuse(ErrorCode::DeviceFault, fmt::format("{} has {} C (limit {:.0f}): it has to cool first",
                                                         name(finger_), temp.value, config_.limit_c));
     start_ = position();
-    const bool gauge = told(Property::Role).known && (told(Property::Role).value & kRoleStrain) != 0;
-    if (gauge && told(Property::Sg).known) strain_start_ = told(Property::Sg).value;
+    const bool gauge = reported(Property::Role).known && (reported(Property::Role).value & kRoleStrain) != 0;
+    if (gauge && reported(Property::Sg).known) strain_start_ = reported(Property::Sg).value;
     return {};
   }
 
@@ -234,7 +234,7 @@ class Mover {
       if (interrupted_()) return ended("interrupted: it stays where it is", false);
       if (link_.silent(finger_)) return ended(fmt::format("{} stopped answering", name(finger_)), false);
       if (strain_start_) {
-        const double nm = strain_nm(told(Property::Sg).value) - strain_nm(*strain_start_);
+        const double nm = strain_nm(reported(Property::Sg).value) - strain_nm(*strain_start_);
         end_.max_torque_nm = std::fmax(end_.max_torque_nm, nm);
         if (std::abs(nm) > limit_nm) return ended(fmt::format("it measures {:.2f} N m: enough", nm), timed);
       }
@@ -243,7 +243,7 @@ class Mover {
         moved_at = now;
       }
       if (timed && at_end()) return ended("it is at the end of its range", true);
-      const Reported& mode = told(Property::Mode);
+      const Reported& mode = reported(Property::Mode);
       const bool idle = mode.known && mode.asked_at > began + kSettles && mode.value == kModeIdle;
       const bool still = now - moved_at > duration_of(config_.still_s) && motion_.kind != Kind::Torque;
       if (!idle && !still) return false;
@@ -266,7 +266,7 @@ class Mover {
     (void)wait(kAnswer_s, [&] {
       return !link_.pending(finger_, Property::Mode) && !link_.pending(finger_, Property::P);
     });
-    const Reported& mode = told(Property::Mode);
+    const Reported& mode = reported(Property::Mode);
     end_.rests = mode.known && mode.asked_at >= set_at && mode.value == kModeIdle;
   }
 

@@ -61,10 +61,10 @@ class Reader {
     });
     for (const Puck puck : kAllPucks) {
       if (!asked[index(puck)]) continue;
-      const Reported& told = link_.reported(puck, property);
+      const Reported& value = link_.reported(puck, property);
       PuckReading& of = reading_.pucks[index(puck)];
-      of.answers = of.answers || told.known;
-      of.values.push_back({property, told.known ? std::optional(told.value) : std::nullopt});
+      of.answers = of.answers || value.known;
+      of.values.push_back({property, value.known ? std::optional(value.value) : std::nullopt});
     }
   }
 

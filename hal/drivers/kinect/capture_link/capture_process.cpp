@@ -182,7 +182,7 @@ bool CaptureProcess::exists() {
   return false;
 }
 
-void CaptureProcess::tell(const std::string& line) const {
+void CaptureProcess::send_line(const std::string& line) const {
   const std::string text = line + "\n";
   // who does not read closes its end: no signal for that
   sigset_t pipe, before;

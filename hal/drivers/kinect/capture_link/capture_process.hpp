@@ -39,7 +39,7 @@ class CaptureProcess {
   /// How it ended: "status 1", "signal 11 (Segmentation fault)".
   [[nodiscard]] const std::string& ended() const { return ended_; }
   /// One line; lost when it does not listen.
-  void tell(const std::string& line) const;
+  void send_line(const std::string& line) const;
   void kill() const;
   [[nodiscard]] pid_t pid() const { return pid_; }
   /// Given up: a process that the kernel cannot end. Nobody waits for it any more.

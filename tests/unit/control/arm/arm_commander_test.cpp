@@ -278,7 +278,7 @@ TEST_CASE("Misses are counted, and told with their reason") {
   rig.arm.silent_from = rig.arm.cycles.load();
   rig.pass(5);
   CHECK(rig.loop.view().misses == 5);
-  CHECK_THAT(rig.loop.view().trouble.str(), Catch::Contains("silent"));
+  CHECK_THAT(rig.loop.view().fault.str(), Catch::Contains("silent"));
   rig.arm.silent_from = 1 << 30;
   rig.pass(1);
   CHECK(rig.loop.view().misses == 0);

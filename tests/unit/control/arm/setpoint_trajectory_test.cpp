@@ -106,7 +106,8 @@ TEST_CASE("a way is refused that starts elsewhere, while the arm moves, or that 
   const auto elsewhere = rig.cycle.follow(way({there(), home()}));
   REQUIRE_FALSE(elsewhere);
   CHECK(elsewhere.error().code == hal::ErrorCode::BadInput);
-  CHECK_THAT(elsewhere.error().detail, Catch::Matchers::Contains("0.9000 rad from the commanded position in A7"));
+  CHECK_THAT(elsewhere.error().detail,
+             Catch::Matchers::Contains("0.9000 rad from the commanded position in A7"));
   REQUIRE(rig.cycle.follow(way({home(), there()})));
   rig.steps(300);
   CHECK(rig.cycle.follow(way({rig.last.q_rad, home()})).error().code == hal::ErrorCode::NotReady);

@@ -83,10 +83,10 @@ TEST_CASE("a picture with half of its pixels gone is not grasped in; shadows and
       for (const double holes : {0.5, 0.7, 0.9}) {
         const control::SceneAnalysis analysis = look_at(scene, holes, seed);
         if (!analysis.scene.target) continue;
-        const auto trouble = control::image_fault(analysis.cloud, *analysis.scene.target);
+        const auto fault = control::image_fault(analysis.cloud, *analysis.scene.target);
         INFO("holes " << holes);
-        REQUIRE(trouble);
-        CHECK_THAT(*trouble, Catch::Contains("% of the pixels"));
+        REQUIRE(fault);
+        CHECK_THAT(*fault, Catch::Contains("% of the pixels"));
         wrong_in_holes += wrong_candidates(analysis, scene.world);
       }
     }

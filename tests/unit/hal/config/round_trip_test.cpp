@@ -154,9 +154,10 @@ TEST_CASE("the effective configuration says of every value where it comes from",
   CHECK_THAT(yaml, Catch::Contains("\n    rounds: 5  # robot.yaml:4\n"));
   CHECK_THAT(yaml, Catch::Contains("\nshare: 0.5  # --set\n"));
   CHECK_THAT(yaml, Catch::Contains("\n  max_tilt_deg: 50  # default\n"));
-  CHECK_THAT(effective_yaml(table, true),
-             Catch::Contains(
-                 "  # Largest angle between the normal and up. (a number from 0 to 90; deg)\n  max_tilt_deg: 50"));
+  CHECK_THAT(
+      effective_yaml(table, true),
+      Catch::Contains(
+          "  # Largest angle between the normal and up. (a number from 0 to 90; deg)\n  max_tilt_deg: 50"));
 }
 
 TEST_CASE("a file name cannot break out of its comment", "[config]") {

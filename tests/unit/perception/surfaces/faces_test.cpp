@@ -135,7 +135,7 @@ TEST_CASE("without pixels there are no surfaces", "[surfaces]") {
   CHECK(view.surfaces().empty());
 }
 
-TEST_CASE("an object that fills the image to its rim is no trouble", "[surfaces]") {
+TEST_CASE("an object that fills the image to its rim is no problem", "[surfaces]") {
   const View view(scene_of({sim_hal::box({0, 0, 0.5}, {3, 3, 1.0}, 0.3, sim_hal::Label::Target)},
                            {1.3, 0.5, 2.0}, {0, 0, 1.0}),
                   1);

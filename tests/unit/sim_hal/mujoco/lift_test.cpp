@@ -39,7 +39,7 @@ TEST_CASE("the hand closes around a table's edge, lifts it with the partner, and
   CHECK_FALSE(rig.world().hand_state().held);
   CHECK_FALSE(rig.world().truth().robot_touches_object);
   CHECK(rig.world().truth().tilt_rad < 0.1 * kDegree);
-  CHECK(rig.world().truth().troubles == 0);
+  CHECK(rig.world().truth().divergences == 0);
 }
 
 TEST_CASE("what the arm feels outside of itself is the transposed Jacobian times the load in its hand") {

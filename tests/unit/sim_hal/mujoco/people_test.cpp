@@ -110,7 +110,7 @@ TEST_CASE("a person who walks against a table pushes it") {
   LiftRig rig(s, hand_at({0.60, 0.0, 0.60}, Vec3::UnitX(), Vec3::UnitZ()));
   CHECK(peak_n(rig, 3.0) > 20.0);
   CHECK(rig.world().truth().X_WT.translation().y() < -0.02);
-  CHECK(rig.world().truth().troubles == 0);
+  CHECK(rig.world().truth().divergences == 0);
 }
 
 TEST_CASE("the partner who carries is solid to the arm, and nothing to the object in his hand") {

@@ -237,7 +237,7 @@ TEST_CASE("inputs of a cycle read back to the same bits", "[messages]") {
   in.view.emplace();
   in.view->state = arm;
   in.view->wrench_W = hal::Wrench{{1.1, 2.2, 3.3}, {0, 0, 0}};
-  in.view->trouble.set("late");
+  in.view->fault.set("late");
   in.interrupted = true;
 
   const std::string message = inputs_message(in);
@@ -257,7 +257,7 @@ TEST_CASE("inputs of a cycle read back to the same bits", "[messages]") {
   CHECK(back->answers[0]);
   CHECK(back->answers[1].error().code == hal::ErrorCode::LimitExceeded);
   CHECK(back->view->wrench_W->force.z() == 3.3);
-  CHECK(back->view->trouble.str() == "late");
+  CHECK(back->view->fault.str() == "late");
   for (const char* bad :
        {"", "[]", "{}", "{\"cycle\":\"x\",\"clock\":[]}", "{\"cycle\":1,\"clock\":[1],\"hand\":[{}]}"})
     CHECK_FALSE(parse_inputs(bad));

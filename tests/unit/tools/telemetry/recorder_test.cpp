@@ -1,4 +1,4 @@
-// The recorder: nothing is lost silently, and a disk's trouble is its own.
+// The recorder: nothing is lost silently, and a disk's error is its own.
 
 #include "tools/telemetry/record/recorder.hpp"
 
@@ -86,7 +86,7 @@ TEST_CASE("a recording holds every line in order, and its documents", "[recorder
   CHECK(report.written == 500);
   CHECK(report.lost_queue + report.lost_disk == 0);
   CHECK(report.complete);
-  CHECK(report.trouble.empty());
+  CHECK(report.error.empty());
   const auto lines = lines_of(disk.bytes);
   REQUIRE(lines.size() == 500);
   for (int i = 0; i < 500; ++i) REQUIRE(lines[static_cast<std::size_t>(i)] == "line " + std::to_string(i));
@@ -155,7 +155,7 @@ TEST_CASE("a disk that fills up costs lines that are counted; the file stays rea
   CHECK(report.lost_disk > 0);
   CHECK(report.written + report.lost_disk == 1000);
   CHECK_FALSE(report.complete);
-  CHECK(report.trouble.find("No space left") != std::string::npos);
+  CHECK(report.error.find("No space left") != std::string::npos);
   CHECK(lines_of(disk.bytes).size() == report.written);
 }
 
@@ -177,7 +177,7 @@ TEST_CASE("a limit of the file's size is like a full disk, not the end of the pr
   REQUIRE(::setrlimit(RLIMIT_FSIZE, &before) == 0);
   CHECK(report.written > 0);
   CHECK(report.lost_disk > 0);
-  CHECK(report.trouble.find("File too large") != std::string::npos);
+  CHECK(report.error.find("File too large") != std::string::npos);
   std::ifstream in(file, std::ios::binary);
   CHECK(lines_of({std::istreambuf_iterator<char>(in), {}}).size() == report.written);
   std::filesystem::remove(file);

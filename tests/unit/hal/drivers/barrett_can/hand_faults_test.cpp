@@ -10,7 +10,7 @@ using hal::ErrorCode;
 
 namespace {
 
-std::optional<ErrorCode> trouble(HandRig& rig) {
+std::optional<ErrorCode> fault(HandRig& rig) {
   const auto state = rig.hand.state();
   if (state) return std::nullopt;
   return state.error().code;
@@ -100,9 +100,9 @@ TEST_CASE("row 27: a silent puck is noticed in 50 ms; loaded, the others keep th
   rig.grip();
   const std::size_t from = rig.fake.from_host.size();
   rig.fake.pucks[1].silent = true;
-  const auto took = until(rig, 100ms, [&] { return trouble(rig).has_value(); });
+  const auto took = until(rig, 100ms, [&] { return fault(rig).has_value(); });
   CHECK(took <= 50ms);
-  CHECK(trouble(rig) == ErrorCode::LinkLost);
+  CHECK(fault(rig) == ErrorCode::LinkLost);
   CHECK_THAT(words(rig), Contains("F2 (node 12) is silent"));
   CHECK(rig.hand.health().state == hal::DeviceHealth::State::Lost);
   rig.pass(1s);
@@ -114,7 +114,7 @@ TEST_CASE("row 27: a silent puck is noticed in 50 ms; loaded, the others keep th
 
   SECTION("it answers again") {
     rig.fake.pucks[1].silent = false;
-    (void)until(rig, 300ms, [&] { return !trouble(rig); });
+    (void)until(rig, 300ms, [&] { return !fault(rig); });
     CHECK(rig.look().held);
   }
   SECTION("the others can be released") {
@@ -135,7 +135,7 @@ TEST_CASE("row 27: a puck that is silent alone is named by place; once released 
   rig.pass(200ms);
   const double reached_rad = rig.look().finger_rad[1];
   rig.fake.pucks[1].silent = true;
-  (void)until(rig, 100ms, [&] { return trouble(rig).has_value(); });
+  (void)until(rig, 100ms, [&] { return fault(rig).has_value(); });
   CHECK(rig.hand.state().error().where == "hand.f2.state");
   REQUIRE(rig.hand.release());
   rig.pass(2s);
@@ -154,17 +154,17 @@ TEST_CASE("row 27: a puck that is silent alone is named by place; once released 
     rig.fake.pucks[1].silent = false;
     (void)until(rig, 500ms, [&] { return rig.look().warning.empty(); });
     rig.fake.pucks[1].silent = true;
-    (void)until(rig, 100ms, [&] { return trouble(rig).has_value(); });
+    (void)until(rig, 100ms, [&] { return fault(rig).has_value(); });
   }
   SECTION("another falls silent") {
     rig.fake.pucks[0].silent = true;
-    (void)until(rig, 100ms, [&] { return trouble(rig).has_value(); });
+    (void)until(rig, 100ms, [&] { return fault(rig).has_value(); });
     CHECK(rig.hand.state().error().where == "hand.state");
     CHECK_THAT(words(rig), Contains("F1 (node 11) is silent"));
   }
   SECTION("all fall silent") {
     for (auto& puck : rig.fake.pucks) puck.silent = true;
-    (void)until(rig, 100ms, [&] { return trouble(rig).has_value(); });
+    (void)until(rig, 100ms, [&] { return fault(rig).has_value(); });
     rig.pass(50ms);
     CHECK_THAT(words(rig), Contains("all four pucks are silent") && Contains("bus-off"));
   }
@@ -178,7 +178,7 @@ TEST_CASE("row 27: a finger that falls silent while closing does not keep the ha
   REQUIRE(rig.hand.close(0.75));
   rig.pass(200ms);
   rig.fake.pucks[2].silent = true;
-  CHECK(until(rig, 100ms, [&] { return trouble(rig).has_value(); }) <= 50ms);
+  CHECK(until(rig, 100ms, [&] { return fault(rig).has_value(); }) <= 50ms);
   REQUIRE(rig.hand.release());
   rig.pass(2s);
   CHECK(rig.fake.pucks[0].position < 1000);
@@ -228,7 +228,7 @@ TEST_CASE("row 29: a reset puck is noticed in 0.1 s, gets no commands, and is in
   rig.pass(100ms);
   const std::size_t from = rig.fake.from_host.size();
   rig.fake.pucks[0].reset();
-  CHECK(until(rig, 200ms, [&] { return trouble(rig) == ErrorCode::DeviceFault; }) <= 100ms);
+  CHECK(until(rig, 200ms, [&] { return fault(rig) == ErrorCode::DeviceFault; }) <= 100ms);
   CHECK_THAT(words(rig), Contains("F1 was reset") && Contains("initialised anew"));
   rig.pass(1s);
   for (std::size_t p = 0; p < 4; ++p)
@@ -247,7 +247,7 @@ TEST_CASE("row 29: loaded, a reset puck opens nothing, and release comes before 
   rig.grip();
   const double held_at = rig.fake.pucks[0].position;
   rig.fake.pucks[0].reset();
-  CHECK(until(rig, 200ms, [&] { return trouble(rig) == ErrorCode::DeviceFault; }) <= 100ms);
+  CHECK(until(rig, 200ms, [&] { return fault(rig) == ErrorCode::DeviceFault; }) <= 100ms);
   CHECK_THAT(words(rig), Contains("support the object"));
   REQUIRE(rig.hand.configure());  // comes too early: nothing moves
   REQUIRE(rig.hand.activate());
@@ -255,7 +255,7 @@ TEST_CASE("row 29: loaded, a reset puck opens nothing, and release comes before 
   CHECK(rig.fake.pucks[0].position == held_at);
   CHECK(rig.fake.pucks[2].position == Approx(held_at).margin(300));
   CHECK(rig.fake.pucks[2].mode() == 5);
-  CHECK(trouble(rig) == ErrorCode::DeviceFault);
+  CHECK(fault(rig) == ErrorCode::DeviceFault);
   REQUIRE(rig.hand.release());
   rig.pass(2s);
   CHECK(rig.fake.pucks[2].position < 1000);
@@ -285,7 +285,7 @@ TEST_CASE("row 29: a position that jumps once is dropped, one that stays has los
   }
   SECTION("for good") {
     rig.fake.pucks[1].zero_shift = -rig.fake.pucks[1].position;
-    CHECK(until(rig, 200ms, [&] { return trouble(rig) == ErrorCode::DeviceFault; }) <= 100ms);
+    CHECK(until(rig, 200ms, [&] { return fault(rig) == ErrorCode::DeviceFault; }) <= 100ms);
     CHECK_THAT(words(rig), Contains("the encoder of F2 jumped by -97") && Contains("without a reset") &&
                                Contains("has lost its zero"));
     // nobody after us believes its zero
@@ -296,7 +296,7 @@ TEST_CASE("row 29: a position that jumps once is dropped, one that stays has los
   }
   SECTION("for good, and later it is reset as well") {
     rig.fake.pucks[1].zero_shift = -rig.fake.pucks[1].position;
-    CHECK(until(rig, 200ms, [&] { return trouble(rig) == ErrorCode::DeviceFault; }) <= 100ms);
+    CHECK(until(rig, 200ms, [&] { return fault(rig) == ErrorCode::DeviceFault; }) <= 100ms);
     rig.fake.pucks[1].reset();
     rig.pass(200ms);
     CHECK_THAT(words(rig), Contains("F2 was reset and has lost its zero"));
@@ -304,7 +304,7 @@ TEST_CASE("row 29: a position that jumps once is dropped, one that stays has los
   SECTION("for good, by a reset from which another program woke it") {
     rig.fake.pucks[1].reset();
     rig.fake.pucks[1].stat = 2;
-    CHECK(until(rig, 200ms, [&] { return trouble(rig) == ErrorCode::DeviceFault; }) <= 100ms);
+    CHECK(until(rig, 200ms, [&] { return fault(rig) == ErrorCode::DeviceFault; }) <= 100ms);
     CHECK_THAT(words(rig), Contains("F2 was reset and has lost its zero"));
   }
 }
@@ -330,7 +330,7 @@ TEST_CASE("row 29: a puck that falls out of its mode while it holds is noticed i
   rig.start();
   rig.grip();
   rig.fake.pucks[2].property[8] = 0;
-  CHECK(until(rig, 200ms, [&] { return trouble(rig) == ErrorCode::DeviceFault; }) <= 100ms);
+  CHECK(until(rig, 200ms, [&] { return fault(rig) == ErrorCode::DeviceFault; }) <= 100ms);
   CHECK_THAT(words(rig), Contains("F3 has fallen out of its mode"));
   REQUIRE(rig.hand.release());
   rig.pass(2s);
@@ -342,7 +342,7 @@ TEST_CASE("a puck in error is told with its code", "[hand][faults]") {
   rig.start();
   rig.fake.pucks[0].property[4] = 9;
   rig.fake.pucks[0].stat = 1;
-  CHECK(until(rig, 200ms, [&] { return trouble(rig) == ErrorCode::DeviceFault; }) <= 100ms);
+  CHECK(until(rig, 200ms, [&] { return fault(rig) == ErrorCode::DeviceFault; }) <= 100ms);
   rig.pass(20ms);
   CHECK_THAT(words(rig), Contains("F1 reports an error (code 9)"));
 }

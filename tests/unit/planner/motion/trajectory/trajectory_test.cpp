@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "planner/motion/trajectory/joint_path.hpp"
 #include "planner/motion/joint_random.hpp"
+#include "planner/motion/trajectory/joint_path.hpp"
 
 using namespace colift;
 using hal::JointVector;

@@ -74,7 +74,7 @@ TEST_CASE("the world's arm follows in every strategy", "[krc][mujoco]") {
     else
       CHECK((arm.q_rad - s.q_rad).norm() < 3e-3);
     CHECK(arm.dq_rad_s.norm() < 0.01);
-    CHECK(rig.world->truth().troubles == 0);
+    CHECK(rig.world->truth().divergences == 0);
   }
 }
 

@@ -1,4 +1,4 @@
-#include "tools/experiments/trials/told_partner.hpp"
+#include "tools/experiments/trials/asked_partner.hpp"
 
 #include <algorithm>
 
