@@ -52,12 +52,12 @@ function note(text,  name) {
   if (match(text, /^[A-Za-z_][A-Za-z0-9_]*/)) declares[count] = declares[count] " " scope ":" substr(text, RSTART, RLENGTH)
 }
 
-function contradict(a, b,  n, i, word, own) {
+function contradict(a, b,  n, i, word, scoped) {
   if (alone[a] || alone[b]) return 1
   n = split(declares[a], word, " ")
   for (i = 1; i <= n; ++i) {
-    split(word[i], own, ":")
-    if ((own[1] == "" || (b, own[1]) in opens) && (b, own[2]) in occurs) return 1
+    split(word[i], scoped, ":")  # namespace of the file's own, name
+    if ((scoped[1] == "" || (b, scoped[1]) in opens) && (b, scoped[2]) in occurs) return 1
   }
   n = split(aliases[a], word, " ")
   for (i = 1; i <= n; ++i) if ((b, word[i]) in alias && alias[b, word[i]] != alias[a, word[i]]) return 1

@@ -44,7 +44,7 @@ enum class Event {
   NobodyCame,
   GraspChosen,
   NoGraspFits,
-  PartnerAsked,  ///< PartnerAsked: no grasp fits while he holds there; he was asked where one would.
+  PartnerAsked,  ///< PartnerAsked: no grasp fits while he holds there; he was asked to grasp elsewhere.
   PlanReady,
   NoPath,
   Arrived,

@@ -46,7 +46,7 @@ struct Rig : BarrettRig {
     pucks.inject(*f);
   }
   /// Until the driver reports a fault.
-  hal::Error fault(hal::Duration limit) {
+  hal::Error reported_fault(hal::Duration limit) {
     const hal::Timestamp end = clock.now() + limit;
     for (;;) {
       const auto state = hand->state();
@@ -159,7 +159,7 @@ TEST_CASE("faults of single pucks are noticed", "[hand][emulator]") {
   rig.start();
   SECTION("silent") {
     rig.fault("0:silent@F2:2");
-    const auto e = rig.fault(200ms);
+    const auto e = rig.reported_fault(200ms);
     CHECK(e.code == ErrorCode::LinkLost);
     CHECK(e.detail.find("F2") != std::string::npos);
     rig.pass(3s);
@@ -168,21 +168,21 @@ TEST_CASE("faults of single pucks are noticed", "[hand][emulator]") {
   SECTION("reset while it holds") {
     rig.grip();
     rig.fault("0:reset@F1");
-    const auto e = rig.fault(200ms);
+    const auto e = rig.reported_fault(200ms);
     CHECK(e.code == ErrorCode::DeviceFault);
     CHECK(rig.driver->report().zero_lost[0]);
     CHECK(rig.plant.joint(0).motor > 50'000);  // its worm holds
   }
   SECTION("in error") {
     rig.fault("0:error=7@F3");
-    const auto e = rig.fault(300ms);
+    const auto e = rig.reported_fault(300ms);
     CHECK(e.code == ErrorCode::DeviceFault);
     rig.pass(50ms);
     CHECK(rig.hand->state().error().detail.find("7") != std::string::npos);
   }
   SECTION("an encoder that jumps") {
     rig.fault("0:jump=50000@F1");
-    const auto e = rig.fault(300ms);
+    const auto e = rig.reported_fault(300ms);
     CHECK(e.code == ErrorCode::DeviceFault);
     CHECK(e.detail.find("jumped by 50000 counts without a reset") != std::string::npos);
   }
@@ -219,13 +219,13 @@ TEST_CASE("answers that come late, twice, or under another name do not mislead",
   }
   SECTION("too late for anything: as if it were silent") {
     rig.fault("0:late=200@F2:0.5");
-    CHECK(rig.fault(200ms).code == ErrorCode::LinkLost);
+    CHECK(rig.reported_fault(200ms).code == ErrorCode::LinkLost);
     rig.pass(1s);
     CHECK(rig.hand->state());
   }
   SECTION("as another puck's") {
     rig.fault("0:wrong@F1:0.5");
-    CHECK(rig.fault(200ms).code == ErrorCode::LinkLost);
+    CHECK(rig.reported_fault(200ms).code == ErrorCode::LinkLost);
   }
   SECTION("one in a hundred lost") {
     rig.fault("0:loss=1:20");
@@ -241,7 +241,7 @@ TEST_CASE("a lost bus is told, and what was held stays held", "[hand][emulator]"
   rig.grip();
   const auto name = GENERATE("bus-off", "down");
   rig.fault((std::string("0:") + name + ":0.8").c_str());
-  CHECK(rig.fault(100ms).code == ErrorCode::LinkLost);
+  CHECK(rig.reported_fault(100ms).code == ErrorCode::LinkLost);
   rig.pass(4s);
   const auto state = rig.hand->state();
   INFO((state ? std::string() : state.error().text()));
@@ -288,7 +288,7 @@ TEST_CASE("another program that sets a value is named, whether the bus shows it 
   rig.start();
   rig.grip();
   rig.fault(GENERATE("0:master=900@F2", "0:altered=900@F2", "0:altered=3300@F2"));
-  const auto e = rig.fault(2s);
+  const auto e = rig.reported_fault(2s);
   CHECK(e.code == ErrorCode::DeviceFault);
   CHECK(e.detail.find("another program") != std::string::npos);
   CHECK(e.detail.find("F2") != std::string::npos);
