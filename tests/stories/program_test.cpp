@@ -340,6 +340,39 @@ TEST_CASE("a command whose program was not built yet says which and who builds i
   CHECK(story::run_program(alone / "colift", "run --help").code == 0);
 }
 
+TEST_CASE("two runs are compared by their recordings", "[program]") {
+  const auto file = [](const char* name) { return (scratch() / name).string(); };
+  const std::string run = "run --quiet --dry-run --seed 3 --record ";
+  for (const std::string& more : {file("a.mcap"), file("b.mcap") + " --set decision.near_partner_m=1.2"}) {
+    const Run r = colift(run + more);
+    INFO(r.err);
+    REQUIRE(r.code <= 1);
+  }
+  const Run same = colift("log compare " + file("a.mcap") + " " + file("a.mcap"));
+  INFO(same.err);
+  CHECK(same.code == 0);
+  CHECK_THAT(same.out, Catch::Contains("the same in everything that is compared"));
+
+  const Run other =
+      colift("log compare --json " + file("a.mcap") + " " + file("b.mcap") + " --out " + file("ab.html"));
+  INFO(other.err);
+  REQUIRE(other.code == 0);
+  const Json j = Json::parse(other.out);
+  CHECK(j["same"] == false);
+  REQUIRE(j["config"].size() == 1);
+  CHECK(j["config"][0]["key"] == "decision.near_partner_m");
+  CHECK(j["config"][0]["b"] == "1.2");
+  CHECK_THAT(j["a"]["because"].get<std::string>(),
+             Catch::Contains("dry run: a collision-free path was found"));
+  CHECK(j["decision"]["same_candidates"] == true);
+  CHECK_FALSE(j["decision"]["verdicts"].empty());
+  CHECK(std::filesystem::file_size(scratch() / "ab.html") > 10000);
+
+  const Run none = colift("log compare " + file("a.mcap") + " nowhere.mcap");
+  CHECK(none.code == 2);
+  CHECK_THAT(none.err, Catch::Contains("nowhere.mcap"));
+}
+
 TEST_CASE("a file behind --view is the recording, a number is the port", "[program]") {
   for (const char* arguments : {"log replay --view nowhere.mcap", "log replay nowhere.mcap --view 0"}) {
     const Run r = colift(arguments);

@@ -33,6 +33,7 @@ int log_snapshot(const CommonOptions& common, const LogOptions& options) {
 
 int cmd_log(const CommonOptions& common, const LogOptions& options) {
   if (options.verb == "info") return log_info(common, options);
+  if (options.verb == "compare") return log_compare(common, options);
   if (options.verb == "export") return log_export(common, options);
   if (options.verb == "recover") return log_recover(common, options);
   if (options.verb == "replay") return log_replay(common, options);

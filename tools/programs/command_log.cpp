@@ -19,6 +19,12 @@ void add_log(CommandLine& line, CLI::App& log, LogOptions& o) {
   constexpr const char* kRecording = "Recording (MCAP); a truncated one is read up to its end";
   log.require_subcommand(1);
   line.add_output(add_log_verb(log, "info", "Prints a summary", o, kRecording));
+  CLI::App& compared =
+      add_log_verb(log, "compare", "Compares two runs: settings, states, decisions, figures, curves", o,
+                   "Recording of run A (MCAP)");
+  compared.add_option("OTHER", o.other, "Recording of run B (MCAP)")->required();
+  compared.add_option("--out", o.out, "Page with tables and curves of both runs (HTML)")->type_name("FILE");
+  line.add_output(compared);
   CLI::App& exported = add_log_verb(log, "export", "Exports tables or images", o, kRecording);
   exported.add_option("--out", o.out, "Folder (default: FILE-export)")->type_name("FOLDER");
   exported

@@ -6,6 +6,10 @@
 
 #include "hal/types/geometry.hpp"
 
+namespace colift::control {
+struct LiftSummary;
+}
+
 namespace colift::tools {
 
 /// Columns that a text takes on a terminal: its UTF-8 characters.

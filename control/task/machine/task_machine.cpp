@@ -70,6 +70,7 @@ constexpr auto kRules = std::to_array<Rule>({
 
     {Plan, PlanReady, Approach, "collision-free path to the grasp found"},
     {Plan, NoPath, Refused, "no collision-free path to the grasp"},
+    {Plan, DryRunOver, Refused, "dry run: a collision-free path was found, nothing was moved"},
     {Plan, PartnerMoved, AwaitPartner, "the partner's grasp moved during planning"},
     {Plan, PartnerLetGo, AwaitPartner, "the partner let go during planning"},
     {Plan, CameraLost, AwaitPartner, "camera lost: waits for it, then plans again"},

@@ -47,6 +47,7 @@ enum class Event {
   PartnerAsked,  ///< PartnerAsked: no grasp fits while he holds there; he was asked to grasp elsewhere.
   PlanReady,
   NoPath,
+  DryRunOver,  ///< DryRunOver: a path was found, and nothing is to be moved.
   Arrived,
   PathObstructed,  ///< PathObstructed: somebody or something stays in the path; another one is to be planned.
   StaysNear,       ///< StaysNear: the arm has waited for somebody for as long as it waits for anybody.

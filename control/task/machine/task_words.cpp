@@ -101,6 +101,8 @@ std::string_view word(Event event) {
       return "plan ready";
     case NoPath:
       return "no path";
+    case DryRunOver:
+      return "dry run over";
     case Arrived:
       return "arrived";
     case PathObstructed:

@@ -46,9 +46,8 @@ TaskEvent PlanPhase::find_path() {
     if (plan) {
       c_.record.timing.plan_ms = 1e3 * hal::seconds(c_.stopwatch.now() - start);
       c_.record.plan = std::move(*plan);
-      if (c_.options.dry_run) return {Event::NoPath, "a dry run ends here: nothing was moved"};
       const planner::MotionPlan& p = *c_.record.plan;
-      return {Event::PlanReady,
+      return {c_.options.dry_run ? Event::DryRunOver : Event::PlanReady,
               fmt::format("trajectory of {:.1f} s", p.transit.duration_s() + p.approach.duration_s())};
     }
     why = plan.error().detail;
