@@ -59,7 +59,7 @@ bool to_image(sensor_msgs_msg_dds__Image_& out, const ChannelMessage& in) {
 
 bool to_camera_info(sensor_msgs_msg_dds__CameraInfo_& out, const ChannelMessage& in) {
   const Json j = Json::parse(in.bytes);
-  set_header(out.header, hal::Timestamp(j.at("exposed_at").get<std::int64_t>()) + in.to_ros,
+  set_header(out.header, bounded(j.at("exposed_at").get<std::int64_t>(), 1'000'000'000) + in.to_ros,
              telemetry::kCameraFrame);
   out.width = j.at("width").get<std::uint32_t>(), out.height = j.at("height").get<std::uint32_t>();
   const double fx = number_of(j.at("fx")), fy = number_of(j.at("fy"));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -17,9 +18,15 @@ inline double number_of(const Json& j) {
   return j.is_null() ? std::numeric_limits<double>::quiet_NaN() : j.get<double>();
 }
 
+/// A time of a recording that may come from anybody: at most a century, so that sums stay in range.
+inline hal::Timestamp bounded(std::int64_t count, std::int64_t per_second) {
+  constexpr std::int64_t kMost_s = 3'200'000'000;
+  const std::int64_t most = kMost_s * per_second;
+  return hal::Timestamp(std::clamp(count, -most, most) * (1'000'000'000 / per_second));
+}
 inline hal::Timestamp stamp_of(const Json& time) {
-  return std::chrono::seconds(time.at("sec").get<std::int64_t>()) +
-         std::chrono::nanoseconds(time.at("nsec").get<std::int64_t>());
+  return bounded(time.at("sec").get<std::int64_t>(), 1) +
+         bounded(time.at("nsec").get<std::int64_t>(), 1'000'000'000);
 }
 
 inline void set_header(std_msgs_msg_dds__Header_& out, hal::Timestamp at, std::string_view frame) {

@@ -6,67 +6,19 @@
 #include <algorithm>
 #include <condition_variable>
 #include <deque>
-#include <functional>
 #include <mutex>
 #include <optional>
 #include <thread>
 #include <vector>
 
 #include "tools/dds/convert_parts.hpp"
+#include "tools/dds/outlets.hpp"
 
 namespace colift::ros2 {
 namespace {
 
 using hal::dds::Qos;
 using telemetry::Topic;
-
-/// Where the messages of a channel go.
-struct Outlet {
-  Topic channel;
-  const char* topic;
-  Qos qos;
-  const dds_topic_descriptor_t* type;
-  /// Whether it was sent; unset: there was nothing to send.
-  std::function<std::optional<bool>(dds_entity_t, const ChannelMessage&)> send;
-  dds_entity_t writer = 0;
-};
-
-template <class T>
-Outlet outlet(Topic channel, const char* topic, Qos qos, const dds_topic_descriptor_t& type,
-              bool (*fill)(T&, const ChannelMessage&)) {
-  return {channel, topic, qos, &type, [fill, &type](dds_entity_t writer, const ChannelMessage& in) {
-            hal::dds::Sample<T> message(type);
-            if (!fill(*message, in)) return std::optional<bool>();
-            return std::optional<bool>(dds_write(writer, &*message) == DDS_RETCODE_OK);
-          }};
-}
-
-std::vector<Outlet> outlets() {
-  return {
-      outlet(Topic::Joints, "/joint_states", Qos::Reliable, sensor_msgs_msg_dds__JointState__desc,
-             to_joint_state),
-      outlet(Topic::Transforms, "/tf", Qos::Reliable, tf2_msgs_msg_dds__TFMessage__desc, to_transforms),
-      outlet(Topic::Transforms, "/tf_static", Qos::Latched, tf2_msgs_msg_dds__TFMessage__desc,
-             to_static_transforms),
-      outlet(Topic::Frame, "/colift/depth/camera_info", Qos::Frames, sensor_msgs_msg_dds__CameraInfo__desc,
-             to_camera_info),
-      outlet(Topic::Depth, "/colift/depth/image_raw", Qos::Frames, sensor_msgs_msg_dds__Image__desc,
-             to_image),
-      outlet(Topic::Cloud, "/colift/cloud", Qos::Frames, sensor_msgs_msg_dds__PointCloud2__desc, to_cloud),
-      outlet(Topic::Scene, "/colift/scene", Qos::Latched, visualization_msgs_msg_dds__MarkerArray__desc,
-             to_markers),
-      outlet(Topic::Map, "/colift/map", Qos::Latched, visualization_msgs_msg_dds__MarkerArray__desc,
-             to_markers),
-      outlet(Topic::Bodies, "/colift/bodies", Qos::Reliable, visualization_msgs_msg_dds__MarkerArray__desc,
-             to_markers),
-      outlet(Topic::Status, "/colift/task_status", Qos::Reliable, colift_msgs_msg_dds__TaskStatus__desc,
-             to_task_status),
-      outlet(Topic::Decision, "/colift/decision", Qos::Latched, colift_msgs_msg_dds__Decision__desc,
-             to_decision),
-      outlet(Topic::Devices, "/diagnostics", Qos::Reliable, diagnostic_msgs_msg_dds__DiagnosticArray__desc,
-             to_diagnostics),
-  };
-}
 
 /// What a viewer would miss for the rest of the run.
 bool is_seldom(Topic channel) {
@@ -92,6 +44,7 @@ struct Ros2Publisher::Impl {
   PublisherConfig config;
   std::unique_ptr<hal::dds::Participant> participant;
   std::vector<Outlet> out = outlets();
+  std::vector<dds_entity_t> writers;  ///< One for each outlet.
   std::vector<bool> wanted = std::vector<bool>(telemetry::kTopics, false);
 
   mutable std::mutex mutex;
@@ -101,17 +54,17 @@ struct Ros2Publisher::Impl {
   bool ends = false, busy = false;
   PublisherCounts counts;
   std::optional<hal::Duration> to_ros;
-  std::string camera_at;  ///< The last transform of the camera that was sent.
+  CameraTransform camera;
   std::thread thread;
 
   hal::Result<> open() {
     auto made = hal::dds::Participant::open(config.dds);
     if (!made) return tl::unexpected(made.error());
     participant = std::move(*made);
-    for (Outlet& o : out) {
+    for (const Outlet& o : out) {
       const auto writer = participant->writer(o.topic, *o.type, o.qos);
       if (!writer) return tl::unexpected(writer.error());
-      o.writer = *writer;
+      writers.push_back(*writer);
       wanted[static_cast<std::size_t>(o.channel)] = true;
     }
     const auto description =
@@ -181,27 +134,18 @@ struct Ros2Publisher::Impl {
     return dds_get_publication_matched_status(writer, &status) == DDS_RETCODE_OK && status.current_count > 0;
   }
 
-  /// The camera rests: its transform is sent again only where it differs.
-  bool repeats(const std::string& bytes) {
-    const Json all = Json::parse(bytes);
-    Json camera = all.at("transforms").back();
-    camera.erase("timestamp");
-    const std::string at = camera.dump();
-    if (at == camera_at) return true;
-    camera_at = at;
-    return false;
-  }
-
   void pass_on(const Waiting& waiting, PublisherCounts& sent) {
     const telemetry::Publication& p = waiting.message;
     std::string bytes;
-    for (Outlet& o : out) {
-      if (o.channel != p.topic || (o.qos != Qos::Latched && !has_readers(o.writer))) continue;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const Outlet& o = out[i];
+      if (o.channel != p.topic || (o.qos != Qos::Latched && !has_readers(writers[i]))) continue;
       if (bytes.empty()) bytes = p.encode();
       try {
-        if (o.channel == Topic::Transforms && o.qos == Qos::Latched && repeats(bytes)) continue;
-        if (const auto ok = o.send(o.writer, {bytes, p.at, waiting.to_ros}))
-          ++(*ok ? sent.written : sent.failed);
+        if (o.channel == Topic::Transforms && o.qos == Qos::Latched && camera.repeats(bytes)) continue;
+        (void)o.convert({bytes, p.at, waiting.to_ros}, [&](const void* message) {
+          ++(dds_write(writers[i], message) == DDS_RETCODE_OK ? sent.written : sent.failed);
+        });
       } catch (const Json::exception&) {
         ++sent.failed;
       }
@@ -247,10 +191,10 @@ bool Ros2Publisher::flush(std::chrono::milliseconds timeout) {
     std::unique_lock lock(i.mutex);
     if (!i.idle.wait_until(lock, end, [&] { return i.queue.empty() && !i.busy; })) return false;
   }
-  for (const Outlet& o : i.out) {
+  for (const dds_entity_t writer : i.writers) {
     const auto left =
         std::chrono::duration_cast<std::chrono::nanoseconds>(end - std::chrono::steady_clock::now());
-    if (left.count() <= 0 || dds_wait_for_acks(o.writer, left.count()) != DDS_RETCODE_OK) return false;
+    if (left.count() <= 0 || dds_wait_for_acks(writer, left.count()) != DDS_RETCODE_OK) return false;
   }
   return true;
 }

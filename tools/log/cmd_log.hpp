@@ -16,7 +16,7 @@ struct LogOptions {
   std::filesystem::path file;
   std::filesystem::path other;               ///< compare: the second recording.
   std::optional<std::filesystem::path> out;  ///< export: folder; recover: file; compare: page.
-  std::vector<std::string> formats;          ///< export: csv, png, fakenect.
+  std::vector<std::string> formats;          ///< export: csv, png, fakenect, ros2.
   std::optional<int> pid;                    ///< snapshot: which run.
   ViewOptions live;                          ///< replay: watched on the page.
 };

@@ -10,6 +10,9 @@
 #include "tools/telemetry/mcap/mcap_reader.hpp"
 #include "tools/telemetry/replay/export.hpp"
 #include "tools/telemetry/replay/recover.hpp"
+#ifdef COLIFT_DDS
+#include "tools/dds/export_ros2.hpp"
+#endif
 
 namespace colift::tools {
 namespace {
@@ -21,13 +24,25 @@ std::string dumped(const Json& j) {
   return j.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+hal::Result<Exported> exported_for_ros2([[maybe_unused]] const telemetry::McapReader& reader,
+                                        [[maybe_unused]] const std::filesystem::path& folder) {
+#ifdef COLIFT_DDS
+  return ros2::export_ros2(reader, folder);
+#else
+  return hal::failure(
+      hal::ErrorCode::BadInput, "--format ros2",
+      "this program was built without Cyclone DDS (Debian: cyclonedds-dev, cyclonedds-tools)");
+#endif
+}
+
 hal::Result<Exported> exported(const telemetry::McapReader& reader, const std::string& format,
                                const std::filesystem::path& folder) {
   if (format == "csv") return telemetry::export_csv(reader, folder);
   if (format == "png") return telemetry::export_png(reader, folder);
   if (format == "fakenect") return telemetry::export_fakenect(reader, folder);
+  if (format == "ros2") return exported_for_ros2(reader, folder);
   return hal::failure(hal::ErrorCode::BadInput, "--format",
-                      fmt::format("\"{}\" is none; expected csv, png or fakenect", format));
+                      fmt::format("\"{}\" is none; expected csv, png, fakenect or ros2", format));
 }
 
 }  // namespace

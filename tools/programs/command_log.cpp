@@ -30,7 +30,7 @@ void add_log(CommandLine& line, CLI::App& log, LogOptions& o) {
   exported
       .add_option("--format", o.formats,
                   "csv (default): a table for each channel; png: depth images and camera.json; fakenect: for "
-                  "libfreenect's player; may be given several times")
+                  "libfreenect's player; ros2: a bag of ROS 2; may be given several times")
       ->type_name("FORMAT")
       ->take_all()
       ->allow_extra_args(false);

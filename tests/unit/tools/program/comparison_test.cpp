@@ -8,48 +8,19 @@
 #include <fstream>
 #include <random>
 
-#include "tests/unit/tools/telemetry/disk.hpp"
+#include "tests/unit/tools/telemetry/made_recording.hpp"
 #include "tools/log/comparison.hpp"
-#include "tools/telemetry/mcap/mcap_chunk.hpp"
-#include "tools/telemetry/mcap/mcap_writer.hpp"
 
 namespace comparison_trials {
 
 using namespace colift;
 using namespace colift::tools;
 
-struct Line {
-  std::string topic;
-  double t_s;
-  std::string json;
-};
+using Line = tests::MadeMessage;
 
 std::string recording(const std::vector<Line>& lines, const std::string& config = "",
                       const std::string& outcome = "lifted") {
-  tests::Disk disk;
-  telemetry::McapWriter writer(std::make_unique<tests::DiskSink>(disk));
-  REQUIRE(writer.begin("", "test"));
-  REQUIRE(writer.attach({0, 0, "config.yaml", "application/yaml", config}));
-  REQUIRE(writer.add(telemetry::Metadata{"colift.run", {{"seed", "7"}, {"method", "fast"}}}));
-  if (!outcome.empty())
-    REQUIRE(writer.add(telemetry::Metadata{"colift.result", {{"outcome", outcome}, {"because", "why"}}}));
-  std::map<std::uint16_t, telemetry::Channel> channels;
-  telemetry::ChunkBuilder builder(0);
-  std::uint32_t count = 0;
-  for (const Line& line : lines) {
-    std::uint16_t id = 0;
-    for (const auto& [known, channel] : channels)
-      if (channel.topic == line.topic) id = known;
-    if (id == 0) {
-      id = static_cast<std::uint16_t>(channels.size() + 1);
-      channels[id] = {id, 0, line.topic, "json", {}};
-    }
-    const auto at = static_cast<std::uint64_t>(std::llround(1e9 * line.t_s));
-    builder.add(nullptr, channels[id], {id, ++count, at, at, line.json});
-  }
-  REQUIRE(writer.add(builder.close(), {}, channels));
-  REQUIRE(writer.finish());
-  return disk.bytes;
+  return tests::bytes_of({lines, config, outcome});
 }
 
 RecordedRun read(const std::string& bytes) {
