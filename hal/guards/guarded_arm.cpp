@@ -101,8 +101,9 @@ struct GuardedArm::Impl {
       const double dt = seconds(s.measured_at - good->measured_at);
       const double most = kJump_rad + kJumpParts * bounds[static_cast<std::size_t>(i)].velocity_rad_s * dt;
       if (const double jump = std::abs(s.q_rad[i] - good->q_rad[i]); jump > most)
-        return fmt::format("{} jumped by {:.4f} rad in {:.1f} ms (at most {:.4f} can be)", joint(i), jump,
-                           1e3 * dt, most);
+        return fmt::format(
+            "{} jumped by {:.4f} rad in {:.1f} ms (by itself at most {:.4f}): struck, or measured wrong",
+            joint(i), jump, 1e3 * dt, most);
     }
     return std::nullopt;
   }
