@@ -80,7 +80,7 @@ def main():
         shown = re.findall(r"'(/[\w/]+)'", str(layout))
     except ImportError:
         shown = re.findall(r"Value: (/[\w/]+)", (ROS2 / "view/colift.rviz").read_text())
-    published = (ROOT / "tools/dds/ros2_publisher.cpp").read_text()
+    published = "".join((ROOT / "tools/dds" / name).read_text() for name in ("outlets.cpp", "ros2_publisher.cpp"))
     for topic in shown:
         assert f'"{topic}"' in published, f"the layout shows {topic}, which nobody publishes"
     print(f"{len(messages)} messages, {len(shown)} topics: all agree")
