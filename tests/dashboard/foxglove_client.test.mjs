@@ -1,5 +1,6 @@
 // Foxglove's own client reads our channels, in both sub-protocols.
 import assert from "node:assert/strict";
+import { get } from "node:http";
 import { after, before, test } from "node:test";
 import protocol from "@foxglove/ws-protocol";
 import schemas from "@foxglove/schemas/jsonschema.js";
@@ -132,4 +133,18 @@ test("a page from elsewhere is turned away, and so is who speaks no protocol of 
   assert.equal(await refused({ origin: "https://elsewhere.example" }, ["foxglove.sdk.v1"]), 403);
   assert.equal(await refused({ headers: { Host: "robot.example:80" } }, ["foxglove.sdk.v1"]), 403);
   assert.notEqual(await refused({}, ["chat"]), undefined);
+});
+
+test("a viewer's page that was allowed may read the robot's model; others may not", async () => {
+  const view = await startView("run", "--view", "0", "--speed", "0", "--dry-run", "--seed", "1", "--allow-origin", "https://viewer.example");
+  const asked = (origin) => new Promise((done, failed) => {
+    get(new URL("robot.urdf", view.url), { headers: { Origin: origin } }, (response) => {
+      assert.equal(response.statusCode, 200);
+      response.resume();
+      done(response.headers["access-control-allow-origin"]);
+    }).on("error", failed);
+  });
+  assert.equal(await asked("https://viewer.example"), "https://viewer.example");
+  assert.equal(await asked("https://elsewhere.example"), undefined);
+  await view.end();
 });

@@ -54,6 +54,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     Visitor visitor{text_of(request[http::field::host]), {}, text_of(request.target())};
     if (const auto origin = request.find(http::field::origin); origin != request.end())
       visitor.origin = text_of(origin->value());
+    shared_with_ = shared_with(visitor, hub_->config().door);
     const bool upgrade = beast::websocket::is_upgrade(request);
     // an ordinary request for the page may come from anywhere that a link may stand; a channel may not
     if (!upgrade) visitor.origin.reset();
@@ -81,6 +82,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     response_->set(http::field::content_type, document.type);
     response_->set(http::field::cache_control, "no-store");
     response_->set("X-Content-Type-Options", "nosniff");
+    // a viewer in a browser reads the robot's model from its own page
+    if (shared_with_) response_->set(http::field::access_control_allow_origin, *shared_with_);
+    response_->set(http::field::vary, "Origin");
     response_->set("Referrer-Policy", "no-referrer");  // the address may hold an operator's token
     response_->set("Content-Security-Policy",
                    "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
@@ -103,6 +107,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   std::shared_ptr<Hub> hub_;
   beast::flat_buffer buffer_{kLargestHeader * 2};
   std::optional<http::request_parser<http::empty_body>> parser_;
+  std::optional<std::string> shared_with_;  ///< Of the request that is being answered.
   std::optional<http::response<http::string_body>> response_;
 };
 

@@ -27,9 +27,14 @@ std::optional<std::string> turned_away(const Visitor& visitor, const DoorRules& 
     return "the name in Host is not this machine's loopback address";
   if (!visitor.origin) return std::nullopt;
   if (*visitor.origin == "http://" + visitor.host) return std::nullopt;
-  if (std::find(rules.origins.begin(), rules.origins.end(), *visitor.origin) != rules.origins.end())
-    return std::nullopt;
+  if (shared_with(visitor, rules)) return std::nullopt;
   return "pages from elsewhere may not connect; allow this one with --allow-origin";
+}
+
+std::optional<std::string> shared_with(const Visitor& visitor, const DoorRules& rules) {
+  if (!visitor.origin) return std::nullopt;
+  const auto allowed = std::find(rules.origins.begin(), rules.origins.end(), *visitor.origin);
+  return allowed == rules.origins.end() ? std::nullopt : visitor.origin;
 }
 
 bool has_token(std::string_view target, const DoorRules& rules) {

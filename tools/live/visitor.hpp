@@ -29,6 +29,10 @@ struct Visitor {
 /// Whether the query holds the operator's token ("/?token=..."). Compared in constant time.
 [[nodiscard]] bool has_token(std::string_view target, const DoorRules& rules);
 
+/// The origin whose pages may read what is served: the visitor's own, where it was allowed (Fetch standard,
+/// Access-Control-Allow-Origin). nullopt: programs, our own page, and pages from elsewhere.
+[[nodiscard]] std::optional<std::string> shared_with(const Visitor& visitor, const DoorRules& rules);
+
 /// How much a client may say: `burst` messages at once, then `per_second`.
 class TalkLimit {
  public:

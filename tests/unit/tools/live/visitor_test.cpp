@@ -17,6 +17,16 @@ TEST_CASE("programs and our own page come in; pages from elsewhere do not") {
   CHECK_FALSE(turned_away({"localhost:8765", "https://elsewhere.example", "/"}, rules));
 }
 
+TEST_CASE("only a page that was allowed may read what is served") {
+  DoorRules rules;
+  rules.origins.push_back("https://viewer.example");
+  CHECK(shared_with({"127.0.0.1:8765", "https://viewer.example", "/robot.urdf"}, rules) ==
+        "https://viewer.example");
+  CHECK_FALSE(shared_with({"127.0.0.1:8765", "https://viewer.example.org", "/robot.urdf"}, rules));
+  CHECK_FALSE(shared_with({"127.0.0.1:8765", "null", "/robot.urdf"}, rules));
+  CHECK_FALSE(shared_with({"127.0.0.1:8765", {}, "/robot.urdf"}, rules));
+}
+
 TEST_CASE("a name that was bent to the loopback address is refused") {
   DoorRules rules;
   CHECK(turned_away({"evil.example:8765", "http://evil.example:8765", "/"}, rules));
