@@ -201,6 +201,11 @@ Comparison compare(const RecordedRun& a, const RecordedRun& b) {
   return out;
 }
 
+std::string setting_text(const std::optional<std::string>& value) {
+  if (!value) return "not there";
+  return value->empty() ? "not set" : *value;
+}
+
 int digits_of(const FigureComparison& figure) {
   return figure.unit == "m" ? 4 : 3;
 }

@@ -72,6 +72,7 @@ struct Comparison {
 [[nodiscard]] Comparison compare(const RecordedRun& a, const RecordedRun& b);
 
 // Figures for people: "-" for what is not known, nothing where no difference can be taken.
+[[nodiscard]] std::string setting_text(const std::optional<std::string>& value);
 [[nodiscard]] int digits_of(const FigureComparison& figure);
 [[nodiscard]] std::string value_text(const std::optional<double>& value, int digits);
 [[nodiscard]] std::string difference_text(const Both<std::optional<double>>& value, int digits);

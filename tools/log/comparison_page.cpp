@@ -41,8 +41,7 @@ ReportTable state_table(const Comparison& c) {
 std::vector<std::pair<std::string, std::string>> settings(const Comparison& c) {
   std::vector<std::pair<std::string, std::string>> out;
   for (const ConfigDifference& d : c.config)
-    out.emplace_back(
-        d.key, fmt::format("{} → {}", d.value[0].value_or("not there"), d.value[1].value_or("not there")));
+    out.emplace_back(d.key, fmt::format("{} → {}", setting_text(d.value[0]), setting_text(d.value[1])));
   return out;
 }
 

@@ -118,10 +118,9 @@ std::string settings_text(const Comparison& c) {
   if (c.config.empty()) return "same configuration\n";
   std::string out = fmt::format("{} settings differ\n", c.config.size());
   for (const ConfigDifference& d : c.config)
-    out += entry("",
-                 shown(fmt::format("{}: {} -> {}", d.key, d.value[0].value_or("not there"),
-                                   d.value[1].value_or("not there"))),
-                 2, kColumns);
+    out += entry(
+        "", shown(fmt::format("{}: {} -> {}", d.key, setting_text(d.value[0]), setting_text(d.value[1]))), 2,
+        kColumns);
   return out;
 }
 

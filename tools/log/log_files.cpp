@@ -58,6 +58,10 @@ int log_export(const CommonOptions& common, const LogOptions& options) {
   const std::filesystem::path out =
       options.out.value_or(options.file.parent_path() / (options.file.stem().string() + "-export"));
 
+  if (!common.json)
+    for (const std::string& damage : reader->info().damage)
+      std::fputs(fmt::format("{}: {}; what can be read is exported\n", options.file.string(), damage).c_str(),
+                 stdout);
   Json j = {{"schema", "colift.log.export/1"}, {"damage", reader->info().damage}, {"exports", Json::array()}};
   for (const std::string& format : formats) {
     // each in a folder of its own when there are several, so that no index lists what is not its own

@@ -140,6 +140,8 @@ TEST_CASE("settings that differ, and those of one run alone, are listed", "[comp
   CHECK(c.config[1].key == "task.hold_s");
   CHECK(c.config[1].value[0] == "2");
   CHECK(c.config[1].value[1] == "3");
+  CHECK(setting_text(c.config[0].value[0]) == "not there");
+  CHECK(setting_text("") == "not set");
 }
 
 TEST_CASE("verdicts are compared only of the same candidates", "[compare]") {
