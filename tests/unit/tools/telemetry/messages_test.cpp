@@ -137,7 +137,8 @@ TEST_CASE("every message is what its schema says", "[messages]") {
   const std::string entities = scene_message(at, scene);
   check_message(Topic::Scene, entities);
   std::set<std::string> ids;
-  for (const auto& e : J::parse(entities)["entities"]) CHECK(ids.insert(e["id"]).second);
+  const J parsed = J::parse(entities);
+  for (const auto& e : parsed["entities"]) CHECK(ids.insert(e["id"]).second);
 }
 
 TEST_CASE("the chosen gripper is the robot's own hand, wherever the palm is put", "[messages]") {
