@@ -119,6 +119,7 @@ TEST_CASE("every message is what its schema says", "[messages]") {
   DecisionView decision;
   check_message(Topic::Decision, decision_message(decision));
   decision.outcome.candidates.resize(2);
+  decision.outcome.candidates[1].id = 1;
   decision.outcome.candidates[1].verdict = planner::Verdict::NearPartner;
   decision.outcome.partner.emplace();
   decision.outcome.decision.chosen = 0;
