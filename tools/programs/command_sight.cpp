@@ -107,7 +107,8 @@ void add_sight_commands(CommandLine& line) {
   line.add_common(check_command);
   line.when(check_command, [&common, check, camera] {
     check->command = "run";
-    camera->read_frame = [camera] { return read_depth(*camera->frame, camera->camera); };
+    // by its address: with a share of its own it would own itself
+    camera->read_frame = [checked = camera.get()] { return read_depth(*checked->frame, checked->camera); };
     return cmd_check(common, *check, *camera, [&common] { return config_of_run(common, {}); });
   });
 
