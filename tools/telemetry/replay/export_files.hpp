@@ -1,6 +1,6 @@
 #pragma once
 
-// What the exports share. Not for other folders.
+// What the exports share, the bag of ROS 2 in tools/dds among them. For .cpp files of exports only.
 
 #include <filesystem>
 #include <functional>
