@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -83,6 +84,8 @@ struct TaskContext {
   hal::Timestamp now{0}, began{0}, since{0};  ///< Of the robot's clock; `since`: in this state.
   double waited_s = 0.0;  ///< Of the time in this state; a slowed arm's counts in proportion.
 
+  /// The collision world without people, as the session's map has it; plans add those who are there.
+  std::shared_ptr<const planner::CollisionScene> empty_scene;
   /// Points of what obstructed the last path, without the partner (W): new paths keep away from them.
   std::vector<Eigen::Vector3f> obstacles_W;
 

@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "hal/types/symmetric.hpp"
+#include "perception/motion/window_sums.hpp"
 
 namespace colift::perception {
 namespace {
@@ -13,14 +15,12 @@ namespace {
 constexpr int kBinsPerSide = 3;  // of the faces of a cube around the unit sphere
 constexpr int kCentre = 2;       // half the window whose mean is the sample's point
 
-// half sizes in pixels; the oblong ones are for legs and bars
-struct Window {
-  int u, v;
-};
-constexpr std::array<Window, 7> kWindows{{{15, 15}, {9, 9}, {3, 15}, {15, 3}, {5, 5}, {2, 9}, {9, 2}}};
+// the oblong ones are for legs and bars; the wide ones take each second or third pixel
+constexpr std::array<SampledWindow, 7> kWindows{
+    {{15, 15, 3, 3}, {9, 9, 2, 2}, {3, 15, 1, 3}, {15, 3, 3, 1}, {5, 5, 1, 1}, {2, 9, 1, 2}, {9, 2, 2, 1}}};
 
 // where nothing is flat, something may be round: a thin pipe
-constexpr std::array<Window, 3> kRoundWindows{{{7, 7}, {5, 5}, {3, 9}}};
+constexpr std::array<SampledWindow, 3> kRoundWindows{{{7, 7, 1, 1}, {5, 5, 1, 1}, {3, 9, 1, 2}}};
 
 struct Sample {
   Vec3 point, normal;
@@ -39,73 +39,90 @@ int bin_of(const Vec3& n) {
   return (face * kBinsPerSide + cell(1)) * kBinsPerSide + cell(2);
 }
 
+InverseDepth inverse_depth(const ReferenceImage& reference, const Target& target) {
+  InverseDepth object{std::vector<float>(reference.cloud.size()), reference.cloud.width(),
+                      reference.cloud.intrinsics.height};
+  for (const std::uint32_t i : target.pixels)
+    if (const float z = reference.cloud.depth_m[i]; z > 0) object.values[i] = 1.0f / z;
+  return object;
+}
+
 class ObjectPixels {
  public:
   ObjectPixels(const ReferenceImage& reference, const Target& target, const NoiseModel& noise,
                const SurfaceSamplingConfig& config)
-      : reference_(reference), noise_(noise), config_(config), inverse_(reference.cloud.size(), 0.0f) {
-    for (const std::uint32_t i : target.pixels) {
-      const float z = reference.cloud.depth_m[i];
-      if (z > 0) inverse_[i] = 1.0f / z;
-    }
-  }
+      : reference_(reference), noise_(noise), config_(config), object_(inverse_depth(reference, target)) {}
 
   [[nodiscard]] std::optional<Sample> sample(std::uint32_t pixel) const {
-    if (!(inverse_[pixel] > 0)) return std::nullopt;
-    for (const Window& window : kWindows)
-      if (auto found = fit<3>(pixel, window)) return found;
-    for (const Window& window : kRoundWindows)
-      if (auto found = fit<6>(pixel, window)) return found;
+    if (!(object_.values[pixel] > 0)) return std::nullopt;
+    const int u = static_cast<int>(pixel) % object_.width, v = static_cast<int>(pixel) / object_.width;
+    for (const SampledWindow& window : kWindows)
+      if (const auto fitted = plane(u, v, window))
+        if (auto found = judge<3>(u, v, window, *fitted)) return found;
+    for (const SampledWindow& window : kRoundWindows)
+      if (const auto fitted = curved(u, v, window))
+        if (auto found = judge<6>(u, v, window, *fitted)) return found;
     return std::nullopt;
   }
 
  private:
   struct Fit {
     double a = 0, b = 0, c = 0, rms = 0;  // w = a du + b dv + c at the middle
-    int n = 0, wanted = 0;
+    double n = 0;
   };
 
-  // Least squares over the object's pixels of a window: inverse depth as a polynomial of `kTerms` terms (3: a
-  // plane, 6: with curvature).
   template <int kTerms>
-  [[nodiscard]] Fit polynomial(int u0, int v0, const Window& window) const {
-    using Vector = Eigen::Matrix<double, kTerms, 1>;
+  [[nodiscard]] bool covered(double n, int wanted) const {
+    return n >= 3 * kTerms && n >= config_.min_window_coverage * wanted;
+  }
+
+  // Least squares: inverse depth as a plane. nullopt where the window shows too little of the object.
+  [[nodiscard]] std::optional<Fit> plane(int u, int v, const SampledWindow& window) const {
+    const WindowSums s = window_sums(object_, u, v, window);
+    if (!covered<3>(s.n, window.samples())) return std::nullopt;
+    Eigen::Matrix3d normal;
+    normal << s.n, s.u, s.v, s.u, s.uu, s.uv, s.v, s.uv, s.vv;
+    const Vec3 right(s.w, s.wu, s.wv);
+    const Vec3 x = hal::solve_symmetric<double, 3>(normal, right);
+    const double rms = std::sqrt(std::max(0.0, (s.ww - x.dot(right)) / (s.n - 3)));
+    return Fit{x[1], x[2], static_cast<double>(object_.values[at(u, v)]) + x[0], rms, s.n};
+  }
+
+  // The same with curvature.
+  [[nodiscard]] std::optional<Fit> curved(int u0, int v0, const SampledWindow& window) const {
+    if (!covered<6>(window_sums(object_, u0, v0, window).n, window.samples())) return std::nullopt;
+    using Vector = Eigen::Matrix<double, 6, 1>;
     const auto& k = reference_.cloud.intrinsics;
-    const int step_u = std::max(1, window.u / 4), step_v = std::max(1, window.v / 4);
-    Eigen::Matrix<double, kTerms, kTerms> normal = Eigen::Matrix<double, kTerms, kTerms>::Zero();
+    Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
     Vector right = Vector::Zero();
     double squares = 0.0;
-    const auto w0 = static_cast<double>(inverse_[at(u0, v0)]);
+    const auto w0 = static_cast<double>(object_.values[at(u0, v0)]);
     Fit fit;
-    for (int dv = -window.v; dv <= window.v; dv += step_v)
-      for (int du = -window.u; du <= window.u; du += step_u) {
-        ++fit.wanted;
+    for (int dv = -window.v; dv <= window.v; dv += window.step_v)
+      for (int du = -window.u; du <= window.u; du += window.step_u) {
         const int u = u0 + du, v = v0 + dv;
         if (u < 0 || v < 0 || u >= k.width || v >= k.height) continue;
-        const auto here = static_cast<double>(inverse_[at(u, v)]);
+        const auto here = static_cast<double>(object_.values[at(u, v)]);
         if (!(here > 0)) continue;
         const double w = here - w0;
         Vector terms;
-        terms[0] = 1, terms[1] = du, terms[2] = dv;
-        if constexpr (kTerms == 6) terms[3] = du * du, terms[4] = du * dv, terms[5] = dv * dv;
+        terms << 1, du, dv, du * du, du * dv, dv * dv;
         normal.noalias() += terms * terms.transpose();
         right += w * terms;
         squares += w * w;
         ++fit.n;
       }
-    if (fit.n < 3 * kTerms) return fit;
-    const Vector x = hal::solve_symmetric(normal, right);
+    const Vector x = hal::solve_symmetric<double, 6>(normal, right);
     fit.a = x[1], fit.b = x[2], fit.c = w0 + x[0];
-    fit.rms = std::sqrt(std::max(0.0, (squares - x.dot(right)) / (fit.n - kTerms)));
+    fit.rms = std::sqrt(std::max(0.0, (squares - x.dot(right)) / (fit.n - 6)));
     return fit;
   }
 
+  // The sample at a pixel, where what was fitted to the window is smooth and not too steep.
   template <int kTerms>
-  [[nodiscard]] std::optional<Sample> fit(std::uint32_t pixel, const Window& window) const {
+  [[nodiscard]] std::optional<Sample> judge(int u0, int v0, const SampledWindow& window, const Fit& f) const {
     const auto& k = reference_.cloud.intrinsics;
-    const int u0 = static_cast<int>(pixel) % k.width, v0 = static_cast<int>(pixel) / k.width;
-    const Fit f = polynomial<kTerms>(u0, v0, window);
-    if (f.n < 3 * kTerms || f.n < config_.min_window_coverage * f.wanted || !(f.c > 0)) return std::nullopt;
+    if (!(f.c > 0)) return std::nullopt;
     const double z = 1.0 / f.c;
     // averaging over the reference's frames, as far as they are independent
     const double averaged = noise_.sigma(z) / std::sqrt(std::min(reference_.frames, 20));
@@ -122,14 +139,14 @@ class ObjectPixels {
       return std::nullopt;
 
     // the point is the mean nearby, so that a round surface does not lie too deep
-    const Window centre{std::min(kCentre, window.u), std::min(kCentre, window.v)};
+    const int centre_u = std::min(kCentre, window.u), centre_v = std::min(kCentre, window.v);
     double sum = 0.0;
     int n = 0;
-    for (int dv = -centre.v; dv <= centre.v; ++dv)
-      for (int du = -centre.u; du <= centre.u; ++du) {
+    for (int dv = -centre_v; dv <= centre_v; ++dv)
+      for (int du = -centre_u; du <= centre_u; ++du) {
         const int u = u0 + du, v = v0 + dv;
-        if (u < 0 || v < 0 || u >= k.width || v >= k.height || !(inverse_[at(u, v)] > 0)) continue;
-        const double e = static_cast<double>(inverse_[at(u, v)]) - (f.a * du + f.b * dv);
+        if (u < 0 || v < 0 || u >= k.width || v >= k.height || !(object_.values[at(u, v)] > 0)) continue;
+        const double e = static_cast<double>(object_.values[at(u, v)]) - (f.a * du + f.b * dv);
         if (std::abs(e - f.c) > 5 * expected) continue;
         sum += e;
         ++n;
@@ -140,7 +157,7 @@ class ObjectPixels {
     sample.point = ray * (n / sum);
     sample.normal = normal;
     sample.sigma = std::hypot(noise_.sigma(z) * normal.dot(ray), config_.noise_floor_m);
-    const double seen = static_cast<double>(f.n) / f.wanted * (2 * window.u + 1) * (2 * window.v + 1);
+    const double seen = static_cast<double>(f.n) / window.samples() * (2 * window.u + 1) * (2 * window.v + 1);
     const double independent = std::max(1.0, seen / config_.correlated_pixels);
     const double per_slope = std::max(f.rms, 0.5 * expected) * std::sqrt(3.0 / independent) / norm;
     sample.tilt =
@@ -159,7 +176,7 @@ class ObjectPixels {
   const ReferenceImage& reference_;
   const NoiseModel& noise_;
   const SurfaceSamplingConfig& config_;
-  std::vector<float> inverse_;  // 1 / depth on the object, 0 elsewhere
+  InverseDepth object_;
 };
 
 // How many samples each bin gives: all of a small one, an equal part of the others.

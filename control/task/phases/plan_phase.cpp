@@ -36,10 +36,9 @@ TaskEvent PlanPhase::find_path() {
     return {Event::NoPath, *std::move(fault)};
   std::vector<Eigen::Vector3f> people = c_.session.partner_points();
   people.insert(people.end(), c_.obstacles_W.begin(), c_.obstacles_W.end());
-  c_.motion_planner.set_scene(
-      std::make_shared<planner::CollisionScene>(planner::make_collision_scene(
-          c_.session.map(), c_.session.analysis().scene.ground->plane, people, c_.config.motion.scene)),
-      c_.session.map(), hal::Vec3::UnitZ());
+  c_.motion_planner.set_scene(std::make_shared<planner::CollisionScene>(
+                                  planner::with_partner(*c_.empty_scene, c_.session.map().grid(), people)),
+                              c_.session.map(), hal::Vec3::UnitZ());
   std::string why;
   for (int i = 0; i < c_.config.task.attempts.max_planned_grasps; ++i) {
     auto plan = c_.motion_planner.plan(c_.arm.commanded(), c_.chosen(), c_.config.task.lift_height_m);

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
+
+#include "planner/motion/collision/near_points.hpp"
 
 namespace colift::planner {
 namespace {
@@ -26,34 +27,15 @@ std::size_t index_of(const CellGrid& grid, int x, int y, int z) {
   return static_cast<std::size_t>((static_cast<std::ptrdiff_t>(z) * grid.ny + y) * grid.nx + x);
 }
 
-/// Marks the cells whose nearest point comes within `radius_m` of a cell with a point in it.
-void mark_around(const CellGrid& grid, std::span<const Eigen::Vector3f> points, double radius_m,
-                 std::vector<std::uint8_t>& is_obstacle) {
-  const int reach = static_cast<int>(std::ceil(radius_m / grid.cell_m));
-  std::set<Cell> centers;
-  for (const Eigen::Vector3f& p : points) {
-    const Cell c = cell_of(grid, p.cast<double>());
-    if (c[0] < -reach || c[1] < -reach || c[2] < -reach || c[0] >= grid.nx + reach ||
-        c[1] >= grid.ny + reach || c[2] >= grid.nz + reach) {
-      continue;
-    }
-    centers.insert(c);
-  }
-  const double limit = radius_m / grid.cell_m;
-  const auto gap = [](int d) { return static_cast<double>(std::max(0, std::abs(d) - 1)); };
-  for (const Cell& c : centers) {
-    for (int dz = -reach; dz <= reach; ++dz) {
-      for (int dy = -reach; dy <= reach; ++dy) {
-        const int y = c[1] + dy, z = c[2] + dz;
-        if (y < 0 || z < 0 || y >= grid.ny || z >= grid.nz) continue;
-        const double left = limit * limit - gap(dy) * gap(dy) - gap(dz) * gap(dz);
-        if (left < 0.0) continue;
-        const int wide = std::min(reach, static_cast<int>(std::sqrt(left)) + 1);
-        const int from = std::max(0, c[0] - wide), to = std::min(grid.nx - 1, c[0] + wide);
-        for (int x = from; x <= to; ++x) is_obstacle[index_of(grid, x, y, z)] = 1;
-      }
-    }
-  }
+/// For each column of cells whether it is farther from the robot's axis than `radius_m`.
+std::vector<std::uint8_t> beyond_own_space(const CellGrid& grid, double radius_m) {
+  const hal::Vec3 first = grid.origin + hal::Vec3::Constant(0.5 * grid.cell_m);
+  std::vector<std::uint8_t> beyond;
+  beyond.reserve(static_cast<std::size_t>(grid.nx) * static_cast<std::size_t>(grid.ny));
+  for (int iy = 0; iy < grid.ny; ++iy)
+    for (int ix = 0; ix < grid.nx; ++ix)
+      beyond.push_back(std::hypot(first.x() + grid.cell_m * ix, first.y() + grid.cell_m * iy) > radius_m);
+  return beyond;
 }
 
 /// Frees what a depth image strews around the edges of the target: lone groups of a few cells right beside
@@ -96,46 +78,44 @@ void drop_specks(const CellGrid& grid, std::span<const hal::Vec3> target_cells, 
 }  // namespace
 
 CollisionScene make_collision_scene(const perception::WorldMap& map, const hal::Plane& ground,
-                                    std::span<const Eigen::Vector3f> partner_points,
                                     const SceneConfig& config) {
   const CellGrid& grid = map.grid();
   std::vector<std::uint8_t> measured(grid.cells.size(), 0), kept_out(grid.cells.size(), 0);
   const hal::Vec3 first = grid.origin + hal::Vec3::Constant(0.5 * grid.cell_m);
-  std::size_t i = 0;
+  const std::vector<std::uint8_t> unseen_counts = beyond_own_space(grid, config.own_space_m);
+  const std::uint8_t hidden_counts = config.hidden_is_obstacle,
+                     out_of_view_counts = config.out_of_view_is_obstacle;
+  const double lowest = kGroundCells * grid.cell_m;
   for (int iz = 0; iz < grid.nz; ++iz) {
     for (int iy = 0; iy < grid.ny; ++iy) {
       const double row = ground.height(first + grid.cell_m * hal::Vec3(0, iy, iz));
-      for (int ix = 0; ix < grid.nx; ++ix, ++i) {
-        const double height = row + grid.cell_m * ix * ground.normal.x();
-        if (height < kGroundCells * grid.cell_m) continue;
-        const CellState state = grid.cells[i];
-        const bool occupied = state == CellState::Occupied;
-        measured[i] = occupied;
-        const double x = first.x() + grid.cell_m * ix, y = first.y() + grid.cell_m * iy;
-        const bool unseen = (state == CellState::Hidden && config.hidden_is_obstacle) ||
-                            (state == CellState::OutOfView && config.out_of_view_is_obstacle);
-        kept_out[i] = occupied || (unseen && std::hypot(x, y) > config.own_space_m);
+      const auto above_ground = [&](int ix) { return row + grid.cell_m * ix * ground.normal.x() >= lowest; };
+      // the height changes evenly along a row
+      int from = 0, to = grid.nx;
+      while (from < to && !above_ground(from)) ++from;
+      while (from < to && !above_ground(to - 1)) --to;
+      const std::ptrdiff_t begin = (static_cast<std::ptrdiff_t>(iz) * grid.ny + iy) * grid.nx;
+      const CellState* const state = grid.cells.data() + begin;
+      const std::uint8_t* const counts = unseen_counts.data() + static_cast<std::ptrdiff_t>(iy) * grid.nx;
+      std::uint8_t* const measured_row = measured.data() + begin;
+      std::uint8_t* const kept_out_row = kept_out.data() + begin;
+      for (int ix = from; ix < to; ++ix) {
+        const auto is = [&](CellState s) { return static_cast<std::uint8_t>(state[ix] == s); };
+        const auto occupied = is(CellState::Occupied);
+        const auto unseen =
+            (is(CellState::Hidden) & hidden_counts) | (is(CellState::OutOfView) & out_of_view_counts);
+        measured_row[ix] = occupied;
+        kept_out_row[ix] = static_cast<std::uint8_t>(occupied | (unseen & counts[ix]));
       }
     }
   }
   drop_specks(grid, map.target_cells(), config, measured);
-  const double partner = config.partner_clearance_m - config.margin_m;
-  if (partner >= 0.0) {
-    mark_around(grid, partner_points, partner, measured);
-    mark_around(grid, partner_points, partner, kept_out);
-  }
-  // where he holds it, the object touches him, and goes on doing so while both lift
-  std::vector<std::uint8_t> in_his_hands(grid.cells.size(), 0);
-  mark_around(grid, partner_points, std::max(0.0, partner) + config.partner_contact_m, in_his_hands);
   std::vector<std::uint8_t> target(grid.cells.size(), 0);
   CollisionScene scene;
   for (const hal::Vec3& middle : map.target_cells()) {
     const Cell c = cell_of(grid, middle);
-    const bool inside =
-        c[0] >= 0 && c[1] >= 0 && c[2] >= 0 && c[0] < grid.nx && c[1] < grid.ny && c[2] < grid.nz;
-    if (inside && in_his_hands[index_of(grid, c[0], c[1], c[2])] == 0)
-      scene.carried_W.push_back(middle.cast<float>());
-    if (!inside) continue;
+    if (c[0] < 0 || c[1] < 0 || c[2] < 0 || c[0] >= grid.nx || c[1] >= grid.ny || c[2] >= grid.nz) continue;
+    scene.carried_W.push_back(middle.cast<float>());
     target[index_of(grid, c[0], c[1], c[2])] = 1;
   }
   const double reach = kReach + config.margin_m;
@@ -146,6 +126,31 @@ CollisionScene make_collision_scene(const perception::WorldMap& map, const hal::
   scene.carried_cell_m = static_cast<float>(grid.cell_m);
   scene.config = config;
   return scene;
+}
+
+CollisionScene with_partner(const CollisionScene& scene, const CellGrid& grid,
+                            std::span<const Eigen::Vector3f> partner_points) {
+  CollisionScene with = scene;
+  const SceneConfig& config = scene.config;
+  const double partner = config.partner_clearance_m - config.margin_m;
+  const double contact = std::max(0.0, partner) + config.partner_contact_m;
+  const NearPoints near_partner(grid, partner_points, contact);
+  if (partner >= 0.0) {
+    const BoxDistances around = near_partner.distances_to(partner, with.obstacles.reach_cells());
+    with.obstacles.add(around);
+    with.arm_obstacles.add(around);
+  }
+  // where he holds it, the object touches him, and goes on doing so while both lift
+  std::erase_if(with.carried_W, [&](const Eigen::Vector3f& middle) {
+    return near_partner.reach(grid.cell_of(middle.cast<double>()), contact);
+  });
+  return with;
+}
+
+CollisionScene make_collision_scene(const perception::WorldMap& map, const hal::Plane& ground,
+                                    std::span<const Eigen::Vector3f> partner_points,
+                                    const SceneConfig& config) {
+  return with_partner(make_collision_scene(map, ground, config), map.grid(), partner_points);
 }
 
 }  // namespace colift::planner

@@ -64,7 +64,16 @@ struct CollisionScene {
 /// above. Cells with their middle nearer to the ground than this many cells, or below it, are the ground's.
 inline constexpr double kGroundCells = 1.5;
 
-/// `partner_points` keep the robot away from him; may be empty.
+/// The scene without any partner.
+[[nodiscard]] CollisionScene make_collision_scene(const perception::WorldMap& map, const hal::Plane& ground,
+                                                  const SceneConfig& config);
+
+/// The same with him: `partner_points` (W) keep the robot away, and what of the target is at his hands may
+/// touch him while both lift. Costs what his surroundings cost, not what the map does. `grid`: of the map
+/// that the scene was made of.
+[[nodiscard]] CollisionScene with_partner(const CollisionScene& scene, const perception::CellGrid& grid,
+                                          std::span<const Eigen::Vector3f> partner_points);
+/// Both at once.
 [[nodiscard]] CollisionScene make_collision_scene(const perception::WorldMap& map, const hal::Plane& ground,
                                                   std::span<const Eigen::Vector3f> partner_points,
                                                   const SceneConfig& config);

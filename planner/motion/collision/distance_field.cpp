@@ -3,95 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/motion/collision/squared_distances.hpp"
+
 namespace colift::planner {
 namespace {
 
-constexpr int kMostCells = 120;  // its square has to leave room in 16 bits for another one
 /// Rounding of single precision in p and in the interpolation (cells^2, at coordinates of some metres).
 constexpr float kRounding = 1e-3f;
-
-/// A stack of rows of corners, with the least value of each row to skip rows that hold nothing.
-struct Rows {
-  int length, count;
-  std::vector<std::int16_t> values, least;
-
-  Rows(int row_length, int rows, std::int16_t fill)
-      : length(row_length),
-        count(rows),
-        values(static_cast<std::size_t>(row_length) * static_cast<std::size_t>(rows), fill),
-        least(static_cast<std::size_t>(rows), fill) {}
-  [[nodiscard]] std::int16_t* row(int r) { return values.data() + static_cast<std::ptrdiff_t>(r) * length; }
-  [[nodiscard]] const std::int16_t* row(int r) const {
-    return values.data() + static_cast<std::ptrdiff_t>(r) * length;
-  }
-};
-
-void lower(std::int16_t* into, const std::int16_t* from, std::int16_t add, int n) {
-  for (int i = 0; i < n; ++i) {
-    const auto other = static_cast<std::int16_t>(from[i] + add);
-    into[i] = other < into[i] ? other : into[i];
-  }
-}
-
-/// The corners of obstacle cells are at 0, all others at `far`.
-Rows mark_corners(const perception::CellGrid& grid, const std::vector<std::uint8_t>& is_obstacle,
-                  std::int16_t far) {
-  Rows rows(grid.nx + 1, (grid.ny + 1) * (grid.nz + 1), far);
-  std::size_t cell = 0;
-  for (int iz = 0; iz < grid.nz; ++iz) {
-    for (int iy = 0; iy < grid.ny; ++iy) {
-      const int r = iz * (grid.ny + 1) + iy;
-      for (int ix = 0; ix < grid.nx; ++ix, ++cell) {
-        if (is_obstacle[cell] == 0) continue;
-        for (const int at : {r, r + 1, r + grid.ny + 1, r + grid.ny + 2}) {
-          rows.row(at)[ix] = rows.row(at)[ix + 1] = 0;
-          rows.least[static_cast<std::size_t>(at)] = 0;
-        }
-      }
-    }
-  }
-  return rows;
-}
-
-/// Squared distances within each row.
-void along_rows(Rows& rows, int reach) {
-  for (int r = 0; r < rows.count; ++r) {
-    if (rows.least[static_cast<std::size_t>(r)] != 0) continue;
-    std::int16_t* v = rows.row(r);
-    int since = reach;
-    for (int i = 0; i < rows.length; ++i) {
-      since = v[i] == 0 ? 0 : std::min(since + 1, reach);
-      v[i] = static_cast<std::int16_t>(since);
-    }
-    since = reach;
-    for (int i = rows.length - 1; i >= 0; --i) {
-      since = v[i] == 0 ? 0 : std::min(since + 1, reach);
-      const int d = std::min<int>(v[i], since);
-      v[i] = static_cast<std::int16_t>(d * d);
-    }
-  }
-}
-
-/// Squared distances across rows: the least of each row's neighbours plus their squared distance. Because
-/// distances are cut at `reach`, looking that far is exact, and cheaper than a lower envelope of parabolas
-/// (Felzenszwalb and Huttenlocher 2012) as it runs eight corners at a time. Rows `stride` apart are
-/// neighbours; there are `n` in a line and lines start at the given rows.
-void across_rows(const Rows& in, Rows& out, int reach, int stride, int n, int line_start) {
-  const int far = reach * reach;
-  for (int i = 0; i < n; ++i) {
-    const int r = line_start + i * stride;
-    std::int16_t* into = out.row(r);
-    int least = far;
-    for (int k = std::max(-reach, -i); k <= std::min(reach, n - 1 - i); ++k) {
-      const int from = r + k * stride;
-      const int best = in.least[static_cast<std::size_t>(from)] + k * k;
-      if (best >= far) continue;
-      lower(into, in.row(from), static_cast<std::int16_t>(k * k), in.length);
-      least = std::min(least, best);
-    }
-    out.least[static_cast<std::size_t>(r)] = static_cast<std::int16_t>(least);
-  }
-}
 
 }  // namespace
 
@@ -100,21 +18,31 @@ DistanceField::DistanceField(const perception::CellGrid& grid, const std::vector
     : origin_(grid.origin.cast<float>()),
       cell_m_(static_cast<float>(grid.cell_m)),
       per_m_(static_cast<float>(1.0 / grid.cell_m)) {
-  const int reach = std::clamp(static_cast<int>(std::ceil(max_m / grid.cell_m - 1e-9)), 1, kMostCells);
-  max_m_ = static_cast<float>(reach) * cell_m_;
-  if (std::none_of(is_obstacle.begin(), is_obstacle.end(), [](std::uint8_t o) { return o != 0; })) return;
+  reach_ = std::clamp(static_cast<int>(std::ceil(max_m / grid.cell_m - 1e-9)), 1, kMaxReach_cells);
+  max_m_ = static_cast<float>(reach_) * cell_m_;
   nx_ = grid.nx + 1;
   ny_ = grid.ny + 1;
   nz_ = grid.nz + 1;
-  max_squared_ = reach * reach;
-  const auto far = static_cast<std::int16_t>(max_squared_);
-  Rows rows = mark_corners(grid, is_obstacle, far);
-  along_rows(rows, reach);
-  Rows across_y(nx_, ny_ * nz_, far);
-  for (int iz = 0; iz < nz_; ++iz) across_rows(rows, across_y, reach, 1, ny_, iz * ny_);
-  std::fill(rows.values.begin(), rows.values.end(), far);
-  for (int iy = 0; iy < ny_; ++iy) across_rows(across_y, rows, reach, ny_, nz_, iy);
-  squared_ = std::move(rows.values);
+  if (std::none_of(is_obstacle.begin(), is_obstacle.end(), [](std::uint8_t o) { return o != 0; })) return;
+  squared_ = squared_distances({grid.nx, grid.ny, grid.nz}, is_obstacle, reach_);
+}
+
+void DistanceField::add(const BoxDistances& obstacles) {
+  if (obstacles.squared.empty()) return;
+  if (squared_.empty())
+    squared_.assign(
+        static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_) * static_cast<std::size_t>(nz_),
+        static_cast<std::int16_t>(reach_ * reach_));
+  // the distance to all is the smaller of the distances to the old and to the new
+  const Eigen::Vector3i &first = obstacles.first, &size = obstacles.size;
+  const std::int16_t* from = obstacles.squared.data();
+  for (int z = 0; z <= size.z(); ++z)
+    for (int y = 0; y <= size.y(); ++y, from += size.x() + 1) {
+      std::int16_t* const into = squared_.data() +
+                                 (static_cast<std::ptrdiff_t>(first.z() + z) * ny_ + first.y() + y) * nx_ +
+                                 first.x();
+      for (int x = 0; x <= size.x(); ++x) into[x] = std::min(into[x], from[x]);
+    }
 }
 
 float DistanceField::squared_cells(const Eigen::Vector3f& p_W) const {

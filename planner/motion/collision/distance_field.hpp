@@ -5,6 +5,7 @@
 
 #include "hal/types/geometry.hpp"
 #include "perception/map/world_map.hpp"
+#include "planner/motion/collision/near_points.hpp"
 
 namespace colift::planner {
 
@@ -21,9 +22,12 @@ class DistanceField {
  public:
   DistanceField() = default;
   /// `is_obstacle` holds one value for every cell of the grid, in its order. `max_m` is rounded up to whole
-  /// cells; at most 120 of them.
+  /// cells; at most kMaxReach_cells of them.
   DistanceField(const perception::CellGrid& grid, const std::vector<std::uint8_t>& is_obstacle,
                 double max_m = 0.4);
+
+  /// Adds obstacles: afterwards it is the field of all of them. Both fields have the same grid and reach.
+  void add(const BoxDistances& obstacles);
 
   /// Lower bound of the distance (m), at most max_m(); 0 inside obstacles. Outside of the grid too.
   [[nodiscard]] float distance(const Eigen::Vector3f& p_W) const;
@@ -40,6 +44,8 @@ class DistanceField {
   [[nodiscard]] float cell_m() const { return cell_m_; }
   /// Made without any obstacle (or not made at all): everything is clear.
   [[nodiscard]] bool empty() const { return squared_.empty(); }
+  /// How far it looks, in cells.
+  [[nodiscard]] int reach_cells() const { return reach_; }
 
  private:
   [[nodiscard]] float squared_cells(const Eigen::Vector3f& p_W) const;
@@ -47,7 +53,7 @@ class DistanceField {
   Eigen::Vector3f origin_ = Eigen::Vector3f::Zero();
   float cell_m_ = 0.02f, per_m_ = 50.0f, max_m_ = 0.0f;
   int nx_ = 0, ny_ = 0, nz_ = 0;  // corners, one more than cells
-  int max_squared_ = 0;
+  int reach_ = 0;
   std::vector<std::int16_t> squared_;
 };
 

@@ -1,0 +1,69 @@
+#include "perception/motion/window_sums.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "sim_hal/synthetic/hash_random.hpp"
+
+namespace {
+
+using namespace colift;
+using perception::InverseDepth;
+using perception::SampledWindow;
+using perception::WindowSums;
+
+/// An object with holes in it, up to borders of the image.
+InverseDepth object() {
+  InverseDepth o;
+  o.width = 60, o.height = 40;
+  o.values.resize(60 * 40);
+  sim_hal::Draws draws(3, 1);
+  for (int v = 0; v < 33; ++v)
+    for (int u = 2; u < 60; ++u)
+      if (!draws.chance(0.2))
+        o.values[static_cast<std::size_t>(v * 60 + u)] = static_cast<float>(draws.between(0.4, 0.8));
+  return o;
+}
+
+WindowSums by_definition(const InverseDepth& o, int u, int v, const SampledWindow& w) {
+  WindowSums s;
+  const auto middle = static_cast<double>(o.values[static_cast<std::size_t>(v * o.width + u)]);
+  for (int dv = -w.v; dv <= w.v; dv += w.step_v)
+    for (int du = -w.u; du <= w.u; du += w.step_u) {
+      if (u + du < 0 || v + dv < 0 || u + du >= o.width || v + dv >= o.height) continue;
+      const auto inverse =
+          static_cast<double>(o.values[static_cast<std::size_t>((v + dv) * o.width + u + du)]);
+      if (!(inverse > 0)) continue;
+      const double d = inverse - middle;
+      s.n += 1, s.u += du, s.v += dv, s.uu += du * du, s.uv += du * dv, s.vv += dv * dv;
+      s.w += d, s.wu += d * du, s.wv += d * dv, s.ww += d * d;
+    }
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("sums of a window are those of its samples, at borders and holes too") {
+  const InverseDepth o = object();
+  const std::vector<SampledWindow> windows{
+      {15, 15, 3, 3}, {9, 9, 2, 2}, {3, 15, 1, 3}, {2, 9, 1, 2}, {5, 5, 1, 1}};
+  for (const SampledWindow& window : windows) {
+    int samples = 0;
+    for (int v = 0; v < 40; ++v)
+      for (int u = 0; u < 60; u += 3) {
+        const WindowSums is = perception::window_sums(o, u, v, window), must = by_definition(o, u, v, window);
+        CAPTURE(u, v, window.u, window.v);
+        REQUIRE(is.n == must.n);
+        REQUIRE(is.uu == Approx(must.uu).margin(1e-9));
+        REQUIRE(is.uv == Approx(must.uv).margin(1e-9));
+        REQUIRE(is.vv == Approx(must.vv).margin(1e-9));
+        REQUIRE(is.u == Approx(must.u).margin(1e-9));
+        REQUIRE(is.v == Approx(must.v).margin(1e-9));
+        REQUIRE(is.w == Approx(must.w).margin(1e-9));
+        REQUIRE(is.wu == Approx(must.wu).margin(1e-9));
+        REQUIRE(is.wv == Approx(must.wv).margin(1e-9));
+        REQUIRE(is.ww == Approx(must.ww).margin(1e-9));
+        samples = std::max(samples, static_cast<int>(is.n));
+      }
+    CHECK(samples > window.samples() / 2);
+  }
+}
