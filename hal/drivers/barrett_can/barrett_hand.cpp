@@ -114,9 +114,8 @@ struct BarrettHand::Impl {
       say(bus_words, "the bus is error {} ({} error frames): go slower, look at cable and termination",
           can.state == CanHealth::State::Warning ? "warning" : "passive", can.error_frames);
     else if (link.round_trip().slow())
-      say(bus_words,
-          "slow link: the pucks answer after {:.0f} ms (expected within {:.0f}), faults show later",
-          1e3 * seconds(link.round_trip().worst()), config.reply_ms);
+      say(bus_words, "slow link: the pucks answer after {:.1f} ms (expected within {:g}), faults show later",
+          link.round_trip().worst_ms(), config.reply_ms);
     else
       bus_words = {};
     const std::array<const ShortText*, 4> lesser{&watch.warning(), &bus_words, &motion.why(), &remark};

@@ -8,6 +8,7 @@
 
 #include "hal/drivers/barrett_can/hand_units.hpp"
 #include "hal/drivers/barrett_can/pucks/puck_link.hpp"
+#include "hal/drivers/barrett_can/pucks/wait_on.hpp"
 #include "hal/types/units.hpp"
 
 namespace colift::hal {
@@ -20,7 +21,6 @@ constexpr double kAnswer_s = 0.35;                                    // three t
 constexpr double kSettings_s = 0.3;                                   // six settings, read back
 constexpr std::int32_t kTravel = kClosedCounts + kClosedCounts / 10;  // beyond the open stop from anywhere
 constexpr std::int32_t kStill = 50;                                   // counts between two looks
-constexpr int kNoProgress = 100'000;                                  // turns of a clock that stands still
 
 Duration of_seconds(double s) {
   return std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * s));
@@ -53,16 +53,7 @@ class Opener {
 
   /// False when the time is up first.
   bool wait(double limit_s, const std::function<bool()>& until) {
-    const Timestamp end = clock_.now() + of_seconds(limit_s);
-    int still = 0;
-    for (Timestamp last = clock_.now();;) {
-      link_.pump(std::chrono::milliseconds(1));
-      if (until()) return true;
-      const Timestamp now = clock_.now();
-      still = now > last ? 0 : still + 1;
-      if (now >= end || still > kNoProgress || (!ending_ && interrupted_())) return false;
-      last = now;
-    }
+    return wait_on(link_, clock_, of_seconds(limit_s), until, [&] { return !ending_ && interrupted_(); });
   }
 
   /// Of every finger that answers within three tries.

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <vector>
 
+#include "hal/drivers/barrett_can/pucks/wait_on.hpp"
+
 namespace colift::hal::barrett {
 namespace {
 
@@ -30,18 +32,7 @@ HandStartup::HandStartup(const BarrettHandConfig& config, CanBus& bus, PuckLink&
     : config_(config), bus_(bus), link_(link), facts_(facts), clock_(clock) {}
 
 bool HandStartup::wait(double limit_s, const std::function<bool()>& until) {
-  const Timestamp end = clock_.now() + std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * limit_s));
-  // a clock that stands still must not hold us for ever
-  int without_progress = 0;
-  for (Timestamp last = clock_.now();;) {
-    link_.pump(std::chrono::milliseconds(1));
-    if (until()) return true;
-    const Timestamp now = clock_.now();
-    if (now >= end) return false;
-    without_progress = now > last ? 0 : without_progress + 1;
-    if (without_progress > 100'000) return false;
-    last = now;
-  }
+  return wait_on(link_, clock_, duration_of(limit_s), until);
 }
 
 std::optional<std::int32_t> HandStartup::read(Puck puck, Property property, double limit_s) {
@@ -344,8 +335,8 @@ Result<HandStartup::Outcome> HandStartup::run(bool loaded) {
   if (!keep) tare();
   if (auto settled = settle(keep); !settled) return tl::unexpected(settled.error());
   if (link_.round_trip().slow())
-    add_remark(fmt::format("slow link: the pucks answer after {:.0f} ms (expected within {:.0f})",
-                           1e3 * seconds(link_.round_trip().worst()), config_.reply_ms));
+    add_remark(fmt::format("slow link: the pucks answer after {:.1f} ms (expected within {:g})",
+                           link_.round_trip().worst_ms(), config_.reply_ms));
   outcome.remark = remark_;
   return outcome;
 }

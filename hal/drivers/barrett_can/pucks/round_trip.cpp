@@ -1,6 +1,7 @@
 #include "hal/drivers/barrett_can/pucks/round_trip.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace colift::hal::barrett {
 
@@ -25,6 +26,10 @@ void RoundTrip::step(Timestamp now) {
   late_before_ = late_now_;
   worst_now_ = Duration{0};
   late_now_ = 0;
+}
+
+double RoundTrip::worst_ms() const {
+  return std::ceil(1e4 * seconds(worst())) / 10.0;
 }
 
 Duration RoundTrip::deadline(Timestamp now) const {

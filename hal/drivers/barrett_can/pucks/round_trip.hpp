@@ -23,6 +23,8 @@ class RoundTrip {
   /// Several answers of the last two seconds came later than the configured deadline.
   [[nodiscard]] bool slow() const { return late_now_ + late_before_ >= kLateOnes; }
   [[nodiscard]] Duration worst() const { return worst_now_ > worst_before_ ? worst_now_ : worst_before_; }
+  /// The same for a message, in ms, rounded up to a tenth: one that came late is never shown as in time.
+  [[nodiscard]] double worst_ms() const;
 
   /// The latest answer that is taken for one: older ones nobody can tell from garbage.
   static constexpr Duration kLatest = std::chrono::milliseconds(150);

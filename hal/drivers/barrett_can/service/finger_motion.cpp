@@ -9,6 +9,7 @@
 
 #include "hal/drivers/barrett_can/hand_units.hpp"
 #include "hal/drivers/barrett_can/pucks/puck_link.hpp"
+#include "hal/drivers/barrett_can/pucks/wait_on.hpp"
 #include "hal/types/units.hpp"
 
 namespace colift::hal {
@@ -28,7 +29,6 @@ constexpr std::int32_t kClosedFrom = 12'000;  // such fingers may hold something
 constexpr double kOverTorque = 1.3;           // of what was asked, at the gauge
 constexpr auto kSettles = std::chrono::milliseconds(60);
 constexpr auto kRenewTorque = std::chrono::milliseconds(4);  // 200 Hz at least (maker's wiki)
-constexpr int kNoProgress = 100'000;                         // turns of a clock that stands still
 
 tl::unexpected<Error> refuse(ErrorCode code, std::string words) {
   return failure(code, kWhere, std::move(words));
@@ -72,16 +72,7 @@ class Mover {
   }
 
   bool wait(double limit_s, const std::function<bool()>& until) {
-    const Timestamp end = clock_.now() + duration_of(limit_s);
-    int still = 0;
-    for (Timestamp last = clock_.now();;) {
-      link_.pump(std::chrono::milliseconds(1));
-      if (until()) return true;
-      const Timestamp now = clock_.now();
-      still = now > last ? 0 : still + 1;
-      if (now >= end || still > kNoProgress) return false;
-      last = now;
-    }
+    return wait_on(link_, clock_, duration_of(limit_s), until);
   }
 
   Result<> check_request() const {

@@ -5,6 +5,7 @@
 
 #include "hal/drivers/barrett_can/hand_units.hpp"
 #include "hal/drivers/barrett_can/pucks/puck_link.hpp"
+#include "hal/drivers/barrett_can/pucks/wait_on.hpp"
 
 namespace colift::hal {
 namespace {
@@ -13,7 +14,6 @@ using namespace barrett;
 
 constexpr const char* kWhere = "hand.read";
 constexpr Duration kPatient = std::chrono::seconds(60);
-constexpr int kNoProgress = 100'000;  // turns of a clock that stands still
 
 // what the monitor of a sleeping puck answers, then what an awake one does besides
 constexpr std::array kReadOfAll{Property::Stat, Property::Error, Property::Vers, Property::Role,
@@ -55,7 +55,7 @@ class Reader {
                            (property == Property::Stat || reading_.pucks[index(puck)].answers);
       if (asked[index(puck)]) link_.ask(puck, property);
     }
-    wait([&] {
+    (void)wait_on(link_, clock_, link_.three_tries() + std::chrono::milliseconds(20), [&] {
       return std::none_of(kAllPucks.begin(), kAllPucks.end(),
                           [&](Puck puck) { return link_.pending(puck, property); });
     });
@@ -65,19 +65,6 @@ class Reader {
       PuckReading& of = reading_.pucks[index(puck)];
       of.answers = of.answers || value.known;
       of.values.push_back({property, value.known ? std::optional(value.value) : std::nullopt});
-    }
-  }
-
-  template <class Until>
-  void wait(const Until& until) {
-    const Timestamp end = clock_.now() + link_.three_tries() + std::chrono::milliseconds(20);
-    int still = 0;
-    for (Timestamp last = clock_.now();;) {
-      link_.pump(std::chrono::milliseconds(1));
-      const Timestamp now = clock_.now();
-      still = now > last ? 0 : still + 1;
-      if (until() || now >= end || still > kNoProgress) return;
-      last = now;
     }
   }
 

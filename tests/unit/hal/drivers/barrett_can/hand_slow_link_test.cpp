@@ -1,4 +1,5 @@
 // Answers that come late: a gateway behind a slow network, a machine that is busy.
+#include "hal/drivers/barrett_can/pucks/round_trip.hpp"
 #include "hand_rig.hpp"
 
 using namespace colift;
@@ -63,6 +64,15 @@ TEST_CASE("a link that becomes slow is named, and nothing stops for it", "[hand]
   CHECK(rig.look().warning.empty());
   rig.fake.pucks[1].silent = true;
   CHECK(until(rig, 200ms, [&] { return !rig.hand.state(); }) <= 50ms);
+}
+
+TEST_CASE("an answer that came late is never shown as one in time", "[hand][slow]") {
+  for (const auto by : {hal::Duration(1us), hal::Duration(40us), hal::Duration(300us), hal::Duration(12ms)}) {
+    hal::barrett::RoundTrip trip(8ms);
+    trip.note_answer(8ms + by);
+    CHECK(trip.worst_ms() > 8.0);
+    CHECK(trip.worst_ms() <= 1e3 * hal::seconds(8ms + by) + 0.1);
+  }
 }
 
 TEST_CASE("nobody is late while this program did not run", "[hand][slow]") {
