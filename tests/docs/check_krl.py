@@ -4,7 +4,7 @@
     tests/docs/check_krl.py [ROOT]
 
 Of the KRL source: every block is closed by its own word, every name that is assigned or called is declared, there is a .dat list beside it,
-no PTP leads to where the arm is. Of both: the same motions, strategies and FRI calls in the same order, the same version and the
+no PTP leads to where the arm is, and its goal is changed before. Of both: the same motions, strategies and FRI calls in the same order, the same version and the
 same times. Not checked: what only the controller's compiler knows (types, system variables).
 
 Ends with 0 when all of it holds, 1 with a line for each exception.
@@ -66,6 +66,9 @@ def check_syntax(text):
         for name in re.findall(r"(?<![\w$#.])([a-z]\w*)(?![\w(])", line.split("DEF")[0]):
             if routine and name not in declared[routine] and name not in routines:
                 bad.append(f"{number}: {name} is not declared in {routine}")
+        goal = re.match(r"PTP\s+(\w+)", line)
+        if goal and not re.search(r"\b%s\.\w+\s*=\s*%s\.\w+\s*[+-]" % (goal.group(1), goal.group(1)), text):
+            bad.append(f"{number}: the goal of this PTP is where the arm is; such a motion may be left out")
         if re.match(r"PTP\s+\$", line):
             bad.append(f"{number}: a PTP to where the arm is may be left out, and the brakes stay closed")
     bad += [f"{number}: {word} is never closed" for word, number in stack]
@@ -158,10 +161,24 @@ def check(krl, cpp):
     return bad
 
 
+def check_addresses(texts):
+    """One PC, one KRC and one port in every text that names them: an operator copies from all of them."""
+    ways = {"the PC": (r"FRIHOST=(\d[\d.]+\d)", r'FRISETUP\("([\d.]+)"', r"\baddress: (\d[\d.]+\d)", r"ip addr add ([\d.]+)/"),
+            "the KRC": (r"\bkrc: (\d[\d.]+\d)",),
+            "the port": (r"FRISOCK=(\d+)", r'FRISETUP\("[\d.]+", (\d+)', r"\bport: (\d+)")}
+    bad = []
+    for what, patterns in ways.items():
+        found = {(value, name) for name, text in texts.items() for p in patterns for value in re.findall(p, text) if value != "127.0.0.1"}
+        if len({value for value, _ in found}) != 1:
+            bad.append(f"{what} is {', '.join(f'{value} in {name}' for value, name in sorted(found)) or 'named nowhere'}")
+    return bad
+
+
 def can_fail(krl, cpp):
     """Each change of one side alone is seen; else this test says nothing."""
     changes = ((krl.replace("there.A6 = there.A6 - 0.05", "THERE.A6 = there.A6 - 0.05"), cpp),
                (krl.replace("  PTP", "").replace("PTP there\n", ""), cpp), (krl.replace("PTP there", "PTP $AXIS_ACT"), cpp),
+               (re.sub(r"there\.A6 = there\.A6 [+-] 0\.05", "there.A6 = there.A6", krl), cpp),
                (krl.replace("ENDSWITCH\n", "", 1), cpp), (krl.replace("DECL E6AXIS there\n", ""), cpp),
                (krl.replace("pc_silent = 1000", "pc_silent = 2000"), cpp),
                (krl.replace("$FRI_TO_INT[2] = 2\nsmall_motion( )", "$FRI_TO_INT[2] = 2"), cpp),
@@ -176,6 +193,18 @@ def main():
     krl = (root / "config/krl/colift.src").read_text()
     cpp = (root / "sim_hal/emulator/krc/krl_script_colift.cpp").read_text()
     bad = check(krl, cpp) or can_fail(krl, cpp)
+    texts = {name: (root / name).read_text()
+             for name in ("docs/bring-up.md", "config/real.yaml", "config/krl/README.md", "config/krl/colift.src")}
+    bad += check_addresses(texts)
+    for old, new in (("192.168.0.1", "192.168.0.2"), ("krc: 192.168.0.20", "krc: 192.168.0.21"), ("49938", "49939")):
+        for name in texts:
+            if old in texts[name] and name != "config/krl/README.md" and not check_addresses({**texts, name: texts[name].replace(old, new)}):
+                bad.append(f"another {old} in {name} alone is not seen")
+    # the brakes must not close between the program's motion and friStart
+    idle = re.search(r"idle_brakes_s = ([\d.]+)", (root / "sim_hal/emulator/krc/krc_emulator.hpp").read_text())
+    figures = krl_figures(krl)
+    if not idle or figures["kQuality_s"] + figures["kCommand_s"] >= float(idle.group(1)):
+        bad.append("colift.src waits longer after its motion than brakes stay open")
     data = root / "config/krl/colift.dat"
     if not data.exists() or not re.search(r"^DEFDAT colift\b.*^ENDDAT", data.read_text(), re.S | re.M):
         bad.append("config/krl/colift.dat: no data list of the same name")

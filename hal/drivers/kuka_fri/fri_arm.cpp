@@ -95,7 +95,8 @@ struct FriArm::Impl {
     const FriReason reason = driver.session.reason();
     driver.publish();
     const std::string text = why();
-    const bool asked = driver.hand_shake->sign() != ScriptSign::Unknown || krc_commands();
+    const bool certain = driver.status.doubt == FriReason::None;
+    const bool asked = driver.hand_shake->sign() != ScriptSign::Unknown || (krc_commands() && certain);
     (void)driver.session.give_up();
     if (asked && !silent()) {
       driver.session.leave();
@@ -188,6 +189,36 @@ Result<> FriArm::activate() {
     if (a.silent() || d.session.stage() == ReadyStage::Refused) break;
   }
   return a.refuse_to_start();
+}
+
+Result<> FriArm::set_control(const std::string& control) {
+  Impl& a = *impl_;
+  constexpr const char* kWhere = "fri.set_control";
+  if (control != "joint_impedance" && control != "position" && control != "cartesian_impedance")
+    return failure(
+        ErrorCode::BadInput, kWhere,
+        "\"" + control + "\" is no control; expected joint_impedance, position or cartesian_impedance");
+  if (!a.configured)
+    return failure(ErrorCode::NotReady, kWhere, "the arm is not open; configure() comes first");
+  const bool other = FriMode::of(control, false).control != a.driver.mode.control;
+  if (!other) return {};
+  if (a.krc_commands() && !a.silent())
+    return failure(
+        ErrorCode::NotReady, kWhere,
+        "the KRC is in command mode, where the strategy may not change: deactivate() comes first; if "
+        "that did not end it, a person has to, at the panel");
+  if (!script_sets_strategy(a.config.script))
+    return failure(
+        ErrorCode::NotReady, kWhere,
+        "the KRL program (script: " + a.config.script +
+            ") keeps a strategy of its own; those that change it are colift, stanford, cep and openkc");
+  a.driver.set_control(control);
+  a.driver.publish();
+  return {};
+}
+
+FriControl FriArm::control() const {
+  return impl_->driver.mode.control;
 }
 
 void FriArm::deactivate() noexcept {

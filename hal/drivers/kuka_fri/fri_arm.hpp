@@ -44,6 +44,11 @@ class FriArm final : public Arm {
   Result<> configure() override;
   /// Errors: NotReady (not configured; or why command mode is refused), LinkLost, DeviceFault (drives).
   Result<> activate() override;
+  /// Another control strategy ("joint_impedance", "position", "cartesian_impedance"), from the next
+  /// activate() on; between configure() and deactivate() the link stays as it is. After the next configure()
+  /// it is FriConfig::control again. Errors: NotReady (not configured; the KRC is in command mode; the KRL
+  /// program keeps a strategy of its own), BadInput (no such strategy).
+  Result<> set_control(const std::string& control);
   /// Comes to rest, asks the KRL program to leave command mode, answers until it has and 100 cycles more.
   void deactivate() noexcept override;
   DeviceHealth health() const override;
@@ -51,6 +56,8 @@ class FriArm final : public Arm {
   /// Errors: Timeout (no datagram in this cycle), LinkLost (none for silent_s; goes on when they come back),
   /// BadReply (joint positions that cannot be), NotReady (not configured).
   Result<ArmState> wait_cycle() override;
+  /// What is commanded now. The thread of wait_cycle().
+  [[nodiscard]] FriControl control() const;
   /// In joint impedance control. Errors: NotReady, LimitExceeded (nothing was sent; the cycle is still open).
   Result<> command(const ImpedanceCommand& command) override;
   /// In position control. Errors as command().

@@ -45,11 +45,12 @@ struct FriConfig {
     v("address", address, "IPv4 address of this machine on which the KRC's datagrams come; 0.0.0.0: any.");
     v("port", port, Range{0, 65535}, "UDP port that the KRC sends to (FRIHOST, FRISOCK or friSetup).");
     v("krc", krc,
-      "IPv4 address of the KRC, with or without :port; empty: whoever sends the first good datagram.");
+      "IPv4 address of the KRC, with or without :port; empty: the first sender is read, but command mode is "
+      "asked of it only if it is on this machine.");
     v("cpu", cpu, Range{-1, 1023},
       "CPU on which the KRC's datagrams are answered, best one kept free of other work; -1: any.");
     v("cycle_ms", cycle_ms, Range{1, 100}, "Period that is expected until the KRC reports its own (ms).");
-    v("script", script, Choices{"colift", "stanford", "tum", "vendor", "none"},
+    v("script", script, Choices{"colift", "stanford", "tum", "cep", "openkc", "vendor", "none"},
       "KRL program that runs on the KRC; none: a person starts command mode at the panel.");
     v("control", control, Choices{"joint_impedance", "position", "cartesian_impedance"},
       "Control strategy that is asked for and commanded.");

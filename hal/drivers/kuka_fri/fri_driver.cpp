@@ -12,6 +12,8 @@ constexpr double kRounding = 1e-6;
 constexpr double kMinSlack_s = 0.001;  // an ordinary kernel's jitter is not a lost datagram
 constexpr double kWrenchSlope_n_s = 500.0, kWrenchSlope_nm_s = 100.0;
 constexpr int kGapCycles = 5;
+constexpr double kRival_s = 1.0;             // a second sender that was silent for so long is gone
+constexpr std::uint32_t kLoopbackNet = 127;  // 127.0.0.0/8: this machine
 constexpr double kStall_s = 0.01, kStallForgotten_s = 3.0;  // a kernel's ordinary jitter is shorter
 
 FriQuality quality(const std::string& name) {
@@ -20,7 +22,7 @@ FriQuality quality(const std::string& name) {
 
 SessionMachine::Settings settings(const FriConfig& c) {
   SessionMachine::Settings s;
-  s.control = FriMode::of(c).control;
+  s.control = FriMode::of(c.control, c.null_space_posture).control;
   s.min_quality = quality(c.min_quality);
   s.start_external_nm = c.start_external_nm;
   s.warm_c = c.warm_c;
@@ -40,18 +42,18 @@ void put(To& to, const From& from) {
 
 }  // namespace
 
-FriMode FriMode::of(const FriConfig& c) {
-  if (c.control == "position") return {FriControl::Position, 10, fri_flag::kPositionMode};
-  if (c.control == "cartesian_impedance")
+FriMode FriMode::of(const std::string& control, bool null_space_posture) {
+  if (control == "position") return {FriControl::Position, 10, fri_flag::kPositionMode};
+  if (control == "cartesian_impedance")
     return {FriControl::CartesianImpedance, 20,
-            fri_flag::kCartesianImpedance | (c.null_space_posture ? fri_flag::kJointPosition : 0)};
+            fri_flag::kCartesianImpedance | (null_space_posture ? fri_flag::kJointPosition : 0)};
   return {FriControl::JointImpedance, 30, fri_flag::kJointImpedance};
 }
 
 FriDriver::FriDriver(const FriConfig& c, const Endpoint& krc, std::unique_ptr<DatagramLink> link,
                      const Clock& k)
     : config(c),
-      mode(FriMode::of(c)),
+      mode(FriMode::of(c.control, c.null_space_posture)),
       clock(k),
       wire(std::move(link), k, krc, {c.check_header, true}, c.check_sequence),
       session(settings(c)),
@@ -64,9 +66,26 @@ FriDriver::FriDriver(const FriConfig& c, const Endpoint& krc, std::unique_ptr<Da
   start_gains();
 }
 
+void FriDriver::set_control(const std::string& control) {
+  mode = FriMode::of(control, config.null_space_posture);
+  session.set_control(mode.control);
+  hand_shake->set_strategy(mode.strategy);
+  tau_.setZero();
+  wrench_.setZero();
+}
+
+FriReason FriDriver::sender_doubt() const {
+  const PacketGate& gate = wire.gate();
+  if (const auto& rival = gate.rival(); rival && seconds(arrived_at_ - rival->at) < kRival_s)
+    return FriReason::SecondSender;
+  const bool here = gate.sender() && gate.sender()->address >> 24 == kLoopbackNet;
+  return gate.sender() && !here && config.krc.empty() ? FriReason::KrcNotNamed : FriReason::None;
+}
+
 void FriDriver::reset() {
   wire.reset();
   session = SessionMachine(settings(config));
+  mode = FriMode::of(config.control, config.null_space_posture);
   hand_shake = make_hand_shake(config.script, mode.strategy);
   m = FriMeasurement{};
   open = seen = quiet = commanded_ = first_ = false;
@@ -130,9 +149,12 @@ FriDriver::Took FriDriver::take() {
                      ? packet_clock_.start(arrived_at_)
                      : packet_clock_.advance(packet.cycles, period_s_, arrived_at_);
   const bool may_before = session.may_command();
+  // before the KRL program is asked for anything
+  status.doubt = sender_doubt();
+  if (status.doubt != FriReason::None) session.refuse(status.doubt);
   session.measured(m, packet.cycles, period_s_, packet.restarted);
   hand_shake->step(session.ask(), m, std::min(packet.cycles, kGapCycles) * period_s_, config.script_s, krl_);
-  session.script(hand_shake->sign(), hand_shake->code());
+  session.script(hand_shake->sign(), hand_shake->code(), hand_shake->detour());
   note_misses();
   move_set_points(packet, may_before);
   publish();
@@ -217,7 +239,7 @@ void FriDriver::answer() {
   }
   FriCommand c;
   if (!quiet) c.krl = krl_;
-  c.flags = mode.flags;
+  c.flags = hand_shake->detour() ? fri_flag::kPositionMode : mode.flags;
   c.q_rad = joint_.wire();
   c.cart = cart_.wire();
   put(c.tau_nm, tau_);
@@ -370,6 +392,11 @@ void FriDriver::publish() {
                         JointSetPoint::pulls_backwards(now.q_rad - now.q_commanded_rad, now.tau_external_nm);
   }
   s.krc = wire.gate().sender().value_or(Endpoint{});
+  s.asked = mode.control;
+  if (const auto& rival = wire.gate().rival()) {
+    s.rival = rival->who;
+    s.rival_datagrams = rival->datagrams;
+  }
   s.received = wire.received;
   s.answered = wire.answered;
   s.late = wire.late;

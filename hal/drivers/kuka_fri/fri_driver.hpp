@@ -20,7 +20,7 @@ struct FriMode {
   FriControl control = FriControl::JointImpedance;
   std::int32_t strategy = 30;
   std::uint32_t flags = fri_flag::kJointImpedance;
-  [[nodiscard]] static FriMode of(const FriConfig& config);
+  [[nodiscard]] static FriMode of(const std::string& control, bool null_space_posture);
 };
 
 /// One cycle of the connection: a datagram goes through the session, the hand-shake and the set points, and
@@ -32,6 +32,8 @@ class FriDriver {
 
   /// As new, but time goes on. Before the link is opened anew.
   void reset();
+  /// Another strategy from now on. In monitor mode: the flags change with it.
+  void set_control(const std::string& control);
 
   enum class Took { Packet, Nothing, Broken };
   /// Waits for the next datagram, about one and a half periods; what it says goes through everything.
@@ -69,6 +71,8 @@ class FriDriver {
 
  private:
   void note_stall(Timestamp asked, Timestamp until);
+  /// Why it is not certain that the sender is the KRC; None when it is.
+  [[nodiscard]] FriReason sender_doubt() const;
   void note_misses();
   void move_set_points(const FriExchange::Packet& packet, bool may_before);
   void brake();

@@ -6,6 +6,8 @@
 
 #include <string_view>
 
+#include "hal/os/udp_link.hpp"
+
 namespace colift::hal {
 namespace {
 
@@ -39,6 +41,13 @@ std::string_view name(FriControl c) {
       return "joint impedance (strategy 30)";
   }
   return "an unknown controller";
+}
+
+/// As FriConfig::control has it.
+std::string_view setting(FriControl c) {
+  return c == FriControl::Position             ? "position"
+         : c == FriControl::CartesianImpedance ? "cartesian_impedance"
+                                               : "joint_impedance";
 }
 
 std::string link(const FriStatus& s) {
@@ -96,18 +105,17 @@ std::string refusal_of_colift(std::int32_t code) {
   }
 }
 
-FriControl control_of(const FriConfig& c) {
-  return c.control == "position"              ? FriControl::Position
-         : c.control == "cartesian_impedance" ? FriControl::CartesianImpedance
-                                              : FriControl::JointImpedance;
-}
-
 std::string no_command_mode(const FriStatus& s, const FriConfig& c) {
   std::string text = "the KRC stays in monitor mode";
   if (c.script == "none") text += "; nobody asks for command mode but a person at the panel (script: none)";
   if (s.script == ScriptSign::Done) text += " although the KRL program says it has called friStart";
-  if (s.control != control_of(c))
-    text += fmt::format("; it runs {}, asked for was {}", name(s.control), c.control);
+  if (s.control != s.asked)
+    text += fmt::format("; it runs {}, asked for was {}", name(s.control), setting(s.asked));
+  if (s.power == 0 && c.script != "colift")
+    text +=
+        "; the drives are off: the brakes closed while nothing moved, and this program makes no motion "
+        "before "
+        "friStart (start it anew at the panel), or an emergency stop";
   if (s.pose_mismatch_rad > 0.02)
     text += fmt::format(
         "; A{} is measured {:.3f} rad away from where the KRC commands it: check the load data of the tool",
@@ -124,6 +132,9 @@ std::string reason_words(const FriStatus& s, const FriConfig& c) {
       return "the arm is not open; configure() comes first";
     case FriReason::NoDatagram:
       return no_datagram(s, c);
+    case FriReason::SecondSender:
+    case FriReason::KrcNotNamed:
+      return describe_sender(s);
     case FriReason::LinkLost:
       return fmt::format(
           "no datagram for {:.0f} ms: the link to the KRC is lost ({} came before); cable, KRC "
@@ -184,7 +195,7 @@ std::string reason_words(const FriStatus& s, const FriConfig& c) {
       return fmt::format("the drive of A{} has {:.0f} deg C (limit {:.0f}): command mode is left",
                          s.joint + 1, s.number, c.hot_c);
     case FriReason::WrongControl:
-      return fmt::format("the KRC runs {}, asked for was {}", name(s.control), c.control);
+      return fmt::format("the KRC runs {}, asked for was {}", name(s.control), setting(s.asked));
     case FriReason::LeftCommand:
       return fmt::format(
           "the KRC left command mode (quality {}, {}); its message window says why. Asked again, "
@@ -208,6 +219,22 @@ std::string reason_words(const FriStatus& s, const FriConfig& c) {
 }
 
 }  // namespace
+
+std::string describe_sender(const FriStatus& s) {
+  const auto address = [](const Endpoint& e) { return to_string(e).substr(0, to_string(e).find(':')); };
+  if (s.doubt == FriReason::SecondSender)
+    return fmt::format(
+        "two senders on this port: {}, which was first, and {} ({} datagrams, dropped); command mode is "
+        "asked of "
+        "none of them: end the one that is not the KRC, or name the KRC (fri: krc: IPV4:PORT)",
+        to_string(s.krc), to_string(s.rival), s.rival_datagrams);
+  if (s.doubt == FriReason::KrcNotNamed)
+    return fmt::format(
+        "fri.krc is empty and the datagrams come from {}, another machine: command mode is asked only of a "
+        "controller that is named; if that is the KRC, write krc: {} in the file behind --robot",
+        to_string(s.krc), address(s.krc));
+  return {};
+}
 
 std::string describe_torque_sign(const FriStatus& s, const FriConfig& c) {
   if (!s.torque_reversed) return "";

@@ -42,6 +42,10 @@ struct FriStatus {
   /// the wrong sign, and a start takes the load for no load and lets the arm sink.
   bool torque_reversed = false;
   Endpoint krc;
+  FriReason doubt = FriReason::None;              ///< Why it is not certain that this is the KRC.
+  Endpoint rival;                                 ///< Who else sends what a KRC would ...
+  std::uint64_t rival_datagrams = 0;              ///< ... and how many of them came.
+  FriControl asked = FriControl::JointImpedance;  ///< Control strategy that is asked for.
 
   // counters since configure()
   std::uint64_t states = 0;  ///< Handed to the user.
@@ -67,6 +71,8 @@ struct FriEvent {
 [[nodiscard]] std::string describe_stall(const FriStatus& status);
 /// That `external_torque` has the wrong sign, in a sentence; empty when nothing says so.
 [[nodiscard]] std::string describe_torque_sign(const FriStatus& status, const FriConfig& config);
+/// Why it is not certain who the KRC is, and what names it, in a sentence; empty when it is.
+[[nodiscard]] std::string describe_sender(const FriStatus& status);
 /// A command that was refused, in a sentence with its numbers.
 [[nodiscard]] std::string words(const FriLimit& limit);
 /// The same in at most 15 characters.

@@ -40,6 +40,10 @@ const char* short_words(FriReason reason) noexcept {
       return "not configured";
     case FriReason::NoDatagram:
       return "no datagram";
+    case FriReason::SecondSender:
+      return "second sender";
+    case FriReason::KrcNotNamed:
+      return "krc not named";
     case FriReason::LinkLost:
       return "link lost";
     case FriReason::LinkBroken:
@@ -185,7 +189,7 @@ void SessionMachine::get_ready(const FriMeasurement& m, double since_s) {
   for (std::size_t i = 0; i < 7; ++i)
     if (static_cast<double>(m.temperature_c[i]) >= settings_.hot_c)
       return refuse(FriReason::DriveHot, static_cast<int>(i), static_cast<double>(m.temperature_c[i]));
-  if (was_command_ && !command) return refuse(FriReason::LeftCommand);
+  if (was_command_ && !command && !detour_) return refuse(FriReason::LeftCommand);
 
   if (stage_ == ReadyStage::Quality) {
     reason_ = FriReason::QualityLow;
@@ -198,7 +202,7 @@ void SessionMachine::get_ready(const FriMeasurement& m, double since_s) {
     script_done_s_ = 0.0;
   }
   if (stage_ == ReadyStage::Script) {
-    if (!command) {
+    if (!command || detour_) {
       asked_ = true;
       reason_ = FriReason::NoCommandMode;
       // a program that says it has started, in a controller that stays in monitor mode: it was refused
@@ -270,14 +274,17 @@ void SessionMachine::watch(const FriMeasurement& m) {
   }
 }
 
-void SessionMachine::script(ScriptSign sign, std::int32_t code) {
+void SessionMachine::refuse(FriReason reason) {
+  if (session_ != FriSession::GettingReady) return;
+  stage_ = ReadyStage::Refused;
+  reason_ = reason;
+}
+
+void SessionMachine::script(ScriptSign sign, std::int32_t code, bool detour) {
   sign_ = sign;
   script_code_ = code;
+  detour_ = detour;
   if (session_ != FriSession::GettingReady || stage_ != ReadyStage::Script) return;
-  const auto refuse = [&](FriReason reason) {
-    stage_ = ReadyStage::Refused;
-    reason_ = reason;
-  };
   switch (sign) {
     case ScriptSign::Silent:
       return refuse(FriReason::ScriptSilent);
@@ -289,6 +296,8 @@ void SessionMachine::script(ScriptSign sign, std::int32_t code) {
       return refuse(FriReason::ScriptRestarted);
     case ScriptSign::Ended:
       return refuse(FriReason::ScriptEnded);
+    case ScriptSign::Lost:
+      return refuse(FriReason::LeftCommand);
     default:
       return;
   }
@@ -314,7 +323,7 @@ void SessionMachine::silence(double cycles, bool lost, bool broken, int counter_
 }
 
 void SessionMachine::activate() {
-  leaving_ = quit_ = engaged_ = held_ = false;
+  leaving_ = quit_ = engaged_ = held_ = detour_ = false;
   script_code_ = 0;
   sign_ = ScriptSign::Unknown;
   session_ = FriSession::GettingReady;

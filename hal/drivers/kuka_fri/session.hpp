@@ -25,6 +25,8 @@ enum class FriReason : std::uint8_t {
   None,
   NotOpen,
   NoDatagram,
+  SecondSender,
+  KrcNotNamed,
   LinkLost,
   LinkBroken,
   Gap,
@@ -69,8 +71,14 @@ class SessionMachine {
 
   /// A datagram came, `cycles` after the last one.
   void measured(const FriMeasurement& m, int cycles, double period_s, bool restarted);
-  /// The KRL program's answer to the last datagram; after measured().
-  void script(ScriptSign sign, std::int32_t code);
+  /// The KRL program's answer to the last datagram; after measured(). `detour`: what it commands with now is
+  /// not what it was asked for, and ends by itself.
+  void script(ScriptSign sign, std::int32_t code, bool detour = false);
+  /// Getting ready ends for this reason, before the program is asked for anything, or with its request taken
+  /// back.
+  void refuse(FriReason reason);
+  /// Another control strategy from the next activate() on; in monitor mode only.
+  void set_control(FriControl control) { settings_.control = control; }
   /// What was sent last, to notice an arm that does not follow; `at_rest`: it has stopped moving.
   void sent(const JointVector& q_rad, const JointVector& stiffness_nm_rad, bool at_rest);
   /// Nothing came for `cycles` periods, or for so long that the link counts as `lost`, or it is `broken`.
@@ -137,7 +145,8 @@ class SessionMachine {
   bool engaged_ = false;  ///< Somebody confirmed.
   bool held_ = false;     ///< For a while, until things are well again.
   bool at_rest_ = true;
-  bool asked_ = false;  ///< Command mode is there because this driver asked for it.
+  bool asked_ = false;   ///< Command mode is there because this driver asked for it.
+  bool detour_ = false;  ///< The program commands with another strategy, on its way to the asked one.
   bool leaving_ = false, closing_ = false, quit_ = false, slow_ = false, garbage_ = false,
        was_command_ = false;
   int well_ = 0, joint_ = 0;

@@ -85,8 +85,8 @@ bool KrcEmulator::ended() const {
 }
 
 void KrcEmulator::poll(hal::Timestamp now) {
-  // one byte more than a command, so that a longer datagram shows
-  std::array<std::byte, kCommandBytes + 1> buffer;
+  // more than a datagram of Ethernet, so that the true size of a long one is told
+  std::array<std::byte, 2048> buffer;
   for (;;) {
     const hal::Datagram got = link_.receive(buffer, hal::Duration(0));
     if (got.kind != hal::Datagram::Kind::Data) break;
@@ -210,6 +210,7 @@ void KrcEmulator::cycle() {
     watch_client();
   }
   act_on_faults();
+  watch_idle();
   follow_client();
   run_program();
   try_start();

@@ -29,6 +29,8 @@ struct KrcConfig {
   double start_timeout_s = 1.0;  ///< After that friStart gives up, but not before 250 cycles.
   int extrapolated = 3;          ///< Missing answers in a row that are bridged.
   double temperature_c = 30.0;
+  double idle_brakes_s = 20.0;      ///< The brakes close when nothing moved for so long; 0: never.
+  bool start_opens_brakes = true;   ///< friStart opens them; else only a motion of the program does.
   std::optional<double> restart_s;  ///< An operator acknowledges faults and restarts the program after that.
   std::vector<KrcFault> faults;
   std::uint64_t seed = 1;
@@ -103,6 +105,7 @@ class KrcEmulator final : private KrlHost {
   void watch_client();
   void begin_faults();
   void act_on_faults();
+  void watch_idle();
   void follow_client();
   void run_program();
   void try_start();
@@ -138,6 +141,9 @@ class KrcEmulator final : private KrlHost {
   // the session
   FriState state_ = FriState::Off;
   bool power_ = false, tripped_ = false, braking_ = false, off_after_braking_ = false, unplugged_ = false;
+  bool idle_ = false;     ///< Brakes closed because nothing moved.
+  double moved_s_ = 0.0;  ///< When something did.
+  std::optional<double> brakes_open_at_s_;
   std::optional<double> start_until_s_, restart_at_s_;
   double safety_limits_ = 1.0;
   int good_cycles_ = 0;

@@ -14,6 +14,7 @@ using Kind = KrcFault::Kind;
 constexpr double kAftermath_s = 0.25;  // so long an injected fault is blamed for what it does to the answers
 constexpr double kStartCycles = 250;   // a slow link needs its time to show that it is good
 constexpr double kRestartTakes_s = 0.3;  // off the wire while a program is restarted
+constexpr double kBrakesOpen_s = 0.2;    // from friStart until the drives have the arm
 
 }  // namespace
 
@@ -28,7 +29,25 @@ void KrcEmulator::ptp_here() {
   // brakes hold the arm where it is, not where it was commanded
   if (!power_) motion_.start_at(plant_.state().q_rad);
   power_ = true;
+  idle_ = false;
+  moved_s_ = t_s_;
   motion_.fold();
+}
+
+// A pause of the program closes the brakes; command mode is no pause, wherever its set point is.
+void KrcEmulator::watch_idle() {
+  if (brakes_open_at_s_ && t_s_ >= *brakes_open_at_s_) {
+    brakes_open_at_s_.reset();
+    idle_ = false;
+    power_ = true;
+    event("the brakes are open");
+  }
+  if (state_ == FriState::Command || braking_) moved_s_ = t_s_;
+  if (!power_ || config_.idle_brakes_s <= 0.0 || t_s_ - moved_s_ < config_.idle_brakes_s) return;
+  idle_ = true;
+  power_ = false;
+  motion_.start_at(plant_.state().q_rad);
+  event(fmt::format("the brakes closed: nothing moved for {:g} s", config_.idle_brakes_s));
 }
 
 void KrcEmulator::set_strategy(FriControl control, const KrlStiffness& stiffness) {
@@ -78,7 +97,10 @@ void KrcEmulator::try_start() {
     event(fmt::format("friStart refused: {}", why));
   };
   if (state_ != FriState::Monitor) return start_until_s_.reset();
-  if (!powered() || tripped_) return refuse("the drives are off");
+  const bool opens = idle_ && config_.start_opens_brakes && !active(Kind::DrivesOff);
+  if ((!powered() && !opens) || tripped_)
+    return refuse(idle_ && !tripped_ ? "the brakes are closed since nothing moved, and no motion opened them"
+                                     : "the drives are off");
   if (active(Kind::DriveError)) return refuse("a drive reports an error");
   const int wanted =
       std::min(config_.start_cycles, static_cast<int>(config_.start_hold_s / hal::seconds(cycle_)) + 1);
@@ -97,6 +119,7 @@ void KrcEmulator::try_start() {
   }
   start_until_s_.reset();
   motion_.enter(last_command_->flags, safety_limits_);
+  if (!power_) brakes_open_at_s_ = t_s_ + kBrakesOpen_s;
   set_state(FriState::Command,
             fmt::format("friStart({:g}), flags 0x{:04X}", safety_limits_, last_command_->flags));
 }
@@ -118,6 +141,7 @@ void KrcEmulator::fri_close(const std::string& reason) {
 void KrcEmulator::leave(const std::string& reason, bool drives_off, bool at_once) {
   set_state(FriState::Monitor, reason);
   motion_.leave();
+  brakes_open_at_s_.reset();
   braking_ = true;
   off_after_braking_ = drives_off;
   if (at_once) trip();
@@ -129,7 +153,7 @@ void KrcEmulator::leave_for(const KrcBreach& breach) {
 }
 
 void KrcEmulator::trip() {
-  braking_ = off_after_braking_ = false;
+  braking_ = off_after_braking_ = idle_ = false;
   tripped_ = true;
   power_ = false;
   plant_.set_brakes(true);
@@ -155,7 +179,8 @@ void KrcEmulator::act_on_faults() {
       unplugged_ = true;
       start_until_s_.reset();
       set_state(FriState::Off, "the controller is switched off");
-      power_ = false;
+      power_ = idle_ = false;
+      brakes_open_at_s_.reset();
       braking_ = off_after_braking_ = false;
       plant_.set_brakes(true);
       motion_.start_at(plant_.state().q_rad);
@@ -175,7 +200,7 @@ void KrcEmulator::act_on_faults() {
   }
   const KrcFault* stop = active(Kind::EmergencyStop);
   const KrcFault* error = active(Kind::DriveError);
-  if ((stop || error) && power_) {
+  if ((stop || error) && (power_ || idle_)) {
     const std::string reason =
         stop ? "emergency stop" : fmt::format("error of drive {}", joint_name(error->joint));
     if (state_ == FriState::Command)

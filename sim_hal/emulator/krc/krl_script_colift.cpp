@@ -179,7 +179,7 @@ std::unique_ptr<KrlScript> make_colift_script(const KrlScriptConfig& config) {
 }
 
 const std::vector<std::string_view>& krl_script_names() {
-  static const std::vector<std::string_view> names{"colift", "stanford", "tum", "vendor", "cep"};
+  static const std::vector<std::string_view> names{"colift", "stanford", "tum", "vendor", "cep", "openkc"};
   return names;
 }
 
@@ -189,6 +189,7 @@ std::unique_ptr<KrlScript> make_krl_script(std::string_view name, const KrlScrip
   if (name == "tum") return make_tum_script(config);
   if (name == "vendor") return make_vendor_script(config);
   if (name == "cep") return make_cep_script(config);
+  if (name == "openkc") return make_openkc_script(config);
   return nullptr;
 }
 

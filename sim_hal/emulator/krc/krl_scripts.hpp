@@ -9,5 +9,6 @@ namespace colift::sim_hal {
 [[nodiscard]] std::unique_ptr<KrlScript> make_cep_script(const KrlScriptConfig& config);
 [[nodiscard]] std::unique_ptr<KrlScript> make_tum_script(const KrlScriptConfig& config);
 [[nodiscard]] std::unique_ptr<KrlScript> make_vendor_script(const KrlScriptConfig& config);
+[[nodiscard]] std::unique_ptr<KrlScript> make_openkc_script(const KrlScriptConfig& config);
 
 }  // namespace colift::sim_hal

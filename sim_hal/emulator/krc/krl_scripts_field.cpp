@@ -67,9 +67,9 @@ class FieldScript : public KrlScript {
   virtual void started(KrlHost&) = 0;
   virtual void round(KrlHost&) = 0;
 
-  /// Commits a strategy; friStart comes one round later, so that `control` is on the wire before it.
+  /// Commits a strategy; friStart comes one round later, so that `control` is on the wire before it. None of
+  /// these programs moves before it: where FRI left the arm stays FRI's offset.
   void start(KrlHost& krc, FriControl control) {
-    krc.ptp_here();
     krc.set_strategy(control, stiffness());
     start_at_s_ = krc.now_s() + period_s();
   }
@@ -131,38 +131,70 @@ class Stanford final : public FieldScript {
   std::optional<std::int32_t> complained_;
 };
 
-/// ros_control.src of CentroEPiaggio.
-class Cep final : public FieldScript {
+/// ros_control.src of CentroEPiaggio. It moves at its beginning only, waits where it is for quality and for
+/// command mode, however long that takes, and never ends by itself.
+class Cep final : public KrlScript {
  public:
-  using FieldScript::FieldScript;
+  explicit Cep(const KrlScriptConfig& config) : config_(config) {}
 
- protected:
-  [[nodiscard]] FriControl first_strategy() const override { return FriControl::Position; }
-  void opened(KrlHost& krc) override {
-    krc.to_pc().integer[1] = 10;
-    first_ = true;
+  void begin(KrlHost& krc) override {
+    step_ = Step::Waits;
+    wait_until_s_ = 0.0;
+    krc.to_pc() = {};
+    krc.to_pc().integer[1] = kBegun;
+    krc.ptp_here();
+    krc.set_strategy(config_.strategy.value_or(FriControl::Position), {});
+    krc.fri_open(krc.cycle_ms());
+    message(krc);
   }
-  void started(KrlHost& krc) override {
-    krc.to_pc().integer[1] = 1;
-    first_ = false;
-    pause(krc);
-  }
-  void round(KrlHost& krc) override {
+
+  void poll(KrlHost& krc) override {
+    if (krc.now_s() < wait_until_s_) return;
+    std::int32_t& told = krc.to_pc().integer[1];
     const std::int32_t request = krc.from_pc().integer[1];
-    if (request == 1 && krc.to_pc().integer[1] != 1) {
-      if (krc.fri_quality() != FriQuality::Perfect) return;
-      // the first start keeps position control, whatever is asked for
-      const auto control = first_ ? FriControl::Position : control_of(krc.from_pc().integer[0]);
-      if (control) start(krc, *control);
-    } else if (request == 0 && krc.to_pc().integer[1] == 1) {
-      krc.fri_stop("the client asked for a stop");
-      krc.to_pc().integer[1] = 0;
-      pause(krc);
+    switch (step_) {
+      case Step::Waits:
+        if (request == 0 && told == kStarted) {
+          step_ = Step::Stops;
+          message(krc);
+        } else if (request == 1 && told != kStarted) {
+          // the first start keeps what was set at the beginning, whatever is asked for
+          if (const auto control = control_of(krc.from_pc().integer[0]); control && told != kBegun)
+            krc.set_strategy(*control, {});
+          step_ = Step::Quality;
+          message(krc);
+        }
+        return;
+      case Step::Stops:
+        krc.fri_stop("the client asked for a stop");
+        told = kStopped;
+        step_ = Step::Waits;
+        return message(krc);
+      case Step::Quality:
+        if (krc.fri_quality() != FriQuality::Perfect || request != 1) return;
+        krc.fri_start(1.0);
+        step_ = Step::Command;
+        return;
+      case Step::Command:
+        if (krc.fri_state() != FriState::Command) return;
+        told = kStarted;
+        step_ = Step::Waits;
+        return message(krc);
     }
   }
 
+  [[nodiscard]] bool ended() const override { return false; }
+
  private:
-  bool first_ = true;
+  enum class Step { Waits, Stops, Quality, Command };
+  static constexpr std::int32_t kStopped = 0, kStarted = 1, kBegun = 10;
+  static constexpr double kMessage_s = 0.5;
+
+  void message(KrlHost& krc) { wait_until_s_ = krc.now_s() + kMessage_s; }
+
+  KrlScriptConfig config_;
+  Step step_ = Step::Waits;
+  double wait_until_s_ = 0.0;
 };
 
 /// fri_hand.src of TUM, fri_start.src of RCPRG.
@@ -177,8 +209,14 @@ class Tum final : public FieldScript {
     s.axis_nm_rad = 40.0;
     return s;
   }
+  void opened(KrlHost& krc) override { next_motion_s_ = krc.now_s() + kMotion_s; }
   void started(KrlHost&) override {}
   void round(KrlHost& krc) override {
+    // a motion to where it is commanded keeps the brakes from closing
+    if (krc.now_s() >= next_motion_s_) {
+      krc.ptp_here();
+      next_motion_s_ = krc.now_s() + kMotion_s;
+    }
     KrlChannels& to = krc.to_pc();
     const bool pending = (krc.from_pc().boolean & 1U) != 0;
     if ((to.boolean & 1U) != 0) {
@@ -214,6 +252,8 @@ class Tum final : public FieldScript {
   static void acknowledge(KrlHost& krc) {
     krc.to_pc().boolean = static_cast<std::uint16_t>(krc.to_pc().boolean | 1U);
   }
+  static constexpr double kMotion_s = 3.0;
+  double next_motion_s_ = 0.0;
 };
 
 /// What the sample of the FRI SDK expects of its program.

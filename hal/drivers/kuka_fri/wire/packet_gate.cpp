@@ -36,11 +36,21 @@ std::string_view to_string(FriDrop drop) noexcept {
   return "unknown";
 }
 
+bool PacketGate::allowed(const Endpoint& from) const {
+  return (krc_.address == 0 || from.address == krc_.address) && (krc_.port == 0 || from.port == krc_.port);
+}
+
 bool PacketGate::foreign(const Endpoint& from) const {
-  if (krc_.address != 0 && from.address != krc_.address) return true;
-  if (krc_.port != 0 && from.port != krc_.port) return true;
+  if (!allowed(from)) return true;
   if (!sender_) return false;
   return from.address != sender_->address || (sender_->port != 0 && from.port != sender_->port);
+}
+
+void PacketGate::note_rival(const Datagram& got) {
+  if (got.size != kFriMeasurementBytes || !allowed(got.from)) return;
+  if (!rival_ || rival_->who != got.from) rival_ = Rival{got.from, Timestamp{0}, 0};
+  rival_->at = got.arrived_at;
+  ++rival_->datagrams;
 }
 
 void PacketGate::unlock() noexcept {
@@ -86,6 +96,7 @@ PacketGate::Passed PacketGate::look(const Datagram& got, std::span<const std::by
   Passed passed;
   if (foreign(got.from)) {
     passed.drop = FriDrop::Sender;
+    note_rival(got);
   } else if (got.size != kFriMeasurementBytes) {
     passed.drop = FriDrop::Size;
     passed.refusal = FriRefusal::Size;
@@ -100,6 +111,7 @@ PacketGate::Passed PacketGate::look(const Datagram& got, std::span<const std::by
       passed.drop = order(m.head.send, got.arrived_at, period_s, passed);
     if (passed.drop == FriDrop::None) {
       sender_ = got.from;
+      if (rival_ && rival_->who == got.from) rival_.reset();
       last_ = m.head.send;
       last_at_ = got.arrived_at;
       out = m;

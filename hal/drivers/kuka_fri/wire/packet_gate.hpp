@@ -52,22 +52,34 @@ class PacketGate {
   void unlock() noexcept;
   void reset() noexcept {
     sender_.reset();
+    rival_.reset();
     unlock();
     drops_.fill(0);
   }
   [[nodiscard]] const std::optional<Endpoint>& sender() const { return sender_; }
+  /// Who else sends datagrams of a measurement's size from where the KRC may send: one of the two is not the
+  /// KRC. Forgotten when it takes the sender's place.
+  struct Rival {
+    Endpoint who;
+    Timestamp at{0};  ///< Of its last datagram.
+    std::uint64_t datagrams = 0;
+  };
+  [[nodiscard]] const std::optional<Rival>& rival() const { return rival_; }
   /// Datagrams come, but on from another counter: by how far it was set (less than 0: back); 0: it was not.
   [[nodiscard]] int counter_set_by() const noexcept;
   [[nodiscard]] const std::array<std::uint64_t, kFriDrops>& drops() const { return drops_; }
 
  private:
+  [[nodiscard]] bool allowed(const Endpoint& from) const;
   [[nodiscard]] bool foreign(const Endpoint& from) const;
+  void note_rival(const Datagram& got);
   [[nodiscard]] FriDrop order(std::uint16_t send, Timestamp at, double period_s, Passed& passed);
 
   Endpoint krc_;
   FriChecks checks_;
   bool check_sequence_;
   std::optional<Endpoint> sender_;
+  std::optional<Rival> rival_;
   std::optional<std::uint16_t> last_;
   Timestamp last_at_{0}, first_at_{0};
   double counted_s_ = 0.0;  ///< Periods counted since first_at_.

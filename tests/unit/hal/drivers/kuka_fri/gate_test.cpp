@@ -50,6 +50,22 @@ TEST_CASE("a sender that was configured is the only one", "[fri][gate]") {
   CHECK(one_port.look(1, {0xC0A80014, 7010}).drop == FriDrop::None);
 }
 
+TEST_CASE("a second sender is one that could be the KRC", "[fri][gate]") {
+  Gate g({0xC0A80014, 0});
+  CHECK(g.look(1).drop == FriDrop::None);
+  CHECK(g.look(1, {0xC0A80099, 49152}).drop == FriDrop::Sender);  // never allowed
+  CHECK_FALSE(g.gate.rival());
+  CHECK(g.look(7, {0xC0A80014, 7}).drop == FriDrop::Sender);
+  CHECK(g.look(8, {0xC0A80014, 7}).drop == FriDrop::Sender);
+  REQUIRE(g.gate.rival());
+  CHECK(g.gate.rival()->who == Endpoint{0xC0A80014, 7});
+  CHECK(g.gate.rival()->datagrams == 2);
+  // a KRC that was restarted sends from another port: it is itself
+  g.gate.unlock();
+  CHECK(g.look(9, {0xC0A80014, 7}).drop == FriDrop::None);
+  CHECK_FALSE(g.gate.rival());
+}
+
 TEST_CASE("counters are compared as signed 16-bit differences", "[fri][gate]") {
   Gate g;
   CHECK(g.look(65534).cycles == 1);

@@ -182,6 +182,148 @@ TEST_CASE("tum: a request stands until it is seen, at most 4.5 s, and clears aft
   }
 }
 
+TEST_CASE("cep: begun anew it starts in position control, is stopped, and then takes the strategy",
+          "[fri][krl]") {
+  Talk t("cep", 30);
+  t.to(1) = 10;
+  CHECK(t.say(Ask::Nothing) == ScriptSign::Unknown);
+  CHECK(t.from(1) == 0);
+  CHECK(t.say(Ask::Start, 5.0) == ScriptSign::Working);  // it waits for perfect quality, as long as it takes
+  CHECK(t.side->detour());
+  CHECK(t.from(0) == 30);
+  CHECK(t.from(1) == 1);
+  t.m.state = FriState::Command;
+  t.m.control = FriControl::Position;
+  CHECK(t.say(Ask::Start, 0.6) == ScriptSign::Working);
+  CHECK(t.from(1) == 1);
+  t.to(1) = 1;
+  CHECK(t.say(Ask::Start, 0.6) == ScriptSign::Working);
+  CHECK(t.side->detour());
+  CHECK(t.from(1) == 0);
+  t.m.state = FriState::Monitor;
+  CHECK(t.say(Ask::Start, 0.02) == ScriptSign::Working);  // friStop first, its acknowledgement then
+  t.to(1) = 0;
+  CHECK(t.say(Ask::Start) == ScriptSign::Working);
+  CHECK_FALSE(t.side->detour());
+  CHECK(t.from(1) == 1);
+  t.m.state = FriState::Command;
+  t.m.control = FriControl::JointImpedance;
+  CHECK(t.say(Ask::Start, 0.1) == ScriptSign::Working);
+  t.to(1) = 1;
+  CHECK(t.say(Ask::Start) == ScriptSign::Done);
+  CHECK(t.from(1) == 1);
+  CHECK(t.say(Ask::Stop) == ScriptSign::Working);
+  CHECK(t.from(1) == 0);
+  t.m.state = FriState::Monitor;
+  t.to(1) = 0;
+  CHECK(t.say(Ask::Stop) == ScriptSign::Done);
+}
+
+TEST_CASE("cep: position control needs no detour, a start of before is taken back", "[fri][krl]") {
+  Talk t("cep", 10);
+  t.to(1) = 10;
+  t.say(Ask::Start);
+  CHECK_FALSE(t.side->detour());
+  CHECK(t.from(1) == 1);
+  Talk old("cep", 30);
+  old.to(1) = 1;  // it has started once, the controller is in monitor mode
+  old.say(Ask::Start);
+  CHECK(old.from(1) == 0);
+  CHECK_FALSE(old.side->detour());
+  old.to(1) = 0;
+  old.say(Ask::Start);
+  CHECK(old.from(1) == 1);
+}
+
+TEST_CASE("cep: command mode that is lost on the detour, other programs, none at all", "[fri][krl]") {
+  Talk t("cep", 30);
+  t.to(1) = 10;
+  t.say(Ask::Start, 0.1);
+  t.m.state = FriState::Command;
+  t.say(Ask::Start, 0.1);
+  SECTION("before it says that it has started") {
+    t.m.state = FriState::Monitor;
+    CHECK(t.say(Ask::Start) == ScriptSign::Lost);
+  }
+  SECTION("after it") {
+    t.to(1) = 1;
+    t.say(Ask::Start, 0.1);
+    t.m.state = FriState::Monitor;
+    CHECK(t.say(Ask::Start, 0.2) == ScriptSign::Working);
+    CHECK(t.say(Ask::Start, 0.2) == ScriptSign::Lost);
+  }
+  SECTION("taken back while it commands in position control: its flags stay until monitor mode") {
+    t.to(1) = 1;
+    CHECK(t.say(Ask::Stop, 0.1) == ScriptSign::Working);
+    CHECK(t.side->detour());
+    t.m.state = FriState::Monitor;
+    t.to(1) = 0;
+    CHECK(t.say(Ask::Stop) == ScriptSign::Done);
+    CHECK_FALSE(t.side->detour());
+  }
+  SECTION("another program") {
+    Talk other("cep");
+    other.to(1) = 7;
+    CHECK(other.say(Ask::Start, 1.1) == ScriptSign::Silent);
+  }
+  SECTION("nobody") {
+    Talk none("cep");
+    CHECK(none.say(Ask::Start, 2.0) == ScriptSign::Working);
+    CHECK(none.say(Ask::Start, 1.0) == ScriptSign::Silent);
+  }
+}
+
+TEST_CASE("openkc: the strategy, then friStart, each with a bit that is answered", "[fri][krl]") {
+  Talk t("openkc", 20);
+  const auto answer = [&](std::int32_t command) {
+    t.m.krl.boolean = 1;
+    t.to(14) = command;
+    ++t.to(13);
+  };
+  CHECK(t.say(Ask::Nothing) == ScriptSign::Unknown);
+  CHECK(t.out.boolean == 0);
+  CHECK(t.say(Ask::Start) == ScriptSign::Working);
+  CHECK(t.out.boolean == 1);
+  CHECK(t.from(15) == 6);
+  answer(6);
+  CHECK(t.say(Ask::Start) == ScriptSign::Working);
+  CHECK(t.out.boolean == 0);
+  CHECK(t.from(15) == 0);
+  t.m.krl.boolean = 0;
+  t.say(Ask::Start, 0.004);
+  CHECK(t.out.boolean == 1);
+  CHECK(t.from(15) == 1);
+  CHECK(t.from(13) == 1);
+  answer(1);
+  t.say(Ask::Start);
+  t.m.krl.boolean = 0;
+  CHECK(t.say(Ask::Start) == ScriptSign::Done);
+  SECTION("and a stop") {
+    CHECK(t.say(Ask::Stop) == ScriptSign::Working);
+    CHECK(t.from(15) == 2);
+    answer(2);
+    t.say(Ask::Stop);
+    t.m.krl.boolean = 0;
+    CHECK(t.say(Ask::Stop) == ScriptSign::Done);
+  }
+  SECTION("an answer that stands there from before is none") {
+    answer(2);
+    CHECK(t.say(Ask::Stop, 0.1) == ScriptSign::Working);
+    CHECK(t.out.boolean == 0);
+    t.m.krl.boolean = 0;
+    t.say(Ask::Stop);
+    CHECK(t.from(15) == 2);
+  }
+  SECTION("an answer to something else is none, and none at all is silence") {
+    t.say(Ask::Stop);
+    answer(7);
+    CHECK(t.say(Ask::Stop, 0.5) == ScriptSign::Working);
+    CHECK(t.from(15) == 2);
+    CHECK(t.say(Ask::Stop, 1.0) == ScriptSign::Silent);
+    CHECK(t.out.boolean == 0);
+  }
+}
+
 TEST_CASE("vendor: 1, then 10 once the quality is ok; a real is mirrored", "[fri][krl]") {
   Talk t("vendor");
   t.m.krl.real[1] = 3.5f;

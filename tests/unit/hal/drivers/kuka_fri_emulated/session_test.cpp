@@ -1,12 +1,8 @@
 // The driver against the emulated controller, which judges it in code of its own: whole sessions by every KRL
 // program and control strategy, and faults of the wire and of the controller at a random moment.
-#include <catch2/catch.hpp>
 #include <cmath>
 
-#include "hal/drivers/kuka_fri/fri_arm.hpp"
-#include "hal/guards/guarded_arm.hpp"
-#include "sim_hal/emulator/krc/krc_lock_step.hpp"
-#include "sim_hal/emulator/krc/plant/krc_light_plant.hpp"
+#include "emulated_arm.hpp"
 
 namespace colift {
 namespace {
@@ -14,48 +10,7 @@ namespace {
 using hal::JointVector;
 using sim_hal::KrcFault;
 
-constexpr hal::Endpoint kKrc{0x7F000001, 49152}, kPc{0x7F000001, 49938};
-
-struct Emulated {
-  hal::ManualClock clock;
-  sim_hal::MemoryWire wire{clock};
-  hal::ArmDynamics dynamics{hal::built_in_robot(), hal::ArmDynamics::Load::Hand};
-  std::unique_ptr<sim_hal::LightPlant> plant;
-  std::unique_ptr<hal::DatagramLink> end;
-  std::unique_ptr<sim_hal::KrcEmulator> krc;
-  std::string told;
-  hal::FriArm* fri = nullptr;
-  std::unique_ptr<hal::Arm> arm;
-
-  explicit Emulated(const std::string& script, hal::FriConfig config = {}, sim_hal::KrcConfig krc_config = {},
-                    bool guarded = true) {
-    sim_hal::LightPlantConfig p;
-    p.start_rad << 0.1, 0.35, -0.2, 1.4, 0.1, -0.9, 0.3;
-    plant = std::make_unique<sim_hal::LightPlant>(dynamics, p);
-    end = wire.end(kKrc);
-    REQUIRE(end->open());
-    krc_config.script = script;
-    krc = std::make_unique<sim_hal::KrcEmulator>(
-        krc_config, dynamics, *plant, *end,
-        [this](double t, const std::string& text) { told += std::to_string(t) + " " + text + "\n"; });
-    REQUIRE(krc->start(clock.now()));
-    config.script = script;
-    auto driver =
-        std::make_unique<hal::FriArm>(config, wire.end(kPc, sim_hal::lock_step(*krc, clock)), clock);
-    fri = driver.get();
-    if (guarded)
-      arm = std::make_unique<hal::GuardedArm>(std::move(driver), hal::built_in_robot(), hal::GuardConfig{});
-    else
-      arm = std::move(driver);
-  }
-
-  [[nodiscard]] std::string broken() const {
-    std::string text;
-    for (const auto& b : krc->report().broken_rules)
-      text += std::to_string(b.t) + " " + std::string(name(b.rule)) + ": " + b.reason + "\n";
-    return text;
-  }
-};
+using test::Emulated;
 
 /// Moves A2 and A4 smoothly, for ever, as a good user: anew from the measured pose after each interruption.
 struct User {
@@ -95,7 +50,7 @@ struct User {
 }  // namespace
 
 TEST_CASE("a whole session by every KRL program breaks no rule of the controller", "[fri][emulated]") {
-  const std::string script = GENERATE("colift", "stanford", "tum", "vendor");
+  const std::string script = GENERATE("colift", "stanford", "tum", "cep", "openkc", "vendor");
   sim_hal::KrcConfig krc;
   krc.program.runs_s = 4.0;
   if (script == "vendor") krc.program.strategy = sim_hal::FriControl::JointImpedance;
@@ -130,7 +85,7 @@ TEST_CASE("a whole session by every KRL program breaks no rule of the controller
 }
 
 TEST_CASE("position and Cartesian impedance control by the controller's own judgement", "[fri][emulated]") {
-  const std::string script = GENERATE("colift", "stanford");
+  const std::string script = GENERATE("colift", "stanford", "cep", "openkc");
   const std::string control = GENERATE("position", "cartesian_impedance");
   hal::FriConfig config;
   config.control = control;

@@ -225,12 +225,16 @@ TEST_CASE("garbage and strangers are refused and counted", "[krc]") {
   CHECK(b.broken().empty());
   CHECK(b.krc->report().rejected.size() == 2);
   b.wire.inject(Bench::kClient, Bench::kKrc, std::vector<std::byte>(375));
-  b.wire.inject(Bench::kClient, Bench::kKrc, std::vector<std::byte>(5000));
+  b.wire.inject(Bench::kClient, Bench::kKrc, std::vector<std::byte>(1400));
   auto wrong = good;
   test::set<std::uint16_t>(wrong, 6, 0x1004);
   b.wire.inject(Bench::kClient, Bench::kKrc, wrong);
   b.turns(3);
   CHECK(b.broken() == "bad-datagram bad-datagram bad-datagram");
+  bool told = false;
+  for (const auto& [why, count] : b.krc->report().rejected)
+    told = told || why.find("1400 bytes") != std::string::npos;
+  CHECK(told);
   CHECK(b.last.state() == 2);  // nothing of it reached the arm
 }
 
