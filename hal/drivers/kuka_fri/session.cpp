@@ -189,7 +189,8 @@ void SessionMachine::get_ready(const FriMeasurement& m, double since_s) {
   for (std::size_t i = 0; i < 7; ++i)
     if (static_cast<double>(m.temperature_c[i]) >= settings_.hot_c)
       return refuse(FriReason::DriveHot, static_cast<int>(i), static_cast<double>(m.temperature_c[i]));
-  if (was_command_ && !command && !detour_) return refuse(FriReason::LeftCommand);
+  const bool on_detour = detour_ && stage_ <= ReadyStage::Script;
+  if (was_command_ && !command && !on_detour) return refuse(FriReason::LeftCommand);
 
   if (stage_ == ReadyStage::Quality) {
     reason_ = FriReason::QualityLow;

@@ -25,6 +25,9 @@ class OpenKc final : public KrlScript {
 
   void poll(KrlHost& krc) override {
     if (ended_) return;
+    KrlChannels& to = krc.to_pc();
+    const bool asked = (krc.from_pc().boolean & kBit) != 0, answers = (to.boolean & kBit) != 0;
+    if (answers && !asked) to.boolean = static_cast<std::uint16_t>(to.boolean & ~kBit);
     if (close_at_s_) {
       if (krc.now_s() < *close_at_s_) return;
       krc.fri_close("the client asked for the end");
@@ -36,13 +39,7 @@ class OpenKc final : public KrlScript {
       starts_ = false;
       return answer(krc, kStart, 100);  // also when it did not come to command mode
     }
-    KrlChannels& to = krc.to_pc();
-    const bool asked = (krc.from_pc().boolean & kBit) != 0;
-    if ((to.boolean & kBit) != 0) {
-      if (!asked) to.boolean = static_cast<std::uint16_t>(to.boolean & ~kBit);
-      return;
-    }
-    if (asked) take(krc, krc.from_pc().integer[15]);
+    if (asked && !answers) take(krc, krc.from_pc().integer[15]);
   }
 
   [[nodiscard]] bool ended() const override { return ended_; }

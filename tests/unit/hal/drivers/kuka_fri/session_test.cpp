@@ -59,13 +59,14 @@ TEST_CASE("whatever happens, commands need a confirmation, command mode, drives 
         s.forget_requests();
         break;
       case 4:
-        s.script(static_cast<ScriptSign>(draw(8)), draw(10));
+        s.script(static_cast<ScriptSign>(draw(9)), draw(10), draw(8) == 0);
         break;
       case 5:
         if (draw(4) == 0) s.silence(draw(80), draw(5) == 0, draw(20) == 0);
         break;
       case 6:
         if (draw(3) == 0) (void)s.give_up();
+        if (draw(6) == 0) s.refuse(FriReason::SecondSender);
         break;
       default:
         m = good(draw(30) == 0 ? FriState::Monitor : FriState::Command);
