@@ -269,6 +269,63 @@ def colift_program(colift):
     c.end(0, interrupt=False)
 
 
+def cep(colift):
+    """Position control first, then the strategy that is asked for; perfect quality is waited for."""
+    c = Client(colift, "cep")
+    c.until(lambda m: m.int[1] == 10)
+    c.flags, c.int[0], c.int[1] = 0x01, 30, 1
+    c.until(lambda m: m.state == CMDMODE)
+    assert c.last.control == 1 and c.last.quality == 3
+    c.until(lambda m: m.int[1] == 1)
+    c.int[1] = 0
+    c.until(lambda m: m.state == MON and m.int[1] == 0)
+    c.flags, c.int[1] = 0x35, 1
+    c.until(lambda m: m.state == CMDMODE and m.power)
+    assert c.last.control == 3
+    c.move()
+    c.end(0)
+
+
+def openkc(colift):
+    c = Client(colift, "openkc")
+    c.until(lambda m: m.quality >= 2)
+
+    def command(number, code):
+        count = c.last.int[13]
+        c.int[15], c.bool = number, 1
+        c.until(lambda m: m.bool & 1)
+        assert (c.last.int[14], c.last.int[15], c.last.int[13]) == (number, code, count + 1), c.last.int
+        c.int[15], c.bool = 0, 0
+        c.until(lambda m: not m.bool & 1)
+
+    command(7, 105)
+    assert c.last.control == 3
+    command(1, 100)
+    c.until(lambda m: m.state == CMDMODE)
+    c.move()
+    command(2, 101)
+    assert c.last.state == MON and c.last.power == 0x7F
+    command(99, 0)
+    c.drain()
+    assert c.end(0, interrupt=False)["because"] == "the client asked for the end"
+
+
+def idle_brakes(colift):
+    """Nothing moves: the brakes close. friStart opens them, unless only a motion does."""
+    for options, opens in (((), True), (("--brakes-need-motion",), False)):
+        c = Client(colift, "stanford", "--idle-s", "1", *options)
+        c.until(lambda m: m.power == 0, 20.0)
+        assert c.last.state == MON and c.last.error == 0
+        c.int[14], c.int[15] = 30, 10
+        c.until(lambda m: m.int[15] == 20, 20.0)
+        assert (c.last.state == CMDMODE) == opens, c.last.state
+        if opens:
+            c.until(lambda m: m.power == 0x7F)
+            c.move()
+        c.end(0)
+        assert opens or "no motion opened them" in c.told, c.told
+
+
 def commanding(colift):
     c = Client(colift, "stanford")
     c.int[14], c.int[15] = 30, 10
@@ -328,6 +385,19 @@ def real_time(colift):
     c.end(0)
 
 
+def only_this_machine(colift):
+    """With a client on this machine nobody else reaches the emulated controller; a long datagram is told as long as it is."""
+    c = Client(colift, "stanford")
+    c.turns(3)
+    with open("/proc/net/udp") as table:
+        bound = [line.split()[1] for line in table][1:]
+    here = [address for address in bound if int(address.split(":")[1], 16) == c.peer[1]]
+    assert here == ["0100007F:%04X" % c.peer[1]], here
+    c.socket.sendto(bytes(1400), c.peer)
+    c.turns(3)
+    assert rules(c.end(1)) == ["bad-datagram"] and "1400 bytes, expected 376" in c.told, c.told
+
+
 def bad_options(colift):
     for options, part in ((["--cycle-ms", "2.5"], "whole milliseconds"), (["--script", "x"], "there are colift, stanford"),
                           (["--fault", "1:lost"], "is no fault of the arm"), (["--plant", "steel"], "mujoco or light"),
@@ -337,7 +407,8 @@ def bad_options(colift):
         assert done.returncode == 2 and part in done.stderr and done.stdout == "", (options, done)
 
 
-TESTS = (offsets, stanford, tum, vendor, colift_program, flags_changed, big_step, missing_answers, wrong_start, real_time, bad_options)
+TESTS = (offsets, stanford, tum, vendor, colift_program, cep, openkc, idle_brakes, flags_changed, big_step, missing_answers, wrong_start,
+         real_time, only_this_machine, bad_options)
 
 
 def main():

@@ -42,7 +42,7 @@ class Krc:
 
     longest_pause = 0.0  # between two measurements, of all controllers: this machine's fault, not the program's
 
-    def __init__(self, colift, *arguments, script="stanford", control=3):
+    def __init__(self, colift, *arguments, script="stanford", control=3, krc="127.0.0.1", more=""):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.bind(("127.0.0.1", 0))
         port = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -53,7 +53,7 @@ class Krc:
         rig = os.path.join(self.folder.name, "rig.yaml")
         with open(rig, "w") as f:
             f.write(f"arm: fri\nemulator: never\nfri: {{address: 127.0.0.1, port: {self.pc[1]}, "
-                    f"krc: 127.0.0.1, cycle_ms: 12, script: {script}, first_s: 30}}\n")
+                    f"krc: '{krc}', cycle_ms: 12, script: {script}, first_s: 30{more}}}\n")
         self.process = subprocess.Popen([colift, "hal", "arm", *arguments, "--robot", rig, "--json"],
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         Krc.last = self
@@ -71,7 +71,10 @@ class Krc:
         self.answered = {}  # by measurement, how often
         self.flags = None
         self.script = script
-        self.starts = 0
+        self.starts, self.strategies = 0, []
+        self.switches = False  # takes the strategy that it is told
+        self.stays_in_monitor = ()  # for these strategies
+        self.begun = False
         self.follows = True
         self.sent_at = 0.0
 
@@ -135,7 +138,7 @@ class Krc:
         before = self.answers[-1] if self.answers else None
         if before:
             assert a.send == (before.send + 1) % 65536, f"answer {a.send} after {before.send}"
-            assert a.flags == before.flags, "cmdFlags changed"
+            assert a.flags == before.flags or self.state != CMD, "cmdFlags changed in command mode"
         self.answered[a.reflected] = self.answered.get(a.reflected, 0) + 1
         assert self.answered[a.reflected] == 1, f"measurement {a.reflected} was answered twice"
         self.answers.append(a)
@@ -204,13 +207,51 @@ class Krc:
         self.int[14] = 30
         self.int[15] = self.int[15] or 10
         if a.int[15] == 10 and self.int[15] != 20:
-            assert a.int[14] == 30, f"strategy {a.int[14]}"
-            self.starts += 1
+            if self.switches and self.control != a.int[14] // 10:
+                self.control = a.int[14] // 10
+                return
+            assert self.switches or a.int[14] == 30, f"strategy {a.int[14]}"
             self.int[15] = 20
-            if self.quality >= 2 and not self.error:
-                self.state = CMD
+            self.start(a, a.int[14])
         if a.int[15] == 20 and self.int[15] != 10:
             self.state, self.int[15] = MON, 10
+
+    def cep(self, a):
+        """The Centro Piaggio's: its first start is in position control, whatever it is asked for."""
+        if not self.begun:
+            self.begun, self.int[1], self.control = True, 10, 1
+        elif a.int[1] == 1 and self.int[1] != 1:
+            strategy = 10 if self.int[1] == 10 else a.int[0]
+            if self.control != strategy // 10:
+                self.control = strategy // 10  # on the wire a round before friStart
+                return
+            self.start(a, strategy)
+            self.int[1] = 1
+        elif a.int[1] == 0 and self.int[1] == 1:
+            self.state, self.int[1] = MON, 0
+
+    def openkc(self, a):
+        """OpenKC's: a command with a bit, answered by its number and a bit."""
+        if self.bool & 1:
+            self.bool &= a.bool
+        elif a.bool & 1:
+            command = a.int[15]
+            if command in (6, 7, 9):
+                self.control = {6: 2, 7: 3, 9: 1}[command]
+            elif command == 1:
+                self.start(a, 10 * self.control)
+            elif command == 2:
+                self.state = MON
+            self.int[14], self.bool = command, self.bool | 1
+            self.int[13] += 1
+
+    def start(self, a, strategy):
+        """friStart, as far as the flags of the answer let it."""
+        assert a.flags == {10: 0x1, 20: 0x3500, 30: 0x35}[strategy], (hex(a.flags), strategy)
+        self.starts += 1
+        self.strategies.append(strategy)
+        if strategy not in self.stays_in_monitor and self.quality >= 2 and not self.error:
+            self.state = CMD
 
     def until(self, done, seconds=30.0):
         end = time.monotonic() + seconds

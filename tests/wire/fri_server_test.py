@@ -7,10 +7,14 @@ Standard library only, and nothing of CoLift's own code. Usage: fri_server_test.
 
 import json
 import math
+import os
 import select
 import socket
 import struct
+import subprocess
 import sys
+import tarfile
+import tempfile
 import time
 
 from fri_server import CMD, MON, PERIOD, Krc, single
@@ -226,6 +230,158 @@ def silence(colift):
     k.socket.close()
 
 
+def strategies(colift):
+    """Position control and Cartesian impedance, by a program that takes them."""
+    for control, strategy, flags in (("position", 10, 0x1), ("cartesian_impedance", 20, 0x3500)):
+        k = Krc(colift, "hold", "--for", "0.4", "--control", control)
+        k.switches = True
+        k.commanding()
+        pose = k.measured
+        k.turns(10)
+        assert k.answers[-1].flags == flags, hex(k.answers[-1].flags)
+        if flags & 0x100:
+            near(k.answers[-1].frame, [1, 0, 0, 0.5, 0, 1, 0, 0.1, 0, 0, 1, 0.4], "the frame that was measured")
+        d = k.finish(0)
+        assert d["result"]["control"] == control and k.strategies == [strategy] and k.state == MON, d["result"]
+        near(k.measured, pose, "it moved")
+    k = Krc(colift, "move-joint", "4", "5", "--speed", "12", "--control", "position")
+    k.switches = True
+    k.until(lambda a: k.state == CMD)
+    start = k.total[3]
+    k.until(lambda a: k.state == MON)
+    k.finish(0)
+    assert abs(math.degrees(k.total[3] - start) - 5.0) < 0.01, k.total
+
+
+def other_hand_shakes(colift):
+    """Programs of the Centro Piaggio (position control first) and of OpenKC, in each strategy."""
+    for script in ("cep", "openkc"):
+        for control, strategy in (("joint_impedance", 30), ("position", 10), ("cartesian_impedance", 20)):
+            k = Krc(colift, "hold", "--for", "0.3", "--control", control, script=script)
+            k.until(lambda a: k.state == CMD and k.strategies[-1] == strategy)
+            d = k.finish(0)
+            detour = script == "cep" and strategy != 10
+            assert k.strategies == ([10, strategy] if detour else [strategy]), (script, control, k.strategies)
+            assert d["result"]["outcome"] == "done" and k.state == MON, d["result"]
+
+
+SWITCH = ("switch", "joint_impedance", "position", "cartesian_impedance", "--for", "0.3")
+
+
+def switch(colift):
+    """One strategy after the other on one link; the flags change in monitor mode only."""
+    for script, expected in (("stanford", [30, 10, 20]), ("cep", [10, 30, 10, 20]), ("openkc", [30, 10, 20])):
+        k = Krc(colift, *SWITCH, script=script)
+        k.switches = True
+        pose = k.measured
+        d = k.finish(0)
+        assert k.strategies == expected, (script, k.strategies)
+        steps = d["result"]["switches"]
+        assert [s["control"] for s in steps] == list(SWITCH[1:4]) and all(s["reached"] for s in steps), steps
+        near(k.measured, pose, "it moved")
+
+
+def switch_refused(colift):
+    """The controller stays in monitor mode at the second strategy: at rest, named, and no further one is tried."""
+    k = Krc(colift, *SWITCH, more=", ready_s: 1.5")
+    k.switches, k.stays_in_monitor = True, (10,)
+    pose = k.measured
+    d = k.finish(3)
+    assert k.strategies == [30, 10] and k.state == MON, k.strategies
+    assert [s["reached"] for s in d["result"]["switches"]] == [True, False], d["result"]
+    assert "position: " in d["result"]["because"] and "stays in monitor mode" in d["result"]["because"], d["result"]
+    near(k.measured, pose, "it moved")
+
+
+def switch_bad_moments(colift):
+    """Quality, drives and command mode go between two strategies."""
+    def quality(k):
+        k.quality = 0
+
+    def drives(k):
+        k.power, k.error = 0, 0x02
+
+    for spoil, words in ((quality, "the quality of the connection is unacceptable"), (drives, "drive error of A2")):
+        k = Krc(colift, *SWITCH, more=", ready_s: 1.5")
+        k.switches = True
+        pose = k.measured
+        k.until(lambda a: k.state == CMD)
+        k.until(lambda a: k.state == MON)
+        spoil(k)
+        d = k.finish(3)
+        assert k.strategies == [30] and words in d["result"]["because"], (k.strategies, d["result"])
+        near(k.measured, pose, "it moved")
+
+
+def switch_no_answer(colift):
+    """The program is halted at the panel after the first strategy."""
+    k = Krc(colift, *SWITCH, script="openkc", more=", script_s: 0.5")
+    k.until(lambda a: k.state == CMD)
+    k.until(lambda a: k.state == MON and not k.bool)
+    k.script = "halted"
+    k.halted = lambda a: None
+    d = k.finish(3)
+    assert "does not answer within 0.5 s" in d["result"]["because"] and k.strategies == [30], d["result"]
+
+
+def two_senders(colift):
+    """A second sender that speaks first: nobody is asked for command mode, and both are named."""
+    k = Krc(colift, "hold", krc="")
+    hostile = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    hostile.bind(("127.0.0.1", 0))
+    heard = 0
+    while k.process.poll() is None:
+        k.next()
+        for sender in (hostile, k.socket):
+            k.out(k.measurement(), sender)
+        for ready in select.select([hostile, k.socket], [], [], 0.01)[0]:
+            data = ready.recv(2000)
+            heard += 1
+            assert struct.unpack_from("<i", data, 72 + 4 * 15)[0] != 10, "a sender that is not certain was asked to start"
+    out, err = k.process.communicate(timeout=10)
+    assert k.process.returncode == 3 and heard > 0, (k.process.returncode, heard, err)
+    because = json.loads(out)["result"]["because"]
+    for sender in (hostile, k.socket):
+        assert "127.0.0.1:%d" % sender.getsockname()[1] in because, because
+    assert "two senders" in because and "krc: 127.0.0.1" not in because, because
+    hostile.close()
+    k.socket.close()
+
+
+def doctor(colift):
+    """The bundle is made from a healthy controller, one that refuses, and one that is not there; nothing is overwritten."""
+    def parts(file):
+        with tarfile.open(file) as tar:
+            return {os.path.basename(m.name): tar.extractfile(m).read().decode() for m in tar}
+
+    with tempfile.TemporaryDirectory() as folder:
+        good, bad, none = (os.path.join(folder, name + ".tar") for name in ("good", "bad", "none"))
+        k = Krc(colift, "doctor", "--out", good)
+        k.int[14], k.int[15] = 30, 10
+        d = k.finish(0)
+        assert d["verb"] == "doctor" and k.starts == 0, "it asked for command mode"
+        found = parts(good)
+        assert set(found) == {"state.txt", "answers.txt", "obstacles.txt", "state.json", "machine.txt", "config.yaml"}, set(found)
+        assert json.loads(found["state.json"])["connection"]["received"] > 50
+        assert "quality" in found["state.txt"] and "script: stanford" in found["config.yaml"], found
+        assert "no obstacle found" in found["obstacles.txt"], found["obstacles.txt"]
+
+        k = Krc(colift, "doctor", "--out", bad)
+        k.error, k.power, k.quality = 0x04, 0, 1
+        k.finish(0)
+        assert "drive error of A3" in parts(bad)["obstacles.txt"] and "the quality is bad" in parts(bad)["obstacles.txt"]
+
+        rig = os.path.join(folder, "rig.yaml")
+        with open(rig, "w") as f:
+            f.write("arm: fri\nemulator: never\nfri: {address: 127.0.0.1, port: 0, first_s: 0.3}\n")
+        run = lambda: subprocess.run([colift, "hal", "arm", "doctor", "--robot", rig, "--out", none], capture_output=True, text=True)
+        done = run()
+        assert done.returncode == 3, done
+        assert "nothing usable comes" in parts(none)["obstacles.txt"], parts(none)
+        again = run()
+        assert again.returncode == 2 and "exists already" in again.stderr, again
+
+
 def refusals(colift):
     for spoil, code, words in ((lambda k: setattr(k, "external", [0, 25.0, 0, 0, 0, 0, 0]), 3, "external torque on A2: 25.0 N m"),
                                (lambda k: setattr(k, "celsius", [90.0] * 7), 3, "90 deg C"),
@@ -238,7 +394,8 @@ def refusals(colift):
 
 
 TESTS = (every_field, hold, other_programs, hold_on_springs, move_joint, never_twice, gap, single_losses, quality, monitor, drives_off,
-         silence, refusals)
+         silence, strategies, other_hand_shakes, switch, switch_refused, switch_bad_moments, switch_no_answer, two_senders, doctor,
+         refusals)
 
 
 def main():

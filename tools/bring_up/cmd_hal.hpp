@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tools/cli/options.hpp"
 
@@ -21,6 +22,8 @@ struct HalOptions {
   double degrees = 0.0;
   double speed_deg_s = 5.0;
   double stiffness_nm_rad = 0.0;
+  std::string control;                ///< Strategy of hold and move-joint; empty: the file's.
+  std::vector<std::string> controls;  ///< Of switch.
 
   // hand
   double spread_deg = 0.0;
@@ -32,9 +35,9 @@ struct HalOptions {
   std::filesystem::path replay;                  ///< A log that is played.
 };
 
-/// Bring-up of the arm: state, watch, hold, move-joint, load, limits, stiffness. 0 done, 1 came to rest
-/// because something was in the way or the load data are wrong, 2 bad request or file, 3 the arm is not
-/// there, refuses, or went away, 130 interrupted.
+/// Bring-up of the arm: state, doctor, watch, hold, move-joint, switch, load, limits, stiffness. 0 done, 1
+/// came to rest because something was in the way or the load data are wrong, 2 bad request or file, 3 the arm
+/// is not there, refuses, or went away, 130 interrupted.
 [[nodiscard]] int cmd_hal_arm(const CommonOptions& common, const HalOptions& options);
 
 /// Bring-up of the hand: init, state, watch, tactile, open, close, preshape, grip. Exit codes as above; 1: it

@@ -22,7 +22,9 @@ namespace {
 using How = ArmTaskEnd::How;
 
 constexpr double kCareful_deg = 30.0, kCarefulStiffness = 50.0;
+constexpr const char* kBundle = "arm-doctor.tar";
 constexpr double kLoadSpeed_deg_s = 10.0;
+constexpr double kSwitch_s = 2.0;   // in each strategy
 constexpr double kTimeout_s = 2.0;  // of a person who waits for command mode
 constexpr auto kLook = std::chrono::milliseconds(50);
 
@@ -108,6 +110,10 @@ hal::Result<ArmTask> task_of(const HalOptions& o, const Bench& bench) {
     task.for_s = o.for_s.value_or(std::clamp(0.13 * bench.fri.cycle_ms, 1.2, 4.0));
   } else if (o.verb == "watch") {
     if (o.for_s) task.for_s = *o.for_s;
+  } else if (o.verb == "switch") {
+    task.kind = ArmTask::Kind::Switch;
+    task.for_s = o.for_s.value_or(kSwitch_s);
+    task.controls = o.controls;
   } else {
     task.kind = ArmTask::Kind::Hold;
     task.for_s = o.for_s.value_or(o.verb == "stiffness" ? 30.0 : 10.0);
@@ -125,9 +131,10 @@ hal::Result<ArmTask> task_of(const HalOptions& o, const Bench& bench) {
                       kCarefulStiffness));
     task.stiffness_nm_rad = o.stiffness_nm_rad;
   }
-  if (task.kind != ArmTask::Kind::Watch && bench.fri.control != "joint_impedance")
+  task.control = o.control.empty() ? bench.fri.control : o.control;
+  if ((o.verb == "load" || o.verb == "stiffness") && task.control != "joint_impedance")
     return hal::failure(hal::ErrorCode::BadConfig, "fri.control",
-                        fmt::format("{}: this verb commands joint_impedance only", bench.fri.control));
+                        fmt::format("{}: this verb commands joint_impedance only", task.control));
   task.config = bench.task;
   task.setpoints = bench.setpoints;
   return task;
@@ -136,6 +143,7 @@ hal::Result<ArmTask> task_of(const HalOptions& o, const Bench& bench) {
 std::string progress_line(const ArmProgress& p, const ArmTask& task, double at_s) {
   std::string t = fmt::format("{:8.1f} s  {}", at_s, to_string(p.phase));
   if (p.phase != ArmProgress::Phase::Commanding && p.phase != ArmProgress::Phase::Stopping) return t;
+  if (task.kind == ArmTask::Kind::Switch) return t;  // its steps are told at the end
   t += task.kind == ArmTask::Kind::Move
            ? fmt::format(" {:3.0f} %, measured minus commanded (deg)", 100 * p.done)
            : std::string(", measured minus commanded (deg)");
@@ -197,13 +205,37 @@ std::string advice(const ArmView& view, const hal::RobotModel& model, const ArmT
   return refusing(view, model);
 }
 
+ArmTaskEnd switch_strategies(hal::Arm& guarded, ControlArm& arm, const ArmTask& task, const hal::Clock& clock,
+                             const ArmTaskHooks& hooks) {
+  const auto asking = [&](bool asks) {
+    ArmProgress p;
+    p.phase = asks ? ArmProgress::Phase::Asking : ArmProgress::Phase::Commanding;
+    hooks.progress.write(p);
+  };
+  SwitchEnd done =
+      run_switch(guarded, arm, task.controls, task.for_s, clock, hooks.interrupted, asking, hooks.why);
+  ArmTaskEnd end;
+  const bool commanded = !done.steps.empty() && done.steps.back().reached;
+  end.how = done.interrupted      ? How::Interrupted
+            : done.reason.empty() ? How::Done
+            : commanded           ? How::Lost
+                                  : How::Refused;
+  end.reason = done.interrupted ? "asked to end" : done.reason;
+  for (const SwitchStep& step : done.steps) end.commanded = end.commanded || step.reached;
+  end.switches = std::move(done.steps);
+  return end;
+}
+
 /// One call: the cycle in a thread of its own, words and interrupts in this one.
 int run(const CommonOptions& common, const HalOptions& options, const Bench& bench, const ArmTask& task) {
   const hal::SteadyClock clock;
   auto made = hal::make_fri_arm(bench.fri, clock);
   if (!made) return report_error("hal arm", made.error());
   hal::FriArm& fri = **made;
-  std::unique_ptr<hal::Arm> arm = std::move(*made);
+  auto controlled = std::make_unique<ControlArm>(std::move(*made), *bench.model);
+  ControlArm& strategies = *controlled;
+  strategies.use(task.control);
+  std::unique_ptr<hal::Arm> arm = std::move(controlled);
   if (task.kind != ArmTask::Kind::Watch)
     arm = std::make_unique<hal::GuardedArm>(std::move(arm), *bench.model, bench.guard);
 
@@ -217,6 +249,7 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
   std::future<ArmTaskEnd> work = std::async(std::launch::async, [&] {
     granted.set_value(hal::ask_for_realtime({}));
     const ArmTaskHooks hooks{interrupted, progress, [&] { return why_not(fri.status(), fri.config()); }};
+    if (task.kind == ArmTask::Kind::Switch) return switch_strategies(*arm, strategies, task, clock, hooks);
     return run_arm_task(*arm, *bench.model, bench.guard, task, clock, hooks);
   });
   const hal::RealtimeReport realtime = grant.get();
@@ -254,18 +287,20 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
   const ArmView view = view_of(fri, program, realtime, bench.guard.limit_margin_deg, at_s());
 
   if (options.verb == "doctor") {
-    const std::filesystem::path out = options.out.value_or("arm-doctor.tar");
+    const std::filesystem::path out = options.out.value_or(kBundle);
     hal::FriConfig fri_config = bench.fri;
     std::string machine;
     for (const std::string& words : realtime.words) machine += words + "\n";
     const std::string why = end.reason.empty() ? std::string() : end.reason + "\n";
-    const auto written =
-        write_bundle(out, {{"state.txt", arm_screen(view, *bench.model)},
-                           {"answers.txt", histogram_text(view.answers)},
-                           {"obstacles.txt", why + advice(view, *bench.model, end)},
-                           {"state.json", arm_document(options.verb, view, *bench.model, task, end) + "\n"},
-                           {"machine.txt", machine},
-                           {"config.yaml", hal::effective_yaml(hal::table_of(fri_config), false)}});
+    const auto written = write_bundle(
+        out,
+        {{"state.txt", arm_screen(view, *bench.model)},
+         {"answers.txt", histogram_text(view.answers)},
+         {"obstacles.txt", why + (view.status.received > 0 ? obstacles_text(obstacles(view, *bench.model))
+                                                           : advice(view, *bench.model, end))},
+         {"state.json", arm_document(options.verb, view, *bench.model, task, end) + "\n"},
+         {"machine.txt", machine},
+         {"config.yaml", hal::effective_yaml(hal::table_of(fri_config), false)}});
     if (!written) return report_error("hal arm doctor", written.error());
     std::fprintf(stderr, "%s: state, answer times, what prevents command mode, settings: send this file\n",
                  out.c_str());
@@ -307,6 +342,10 @@ int cmd_hal_arm(const CommonOptions& common, const HalOptions& options) {
       std::fputs(limits_table(*bench->model, bench->guard).c_str(), stdout);
     return kDone;
   }
+  if (const auto out = options.out.value_or(kBundle);
+      options.verb == "doctor" && std::filesystem::exists(out))
+    return report_error("hal arm doctor", {hal::ErrorCode::BadInput, out.string(),
+                                           "exists already and is kept; choose another --out"});
   const auto task = task_of(options, *bench);
   if (!task) return report_error(("hal arm " + options.verb).c_str(), task.error());
   return run(common, options, *bench, *task);

@@ -88,7 +88,14 @@ Json command_mode(const ArmView& v, const hal::RobotModel& model) {
 Json result(const ArmTask& task, const ArmTaskEnd& e) {
   Json j = {{"outcome", to_string(e.how)}, {"because", e.reason},        {"commanded", e.commanded},
             {"cycles", e.cycles},          {"bad_cycles", e.bad_cycles}, {"restarts", e.restarts}};
-  if (!e.commanded) return j;
+  if (task.kind != ArmTask::Kind::Watch && task.kind != ArmTask::Kind::Switch) j["control"] = task.control;
+  for (const SwitchStep& s : e.switches)
+    j["switches"].push_back({{"control", s.control},
+                             {"reached", s.reached},
+                             {"took_s", s.took_s},
+                             {"held_s", s.held_s},
+                             {"moved", s.moved_rad}});
+  if (!e.commanded || task.kind == ArmTask::Kind::Switch) return j;
   j["commanded_s"] = e.commanded_s;
   j["stiffness"] = task.stiffness_nm_rad;
   j["start"] = list(e.start_rad);

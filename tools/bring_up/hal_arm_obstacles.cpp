@@ -56,6 +56,7 @@ class Finder {
   std::vector<Obstacle> find() {
     stall();
     if (silent()) return std::move(found_);
+    sender();
     quality();
     drives();
     program();
@@ -89,6 +90,20 @@ class Finder {
     if (v_.status.session != hal::FriSession::Silent) return false;
     refuse("silence", why_not(v_.status, v_.config), silence_advice(v_.config));
     return true;
+  }
+
+  void sender() {
+    if (const std::string what = describe_sender(v_.status); !what.empty())
+      refuse(
+          "sender", what,
+          v_.status.doubt == hal::FriReason::SecondSender
+              ? fmt::format(
+                    "\"tcpdump -ni any udp port {}\" shows who sends; end the other one, or name the KRC "
+                    "with krc: in the file behind --robot",
+                    v_.config.port)
+              : fmt::format("compare with e= in C:\\Windows\\vxwin.ini on the KRC, then write krc: {} in the "
+                            "file behind --robot",
+                            address_text(v_.status.krc)));
   }
 
   void quality() {
@@ -141,6 +156,15 @@ class Finder {
              fmt::format("drive warning of {} (bits 0x{:02X})", joints_in(m.warning), m.warning),
              "see the KRC's message window; the arm goes slow meanwhile");
     if ((m.power & hal::kFriAllDrives) == hal::kFriAllDrives || m.error != 0) return;
+    // the brakes close in a pause of the program; after an emergency stop it does not run any more
+    if (m.power == 0 && m.state == hal::FriState::Monitor && v_.config.script == "colift" &&
+        v_.program.heart_beats())
+      return remark(
+          "idle-brakes",
+          "the drives are off (power 0x00) while the KRL program runs: the brakes close when nothing "
+          "moved for a while",
+          "the program's small motion at a start opens them; if the drives then stay off: emergency stop, "
+          "enabling switch");
     refuse("drives",
            m.power == 0 ? std::string("the drives are off (power 0x00)")
                         : fmt::format("only some drives are on (power 0x{:02X}, all is 0x7F)", m.power),
@@ -168,7 +192,7 @@ class Finder {
       refuse(
           "program", "the KRL program is silent: $FRI_TO_INT[1] is 0, colift.src writes 10001 there",
           "load config/krl/colift.src on the KRC, select it and start it; if another program runs there, say "
-          "which with script: stanford, tum, vendor or none in the file behind --robot");
+          "which with script: stanford, tum, cep, openkc, vendor or none in the file behind --robot");
     } else if (version != krl::kVersion) {
       refuse(
           "program",
@@ -188,13 +212,11 @@ class Finder {
 
   void control() {
     const auto& m = v_.m;
-    const std::string asked = v_.config.control;
-    const bool fits = (asked == "position" && m.control == hal::FriControl::Position) ||
-                      (asked == "cartesian_impedance" && m.control == hal::FriControl::CartesianImpedance) ||
-                      (asked == "joint_impedance" && m.control == hal::FriControl::JointImpedance);
-    if (fits) return;
-    const std::string what = fmt::format("the KRC runs {}, asked for is {}", name_of(m.control), asked);
-    const bool program_sets_it = v_.config.script == "colift" || v_.config.script == "stanford";
+    const hal::FriControl asked = v_.status.asked;
+    if (m.control == asked) return;
+    const std::string what =
+        fmt::format("the KRC runs {}, asked for is {}", name_of(m.control), name_of(asked));
+    const bool program_sets_it = hal::script_sets_strategy(v_.config.script);
     if (m.state == hal::FriState::Command || !program_sets_it)
       refuse(
           "control", what,
@@ -241,7 +263,7 @@ class Finder {
 
   void address() {
     const auto& s = v_.status;
-    if (!v_.config.krc.empty() || s.krc.address == 0) return;
+    if (!v_.config.krc.empty() || s.krc.address == 0 || s.doubt != hal::FriReason::None) return;
     const auto others = s.drops[static_cast<std::size_t>(hal::FriDrop::Sender)];
     remark("krc-address",
            fmt::format("fri.krc is empty: {}, which sent the first good datagram, is taken for the KRC; {} "
@@ -252,7 +274,7 @@ class Finder {
 
   // In impedance control nothing but the springs holds such a load: the arm sinks by it.
   void unexplained() {
-    if (v_.config.control == "position" || v_.status.may_command) return;
+    if (v_.status.asked == hal::FriControl::Position || v_.status.may_command) return;
     Eigen::Index joint = 0;
     hal::JointVector tau;
     for (int i = 0; i < hal::kArmJoints; ++i) tau[i] = v_.m.tau_external_nm[static_cast<std::size_t>(i)];

@@ -20,6 +20,7 @@ using Phase = ArmProgress::Phase;
 
 constexpr int kMostBadCycles = 500;  // in a row: a link that brings nothing usable
 constexpr int kStatesToStart = 20;   // after the arm was opened, for a first good one
+constexpr int kSettled = 4;          // commands at rest before a motion
 constexpr double kHeldUp_s = 1.0;    // commands may be held up that long: packets lost, quality
 constexpr double kSettle_s = 0.5;    // after a motion, for the arm to arrive
 constexpr double kMostRest_s = 3.0;  // for coming to rest
@@ -199,8 +200,9 @@ class Runner {
     }
     if (!end_.commanded) begin(t);
     if (setpoints_.starts() != starts && starts > 0) {
-      ++end_.restarts;
-      if (task_.kind != ArmTask::Kind::Hold && !ending_)
+      settled_ = 0;
+      if (moving_ || task_.kind == ArmTask::Kind::Hold) ++end_.restarts;
+      if (moving_ && !ending_)
         bring_to_rest(How::Stopped,
                       "the motion was cut off: " + (held_why_.empty() ? "a gap in the states" : held_why_),
                       t);
@@ -220,7 +222,10 @@ class Runner {
     end_.start_rad = state_.q_rad;
     began_s_ = t;
     setpoints_.set_stiffness(task_.stiffness_nm_rad);
-    if (task_.kind == ArmTask::Kind::Hold) return;
+  }
+
+  void set_out(double t) {
+    moving_ = true;
     home_ = setpoints_.commanded();
     if (task_.kind == ArmTask::Kind::Load) return go_to(poses_.front(), t);
     hal::JointVector to = home_;
@@ -267,6 +272,11 @@ class Runner {
     if (hooks_.interrupted) return bring_to_rest(How::Interrupted, "asked to end", t);
     if (task_.kind == ArmTask::Kind::Hold) {
       over_ = t - began_s_ >= task_.for_s;
+      return;
+    }
+    // the set points learn the arm's period first: with a long one every state would be a gap
+    if (!moving_) {
+      if (++settled_ >= kSettled) set_out(t);
       return;
     }
     if (setpoints_.blocked()) return bring_to_rest(How::Stopped, describe(setpoints_.blockage()), t);
@@ -327,7 +337,8 @@ class Runner {
 
   How how_ = How::Done;
   std::string reason_, held_why_;
-  bool over_ = false, ending_ = false;
+  bool over_ = false, ending_ = false, moving_ = false;
+  int settled_ = 0;  ///< Commands since the last start from the measured pose.
   double began_s_ = 0.0, ending_since_s_ = 0.0;
   std::optional<double> held_since_s_, arrived_s_;
 
@@ -383,7 +394,7 @@ std::string beyond_limits(const hal::RobotModel& model, const hal::GuardConfig& 
 
 std::string task_summary(const ArmTask& task, const ArmTaskEnd& e) {
   std::string t;
-  if (e.commanded) {
+  if (e.commanded && task.kind != ArmTask::Kind::Switch) {
     Eigen::Index worst = 0, measured = 0;
     const double drift = e.drift_rad.maxCoeff(&worst), external = e.external_nm.maxCoeff(&measured);
     if (task.kind == ArmTask::Kind::Move) {
@@ -400,15 +411,17 @@ std::string task_summary(const ArmTask& task, const ArmTaskEnd& e) {
       Eigen::Index moved = 0;
       const double most = (e.end_rad - e.start_rad).cwiseAbs().maxCoeff(&moved);
       t += fmt::format(
-          "held the measured pose for {:.1f} s with {:.0f} N m/rad; it ended {:.3f} deg from its start "
-          "(A{})\n",
-          e.commanded_s, task.stiffness_nm_rad, hal::rad_to_deg(most), moved + 1);
+          "held the measured pose for {:.1f} s {}; it ended {:.3f} deg from its start (A{})\n", e.commanded_s,
+          task.control == "joint_impedance" ? fmt::format("with {:.0f} N m/rad", task.stiffness_nm_rad)
+                                            : "in " + task.control,
+          hal::rad_to_deg(most), moved + 1);
     }
     t += fmt::format(
         "max following error {:.3f} deg (A{}), max external torque {:.1f} N m (A{}); "
         "{} cycles, {} without a state, {} restarts from the measured pose\n",
         hal::rad_to_deg(drift), worst + 1, external, measured + 1, e.cycles, e.bad_cycles, e.restarts);
   }
+  if (task.kind == ArmTask::Kind::Switch) t += describe(SwitchEnd{{}, false, e.switches});
   if (e.load) t += describe(*e.load, e.expected_load);
   if (e.how == How::Interrupted) t += fmt::format("interrupted: {}\n", e.reason);
   return t;

@@ -16,6 +16,7 @@
 #include "hal/robot_model/load_estimate.hpp"
 #include "hal/robot_model/robot_model.hpp"
 #include "hal/types/latest_value.hpp"
+#include "tools/bring_up/control/switch_task.hpp"
 #include "tools/bring_up/hal_arm_view.hpp"
 #include "tools/bring_up/task_outcome.hpp"
 
@@ -24,17 +25,20 @@ namespace colift::tools {
 /// What the arm is asked to do during bring-up.
 struct ArmTask {
   enum class Kind {
-    Watch,  ///< Nothing moves and nothing is asked for.
-    Hold,   ///< Command mode, the measured pose.
-    Move,   ///< Command mode, one joint by an angle.
-    Load,   ///< Command mode, ten poses about the present one, in each of which the load is measured; then
-            ///< back.
+    Watch,   ///< Nothing moves and nothing is asked for.
+    Hold,    ///< Command mode, the measured pose.
+    Move,    ///< Command mode, one joint by an angle.
+    Load,    ///< Command mode, ten poses about the present one, in each of which the load is measured; then
+             ///< back.
+    Switch,  ///< Command mode in one control strategy after the other, the measured pose in each.
   };
   Kind kind = Kind::Watch;
   double for_s = std::numeric_limits<double>::infinity();  ///< Of watching or holding.
   double stiffness_nm_rad = 1000.0;
   double damping_ratio = 0.7;
-  int joint = 0;  ///< To move, from 0.
+  std::string control = "joint_impedance";  ///< Strategy that is commanded.
+  std::vector<std::string> controls;        ///< Of Kind::Switch, in their order; `for_s` each.
+  int joint = 0;                            ///< To move, from 0.
   double by_rad = 0.0, speed_rad_s = 0.0;
   double acceleration_rad_s2 = kT1Acceleration_rad_s2, jerk_rad_s3 = kT1Jerk_rad_s3;
   control::TaskConfig config;         ///< Of these the set points: contact, warnings of the controller.
@@ -66,7 +70,8 @@ struct ArmTaskEnd {
   std::uint64_t cycles = 0, bad_cycles = 0, restarts = 0;
   std::vector<hal::LoadSample> load_samples;  ///< One for each pose of Kind::Load.
   std::optional<hal::LoadError> load;
-  hal::FlangeLoad expected_load;  ///< The model's hand.
+  hal::FlangeLoad expected_load;     ///< The model's hand.
+  std::vector<SwitchStep> switches;  ///< Of Kind::Switch.
 };
 
 /// Runs the task in the calling thread, which is then the arm's: opens the arm, for all but watching gets

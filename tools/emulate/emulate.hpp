@@ -33,6 +33,8 @@ struct EmulateKrcOptions {
   double linger_s = 1.5;
   double session_s = 10.0;  ///< How long the vendor's program commands.
   std::optional<double> restart_s;
+  double idle_s = 20.0;  ///< Until idle brakes close; 0: never.
+  bool brakes_need_motion = false;
   bool strict = false;
   bool friction = false;  ///< Of the light plant.
 };

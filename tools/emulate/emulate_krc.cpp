@@ -39,6 +39,7 @@ hal::Result<> check_options(const EmulateKrcOptions& o) {
   if (auto done = check_seconds("--session-s", o.session_s); !done) return done;
   if (auto done = check_seconds("--for", o.common.for_s); !done) return done;
   if (auto done = check_seconds("--restart-s", o.restart_s); !done) return done;
+  if (auto done = check_seconds("--idle-s", o.idle_s); !done) return done;
   return {};
 }
 
@@ -56,6 +57,8 @@ hal::Result<sim_hal::KrcServerConfig> server_config(const EmulateKrcOptions& o,
   config.krc.program.linger_s = o.linger_s;
   config.krc.program.runs_s = o.session_s;
   config.krc.restart_s = o.restart_s;
+  config.krc.idle_brakes_s = o.idle_s;
+  config.krc.start_opens_brakes = !o.brakes_need_motion;
   config.krc.strict = o.strict;
   config.krc.seed = o.common.seed;
   auto faults = sim_hal::faults_of("arm", scenario.faults, o.common.faults, sim_hal::krc_fault,

@@ -38,13 +38,31 @@ void add_hal_arm(CommandLine& line, CLI::App& arm, HalOptions& o) {
                line));
   for_s(add_verb(arm, "watch", "State continuously, with response times; no motion", o, line),
         "Duration (default: until interrupted)");
-  for_s(
-      add_verb(arm, "hold", "Enters command mode, holds the measured position, leaves command mode", o, line),
-      "Duration (default 10)");
+  const CLI::IsMember strategies({"joint_impedance", "position", "cartesian_impedance"});
+  const auto control = [&](CLI::App& verb) {
+    verb.add_option("--control", o.control,
+                    "joint_impedance, position or cartesian_impedance (default: the file's)")
+        ->type_name("C")
+        ->check(strategies);
+  };
+  CLI::App& hold =
+      add_verb(arm, "hold", "Enters command mode, holds the measured position, leaves command mode", o, line);
+  for_s(hold, "Duration (default 10)");
+  control(hold);
+  CLI::App& switched = add_verb(
+      arm, "switch", "Holds the measured position in one control strategy after the other, without a restart",
+      o, line);
+  switched
+      .add_option("CONTROL", o.controls,
+                  "joint_impedance, position, cartesian_impedance, in the order to try")
+      ->required()
+      ->check(strategies);
+  for_s(switched, "Duration of each (default 2)");
   CLI::App& move = add_verb(arm, "move-joint", "Moves one joint by a relative angle, slowly", o, line);
   move.add_option("N", o.joint, "Joint, 1 to 7 from the base")->required();
   move.add_option("DEG", o.degrees, "Relative angle in degrees")->required();
   move.add_option("--speed", o.speed_deg_s, "Degrees per second (default 5)")->type_name("DEG/S");
+  control(move);
   yes(move);
   yes(add_verb(arm, "load", "Turns A4 to A7 through ten poses and compares the load with the KRC's load data",
                o, line));

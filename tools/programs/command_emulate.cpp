@@ -30,7 +30,8 @@ void add_emulate_krc(CLI::App& command, EmulateKrcOptions& o) {
   command.add_option("--from", o.from_port, "Source port of the controller (default: any)")
       ->type_name("PORT");
   command.add_option("--cycle-ms", o.cycle_ms, "Cycle time in ms, 1 to 100 (default 2)")->type_name("N");
-  command.add_option("--script", o.script, "KRL program: colift (default), stanford, tum, vendor or cep");
+  command.add_option("--script", o.script,
+                     "KRL program: colift (default), stanford, tum, vendor, cep or openkc");
   command.add_option("--strategy", o.strategy,
                      "Control strategy at start: 10, 20 or 30 (default: the program's)");
   command.add_option("--linger-s", o.linger_s, "Monitor mode between a close and silence (default 1.5)")
@@ -42,6 +43,12 @@ void add_emulate_krc(CLI::App& command, EmulateKrcOptions& o) {
       .add_option("--restart-s", o.restart_s,
                   "An operator acknowledges faults and restarts the program after that time (default: never)")
       ->type_name("S");
+  command
+      .add_option("--idle-s", o.idle_s,
+                  "The brakes close when nothing moved for that time (default 20; 0: never)")
+      ->type_name("S");
+  command.add_flag("--brakes-need-motion", o.brakes_need_motion,
+                   "Closed brakes are opened by a motion of the KRL program only, not by friStart");
   command.add_flag("--strict", o.strict, "Command mode needs quality perfect to start and ok to stay");
   command.add_flag("--friction", o.friction, "Joint friction of the light plant");
 }

@@ -30,6 +30,7 @@ struct Stand {
   std::unique_ptr<hal::DatagramLink> end;
   std::unique_ptr<sim_hal::KrcEmulator> krc;
   hal::FriArm* fri = nullptr;
+  tools::ControlArm* controls = nullptr;
   std::unique_ptr<hal::Arm> arm;
   hal::GuardConfig guard;
   std::atomic<bool> interrupted{false};
@@ -46,7 +47,9 @@ struct Stand {
     auto driver =
         std::make_unique<hal::FriArm>(config, wire.end(kPc, sim_hal::lock_step(*krc, clock)), clock);
     fri = driver.get();
-    arm = std::make_unique<hal::GuardedArm>(std::move(driver), hal::built_in_robot(), guard);
+    auto controlled = std::make_unique<tools::ControlArm>(std::move(driver), hal::built_in_robot());
+    controls = controlled.get();
+    arm = std::make_unique<hal::GuardedArm>(std::move(controlled), hal::built_in_robot(), guard);
   }
 
   tools::ArmTaskEnd run(const ArmTask& task) {
@@ -196,6 +199,113 @@ TEST_CASE("a joint moves by the angle, no faster than asked, the others stay", "
   CHECK(s.broken().empty());
 }
 
+TEST_CASE("the measured pose is held in every control strategy", "[hal][arm]") {
+  const std::string control = GENERATE("position", "cartesian_impedance");
+  Stand s;
+  s.controls->use(control);
+  const auto end = s.run(hold_for(2.0));
+  INFO(control << " " << end.reason);
+  REQUIRE(end.how == How::Done);
+  CHECK((end.end_rad - end.start_rad).cwiseAbs().maxCoeff() < 0.002);
+  CHECK(s.fri->measurement().control ==
+        (control == "position" ? hal::FriControl::Position : hal::FriControl::CartesianImpedance));
+  INFO(s.broken());
+  CHECK(s.broken().empty());
+}
+
+TEST_CASE("a joint moves in position control, and the tool as its joints say in Cartesian impedance",
+          "[hal][arm]") {
+  const std::string control = GENERATE("position", "cartesian_impedance");
+  Stand s;
+  s.controls->use(control);
+  const auto end = s.run(move(3, -8.0, 5.0));
+  INFO(control << " " << end.reason);
+  REQUIRE(end.how == How::Done);
+  const hal::Vec3 asked = s.dynamics.flange(end.goal_rad).translation();
+  const hal::Vec3 reached = s.dynamics.flange(end.end_rad).translation();
+  CHECK((asked - s.dynamics.flange(end.start_rad).translation()).norm() > 0.02);
+  CHECK((asked - reached).norm() < 0.003);
+  if (control == "position") CHECK(kDeg * (end.end_rad - end.start_rad)[3] == Approx(-8.0).margin(0.1));
+  INFO(s.broken());
+  CHECK(s.broken().empty());
+}
+
+TEST_CASE("a controller of 100 ms is commanded through the guard as well", "[hal][arm]") {
+  sim_hal::KrcConfig krc;
+  const int ms = GENERATE(50, 100);
+  krc.cycle = std::chrono::milliseconds(ms);
+  hal::FriConfig config;
+  config.cycle_ms = ms;
+  Stand s(krc, config);
+  const auto end = s.run(move(3, -10.0, 5.0));
+  INFO(ms << " ms: " << end.reason);
+  REQUIRE(end.how == How::Done);
+  CHECK(kDeg * (end.end_rad - end.start_rad)[3] == Approx(-10.0).margin(0.2));
+  INFO(s.broken());
+  CHECK(s.broken().empty());
+}
+
+TEST_CASE("a switch commands each strategy in turn, and tells how each was reached", "[hal][arm]") {
+  Stand s;
+  int asked = 0;
+  const auto end = tools::run_switch(
+      *s.arm, *s.controls, {"joint_impedance", "cartesian_impedance", "position", "joint_impedance"}, 0.5,
+      s.clock, s.interrupted, [&](bool asks) { asked += asks; }, {});
+  INFO(end.reason << "\n" << tools::describe(end));
+  REQUIRE(end.reason.empty());
+  CHECK(asked == 4);
+  REQUIRE(end.steps.size() == 4);
+  for (const auto& step : end.steps) {
+    CHECK(step.reached);
+    CHECK(step.held_s == Approx(0.5).margin(0.01));
+    CHECK(step.took_s < 3.0);
+    CHECK(step.moved_rad < 0.003);
+  }
+  CHECK(s.left_command_mode());
+  CHECK(s.broken().empty());
+}
+
+TEST_CASE("a switch that is refused, interrupted or cut off ends at rest outside of command mode",
+          "[hal][arm]") {
+  SECTION("refused") {
+    sim_hal::KrcConfig krc;
+    krc.faults.push_back(sim_hal::parse_krc_fault("3:quality=bad:60").value());
+    hal::FriConfig config;
+    config.ready_s = 8.0;
+    Stand s(krc, config);
+    const auto end = tools::run_switch(
+        *s.arm, *s.controls, {"joint_impedance", "position", "joint_impedance"}, 4.0, s.clock, s.interrupted,
+        [](bool) {}, [&] { return why_not(s.fri->status(), s.fri->config()); });
+    INFO(end.reason);
+    REQUIRE(end.steps.size() == 2);
+    CHECK(end.steps[0].reached);
+    CHECK_FALSE(end.steps[1].reached);
+    CHECK(end.reason.find("position: ") == 0);
+    CHECK(tools::describe(end).find("position: not reached") != std::string::npos);
+    CHECK(s.left_command_mode());
+  }
+  SECTION("interrupted") {
+    Stand s;
+    const auto end = tools::run_switch(*s.arm, *s.controls, {"joint_impedance", "position"}, 1.0, s.clock,
+                                       s.interrupted, [&](bool asks) { s.interrupted = !asks; }, {});
+    CHECK(end.interrupted);
+    CHECK(end.steps.size() == 1);
+    CHECK(s.left_command_mode());
+    CHECK(s.broken().empty());
+  }
+  SECTION("an emergency stop") {
+    sim_hal::KrcConfig krc;
+    krc.faults.push_back(sim_hal::parse_krc_fault("5:emergency-stop:60").value());
+    Stand s(krc);
+    const auto end = tools::run_switch(
+        *s.arm, *s.controls, {"joint_impedance", "position"}, 20.0, s.clock, s.interrupted, [](bool) {},
+        [&] { return why_not(s.fri->status(), s.fri->config()); });
+    CHECK(end.reason.find("the drives are off") != std::string::npos);
+    CHECK(end.steps.size() == 1);
+    CHECK(s.left_command_mode());
+  }
+}
+
 TEST_CASE("a motion beyond a limit is refused before command mode is asked for", "[hal][arm]") {
   Stand s;
   const auto end = s.run(move(5, -80.0));  // A6 stands at -52 deg, its limit is -120
@@ -326,7 +436,17 @@ TEST_CASE("each thing that stands against command mode is told with what to do",
          v.status.latency_s = 0.0019f;
        }},
       {"drive-error", [](auto& v) { v.m.error = 0x04; }},
-      {"drives", [](auto& v) { v.m.power = 0; }},
+      {"drives",
+       [](auto& v) {
+         v.m.power = 0;  // and the program does not run any more, as after an emergency stop
+         v.program = {};
+       }},
+      {"sender",
+       [](auto& v) {
+         v.status.doubt = hal::FriReason::SecondSender;
+         v.status.rival = {0xC0A80063, 5555};
+       }},
+      {"sender", [](auto& v) { v.status.doubt = hal::FriReason::KrcNotNamed; }},
       {"drives", [](auto& v) { v.m.power = 0x7B; }},
       {"hot", [](auto& v) { v.m.temperature_c[2] = 90.0f; }},
       {"program", [](auto& v) { v.m.krl.integer[0] = 0; }},
@@ -379,6 +499,15 @@ TEST_CASE("what a start should know is told with what to do, and does not refuse
   CHECK(address.what.find("17 datagrams of other senders") != std::string::npos);
   CHECK(address.next.find("krc: 10.0.0.1 ") != std::string::npos);
   CHECK(find(found, "dropped")->next.find("17 came from another sender") != std::string::npos);
+}
+
+TEST_CASE("drives that are off while the program runs are idle brakes, which a start opens", "[hal][arm]") {
+  tools::ArmView v = healthy();
+  v.m.power = 0;
+  const auto found = obstacles(v, hal::built_in_robot());
+  REQUIRE(find(found, "idle-brakes"));
+  CHECK_FALSE(find(found, "idle-brakes")->refuses);
+  CHECK_FALSE(find(found, "drives"));
 }
 
 TEST_CASE("an arm that stands straight, or near a limit, is worth a word and no refusal", "[hal][arm]") {
