@@ -82,13 +82,14 @@ class Domain {
 class QosValues {
  public:
   explicit QosValues(Qos qos) : qos_(dds_create_qos()) {
-    const bool reliable = qos == Qos::Reliable || qos == Qos::Frames || qos == Qos::Latched;
-    dds_qset_reliability(qos_, reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
+    const QosPolicy policy = policy_of(qos);
+    dds_qset_reliability(qos_, policy.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
                          DDS_MSECS(50));
-    dds_qset_durability(qos_, qos == Qos::Latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
-    if (qos == Qos::Latched) dds_qset_durability_service(qos_, 0, DDS_HISTORY_KEEP_LAST, 1, -1, -1, -1);
-    const int depth = qos == Qos::Reliable ? 10 : qos == Qos::SensorData ? 5 : qos == Qos::Frames ? 2 : 1;
-    dds_qset_history(qos_, DDS_HISTORY_KEEP_LAST, depth);
+    dds_qset_durability(qos_,
+                        policy.transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+    if (policy.transient_local)
+      dds_qset_durability_service(qos_, 0, DDS_HISTORY_KEEP_LAST, policy.depth, -1, -1, -1);
+    dds_qset_history(qos_, DDS_HISTORY_KEEP_LAST, policy.depth);
   }
   ~QosValues() { dds_delete_qos(qos_); }
   QosValues(const QosValues&) = delete;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "hal/dds/qos.hpp"
 #include "hal/types/result.hpp"
 
 struct dds_topic_descriptor;
@@ -16,15 +17,6 @@ struct DdsConfig {
   int domain = 0;
   std::string interface = "lo";  ///< Network interface; "lo": sockets of this machine alone.
   std::string node = "colift";   ///< Name for `ros2 node list`.
-};
-
-/// Quality of service as tools of ROS 2 expect it.
-enum class Qos {
-  Reliable,    ///< Reliable, volatile, keep last 10.
-  SensorData,  ///< Best effort, volatile, keep last 5; a reader takes reliable writers too.
-  Frames,   ///< Reliable, volatile, keep last 2: images and clouds for viewers that insist on reliable ones.
-  Newest,   ///< Best effort, volatile, keep last 1.
-  Latched,  ///< Reliable, transient local, keep last 1.
 };
 
 /// One DDS participant that looks like a node of ROS 2. Readers and writers are handles of Cyclone DDS and

@@ -27,14 +27,13 @@ std::string quoted(const std::string& text) {
 }  // namespace
 
 std::string offered_qos(Qos qos) {
-  const bool latched = qos == Qos::Latched, best_effort = qos == Qos::SensorData || qos == Qos::Newest;
-  const int depth = qos == Qos::Reliable ? 10 : qos == Qos::SensorData ? 5 : qos == Qos::Frames ? 2 : 1;
+  const hal::dds::QosPolicy policy = hal::dds::policy_of(qos);
   return fmt::format(
       "- history: {}\n  depth: {}\n  reliability: {}\n  durability: {}\n  deadline: {{{}}}\n  lifespan: "
       "{{{}}}\n"
       "  liveliness: 1\n  liveliness_lease_duration: {{{}}}\n  avoid_ros_namespace_conventions: false",
-      kKeepLast, depth, best_effort ? kBestEffort : kReliable, latched ? kTransientLocal : kVolatile,
-      kForever, kForever, kForever);
+      kKeepLast, policy.depth, policy.reliable ? kReliable : kBestEffort,
+      policy.transient_local ? kTransientLocal : kVolatile, kForever, kForever, kForever);
 }
 
 std::string bag_metadata(const std::string& file, std::uint64_t start_ns, std::uint64_t end_ns,

@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "tools/telemetry/channels/json_parts.hpp"
+
 namespace colift::live {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using telemetry::dumped;
 
 constexpr char kMessageData = 0x01, kServerTime = 0x02, kServiceCall = 0x02, kServiceResponse = 0x03;
 
@@ -23,10 +26,6 @@ std::uint32_t read_u32(std::string_view bytes, std::size_t at) {
   for (std::size_t i = 0; i < 4; ++i)
     value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[at + i])) << (8 * i);
   return value;
-}
-
-std::string dumped(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 tl::unexpected<hal::Error> bad(std::string detail) {

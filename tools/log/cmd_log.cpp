@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "tools/cli/session.hpp"
+#include "tools/telemetry/channels/json_parts.hpp"
 #include "tools/telemetry/record/flight_request.hpp"
 
 namespace colift::tools {
@@ -21,9 +21,8 @@ int log_snapshot(const CommonOptions& common, const LogOptions& options) {
     return done.error().code == hal::ErrorCode::BadInput ? kBadInput : kNoGoal;
   }
   if (common.json)
-    std::puts(nlohmann::ordered_json{{"schema", "colift.log.snapshot/1"}, {"file", options.file.string()}}
-                  .dump()
-                  .c_str());
+    std::puts(
+        telemetry::dumped({{"schema", "colift.log.snapshot/1"}, {"file", options.file.string()}}).c_str());
   else
     std::fputs(fmt::format("the last seconds are in {}\n", options.file.string()).c_str(), stdout);
   return kDone;

@@ -9,6 +9,7 @@
 #include "tools/log/cmd_log.hpp"
 #include "tools/log/comparison.hpp"
 #include "tools/run/run_text.hpp"
+#include "tools/telemetry/channels/json_parts.hpp"
 
 namespace colift::tools {
 namespace {
@@ -185,9 +186,7 @@ int log_compare(const CommonOptions& common, const LogOptions& options) {
   if (options.out)
     if (auto done = write_comparison_page(*options.out, c, common.command); !done)
       return report_error(kCommand, done.error());
-  std::fputs((common.json ? document(c).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n" : text(c))
-                 .c_str(),
-             stdout);
+  std::fputs((common.json ? telemetry::dumped(document(c)) + "\n" : text(c)).c_str(), stdout);
   if (options.out && !common.json && !common.quiet)
     std::fputs(fmt::format("page: {}\n", options.out->string()).c_str(), stdout);
   return kDone;

@@ -7,6 +7,7 @@
 
 #include "tools/cli/session.hpp"
 #include "tools/log/cmd_log.hpp"
+#include "tools/telemetry/channels/json_parts.hpp"
 #include "tools/telemetry/mcap/mcap_reader.hpp"
 #include "tools/telemetry/replay/export.hpp"
 #include "tools/telemetry/replay/recover.hpp"
@@ -18,11 +19,8 @@ namespace colift::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using telemetry::dumped;
 using telemetry::Exported;
-
-std::string dumped(const Json& j) {
-  return j.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
 
 hal::Result<Exported> exported_for_ros2([[maybe_unused]] const telemetry::McapReader& reader,
                                         [[maybe_unused]] const std::filesystem::path& folder) {

@@ -5,17 +5,15 @@
 
 #include "tools/cli/session.hpp"
 #include "tools/log/cmd_log.hpp"
+#include "tools/telemetry/channels/json_parts.hpp"
 #include "tools/telemetry/mcap/mcap_reader.hpp"
 
 namespace colift::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using telemetry::dumped;
 using telemetry::McapInfo;
-
-std::string dumped(const Json& j) {
-  return j.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
 
 double seconds(std::uint64_t ns) {
   return 1e-9 * static_cast<double>(ns);

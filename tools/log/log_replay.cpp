@@ -12,12 +12,14 @@
 #include "tools/run/run_live.hpp"
 #include "tools/run/run_pace.hpp"
 #include "tools/telemetry/channels/built_in_texts.hpp"
+#include "tools/telemetry/channels/json_parts.hpp"
 #include "tools/telemetry/replay/replay.hpp"
 
 namespace colift::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using telemetry::dumped;
 using telemetry::ReplayDifference;
 using telemetry::ReplayReport;
 using telemetry::Topic;
@@ -133,10 +135,6 @@ Json document(const LogOptions& options, const telemetry::RunDescription& run, c
           {"notes", r.notes}};
 }
 
-std::string dumped(const Json& j) {
-  return j.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
 /// Of a recording that was shown and not replayed.
 std::string shown_document(const LogOptions& options, const telemetry::RunDescription& run,
                            const std::string& note) {
@@ -144,7 +142,8 @@ std::string shown_document(const LogOptions& options, const telemetry::RunDescri
                  {"file", options.file.string()},
                  {"recorded_by", run.version},
                  {"same", nullptr},
-                 {"notes", {note}}});
+                 {"notes", {note}}}) +
+         "\n";
 }
 
 std::string short_text(const Json& j) {
@@ -238,7 +237,7 @@ int log_replay(const CommonOptions& common, const LogOptions& options) {
     if (enough()) return kInterrupted;
     if (!report) return report_error(kCommand, report.error());
     const Json j = document(options, run, *report);
-    said = common.json ? dumped(j) : text(j);
+    said = common.json ? dumped(j) + "\n" : text(j);
     ended_with = report->same() ? kDone : kNoGoal;
   }
   if (enough()) return kInterrupted;
