@@ -287,6 +287,7 @@ hal::Result<Sight> PerceptionSession::observe_partner(hal::DepthFrame frame, con
   const int every = i.pipeline->frames_per_sight(i.config);
   if (i.frames++ % every != 0) {
     out.partner = i.last_sight;
+    out.is_new = false;
     return out;
   }
   i.correct(frame);

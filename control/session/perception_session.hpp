@@ -38,6 +38,7 @@ struct RobotPosture {
 struct Sight {
   perception::PartnerObservation partner;
   std::optional<perception::PartnerEvent> event;
+  bool is_new = true;  ///< Of this frame; else `partner` is what an earlier one showed.
   double compute_ms = 0.0;
 };
 

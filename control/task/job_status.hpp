@@ -64,6 +64,15 @@ struct JobStatus {
   const perception::WorldMap* map = nullptr;
 };
 
+/// Where object and partner are in one frame. What that frame does not show is unset: nothing here is older.
+struct TrackedPoses {
+  hal::Timestamp at{0};  ///< Exposure of the frame (robot's clock).
+  /// Of the object's box: origin in its centre, axes along its edges. From the scene's own look, and from
+  /// each frame in which the carried object is followed.
+  std::optional<hal::Pose> X_WO;
+  std::optional<hal::Vec3> partner_W;  ///< Contact of his hand, seen in this frame.
+};
+
 /// What the job calls while it runs; each may be empty.
 struct JobHooks {
   std::function<void()> started;      ///< All devices are active: the job begins.
@@ -71,8 +80,9 @@ struct JobHooks {
   /// Asked in every cycle of Pause: a person confirms that the object may be lowered.
   std::function<bool()> lower_confirmed;
   std::function<void(const JobStatus&)>
-      status;                               ///< Every 33 ms of the robot's time, and at each change of state.
-  std::function<void(Task, Task)> changed;  ///< From, to: the moment for whoever keeps a diary.
+      status;  ///< Every 33 ms of the robot's time, and at each change of state.
+  std::function<void(const TrackedPoses&)> tracked;  ///< A frame shows the object, the partner, or both.
+  std::function<void(Task, Task)> changed;           ///< From, to: the moment for whoever keeps a diary.
   /// The partner is asked to grasp there (W).
   std::function<void(const hal::Vec3&)> asked;
   std::function<void(const ArmView&)> cycle;  ///< A cycle of the task is over; the arm as it left it.

@@ -58,6 +58,7 @@ void LetGoMonitor::update_hand() {
   if (!hand) return;
   const perception::PresenceConfig& presence = c_.config.presence;
   area_m2_ = hand->area_m2;
+  if (hand_seen().value_or(false)) c_.tracked.partner_W = X * contact_W_;
   if (c_.state != Task::Pause) {
     hand_motion_.update(*hand);
     hand_leaves_ = hand_motion_.leaves() && !his_end_is_up();

@@ -61,6 +61,7 @@ void ObjectMonitor::update() {
     sample.tilt_rad = tilt_rad_;
     sample.slip_m = slip_m_;
     sample.X_WTnow_WTref = motion_->X_WTnow_WTref;
+    c_.see_object(motion_->X_WTnow_WTref);
     c_.arm.see_partner(partner_rise_m_);
     frames_tilting_ = hal::rad_to_deg(tilt_rad_) > c_.config.task.max_tilt_deg ? frames_tilting_ + 1 : 0;
     frames_slipping_ = slip_m_ > c_.config.task.max_slip_m ? frames_slipping_ + 1 : 0;

@@ -16,6 +16,8 @@ std::optional<PartnerEvent> PartnerMonitor::update() {
   c_.partner_note = sight->event ? sight->event->reason : sight->partner.reason;
   compute_ms_ = sight->compute_ms;
   hidden_edge_ = sight->partner.hidden_edge;
+  if (sight->is_new && sight->partner.kind == perception::PartnerKind::Grasp && sight->partner.grasp)
+    c_.tracked.partner_W = sight->partner.grasp->position;
   return sight->event;
 }
 

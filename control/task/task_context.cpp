@@ -28,6 +28,14 @@ void TaskContext::note_device(const std::string& device, const std::string& what
   record.faults.push_back({now - began, device, what});
 }
 
+void TaskContext::see_object(const hal::Pose& X_Wnow_Wscene) {
+  const hal::OrientedBox& box = session.analysis().scene.target->obb;
+  hal::Pose X_WO = hal::Pose::Identity();
+  X_WO.translation() = box.center;
+  X_WO.linear() = box.axes;
+  tracked.X_WO = X_Wnow_Wscene * X_WO;
+}
+
 const planner::GraspCandidate& TaskContext::chosen() const {
   return record.decision->candidates[*record.decision->decision.chosen];
 }

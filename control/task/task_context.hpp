@@ -67,6 +67,8 @@ struct TaskContext {
   [[nodiscard]] double in_state_s() const { return hal::seconds(now - since) - waited_s; }
   [[nodiscard]] RobotPosture posture() const { return {readings.arm.q_rad, hal::posture_of(readings.hand)}; }
   [[nodiscard]] hal::Pose palm() const { return hal::hand_pose(rig.model, readings.arm.q_rad); }
+  /// The newest frame shows the object there: X takes a point of it from where the scene has it (W).
+  void see_object(const hal::Pose& X_Wnow_Wscene);
   /// The grasp that was decided on. There has to be one.
   [[nodiscard]] const planner::GraspCandidate& chosen() const;
 
@@ -90,6 +92,7 @@ struct TaskContext {
   std::vector<Eigen::Vector3f> obstacles_W;
 
   DeviceReadings readings;
+  TrackedPoses tracked;  ///< In the frame of this cycle.
   Attempts attempts;
   double carry_scale = 1.0;  ///< Of the palm's speed, as JobPolicies::carry wants it.
   LiftController::Role role = LiftController::Role::Lead;  ///< Of the next lift.

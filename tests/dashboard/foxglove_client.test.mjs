@@ -13,8 +13,16 @@ let lift;
 before(async () => { lift = await startLift("--speed", "6", "--scenario", scenario("cluttered_table")); });
 after(async () => { await lift.end(); });
 
-function listen(protocol, query = "") {
-  const socket = new WebSocket(lift.url.replace("http", "ws") + query, [protocol]);
+/** std_msgs/msg/String in CDR: encapsulation, length with the zero at its end, text. */
+function textOf(data) {
+  assert.equal(data.getUint32(0), 0x00010000);
+  const length = data.getUint32(4, true);
+  assert.equal(data.byteLength, 8 + length);
+  return new TextDecoder().decode(new Uint8Array(data.buffer, data.byteOffset + 8, length - 1));
+}
+
+function listen(protocol, of = lift) {
+  const socket = new WebSocket(of.url.replace("http", "ws"), [protocol]);
   const client = new FoxgloveClient({ ws: socket });
   const seen = { info: null, channels: new Map(), messages: new Map(), status: [], services: [], failures: [], open: true, client, socket };
   const topics = new Map();
@@ -32,7 +40,8 @@ function listen(protocol, query = "") {
   });
   client.on("message", ({ subscriptionId, data }) => {
     const topic = topics.get(subscriptionId);
-    seen.messages.set(topic, [...(seen.messages.get(topic) ?? []), JSON.parse(new TextDecoder().decode(data))]);
+    const value = seen.channels.get(topic).encoding === "json" ? JSON.parse(new TextDecoder().decode(data)) : textOf(data);
+    seen.messages.set(topic, [...(seen.messages.get(topic) ?? []), value]);
   });
   return seen;
 }
@@ -47,6 +56,13 @@ for (const protocol of ["foxglove.websocket.v1", "foxglove.sdk.v1"])
     for (const topic of ["/task/status", "/task/change", "/joint_states", "/cloud", "/map", "/devices", "/camera/calibration"])
       await until(() => seen.messages.has(topic), topic);
     assert.ok(seen.time > 0n && seen.time < 600n * 10n ** 9n, "the robot's clock, not the wall's");
+    // the robot's model, which was said once, long before
+    await until(() => seen.messages.has("/robot_description"), "the robot's model");
+    const { schemaName, schemaEncoding, schema } = seen.channels.get("/robot_description");
+    assert.deepEqual([schemaName, schemaEncoding, schema], ["std_msgs/msg/String", "ros2msg", "string data\n"]);
+    const links = [...seen.messages.get("/robot_description").at(-1).matchAll(/<link name="(\w+)"/g)].map((found) => found[1]);
+    const frames = new Set(seen.messages.get("/tf").at(-1).transforms.map((t) => t.child_frame_id));
+    assert.ok(links.length > 15 && links.every((link) => link === "world" || frames.has(link)), "every link has its place in /tf");
     const map = seen.messages.get("/map").at(-1);
     assert.deepEqual(map.entities.map((e) => e.id), ["obstacles", "target", "hidden"]);
     assert.ok(map.entities[0].cubes.length > 0 && map.entities[1].cubes.length > 0);
@@ -57,6 +73,17 @@ for (const protocol of ["foxglove.websocket.v1", "foxglove.sdk.v1"])
     assert.ok(decision.candidates.every((c) => c.because !== "" || ["ok", "chosen"].includes(c.verdict)));
     seen.client.close();
   });
+
+test("object and partner are frames that move with them, each pose stamped by its picture", async () => {
+  const other = await startLift("--speed", "2");
+  const seen = listen("foxglove.sdk.v1", other);
+  const places = () => (seen.messages.get("/tf/tracked") ?? []).flatMap((m) => m.transforms);
+  await until(() => ["object", "partner"].every((name) => places().some((t) => t.child_frame_id === name)), "object and partner");
+  const of = (name) => places().filter((t) => t.child_frame_id === name).map((t) => BigInt(t.timestamp.sec) * 10n ** 9n + BigInt(t.timestamp.nsec));
+  for (const name of ["object", "partner"]) of(name).forEach((at, i, all) => assert.ok(i === 0 || at > all[i - 1], `${name}: later and later`));
+  seen.client.close();
+  await other.end();
+});
 
 test("channels named as Foxglove's have the properties of Foxglove's schemas", async () => {
   const seen = listen("foxglove.sdk.v1");
@@ -109,7 +136,7 @@ test("a viewer that never reads changes nothing about a run, bit for bit", async
   const watched = await startView("run", "--view", "0", "--speed", "0", ...dry);
   const socket = new WebSocket(watched.url.replace("http", "ws"), ["foxglove.sdk.v1"]);
   await new Promise((open) => socket.on("open", open));
-  socket.send(JSON.stringify({ op: "subscribe", subscriptions: [...Array(17).keys()].map((id) => ({ id, channelId: id })) }));
+  socket.send(JSON.stringify({ op: "subscribe", subscriptions: [...Array(22).keys()].map((id) => ({ id, channelId: id })) }));
   socket.pause();
   const documents = [];
   for (const run of [plain, watched]) {

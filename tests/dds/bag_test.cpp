@@ -7,6 +7,7 @@
 #include "tests/unit/tools/telemetry/made_recording.hpp"
 #include "tools/dds/export_ros2.hpp"
 #include "tools/dds/message_definition.hpp"
+#include "tools/telemetry/channels/string_message.hpp"
 #include "tools/telemetry/mcap/mcap_reader.hpp"
 
 namespace bag_trials {
@@ -114,7 +115,7 @@ TEST_CASE("a recording without a date gives a bag of 1970, and says so", "[bag]"
 TEST_CASE("messages that are not what their topic says are counted and left out", "[bag]") {
   std::vector<tests::MadeMessage> lies{{"/joint_states", 1.0, kJoints}};
   for (const char* topic : {"/joint_states", "/tf", "/cloud", "/scene", "/map", "/bodies", "/task/status",
-                            "/decision", "/devices", "/camera/frame"})
+                            "/decision", "/devices", "/camera/frame", "/tf/tracked", "/robot_description"})
     for (const char* lie : {"", "[", "null", "3", "[]", "{}", R"({"transforms": []})", R"({"transforms": 3})",
                             R"({"joints": {"a": 1}})", R"({"entities": [3]})",
                             R"({"timestamp": {"sec": 9223372036854775807, "nsec": 9223372036854775807},
@@ -136,6 +137,63 @@ TEST_CASE("messages that are not what their topic says are counted and left out"
   CHECK_THAT(done->notes[0], Contains("messages could not be converted"));
   CHECK_THAT(done->notes[1], Contains("left out: /load"));
   CHECK(bag_in(folder).info().damage.empty());
+}
+
+TEST_CASE("the robot's model is the recording's own message, and that of an old recording its attachment",
+          "[bag]") {
+  const auto description_in = [](const Folder& folder) {
+    const McapReader bag = bag_in(folder);
+    auto cursor = bag.messages({"/robot_description"});
+    std::vector<std::string> all;
+    while (const auto message = cursor.next()) {
+      const auto text = telemetry::parse_string(message->data);
+      REQUIRE(text);
+      all.emplace_back(*text);
+    }
+    CHECK_THAT(bag.info().channel("/robot_description")->metadata.at("offered_qos_profiles"),
+               Contains("durability: 1"));
+    return all;
+  };
+  const Folder folder;
+  const std::string urdf = telemetry::string_message("<robot name=\"its own\"/>");
+  const auto done =
+      exported({{{"/robot_description", 0.5, urdf, "cdr"}, {"/joint_states", 1.0, kJoints}}}, folder);
+  REQUIRE(done);
+  CHECK(done->notes.empty());
+  CHECK(description_in(folder) == std::vector<std::string>{"<robot name=\"its own\"/>"});
+  const Folder old_folder;
+  REQUIRE(exported({{{"/joint_states", 1.0, kJoints}}}, old_folder));
+  const auto built_in = description_in(old_folder);
+  REQUIRE(built_in.size() == 1);
+  CHECK_THAT(built_in[0], Contains("<robot"));
+  // what is no text is counted, as every lie, and the attachment serves
+  const Folder lie_folder;
+  const auto lie =
+      exported({{{"/robot_description", 0.5, urdf.substr(0, 12), "cdr"}, {"/joint_states", 1.0, kJoints}}},
+               lie_folder);
+  REQUIRE(lie);
+  REQUIRE(lie->notes.size() == 1);
+  CHECK_THAT(lie->notes[0], Contains("1 messages could not be converted"));
+  CHECK(description_in(lie_folder) == built_in);
+}
+
+TEST_CASE("object and partner share /tf with the links: one topic of the bag", "[bag]") {
+  const auto moving = [](const char* child) {
+    return std::string(
+               R"({"transforms": [{"timestamp": {"sec": 1, "nsec": 5}, "parent_frame_id": "world",)") +
+           R"("child_frame_id": ")" + child +
+           R"(", "translation": {"x": 1, "y": 2, "z": 3}, "rotation": {"x": 0, "y": 0, "z": 0, "w": 1}}]})";
+  };
+  const Folder folder;
+  const auto done =
+      exported({{{"/tf", 1.0, moving("arm_1")}, {"/tf/tracked", 1.01, moving("object")}}}, folder);
+  REQUIRE(done);
+  CHECK(done->notes.empty());
+  const McapReader bag = bag_in(folder);
+  std::size_t channels = 0;
+  for (const auto& [id, channel] : bag.info().channels) channels += channel.topic == "/tf";
+  CHECK(channels == 1);
+  CHECK(bag.info().statistics.per_channel.at(bag.info().channel("/tf")->id) == 2);
 }
 
 TEST_CASE("no bag is left of a recording that has nothing for one", "[bag]") {

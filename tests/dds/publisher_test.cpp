@@ -7,6 +7,7 @@
 #include "tests/dds/ros_messages.hpp"
 #include "tools/dds/ros2_publisher.hpp"
 #include "tools/telemetry/channels/messages.hpp"
+#include "tools/telemetry/channels/string_message.hpp"
 
 namespace colift::tests {
 namespace {
@@ -18,20 +19,23 @@ using telemetry::Topic;
 std::unique_ptr<ros2::Ros2Publisher> open(std::size_t queue = 256) {
   ros2::PublisherConfig config;
   config.dds.domain = test_domain();
-  config.robot_urdf = "<robot/>";
   config.queue_messages = queue;
   auto made = ros2::Ros2Publisher::open(config);
   if (!made) FAIL(made.error().text());
   return std::move(*made);
 }
 
-Publication transforms(double y) {
+Publication transforms(double y, hal::Timestamp at = 5s) {
   hal::Pose X_WC = hal::Pose::Identity();
   X_WC.translation() = hal::Vec3(1.0, y, 3.0);
-  return {Topic::Transforms, 5s, [X_WC] {
-            return telemetry::transforms_message(5s, hal::built_in_robot(), hal::JointVector::Zero(), {},
+  return {Topic::Transforms, at, [X_WC, at] {
+            return telemetry::transforms_message(at, hal::built_in_robot(), hal::JointVector::Zero(), {},
                                                  X_WC);
           }};
+}
+
+Publication description(const std::string& urdf) {
+  return {Topic::Description, 0s, [urdf] { return telemetry::string_message(urdf); }};
 }
 
 }  // namespace
@@ -83,9 +87,7 @@ TEST_CASE("stamps are the system's time", "[dds][publisher]") {
   REQUIRE(got);
   CHECK(std::abs(transforms_of(*got)[0].header.stamp.seconds() - system_stamp().seconds()) < 60.0);
   // of a simulation that ran ahead too
-  auto later = transforms(2.0);
-  later.at = 5000s;
-  publisher->publish(later);
+  publisher->publish(transforms(2.0, 5000s));
   auto last = got;
   while (auto next = reader->next(2'000ms)) last = next;
   CHECK(std::abs(transforms_of(*last)[0].header.stamp.seconds() - system_stamp().seconds()) < 60.0);
@@ -152,8 +154,52 @@ TEST_CASE("a subscriber that is dead does not hold up the others", "[dds][publis
   CHECK(received >= 10);  // what keep last holds, at least
 }
 
+TEST_CASE("object and partner are on /tf beside the links, stamped with their frame", "[dds][publisher]") {
+  const auto publisher = open();
+  FastPeer peer(test_domain());
+  const auto reader = peer.reader("rt/tf", "tf2_msgs::msg::dds_::TFMessage_");
+  control::TrackedPoses tracked;
+  tracked.at = 4s;
+  tracked.X_WO = hal::Pose::Identity();
+  tracked.X_WO->translation() = hal::Vec3(0.9, 0.0, 0.5);
+  tracked.partner_W = hal::Vec3(0.9, -0.6, 0.5);
+  std::vector<RosTransform> found;
+  bool links = false;
+  for (int i = 0; i < 100 && (found.size() < 2 || !links); ++i) {
+    publisher->publish(transforms(2.0));
+    publisher->publish({Topic::Tracked, 5s, [tracked] { return telemetry::tracked_message(tracked); }});
+    while (const auto got = reader->next(50ms)) {
+      const auto all = transforms_of(*got);
+      if (all.size() > 2)
+        links = true;
+      else
+        found = all;
+    }
+  }
+  CHECK(links);
+  REQUIRE(found.size() == 2);
+  CHECK(found[0].child_frame_id == "object");
+  CHECK(found[0].translation == std::array<double, 3>{0.9, 0.0, 0.5});
+  CHECK(found[1].child_frame_id == "partner");
+  CHECK(found[1].header.frame_id == "world");
+}
+
+TEST_CASE("the robot's model reaches a node that comes later, whatever came in between", "[dds][publisher]") {
+  const auto publisher = open(8);
+  publisher->publish(description("<robot name=\"first\"/>"));
+  publisher->publish(description("<robot name=\"second\"/>"));
+  for (int i = 0; i < 200; ++i) publisher->publish(transforms(2.0));
+  CHECK(publisher->flush(10'000ms));
+  FastPeer peer(test_domain());
+  const auto reader = peer.reader("rt/robot_description", "std_msgs::msg::dds_::String_", {true, true, 1});
+  const auto got = reader->next(20'000ms);
+  REQUIRE(got);
+  CHECK(string_of(*got) == "<robot name=\"second\"/>");
+}
+
 TEST_CASE("garbage on a published topic changes nothing", "[dds][publisher]") {
   const auto publisher = open();
+  publisher->publish(description("<robot/>"));
   const PeerProcess flood(
       {"flood", std::to_string(test_domain()), "rt/tf", "tf2_msgs::msg::dds_::TFMessage_"});
   FastPeer peer(test_domain());

@@ -93,6 +93,9 @@ assert.ok(Date.now() / 1000 - last["/joint_states"].header.stamp.sec < 86400, "s
 assert.equal(last["/joint_states"].name.filter((n) => /^arm_[1-7]$/.test(n)).length, 7);
 assert.ok(last["/joint_states"].position.every(Number.isFinite));
 assert.ok(last["/robot_description"].data.includes("<robot"));
+assert.equal(counts["/robot_description"], 1);
+assert.ok(transforms.has("object") && transforms.has("partner"));
+assert.equal([...reader.channelsById.values()].filter((c) => c.topic === "/tf").length, 1);
 assert.ok(transforms.has("camera") && transforms.size > 10);
 assert.ok(last["/colift/decision"].candidates.some((c) => c.id === last["/colift/decision"].chosen));
 assert.ok(last["/colift/cloud"].data.length > 1000);

@@ -7,11 +7,16 @@ import assert from "node:assert/strict";
 
 const require = createRequire(import.meta.url);
 const { McapIndexedReader, McapStreamReader } = require("@mcap/core");
+const { parse } = require("@foxglove/rosmsg");
+const { MessageReader } = require("@foxglove/rosmsg2-serialization");
+const { ros2humble } = require("@foxglove/rosmsg-msgs-common");
 const fzstd = require("fzstd");
 const foxglove = require("@foxglove/schemas/jsonschema");
 
 const path = process.argv[2];
 const decompressHandlers = { zstd: (bytes, size) => fzstd.decompress(bytes, new Uint8Array(Number(size))) };
+
+const nanoseconds = (stamp) => BigInt(stamp.sec) * 1_000_000_000n + BigInt(stamp.nsec);
 
 /** The properties of our schema that Foxglove's has not, or of another type. */
 function strangers(ours, theirs, where) {
@@ -100,6 +105,12 @@ assert.equal(reader.statistics.channelMessageCounts.size, reader.channelsById.si
 assert.equal(reader.chunkIndexes.length, reader.statistics.chunkCount);
 
 for (const schema of reader.schemasById.values()) {
+  if (schema.name === "std_msgs/msg/String") {
+    assert.equal(schema.encoding, "ros2msg");
+    const fields = parse(new TextDecoder().decode(schema.data), { ros2: true })[0].definitions;
+    assert.deepEqual(fields.map((f) => [f.name, f.type]), ros2humble["std_msgs/String"].definitions.map((f) => [f.name, f.type]));
+    continue;
+  }
   if (schema.name === "sensor_msgs/msg/Image") {
     assert.equal(schema.encoding, "ros2msg");
     continue;
@@ -112,6 +123,7 @@ for (const schema of reader.schemasById.values()) {
 }
 
 const counts = new Map();
+const frames = new Set(), exposures = new Set(), tracked = new Map(), models = [];
 let lastTime = 0n;
 for await (const message of reader.readMessages()) {
   const channel = reader.channelsById.get(message.channelId);
@@ -126,8 +138,25 @@ for await (const message of reader.readMessages()) {
     const measured = new Uint16Array(data.slice().buffer).filter((mm) => mm > 400 && mm < 10000).length;
     assert.ok(measured > 0.5 * width * height, "half of the pixels have a depth in the Kinect's range");
   }
+  if (channel.topic === "/robot_description") {
+    const definition = parse(new TextDecoder().decode(reader.schemasById.get(channel.schemaId).data), { ros2: true });
+    models.push(new MessageReader(definition).readMessage(message.data).data);
+  }
   if (channel.messageEncoding !== "json") continue;
   const value = JSON.parse(new TextDecoder().decode(message.data));
+  if (channel.topic === "/tf") for (const t of value.transforms) frames.add(t.child_frame_id);
+  if (channel.topic === "/camera/frame") exposures.add(BigInt(value.exposed_at));
+  if (channel.topic === "/tf/tracked") {
+    assert.ok(value.transforms.length > 0, "nobody says that nothing is seen");
+    for (const t of value.transforms) {
+      const at = nanoseconds(t.timestamp);
+      assert.equal(t.parent_frame_id, "world");
+      assert.ok(exposures.has(at), `${t.child_frame_id}: its stamp is that of a picture that has come`);
+      assert.ok(message.logTime - at < 1_000_000_000n, `${t.child_frame_id} is not of an old picture`);
+      assert.ok(at > (tracked.get(t.child_frame_id)?.at(-1) ?? -1n), `${t.child_frame_id}: later and later`);
+      tracked.set(t.child_frame_id, [...(tracked.get(t.child_frame_id) ?? []), at]);
+    }
+  }
   const schema = reader.schemasById.get(channel.schemaId);
   const theirs = foxglove[schema.name.replace("foxglove.", "")];
   if (schema.name.startsWith("foxglove.")) assert.deepEqual(broken(value, theirs, channel.topic), []);
@@ -135,6 +164,15 @@ for await (const message of reader.readMessages()) {
 for (const topic of ["/tf", "/joint_states", "/camera/depth", "/camera/frame", "/camera/calibration", "/cloud", "/scene", "/map", "/log",
   "/task/status", "/task/change", "/decision", "/plan", "/devices", "/arm/timing", "/load", "/inputs"])
   assert.ok(counts.get(topic) > 0, `${topic} has messages`);
+
+// what a viewer needs to draw the robot: its model, once, and a frame for each of its links
+assert.equal(models.length, 1);
+const links = [...models[0].matchAll(/<link name="(\w+)"/g)].map((found) => found[1]);
+assert.ok(links.length > 15);
+for (const link of links) assert.ok(link === "world" || frames.has(link), `/tf has no ${link}`);
+assert.ok(!/<mesh/.test(models[0]), "no mesh that only a file beside it would hold");
+assert.deepEqual([...tracked.keys()].sort(), ["object", "partner"]);
+assert.ok(tracked.get("partner").length > 3, "the partner's hand is followed");
 
 const attachments = [];
 for await (const attachment of reader.readAttachments()) attachments.push(attachment.name);

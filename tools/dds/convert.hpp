@@ -22,9 +22,11 @@ struct ChannelMessage {
 
 [[nodiscard]] builtin_interfaces_msg_dds__Time_ time_of(hal::Timestamp at);
 
+/// What is no text in CDR is false.
+[[nodiscard]] bool to_description(std_msgs_msg_dds__String_& out, const ChannelMessage& in);
 [[nodiscard]] bool to_joint_state(sensor_msgs_msg_dds__JointState_& out, const ChannelMessage& in);
-/// The links of the robot, each a child of "world"; the camera, which rests, is in to_static_transforms()
-/// alone.
+/// Links of the robot, or object and partner, each a child of "world" with its own stamp; the camera, which
+/// rests, is in to_static_transforms() alone.
 [[nodiscard]] bool to_transforms(tf2_msgs_msg_dds__TFMessage_& out, const ChannelMessage& in);
 [[nodiscard]] bool to_static_transforms(tf2_msgs_msg_dds__TFMessage_& out, const ChannelMessage& in);
 

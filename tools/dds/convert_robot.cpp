@@ -1,7 +1,8 @@
-// Joints and frames.
+// The robot's model, joints and frames.
 
 #include "tools/dds/convert_parts.hpp"
 #include "tools/telemetry/channels/messages.hpp"
+#include "tools/telemetry/channels/string_message.hpp"
 
 namespace colift::ros2 {
 namespace {
@@ -17,7 +18,8 @@ bool transforms(tf2_msgs_msg_dds__TFMessage_& out, const ChannelMessage& in, boo
   auto* to = hal::dds::resize(out.transforms, count);
   for (const Json& t : all.at("transforms")) {
     if (is_camera(t) != camera) continue;
-    set_header(to->header, in.at + in.to_ros, t.at("parent_frame_id").get_ref<const std::string&>());
+    set_header(to->header, stamp_of(t.at("timestamp")) + in.to_ros,
+               t.at("parent_frame_id").get_ref<const std::string&>());
     set_text(to->child_frame_id, t.at("child_frame_id"));
     set_xyz(to->transform.translation, t.at("translation"));
     set_quaternion(to->transform.rotation, t.at("rotation"));
@@ -33,6 +35,12 @@ builtin_interfaces_msg_dds__Time_ time_of(hal::Timestamp at) {
   std::int64_t seconds = at.count() / kSecond_ns, rest = at.count() % kSecond_ns;
   if (rest < 0) --seconds, rest += kSecond_ns;
   return {static_cast<std::int32_t>(seconds), static_cast<std::uint32_t>(rest)};
+}
+
+bool to_description(std_msgs_msg_dds__String_& out, const ChannelMessage& in) {
+  const auto text = telemetry::parse_string(in.bytes);
+  if (text) hal::dds::set(out.data, *text);
+  return text.has_value();
 }
 
 bool to_joint_state(sensor_msgs_msg_dds__JointState_& out, const ChannelMessage& in) {

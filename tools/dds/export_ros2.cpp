@@ -27,7 +27,6 @@ using telemetry::Topic;
 
 constexpr std::size_t kChunkBytes = 4u << 20;
 constexpr const char* kBagFile = "bag_0.mcap";
-constexpr const char* kRobotDescription = "/robot_description";
 
 std::uint64_t nanoseconds(hal::Timestamp at) {
   return static_cast<std::uint64_t>(std::max<std::int64_t>(at.count(), 0));
@@ -113,7 +112,6 @@ class Converter {
   hal::Result<> run(telemetry::Exported& out) {
     if (auto done = announce(); !done) return done;
     find_date(out);
-    if (auto done = write_robot(); !done) return done;
     auto cursor = file_.messages(wanted_);
     while (const auto message = cursor.next()) {
       const auto topic = topics_.find(message->channel_id);
@@ -124,20 +122,23 @@ class Converter {
     if (converted_ == 0)
       return hal::failure(hal::ErrorCode::BadInput, "export",
                           "the recording has no message for a topic of ROS 2");
-    return {};
+    return described_ ? hal::Result<>() : write_robot();
   }
 
  private:
   hal::Result<> announce() {
-    const auto robot = bag_.add(kRobotDescription, std_msgs_msg_dds__String__desc, Qos::Latched);
-    if (!robot) return tl::unexpected(robot.error());
-    robot_ = *robot;
     std::map<std::string, Topic> by_name;
-    for (const Outlet& o : outlets_) {
+    for (std::size_t i = 0; i < outlets_.size(); ++i) {
+      const Outlet& o = outlets_[i];
+      by_name[telemetry::channel_of(o.channel).topic] = o.channel;
+      if (const std::size_t first = first_of_topic(outlets_, i); first < i) {
+        bag_topics_.push_back(bag_topics_[first]);
+        continue;
+      }
       const auto topic = bag_.add(o.topic, *o.type, o.qos);
       if (!topic) return tl::unexpected(topic.error());
       bag_topics_.push_back(*topic);
-      by_name[telemetry::channel_of(o.channel).topic] = o.channel;
+      if (o.channel == Topic::Description) robot_ = *topic;
     }
     for (const auto& [id, channel] : file_.info().channels) {
       const auto known = by_name.find(channel.topic);
@@ -163,6 +164,7 @@ class Converter {
       out.notes.emplace_back("the recording has no date: the bag begins in 1970, as the robot's clock does");
   }
 
+  /// Older recordings have the robot's model as an attachment alone. Readers go by times, not by places.
   hal::Result<> write_robot() {
     const auto urdf = file_.attachment("robot.urdf");
     hal::dds::Sample<std_msgs_msg_dds__String_> message(std_msgs_msg_dds__String__desc);
@@ -183,8 +185,9 @@ class Converter {
           written = bag_.write(bag_topics_[i], at + to_ros_, to_cdr(*o.type, sample));
         });
         if (said) ++converted_;
-        // of an image, "nothing to say" is one that cannot be read
-        if (!said && topic == Topic::Depth) ++failed_;
+        described_ = described_ || (said && topic == Topic::Description);
+        // of what is in CDR already, "nothing to say" is one that cannot be read
+        if (!said && (topic == Topic::Depth || topic == Topic::Description)) ++failed_;
       } catch (const Json::exception&) {
         ++failed_;
       }
@@ -203,8 +206,9 @@ class Converter {
   const McapReader& file_;
   BagWriter& bag_;
   std::vector<Outlet> outlets_ = outlets();
-  std::vector<std::size_t> bag_topics_;  ///< Of each outlet.
-  std::size_t robot_ = 0;
+  std::vector<std::size_t> bag_topics_;    ///< Of each outlet.
+  std::size_t robot_ = 0;                  ///< Its description's topic in the bag.
+  bool described_ = false;                 ///< The recording itself has said it.
   std::map<std::uint16_t, Topic> topics_;  ///< Of the recording's channels.
   std::set<std::string> wanted_;
   std::vector<std::string> without_;

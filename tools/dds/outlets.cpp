@@ -1,5 +1,8 @@
 #include "tools/dds/outlets.hpp"
 
+#include <algorithm>
+#include <string_view>
+
 #include "tools/dds/convert_parts.hpp"
 
 namespace colift::ros2 {
@@ -24,9 +27,12 @@ Outlet outlet(Topic channel, const char* topic, Qos qos, const dds_topic_descrip
 
 std::vector<Outlet> outlets() {
   return {
+      outlet(Topic::Description, "/robot_description", Qos::Latched, std_msgs_msg_dds__String__desc,
+             to_description),
       outlet(Topic::Joints, "/joint_states", Qos::Reliable, sensor_msgs_msg_dds__JointState__desc,
              to_joint_state),
       outlet(Topic::Transforms, "/tf", Qos::Reliable, tf2_msgs_msg_dds__TFMessage__desc, to_transforms),
+      outlet(Topic::Tracked, "/tf", Qos::Reliable, tf2_msgs_msg_dds__TFMessage__desc, to_transforms),
       outlet(Topic::Transforms, "/tf_static", Qos::Latched, tf2_msgs_msg_dds__TFMessage__desc,
              to_static_transforms),
       outlet(Topic::Frame, "/colift/depth/camera_info", Qos::Frames, sensor_msgs_msg_dds__CameraInfo__desc,
@@ -47,6 +53,12 @@ std::vector<Outlet> outlets() {
       outlet(Topic::Devices, "/diagnostics", Qos::Reliable, diagnostic_msgs_msg_dds__DiagnosticArray__desc,
              to_diagnostics),
   };
+}
+
+std::size_t first_of_topic(const std::vector<Outlet>& all, std::size_t outlet) {
+  const std::string_view topic = all[outlet].topic;
+  return static_cast<std::size_t>(
+      std::find_if(all.begin(), all.end(), [&](const Outlet& o) { return topic == o.topic; }) - all.begin());
 }
 
 bool CameraTransform::repeats(const std::string& bytes) {

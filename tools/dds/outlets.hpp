@@ -22,7 +22,10 @@ struct Outlet {
   std::function<bool(const ChannelMessage&, const std::function<void(const void*)>& take)> convert;
 };
 
+/// Outlets of one topic stand for one writer: their types and qualities of service are the same.
 [[nodiscard]] std::vector<Outlet> outlets();
+/// The first outlet with this one's topic, as an index; its own where it is the first.
+[[nodiscard]] std::size_t first_of_topic(const std::vector<Outlet>& all, std::size_t outlet);
 
 /// The camera rests: its transform is sent again only where it differs from the last one.
 class CameraTransform {

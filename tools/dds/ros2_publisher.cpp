@@ -20,11 +20,6 @@ namespace {
 using hal::dds::Qos;
 using telemetry::Topic;
 
-/// What a viewer would miss for the rest of the run.
-bool is_seldom(Topic channel) {
-  return channel == Topic::Decision || channel == Topic::Scene || channel == Topic::Map;
-}
-
 /// How far stamps may be from the system's time before they are set anew.
 constexpr hal::Duration kDrift = std::chrono::milliseconds(50);
 
@@ -61,20 +56,17 @@ struct Ros2Publisher::Impl {
     auto made = hal::dds::Participant::open(config.dds);
     if (!made) return tl::unexpected(made.error());
     participant = std::move(*made);
-    for (const Outlet& o : out) {
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const Outlet& o = out[i];
+      wanted[static_cast<std::size_t>(o.channel)] = true;
+      if (const std::size_t first = first_of_topic(out, i); first < i) {
+        writers.push_back(writers[first]);
+        continue;
+      }
       const auto writer = participant->writer(o.topic, *o.type, o.qos);
       if (!writer) return tl::unexpected(writer.error());
       writers.push_back(*writer);
-      wanted[static_cast<std::size_t>(o.channel)] = true;
     }
-    const auto description =
-        participant->writer("/robot_description", std_msgs_msg_dds__String__desc, Qos::Latched);
-    if (!description) return tl::unexpected(description.error());
-    hal::dds::Sample<std_msgs_msg_dds__String_> urdf(std_msgs_msg_dds__String__desc);
-    hal::dds::set(urdf->data, config.robot_urdf);
-    if (const auto code = dds_write(*description, &*urdf); code != DDS_RETCODE_OK)
-      return hal::failure(hal::ErrorCode::DeviceFault, "ros2./robot_description", dds_strretcode(code));
-    ++counts.written;
     thread = std::thread([this] { run(); });
     return {};
   }
@@ -115,15 +107,15 @@ struct Ros2Publisher::Impl {
       queue.erase(at);
       ++counts.dropped;
     };
-    if (is_seldom(queue.back().message.topic)) {
+    if (telemetry::is_lasting(queue.back().message.topic)) {
       const auto older = std::find_if(queue.begin(), queue.end() - 1, [this](const auto& p) {
         return p.message.topic == queue.back().message.topic;
       });
       if (older != queue.end() - 1) drop(older);
     }
     while (queue.size() > config.queue_messages || queued_bytes > config.queue_bytes) {
-      const auto oldest =
-          std::find_if(queue.begin(), queue.end(), [](const auto& p) { return !is_seldom(p.message.topic); });
+      const auto oldest = std::find_if(queue.begin(), queue.end(),
+                                       [](const auto& p) { return !telemetry::is_lasting(p.message.topic); });
       if (oldest == queue.end()) return;
       drop(oldest);
     }

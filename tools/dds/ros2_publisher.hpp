@@ -12,9 +12,8 @@ namespace colift::ros2 {
 
 struct PublisherConfig {
   hal::dds::DdsConfig dds;
-  std::string robot_urdf;  ///< For /robot_description.
   std::size_t queue_messages =
-      256;  ///< Beyond either the oldest is dropped, but for the newest decision, scene and map.
+      256;  ///< Beyond either the oldest is dropped, but for the newest of what lasts (is_lasting()).
   std::size_t queue_bytes = 32u << 20;
 };
 

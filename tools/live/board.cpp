@@ -21,6 +21,8 @@ TopicRule rule_of(Topic topic) {
       return {100, true};
     case Topic::Load:
       return {1800, false};  // a minute of curve
+    case Topic::Tracked:
+      return {0, false};  // who comes late would draw what is no longer seen
     default:
       return {};
   }
@@ -66,7 +68,7 @@ void Outbox::push(Topic topic, std::string message) {
   if (index >= kLiveTopics) return;
   const auto of_topic = [&](const Item& item) { return item.topic == static_cast<int>(index); };
   const TopicRule rule = rule_of(topic);
-  if (waiting_[index] > 0 && rule.history == 1 && !rule.every) {
+  if (waiting_[index] > 0 && rule.history <= 1 && !rule.every) {
     // the newest takes the place of the one that waits: a slow client sees fewer pictures, not older ones
     std::find_if(items_.begin(), items_.end(), of_topic)->message = std::move(message);
     ++dropped_;

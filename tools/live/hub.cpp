@@ -1,5 +1,7 @@
 #include "tools/live/hub.hpp"
 
+#include <algorithm>
+
 namespace colift::live {
 namespace {
 
@@ -13,8 +15,12 @@ bool Hub::hand_in(const telemetry::Publication& publication) {
   const std::lock_guard lock(waiting_mutex_);
   if (waiting_.size() >= kMostWaiting) {
     // the server's thread has not had the processor for long; the newest is worth more than the oldest
-    waiting_.erase(waiting_.begin(), waiting_.begin() + kMostWaiting / 2);
-    dropped += kMostWaiting / 2;
+    const auto half = waiting_.begin() + kMostWaiting / 2;
+    auto kept = std::stable_partition(waiting_.begin(), half,
+                                      [](const auto& p) { return telemetry::is_lasting(p.topic); });
+    if (kept == half) kept = waiting_.begin();
+    dropped += static_cast<std::uint64_t>(half - kept);
+    waiting_.erase(kept, half);
   }
   waiting_.push_back(publication);
   return waiting_.size() == 1;

@@ -35,8 +35,8 @@ std::string new_token() {
   return token;
 }
 
-}  // namespace
-
+/// The description of the robot that a robot file names; the built-in one where it names none. Errors: of
+/// both files.
 hal::Result<std::string> robot_urdf(const std::optional<std::filesystem::path>& robot_file) {
   const auto robot = read_robot_file(robot_file);
   if (!robot) return tl::unexpected(robot.error());
@@ -45,6 +45,8 @@ hal::Result<std::string> robot_urdf(const std::optional<std::filesystem::path>& 
   if (!bytes) return tl::unexpected(bytes.error());
   return std::string(hal::as_text(*bytes));
 }
+
+}  // namespace
 
 hal::Result<std::unique_ptr<RunLive>> RunLive::open(const ViewOptions& options, const std::string& title,
                                                     std::string urdf) {

@@ -1,10 +1,8 @@
 #pragma once
 
 #include <atomic>
-#include <filesystem>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "hal/types/result.hpp"
@@ -34,9 +32,5 @@ class RunLive final : public LiveView {
   std::atomic<bool> stopped_{false}, lower_confirmed_{false};
   std::unique_ptr<live::LiveServer> server_;
 };
-
-/// The description of the robot that a robot file names; the built-in one where it names none. Errors: of
-/// both files.
-[[nodiscard]] hal::Result<std::string> robot_urdf(const std::optional<std::filesystem::path>& robot_file);
 
 }  // namespace colift::tools

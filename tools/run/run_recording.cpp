@@ -137,7 +137,9 @@ hal::Result<std::unique_ptr<RunRecording>> open_recording(
     sinks.push_back(impl->recorder.get());
   }
   impl->telemetry = std::make_unique<telemetry::RunTelemetry>(
-      telemetry::RunTelemetry::Setting{rig.model.get(), rig.X_WC, job.drive, true, &setup.hand}, sinks, wall);
+      telemetry::RunTelemetry::Setting{rig.model.get(), rig.X_WC, job.drive, true, &setup.hand,
+                                       run->robot_urdf},
+      sinks, wall);
   impl->telemetry->tap(rig.robot);
   if (impl->recorder)
     impl->telemetry->on_fault([r = impl->recorder.get()](const std::string&) { r->fault(); });

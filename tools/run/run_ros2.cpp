@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include "tools/run/run_live.hpp"
 #include "tools/run/run_recording.hpp"
 #ifdef COLIFT_DDS
 #include "hal/dds/ros2_names.hpp"
@@ -57,9 +56,6 @@ hal::Result<std::unique_ptr<Ros2View>> open_ros2(const RunOptions& options) {
     config.dds.domain = *domain;
   }
   if (options.ros2.interface) config.dds.interface = *options.ros2.interface;
-  auto urdf = robot_urdf(options.robot);
-  if (!urdf) return tl::unexpected(urdf.error());
-  config.robot_urdf = std::move(*urdf);
   auto publisher = ros2::Ros2Publisher::open(config);
   if (!publisher) return tl::unexpected(publisher.error());
   return std::make_unique<Published>(std::move(*publisher), config.dds);

@@ -126,6 +126,7 @@ bool TaskRunner::cycle(const JobHooks& hooks) {
     refusal_noted_ = true;
     c_.note_device("arm", c_.arm.view().refusal.str());
   }
+  if (hooks.tracked && (c_.tracked.X_WO || c_.tracked.partner_W)) hooks.tracked(c_.tracked);
   if (c_.now - reported_at_ >= kReportEvery) report(hooks);
   if (hooks.cycle) hooks.cycle(c_.arm.view());
   return !is_end(c_.state);
@@ -135,6 +136,7 @@ void TaskRunner::read_devices() {
   arm_.read(speed_.reason());
   hand_.read();
   camera_.read();
+  c_.tracked = {c_.readings.frame_at, {}, {}};
   speed_.update(hand_.warning());
   separation_.update(speed_.image_age_s());
   stall_.read();

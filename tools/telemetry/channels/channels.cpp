@@ -4,6 +4,7 @@
 
 #include "tools/telemetry/channels/image_message.hpp"
 #include "tools/telemetry/channels/schema_parts.hpp"
+#include "tools/telemetry/channels/string_message.hpp"
 
 namespace colift::telemetry {
 namespace {
@@ -348,6 +349,10 @@ std::vector<ChannelInfo> all() {
   add(Topic::Load, "/load", "colift.Load", load());
   add(Topic::Tactile, "/hand/tactile", "colift.Tactile", tactile());
   add(Topic::Truth, "/truth", "colift.Truth", truth());
+  add(Topic::Tracked, "/tf/tracked", "foxglove.FrameTransforms", transforms());
+  // the name and type under which viewers and RViz look for a robot's model
+  list.push_back(
+      {Topic::Description, "/robot_description", "cdr", kStringType, "ros2msg", string_definition()});
   const auto add_image = [&](Topic id, const char* topic) {
     list.push_back({id, topic, "cdr", kImageType, "ros2msg", image_definition()});
   };

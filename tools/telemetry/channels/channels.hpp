@@ -32,6 +32,8 @@ enum class Topic : std::uint8_t {
   Load,         ///< colift.Load: force and torque at the palm, share, height, tilt, slip.
   Tactile,      ///< colift.Tactile: every cell of the hand's tactile arrays, 20 a second where it has any.
   Truth,        ///< colift.Truth: what only a simulation knows.
+  Tracked,  ///< foxglove.FrameTransforms: "object" and "partner" in "world", of each frame that shows them.
+  Description,  ///< std_msgs/msg/String: the robot's URDF, once.
   Depth,        ///< sensor_msgs/msg/Image: the depth of every frame, lossless (image_message.hpp).
   Colour,       ///< sensor_msgs/msg/Image: its colour, where the camera has any.
   Frame,        ///< colift.CameraFrame: number, camera model and gravity of every frame (recorded_frame.hpp).
@@ -43,7 +45,7 @@ inline constexpr int kTopics = static_cast<int>(Topic::Inputs) + 1;
 struct ChannelInfo {
   Topic id = Topic::Log;
   std::string topic;            ///< "/task/status"
-  std::string encoding;         ///< Of messages: "json", or "cdr" for images.
+  std::string encoding;         ///< Of messages: "json", or "cdr" for those of ROS 2.
   std::string schema_name;      ///< "foxglove.Log"
   std::string schema_encoding;  ///< "jsonschema" or "ros2msg".
   std::string schema;
@@ -53,6 +55,23 @@ struct ChannelInfo {
 [[nodiscard]] std::span<const ChannelInfo> channels();
 [[nodiscard]] inline const ChannelInfo& channel_of(Topic topic) {
   return channels()[static_cast<std::size_t>(topic)];
+}
+
+/// What a message of this topic says holds until the next one, which may never come: whoever missed it would
+/// miss it for the rest of the run.
+[[nodiscard]] constexpr bool is_lasting(Topic topic) {
+  switch (topic) {
+    case Topic::Scene:
+    case Topic::Map:
+    case Topic::Change:
+    case Topic::Decision:
+    case Topic::Plan:
+    case Topic::Stages:
+    case Topic::Description:
+      return true;
+    default:
+      return false;
+  }
 }
 
 /// One message on its way to whoever wants it. It is made only then, and in that one's thread: `encode` owns

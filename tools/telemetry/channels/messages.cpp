@@ -14,6 +14,14 @@ Json point(const std::optional<hal::Vec3>& p) {
   return p ? list_of(*p) : Json(nullptr);
 }
 
+Json transform(const Json& time, const std::string& child, const hal::Pose& X_WF) {
+  return {{"timestamp", time},
+          {"parent_frame_id", kWorldFrame},
+          {"child_frame_id", child},
+          {"translation", xyz(X_WF.translation())},
+          {"rotation", quaternion_json(X_WF.linear())}};
+}
+
 }  // namespace
 
 std::string base64(std::string_view bytes) {
@@ -37,16 +45,23 @@ std::string transforms_message(hal::Timestamp at, const hal::RobotModel& model, 
   hal::link_poses(model, q_rad, hand, X_WL);
   Json all = Json::array();
   const Json time = time_json(at);
-  const auto add = [&](const std::string& child, const hal::Pose& pose) {
-    all.push_back({{"timestamp", time},
-                   {"parent_frame_id", kWorldFrame},
-                   {"child_frame_id", child},
-                   {"translation", xyz(pose.translation())},
-                   {"rotation", quaternion_json(pose.linear())}});
-  };
   for (std::size_t i = 0; i < model.links.size(); ++i)
-    if (model.links[i].name != kWorldFrame) add(model.links[i].name, X_WL[i]);
-  add(kCameraFrame, X_WC);
+    if (model.links[i].name != kWorldFrame) all.push_back(transform(time, model.links[i].name, X_WL[i]));
+  all.push_back(transform(time, kCameraFrame, X_WC));
+  return dumped({{"transforms", std::move(all)}});
+}
+
+std::string tracked_message(const control::TrackedPoses& tracked) {
+  Json all = Json::array();
+  const Json time = time_json(tracked.at);
+  // whoever draws frames has no word for "unknown" but silence
+  if (tracked.X_WO && tracked.X_WO->matrix().allFinite())
+    all.push_back(transform(time, kObjectFrame, *tracked.X_WO));
+  if (tracked.partner_W && tracked.partner_W->allFinite()) {
+    hal::Pose at = hal::Pose::Identity();
+    at.translation() = *tracked.partner_W;
+    all.push_back(transform(time, kPartnerFrame, at));
+  }
   return dumped({{"transforms", std::move(all)}});
 }
 

@@ -20,10 +20,15 @@ namespace colift::telemetry {
 /// Names of frames.
 inline constexpr const char* kWorldFrame = "world";
 inline constexpr const char* kCameraFrame = "camera";
+inline constexpr const char* kObjectFrame = "object";
+inline constexpr const char* kPartnerFrame = "partner";
 
 [[nodiscard]] std::string transforms_message(hal::Timestamp at, const hal::RobotModel& model,
                                              const hal::JointVector& q_rad, const hal::HandPosture& hand,
                                              const hal::Pose& X_WC);
+/// Of "object" and "partner" what is set, stamped with the frame's exposure. Of the partner a point is known:
+/// his frame has the axes of "world".
+[[nodiscard]] std::string tracked_message(const control::TrackedPoses& tracked);
 [[nodiscard]] std::string tactile_message(const hal::HandState& hand);
 [[nodiscard]] std::string joints_message(hal::Timestamp at, const hal::RobotModel& model,
                                          const hal::ArmState& arm, const hal::HandState& hand);

@@ -8,25 +8,11 @@ namespace {
 
 constexpr std::size_t kMostChanges = 200;
 
-bool speaks_seldom(Topic topic) {
-  switch (topic) {
-    case Topic::Scene:
-    case Topic::Map:
-    case Topic::Change:
-    case Topic::Decision:
-    case Topic::Plan:
-    case Topic::Stages:
-      return true;
-    default:
-      return false;
-  }
-}
-
 }  // namespace
 
 void FlightMemory::note(Topic topic, std::uint32_t sequence, std::uint64_t log_time,
                         const std::string& payload) {
-  if (speaks_seldom(topic)) collecting_.push_back({topic, sequence, log_time, payload});
+  if (is_lasting(topic)) collecting_.push_back({topic, sequence, log_time, payload});
 }
 
 void FlightMemory::keep(std::shared_ptr<const Chunk> chunk) {

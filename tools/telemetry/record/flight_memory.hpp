@@ -13,8 +13,8 @@
 
 namespace colift::telemetry {
 
-/// The last seconds of a run as compressed chunks, and what held before them: of the channels that speak
-/// seldom (scene, map, decision, plan) the newest message that has aged out, and all changes of state.
+/// The last seconds of a run as compressed chunks, and what held before them: of the channels that
+/// speak seldom (is_lasting()) the newest message that has aged out, and all changes of state.
 /// Without those a file of the last seconds would show a robot in an empty room. For the recorder's thread.
 class FlightMemory {
  public:

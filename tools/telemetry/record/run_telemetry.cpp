@@ -10,6 +10,7 @@
 #include "tools/telemetry/channels/json_parts.hpp"
 #include "tools/telemetry/channels/messages.hpp"
 #include "tools/telemetry/channels/recorded_frame.hpp"
+#include "tools/telemetry/channels/string_message.hpp"
 #include "tools/telemetry/record/taps.hpp"
 
 namespace colift::telemetry {
@@ -61,6 +62,7 @@ struct RunTelemetry::Impl {
   // what was told already
   std::size_t states_told = 0, faults_told = 0, intents_told = 0;
   bool bodies_told = false;
+  bool robot_told = false;
   bool look_told = false, map_told = false, plan_told = false;
   std::optional<Task> state;
   SceneView scene;
@@ -88,8 +90,21 @@ struct RunTelemetry::Impl {
     return book.now.clock_ns.empty() ? now : hal::Timestamp(book.now.clock_ns.back());
   }
 
+  /// Once, before anything else: who comes later gets it from the sinks, which keep it.
+  void tell_robot(hal::Timestamp at) {
+    if (std::exchange(robot_told, true) || setting.robot_urdf.empty()) return;
+    publish(
+        Topic::Description, at, [urdf = setting.robot_urdf] { return string_message(urdf); },
+        setting.robot_urdf.size());
+  }
+
+  void on_tracked(const control::TrackedPoses& tracked) {
+    publish(Topic::Tracked, time(), [tracked] { return tracked_message(tracked); });
+  }
+
   void on_frame(std::uint64_t number, const hal::DepthFrame& frame) {
     const hal::Timestamp at = time();
+    tell_robot(at);
     const auto kept = std::make_shared<const NumberedFrame>(NumberedFrame{number, frame});
     const std::size_t bytes = frame.depth_m.size() * sizeof(float) + frame.rgb.size();
     // what describes the frame comes before its images (FrameJoiner)
@@ -145,6 +160,7 @@ struct RunTelemetry::Impl {
   void on_cycle(const control::ArmView& arm_view) {
     view = arm_view;
     now = time();
+    tell_robot(now);
     for (const auto& read : book.now.hand)
       if (read) hand = *read;
     if (!book.in_step) book.now.view = view;
@@ -246,6 +262,7 @@ struct RunTelemetry::Impl {
   void on_status(const control::JobStatus& s) {
     // the hook may come before the first cycle's end
     const hal::Timestamp at = time();
+    tell_robot(at);
     const control::RunRecord& record = *s.record;
     if (!correction && record.camera_correction && record.camera_correction->applied())
       correction = record.camera_correction;
@@ -342,6 +359,10 @@ control::JobHooks RunTelemetry::hooks(control::JobHooks yours) {
   out.status = [&i, aside, yours](const control::JobStatus& status) {
     i.on_status(status);
     if (yours.status) aside([&] { yours.status(status); });
+  };
+  out.tracked = [&i, aside, yours](const control::TrackedPoses& tracked) {
+    i.on_tracked(tracked);
+    if (yours.tracked) aside([&] { yours.tracked(tracked); });
   };
   out.asked = [aside, yours](const hal::Vec3& place) {
     if (yours.asked) aside([&] { yours.asked(place); });

@@ -32,6 +32,7 @@ class RunTelemetry {
     control::Drive drive = control::Drive::InStep;
     bool asks_devices = true;  ///< For their health; not those of a replay, whose every answer is counted.
     const planner::HandModel* hand = nullptr;  ///< Borrowed; null: the chosen gripper pose is not shown.
+    std::string robot_urdf = {};               ///< For /robot_description; empty: it is left out.
   };
   /// `wall` times the arm's answers; borrowed, as the sinks are.
   RunTelemetry(const Setting& setting, std::vector<TelemetrySink*> sinks, const hal::Clock& wall);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "control/task/run_job.hpp"
+#include "tools/telemetry/channels/built_in_texts.hpp"
 #include "tools/telemetry/record/run_telemetry.hpp"
 #include "tools/telemetry/replay/playback.hpp"
 #include "tools/telemetry/replay/replay_robot.hpp"
@@ -121,7 +122,9 @@ hal::Result<ReplayReport> replay(const McapReader& file, const std::string& name
     sinks.push_back(watchers.back().get());
   }
   Playback of_then(file, setting.watchers.empty() ? std::set<Topic>() : kOfThen, setting.watchers);
-  RunTelemetry telemetry({setting.model.get(), run.X_WC, run.drive, false, &setting.hand}, sinks, wall);
+  RunTelemetry telemetry({setting.model.get(), run.X_WC, run.drive, false, &setting.hand,
+                          run.robot_urdf.empty() ? built_in_robot_urdf() : run.robot_urdf},
+                         sinks, wall);
   if (!setting.watchers.empty()) telemetry.tap(robot);
 
   control::JobHooks mine;

@@ -1,4 +1,5 @@
 #include "tools/live/board.hpp"
+#include "tools/live/hub.hpp"
 
 #include <catch2/catch.hpp>
 #include <string>
@@ -30,6 +31,33 @@ TEST_CASE("who comes late gets the newest of everything, and the log's history")
   REQUIRE(board.history(Topic::Log).size() == rule_of(Topic::Log).history);
   CHECK(board.history(Topic::Log).back()->text() == "999");
   CHECK(board.history(Topic::Plan).empty());
+}
+
+TEST_CASE("who comes late gets no pose of an object that nobody sees any more, but the robot's model") {
+  Board board;
+  CHECK(board.put(message(Topic::Tracked, 1)) != nullptr);
+  board.put(message(Topic::Description, 2));
+  CHECK(board.history(Topic::Tracked).empty());
+  REQUIRE(board.history(Topic::Description).size() == 1);
+  Outbox box;  // of one that still waits, only the newest
+  for (int i = 0; i < 10; ++i) box.push(Topic::Tracked, std::to_string(i));
+  CHECK(box.take().message == "9");
+  CHECK(box.empty());
+}
+
+TEST_CASE("a server that gets no processor for long forgets what comes all the time, not what lasts") {
+  Hub hub({}, PageFiles("/nowhere"));
+  CHECK(hub.hand_in(message(Topic::Description, 1)));
+  CHECK_FALSE(hub.hand_in(message(Topic::Map, 2)));
+  for (int i = 0; i < 50000; ++i) CHECK_FALSE(hub.hand_in(message(Topic::Joints, i)));
+  hub.pass_on();
+  REQUIRE(hub.board().history(Topic::Description).size() == 1);
+  CHECK(hub.board().history(Topic::Map).size() == 1);
+  CHECK(hub.board().history(Topic::Joints).front()->text() == "49999");
+  CHECK(hub.dropped.load() > 40000u);
+  // even of nothing but these there is an end
+  for (int i = 0; i < 50000; ++i) (void)hub.hand_in(message(Topic::Scene, i));
+  CHECK(hub.dropped.load() > 80000u);
 }
 
 TEST_CASE("a message is made when it is wanted, and once") {

@@ -7,6 +7,7 @@
 
 #include "tools/telemetry/channels/channels.hpp"
 #include "tools/telemetry/channels/json_parts.hpp"
+#include "tools/telemetry/channels/string_message.hpp"
 #include "tools/telemetry/record/cycle_inputs.hpp"
 
 namespace {
@@ -59,6 +60,17 @@ TEST_CASE("topics and channels belong together", "[messages]") {
   }
 }
 
+TEST_CASE("a text in CDR is read back, and what is cut or no text is refused", "[messages]") {
+  for (const std::string text : {"", "<robot/>", "\xff\xfe"}) {
+    const std::string bytes = string_message(text);
+    CHECK(parse_string(bytes).value() == text);
+    for (std::size_t length = 0; length < bytes.size(); ++length)
+      CHECK_FALSE(parse_string(std::string_view(bytes).substr(0, length)));
+  }
+  CHECK_FALSE(parse_string(R"({"data": "json"})"));
+  CHECK_FALSE(parse_string(std::string("\0\1\0\0\xff\xff\xff\xff", 8)));
+}
+
 TEST_CASE("every message is what its schema says", "[messages]") {
   const hal::Timestamp at(std::chrono::milliseconds(1500));
   const hal::RobotModel& model = hal::built_in_robot();
@@ -70,6 +82,20 @@ TEST_CASE("every message is what its schema says", "[messages]") {
   check_message(Topic::Joints, joints);
   CHECK(J::parse(joints)["joints"].size() == 7 + 6 + 2);
   CHECK(J::parse(joints)["timestamp"] == J{{"sec", 1}, {"nsec", 500000000}});
+  control::TrackedPoses tracked;
+  tracked.at = at;
+  CHECK(J::parse(tracked_message(tracked))["transforms"].empty());
+  tracked.X_WO = hal::Pose(Eigen::Translation3d(1, 2, 3));
+  tracked.partner_W = hal::Vec3(1, NAN, 3);  // no place
+  check_message(Topic::Tracked, tracked_message(tracked));
+  REQUIRE(J::parse(tracked_message(tracked))["transforms"].size() == 1);
+  tracked.partner_W = hal::Vec3(4, 5, 6);
+  const J both = J::parse(tracked_message(tracked))["transforms"];
+  REQUIRE(both.size() == 2);
+  CHECK(both[0]["child_frame_id"] == "object");
+  CHECK(both[0]["timestamp"] == J{{"sec", 1}, {"nsec", 500000000}});
+  CHECK(both[1]["child_frame_id"] == "partner");
+  CHECK(both[1]["translation"] == J{{"x", 4.0}, {"y", 5.0}, {"z", 6.0}});
   hal::DepthFrame frame;
   frame.intrinsics = {8, 4, 575, 575, 4, 2};
   frame.depth_m.assign(32, 1.25f);

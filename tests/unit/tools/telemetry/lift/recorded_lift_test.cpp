@@ -5,12 +5,14 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <bit>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "control/task/run_job.hpp"
 #include "hal/config/config_file.hpp"
@@ -22,6 +24,7 @@
 #include "tools/live/live_server.hpp"
 #include "tools/telemetry/channels/built_in_texts.hpp"
 #include "tools/telemetry/channels/recorded_frame.hpp"
+#include "tools/telemetry/channels/string_message.hpp"
 #include "tools/telemetry/record/recorder.hpp"
 #include "tools/telemetry/record/run_telemetry.hpp"
 #include "tools/telemetry/replay/replay.hpp"
@@ -151,7 +154,7 @@ Recorded run(const sim_hal::Scenario& scenario, const std::filesystem::path* fil
     server = std::move(*opened);
     deaf.emplace(*server);
     telemetry = std::make_unique<RunTelemetry>(
-        RunTelemetry::Setting{&model, X_WC, control::Drive::InStep, true, &hand},
+        RunTelemetry::Setting{&model, X_WC, control::Drive::InStep, true, &hand, about.robot_urdf},
         std::vector<TelemetrySink*>{recorder.get(), server.get()}, wall);
     telemetry->tap(robot);
   }
@@ -242,8 +245,8 @@ TEST_CASE("a lift that is recorded and watched is the same lift, and its replay 
       const Channel* channel = reader.info().channel(channel_of(topic).topic);
       return channel == nullptr ? 0 : reader.info().statistics.per_channel.at(channel->id);
     };
-    for (const Topic topic :
-         {Topic::Scene, Topic::Map, Topic::Decision, Topic::Devices, Topic::Timing, Topic::Cloud}) {
+    for (const Topic topic : {Topic::Scene, Topic::Map, Topic::Decision, Topic::Devices, Topic::Timing,
+                              Topic::Cloud, Topic::Tracked, Topic::Description}) {
       INFO(channel_of(topic).topic);
       CHECK(watcher.count[topic] > 0);
       CHECK(watcher.count[topic] == of(topic));
@@ -279,6 +282,60 @@ TEST_CASE("a lift that is recorded and watched is the same lift, and its replay 
     CHECK(part->cycles < again->cycles);
     CHECK(part->compared.at(Topic::Status) > 50);
   }
+  std::filesystem::remove(file);
+}
+
+TEST_CASE("a recording has the robot's model once, and object and partner in the frames that show them",
+          "[lift]") {
+  const auto file =
+      std::filesystem::temp_directory_path() / ("colift-tracked-" + std::to_string(::getpid()) + ".mcap");
+  const Recorded recorded = run(short_lift(), &file);
+  const McapReader reader = opened(file);
+  std::vector<std::string> models;
+  std::set<std::int64_t> exposures;
+  std::map<std::string, std::map<std::int64_t, hal::Vec3>> seen;
+  auto cursor = reader.messages({"/robot_description", "/camera/frame", "/tf/tracked"});
+  while (const auto message = cursor.next()) {
+    const std::string& topic = reader.info().channels.at(message->channel_id).topic;
+    if (topic == "/robot_description") {
+      models.emplace_back(parse_string(message->data).value());
+      continue;
+    }
+    const auto j = nlohmann::json::parse(message->data);
+    if (topic == "/camera/frame") exposures.insert(j["exposed_at"].get<std::int64_t>());
+    if (topic != "/tf/tracked") continue;
+    CHECK_FALSE(j["transforms"].empty());
+    for (const auto& t : j["transforms"]) {
+      const auto at = t["timestamp"]["sec"].get<std::int64_t>() * 1'000'000'000 +
+                      t["timestamp"]["nsec"].get<std::int64_t>();
+      const auto& p = t["translation"];
+      CHECK(seen[t["child_frame_id"]].emplace(at, hal::Vec3(p["x"], p["y"], p["z"])).second);
+      CHECK(exposures.count(at) == 1);  // of a frame that has come, and of no other time
+    }
+  }
+  CHECK(models == std::vector<std::string>{built_in_robot_urdf()});
+  REQUIRE(seen.size() == 2);
+
+  const auto& object = seen.at("object");
+  const auto& curve = recorded.record.curve;
+  const auto followed = std::count_if(curve.begin(), curve.end(),
+                                      [](const auto& sample) { return sample.X_WTnow_WTref.has_value(); });
+  CHECK(object.size() == static_cast<std::size_t>(followed) + 1);  // and the look at the scene
+  double top_m = 0.0;
+  for (const auto& [at, place] : object) top_m = std::max(top_m, place.z() - object.begin()->second.z());
+  REQUIRE(recorded.record.lift);
+  CHECK(top_m == Approx(recorded.record.lift->height_m).margin(0.01));
+  CHECK(object.rbegin()->second.z() == Approx(object.begin()->second.z()).margin(0.01));  // stands again
+
+  // from his touch on until he leaves, and not a frame longer; within a hand's width of where he was decided
+  // to be
+  const auto& partner = seen.at("partner");
+  CHECK(partner.size() > 100);
+  CHECK(partner.begin()->first > object.begin()->first);
+  CHECK(partner.rbegin()->first < *exposures.rbegin());
+  REQUIRE(recorded.record.decision->partner);
+  for (const auto& [at, place] : partner)
+    CHECK((place - recorded.record.decision->partner->position).head<2>().norm() < 0.12);
   std::filesystem::remove(file);
 }
 
