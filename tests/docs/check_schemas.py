@@ -15,6 +15,7 @@ import pathlib
 import subprocess
 import sys
 import tempfile
+import time
 
 try:
     import jsonschema
@@ -70,6 +71,53 @@ class Checker:
             self.wrong.append(f"the schema {name} accepts {what}")
 
 
+def recordings(c, folder):
+    """The verbs of log: on two runs, on one that was cut, on a run that is going on."""
+    a, b, cut = (folder / f"{name}.mcap" for name in ("a", "b", "cut"))
+    c.run("run", "--seed", "1", "--dry-run", "--quiet", "--record", a)
+    c.run("run", "--seed", "2", "--dry-run", "--quiet", "--record", b, "--share", "0.3")
+    cut.write_bytes(a.read_bytes()[: a.stat().st_size // 2])
+    for file in (a, cut):
+        c.command("log-info", "log", "info", file)
+    c.command("log-recover", "log", "recover", cut, "--out", folder / "whole.mcap")
+    formats = ["csv", "png"] + ["ros2"] * ("without Cyclone DDS" not in c.run("log", "export", a, "--format", "ros2", "--out", folder / "bag").stderr)
+    exported = c.command("log-export", "log", "export", cut, "--out", folder / "out", *(w for f in formats for w in ("--format", f)))
+    compared = c.command("log-compare", "log", "compare", a, b)
+    c.command("log-compare", "log", "compare", a, cut)
+    replayed = c.command("log-replay", "log", "replay", a)
+    other = c.command("log-replay", "log", "replay", a, "--set", "decision.weights.epsilon=3")
+    c.command("log-replay", "log", "replay", cut)
+    if replayed and other and not (replayed["same"] and other["differences"]):
+        c.wrong.append("a replay with another configuration shows no difference, or one with the same does")
+    snapshot(c, folder / "snapshot.mcap")
+    if compared:
+        c.has_to_fail("log-compare", compared, lambda d: d["curves"].update(aligned="nowhere"), "curves that are aligned nowhere")
+    if exported:
+        c.has_to_fail("log-export", exported, lambda d: d["exports"][0].update(format="bag"), "a format that does not exist")
+    if replayed:
+        c.has_to_fail("log-replay", replayed, lambda d: d.update(same=None), "a replay that says nothing of its result")
+        c.has_to_fail("log-replay", replayed, lambda d: d.pop("cycles"), "a replay without its cycles")
+
+
+def snapshot(c, file):
+    """Asks a run that goes on in real time for its last seconds; it is stopped then."""
+    run = subprocess.Popen([c.program, "run", "--seed", "1", "--view", "0", "--speed", "1", "--quiet", "--flight", str(file) + ".fault"],
+                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        deadline = time.monotonic() + 120
+        while True:  # it may not be ready to be asked yet
+            done = c.run("log", "snapshot", file, "--pid", run.pid, "--json", "--quiet")
+            if done.returncode == 0:
+                c.validate("log-snapshot", json.loads(done.stdout), "colift log snapshot")
+                return
+            if run.poll() is not None or time.monotonic() > deadline:
+                c.wrong.append("a run did not give its last seconds: " + done.stderr[-200:])
+                return
+    finally:
+        run.kill()
+        run.wait()
+
+
 def main():
     program, root = sys.argv[1], pathlib.Path(sys.argv[2])
     c = Checker(program)
@@ -106,6 +154,7 @@ def main():
             c.validate("rank-problem", problem, "a problem of rank")
             c.command("rank", "rank", file)
         c.command("experiment", "experiment", "grasps", "--trials", "1", "--out", folder)
+        recordings(c, pathlib.Path(folder))
 
     if run:
         c.has_to_fail("run", run, lambda r: r.update(outcome="carried"), "an outcome that does not exist")
