@@ -7,8 +7,17 @@ install(FILES ${debian}/completion.bash DESTINATION share/bash-completion/comple
 install(FILES ${debian}/completion.zsh DESTINATION share/zsh/vendor-completions RENAME _colift COMPONENT colift)
 # made by tools/package
 install(DIRECTORY ${CMAKE_BINARY_DIR}/debian/man1 DESTINATION share/man COMPONENT colift OPTIONAL)
+# Sources for a machine with ROS 2, and what people read. Documents and reference are made by tools/package.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/tools/dds/ros2/colift_msgs ${PROJECT_SOURCE_DIR}/tools/dds/ros2/view
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/colift/ros2 COMPONENT colift-ros2 EXCLUDE_FROM_ALL)
+install(FILES ${CMAKE_BINARY_DIR}/debian/ros2/README.md DESTINATION share/doc/colift-ros2 COMPONENT colift-ros2
+        EXCLUDE_FROM_ALL OPTIONAL)
+install(DIRECTORY ${CMAKE_BINARY_DIR}/debian/doc/ DESTINATION share/doc/colift-doc COMPONENT colift-doc EXCLUDE_FROM_ALL OPTIONAL)
+install(FILES ${debian}/colift-doc.colift DESTINATION share/doc-base COMPONENT colift-doc EXCLUDE_FROM_ALL)
+install(FILES ${CMAKE_BINARY_DIR}/debian/colift-doc.colift-api DESTINATION share/doc-base COMPONENT colift-doc
+        EXCLUDE_FROM_ALL OPTIONAL)
 get_property(python_depends GLOBAL PROPERTY COLIFT_PYTHON_DEPENDS)  # empty: tools/python was left out
-set(packages colift libcolift-dev)
+set(packages colift libcolift-dev colift-ros2 colift-doc)
 if(python_depends)
   list(APPEND packages python3-colift)
 endif()
@@ -51,4 +60,20 @@ decisions, simulated runs step by step with own grasps and policies,
 recordings and experiments.")
 # what Python compiled there is nobody's file
 set(CPACK_DEBIAN_PYTHON3-COLIFT_PACKAGE_CONTROL_EXTRA ${debian}/python3-colift/prerm)
+foreach(package COLIFT-ROS2 COLIFT-DOC)
+  string(TOLOWER ${package} name)
+  set(CPACK_DEBIAN_${package}_PACKAGE_NAME ${name})
+  set(CPACK_DEBIAN_${package}_PACKAGE_ARCHITECTURE all)
+  set(CPACK_DEBIAN_${package}_PACKAGE_SHLIBDEPS OFF)
+endforeach()
+set(CPACK_DEBIAN_COLIFT-ROS2_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_COLIFT-ROS2_PACKAGE_SUGGESTS "colift, colift-doc")
+set(CPACK_DEBIAN_COLIFT-ROS2_DESCRIPTION "CoLift for a machine with ROS 2: sources of the interface package
+colift_msgs, to be built in a workspace, a launch file and a layout for RViz
+that show a run. Publishing itself is part of the package colift.")
+set(CPACK_DEBIAN_COLIFT-DOC_PACKAGE_SECTION doc)
+set(CPACK_DEBIAN_COLIFT-DOC_PACKAGE_SUGGESTS "colift, libcolift-dev")
+set(CPACK_DEBIAN_COLIFT-DOC_DESCRIPTION "Documents of CoLift: how it works, bring-up and calibration of a robot,
+faults, recordings, ROS 2, Python, benchmarks and decisions; and a reference
+of the headers in libcolift-dev.")
 include(CPack)
