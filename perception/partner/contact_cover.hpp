@@ -36,16 +36,16 @@ class HandPixels {
   explicit HandPixels(const HiddenConfig& config) : config_(config) {}
 
   /// A frame that shows the hand; one that shows less than half of what was seen at the same place changes
-  /// nothing. \param changed  Pixels of bodies in it, ascending. \param contact_W  m.
+  /// nothing. `changed`: pixels of bodies in it, ascending; `contact_W` in metres.
   void seen(const OrganisedCloud& reference, const hal::DepthFrame& frame,
             std::span<const std::uint32_t> changed, const hal::Vec3& contact_W);
 
   /// Whether a later frame neither shows the hand nor that it is gone, because his body, or the robot, is
   /// before it. False as long as nothing was seen.
   ///
-  /// \param reference     Image of the scene without him, of the same camera.
-  /// \param frame         Without the robot's pixels.
-  /// \param robot_pixels  Those that were removed, ascending.
+  /// `reference`: image of the scene without him, of the same camera.
+  /// `frame`: without the robot's pixels.
+  /// `robot_pixels`: those that were removed, ascending.
   [[nodiscard]] bool hidden(const OrganisedCloud& reference, const hal::DepthFrame& frame,
                             std::span<const std::uint32_t> robot_pixels, const NoiseModel& noise) const;
 
