@@ -5,6 +5,7 @@
 #include "hal/drivers/recorded/recorded_camera.hpp"
 #include "sim_hal/mock/mock_camera.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
+#include "tests/support/video_rig.hpp"
 #ifdef COLIFT_KINECT
 #include "tests/support/camera_rig.hpp"
 #endif
@@ -43,12 +44,15 @@ struct SimRig {
   hal::DepthCamera& camera = *owned;
 };
 
+// in real time, over the emulated device's system calls
+using tests::VideoRig;
+
 // in real time, through the capture process
 #ifdef COLIFT_KINECT
 using tests::CameraRig;
-#define COLIFT_CAMERAS RecordedRig, MockRig, SimRig, CameraRig
+#define COLIFT_CAMERAS RecordedRig, MockRig, SimRig, VideoRig, CameraRig
 #else
-#define COLIFT_CAMERAS RecordedRig, MockRig, SimRig
+#define COLIFT_CAMERAS RecordedRig, MockRig, SimRig, VideoRig
 #endif
 
 }  // namespace
