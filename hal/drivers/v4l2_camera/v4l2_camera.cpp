@@ -9,6 +9,7 @@
 #include <optional>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "hal/drivers/v4l2_camera/stamp_gate.hpp"
 #include "hal/drivers/v4l2_camera/video_stream.hpp"
@@ -131,8 +132,10 @@ struct V4l2Camera::Shared {
     Timestamp good = clock.now();
     bool any = false;
     while (!asked_to_end()) {
-      const auto picture = from.next(kLook);
+      std::vector<std::string> dropped;
+      const auto picture = from.newest(kLook, dropped);
       if (asked_to_end()) break;
+      for (std::string& why : dropped) reject(std::move(why));
       if (picture) {
         if (auto frame = frame_of(*picture, from.stride(), gate)) {
           good = clock.now();
@@ -141,9 +144,7 @@ struct V4l2Camera::Shared {
           continue;
         } else
           reject(frame.error().detail);
-      } else if (picture.error().code == ErrorCode::BadReply) {
-        reject(picture.error().detail);
-      } else if (picture.error().code != ErrorCode::Timeout) {
+      } else if (picture.error().code != ErrorCode::Timeout && picture.error().code != ErrorCode::BadReply) {
         lost(picture.error());
         break;
       }

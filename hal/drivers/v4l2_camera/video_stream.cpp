@@ -234,4 +234,21 @@ Result<VideoPicture> VideoStream::next(Duration timeout) {
   return picture;
 }
 
+Result<VideoPicture> VideoStream::newest(Duration timeout, std::vector<std::string>& dropped) {
+  auto best = next(timeout);
+  for (std::size_t i = 0; best && i < buffers_.size(); ++i) {
+    auto later = next(Duration{0});
+    if (later)
+      best = std::move(later);
+    else if (later.error().code == ErrorCode::BadReply)
+      dropped.push_back(later.error().detail);
+    else if (later.error().code == ErrorCode::Timeout)
+      break;
+    else
+      return later;
+  }
+  if (!best && best.error().code == ErrorCode::BadReply) dropped.push_back(best.error().detail);
+  return best;
+}
+
 }  // namespace colift::hal::v4l2

@@ -37,6 +37,10 @@ class VideoStream {
   /// the kernel, too short), LinkLost and DeviceFault (this stream is over; open another one).
   [[nodiscard]] Result<VideoPicture> next(Duration timeout);
 
+  /// The newest picture of those that wait, at least one of them good: who comes late is not served the
+  /// oldest. The reasons of what was dropped go into `dropped`. Errors: as next().
+  [[nodiscard]] Result<VideoPicture> newest(Duration timeout, std::vector<std::string>& dropped);
+
   [[nodiscard]] std::size_t stride() const { return stride_; }  ///< Bytes from one row to the next.
 
  private:

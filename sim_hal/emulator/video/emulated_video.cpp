@@ -254,6 +254,7 @@ int EmulatedVideo::wait(int descriptor, hal::Duration timeout) {
 
 void EmulatedVideo::expose_what_is_due() {
   const hal::Timestamp now = clock_.now();
+  fresh_ = false;  // what is due in one call shows one moment: it costs one rendering
   double rate_hz = rate_hz_;
   if (const VideoFault* slow = now_active(Kind::Slow)) rate_hz = std::min(rate_hz, slow->value);
   const hal::Duration period = hal::duration_of(1.0 / rate_hz);
@@ -275,20 +276,23 @@ void EmulatedVideo::expose(hal::Timestamp at) {
   filled_.push_back(index);
 }
 
-void EmulatedVideo::fill(Buffer& b, hal::Timestamp at) {
+void EmulatedVideo::take_picture() {
   const auto& k = source_->camera();
   const auto width = static_cast<std::size_t>(k.width), height = static_cast<std::size_t>(k.height);
-  if (picture_.empty() || now_active(Kind::Freeze) == nullptr) {
-    const std::vector<float> depth_m = source_->look(sequence_);
-    picture_.assign(stride() * height, 0xee);
-    for (std::size_t v = 0; v < height; ++v)
-      for (std::size_t u = 0; u < width; ++u) {
-        const double units = std::round(depth_m[v * width + u] / config_.unit_m);
-        const auto word = units > 0.0 && units < 65535.0 ? static_cast<unsigned>(units) : 0U;
-        picture_[v * stride() + 2 * u] = static_cast<std::uint8_t>(word & 0xffU);
-        picture_[v * stride() + 2 * u + 1] = static_cast<std::uint8_t>(word >> 8U);
-      }
-  }
+  const std::vector<float> depth_m = source_->look(sequence_);
+  picture_.assign(stride() * height, 0xee);
+  for (std::size_t v = 0; v < height; ++v)
+    for (std::size_t u = 0; u < width; ++u) {
+      const double units = std::round(depth_m[v * width + u] / config_.unit_m);
+      const auto word = units > 0.0 && units < 65535.0 ? static_cast<unsigned>(units) : 0U;
+      picture_[v * stride() + 2 * u] = static_cast<std::uint8_t>(word & 0xffU);
+      picture_[v * stride() + 2 * u + 1] = static_cast<std::uint8_t>(word >> 8U);
+    }
+  fresh_ = true;
+}
+
+void EmulatedVideo::fill(Buffer& b, hal::Timestamp at) {
+  if (!fresh_ && (picture_.empty() || now_active(Kind::Freeze) == nullptr)) take_picture();
   if (now_active(Kind::Blind) != nullptr)
     std::fill(b.bytes.begin(), b.bytes.end(), std::uint8_t{0});
   else

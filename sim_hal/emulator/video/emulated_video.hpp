@@ -76,6 +76,7 @@ class EmulatedVideo final : public hal::VideoCalls {
   void expose_what_is_due();
   void expose(hal::Timestamp at);
   void fill(Buffer& b, hal::Timestamp at);
+  void take_picture();
   void drop_buffers();
   [[nodiscard]] std::size_t stride() const;
   int broken(const char* rule, int error_number);
@@ -99,6 +100,7 @@ class EmulatedVideo final : public hal::VideoCalls {
   /// Buffers of earlier streams that are mapped still.
   std::vector<Buffer> orphans_;
   std::vector<std::uint8_t> picture_;
+  bool fresh_ = false;  ///< Whether it is of this call.
   std::optional<hal::Timestamp> same_stamp_;
 };
 

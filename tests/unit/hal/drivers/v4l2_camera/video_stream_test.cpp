@@ -349,4 +349,32 @@ TEST_CASE("a client that is slow gets the images that had a buffer, and loses th
   CHECK(at_once <= 5);
 }
 
+TEST_CASE("of several images that wait the newest is taken, and what is wrong among them is told", "[v4l2]") {
+  Far far;
+  auto stream = far.open();
+  REQUIRE(stream);
+  std::vector<std::string> dropped;
+  far.clock.advance(120ms);
+  const auto newest = (*stream)->newest(100ms, dropped);
+  REQUIRE(newest);
+  CHECK(far.clock.now() - *newest->stamp < 34ms);
+  CHECK(far.device.report().handed_over == 3);
+  CHECK(dropped.empty());
+
+  // a damaged one behind a good one: the good one counts
+  far.clock.advance(40ms);
+  const Timestamp good_by = far.clock.now();
+  int answered = 0;
+  far.device.lie([&](unsigned long request, void* argument) -> std::optional<int> {
+    if (request == VIDIOC_DQBUF && ++answered == 2) as<v4l2_buffer>(argument).flags |= V4L2_BUF_FLAG_ERROR;
+    return std::nullopt;
+  });
+  far.clock.advance(30ms);
+  const auto kept = (*stream)->newest(100ms, dropped);
+  REQUIRE(kept);
+  CHECK(*kept->stamp <= good_by);
+  REQUIRE(dropped.size() == 1);
+  CHECK_THAT(dropped.front(), Catch::Contains("damaged"));
+}
+
 }  // namespace colift::hal::v4l2
