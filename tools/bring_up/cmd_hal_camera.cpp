@@ -14,16 +14,27 @@
 #include "perception/calibration/grey_png.hpp"
 #include "perception/noise_fit.hpp"
 #include "tools/bring_up/bring_up.hpp"
+#include "tools/bring_up/camera/camera_files.hpp"
+#include "tools/bring_up/camera/depth_camera_watch.hpp"
 #include "tools/bring_up/hal_camera_view.hpp"
 #include "tools/cli/config_of.hpp"
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/session.hpp"
+#include "tools/rig/video_rig.hpp"
 #include "tools/visualization/file_output.hpp"
 
 namespace colift::tools {
 namespace {
 
 using namespace std::chrono_literals;
+
+/// The file's video device; nothing when its camera is another one.
+std::optional<hal::V4l2CameraConfig> video_device(const HalCameraOptions& o) {
+  if (!o.hal.robot) return std::nullopt;
+  const auto file = read_robot_file(o.hal.robot);
+  if (!file || file->camera != "v4l2") return std::nullopt;
+  return file->v4l2;
+}
 
 hal::Result<hal::KinectConfig> load_kinect(const HalCameraOptions& o) {
   const auto file = read_wired(o.hal, kWiredCamera);
@@ -159,56 +170,6 @@ class Session {
   [[nodiscard]] hal::ErrorCode code() const { return code_; }
 };
 
-/// A frame as `look`, `decide` and `check` read it.
-hal::Result<> write_depth(const std::filesystem::path& png, const hal::DepthFrame& frame) {
-  std::vector<std::uint16_t> mm;
-  mm.reserve(frame.depth_m.size());
-  for (const float z : frame.depth_m)
-    mm.push_back(z > 0.0f && z < 65.0f ? static_cast<std::uint16_t>(std::lround(1000.0f * z)) : 0);
-  const hal::CameraIntrinsics& k = frame.intrinsics;
-  if (auto done = perception::write_grey_png(png, k.width, k.height, mm); !done) return done;
-  const std::string camera = fmt::format(
-      "{{\"width\": {}, \"height\": {}, \"fx\": {}, \"fy\": {}, \"cx\": {}, \"cy\": {}, "
-      "\"depth_scale_m\": 0.001, \"invalid_depth\": 0}}\n",
-      k.width, k.height, k.fx, k.fy, k.cx, k.cy);
-  return picture::write_file(png.parent_path() / "camera.json",
-                             {reinterpret_cast<const std::uint8_t*>(camera.data()), camera.size()});
-}
-
-std::string noise_yaml(const perception::MeasuredNoise& n) {
-  return fmt::format(
-      "# colift hal camera noise: {} frames, {} flat blocks of 16 x 16 pixels from {:.2f} to {:.2f} m,\n"
-      "# model off by {:.0f} % (root mean square over bins of depth). For --config.\n"
-      "noise:\n  sigma0_m: {:.6f}\n  sigma2_per_m: {:.6f}\n  step2_per_m: {:.6f}\n",
-      n.frames, n.blocks, n.nearest_m, n.farthest_m, 100 * n.misfit, n.model.sigma0_m, n.model.sigma2_per_m,
-      n.model.step2_per_m);
-}
-
-// what was measured, beside what is configured; 0, or why not
-int say_noise(const CommonOptions& common, const HalCameraOptions& o,
-              const hal::Result<perception::MeasuredNoise>& noise, const perception::NoiseModel& configured) {
-  const char* const where = "hal camera noise";
-  if (!noise) return report_error(where, noise.error());
-  if (!common.quiet) {
-    std::fprintf(stderr,
-                 "noise at 1 m %.1f mm (configured %.1f), at 2 m %.1f mm (%.1f), at 3 m %.1f mm (%.1f)\n",
-                 1e3 * noise->model.sigma(1.0), 1e3 * configured.sigma(1.0), 1e3 * noise->model.sigma(2.0),
-                 1e3 * configured.sigma(2.0), 1e3 * noise->model.sigma(3.0), 1e3 * configured.sigma(3.0));
-    for (const std::string& doubt : noise->doubts) std::fprintf(stderr, "doubt: %s\n", doubt.c_str());
-  }
-  const std::string yaml = noise_yaml(*noise);
-  if (!o.out) {
-    if (!common.json) std::fputs(yaml.c_str(), stdout);
-    return kDone;
-  }
-  if (auto written =
-          picture::write_file(*o.out, {reinterpret_cast<const std::uint8_t*>(yaml.data()), yaml.size()});
-      !written)
-    return report_error(where, written.error());
-  if (!common.quiet) std::fprintf(stderr, "noise model: %s, for --config\n", o.out->c_str());
-  return kDone;
-}
-
 /// Ten bits, as bright as the file can show them.
 hal::Result<> write_infrared(const std::filesystem::path& png, const hal::InfraredFrame& frame) {
   std::vector<std::uint16_t> bright = frame.brightness;
@@ -216,10 +177,29 @@ hal::Result<> write_infrared(const std::filesystem::path& png, const hal::Infrar
   return perception::write_grey_png(png, frame.width, frame.height, bright);
 }
 
+int watch_video(const CommonOptions& common, const HalCameraOptions& o, const hal::V4l2CameraConfig& config,
+                const std::string& where) {
+  if (auto ok = check_depth_camera_request(o); !ok) return report_error(where.c_str(), ok.error());
+  const auto for_s = time_of(o);
+  if (!for_s) return report_error(where.c_str(), for_s.error());
+  const auto resolved = config_of(common, control::Command::Hal);
+  if (!resolved) return report_error(where.c_str(), resolved.error());
+  show_warnings(where.c_str(), common, *resolved);
+  const hal::SteadyClock clock;
+  auto camera = make_video_camera(config, clock);
+  if (!camera) return report_error(where.c_str(), camera.error());
+  return watch_depth_camera(common, o, "v4l2 " + config.device,
+                            fmt::format("v4l2-ctl --list-devices names the devices, v4l2-ctl -d {} "
+                                        "--list-formats-ext what this one gives",
+                                        config.device),
+                            **camera, clock, *for_s, resolved->config.noise);
+}
+
 }  // namespace
 
 int cmd_hal_camera(const CommonOptions& common, const HalCameraOptions& options) {
   const std::string where = fmt::format("hal camera {}", options.hal.verb);
+  if (const auto video = video_device(options)) return watch_video(common, options, *video, where);
   const auto kinect = load_kinect(options);
   if (!kinect) return report_error(where.c_str(), kinect.error());
   const auto for_s = time_of(options);
@@ -250,7 +230,8 @@ int cmd_hal_camera(const CommonOptions& common, const HalCameraOptions& options)
       std::fprintf(stderr, "depth image: %s, camera.json beside it\n", options.depth->c_str());
   }
   if (options.hal.verb == "noise" && end.code == kDone)
-    if (const int code = say_noise(common, options, session.noise(), resolved->config.noise); code != kDone)
+    if (const int code = say_noise(common, options.out, session.noise(), resolved->config.noise);
+        code != kDone)
       return code;
   if (common.json)
     std::puts(camera_document(options.hal.verb, view, end.word, end.reason).c_str());

@@ -19,7 +19,8 @@ struct HalCameraOptions {
   double tilt_deg = 0.0;
 };
 
-/// Bring-up of the Kinect: info, watch, record, noise, tilt. 0 done, 2 bad request or file, 3 the camera is
+/// Bring-up of the Kinect: info, watch, record, noise, tilt; of a video device (`camera: v4l2`) the first two
+/// and noise. 0 done, 2 bad request or file, 3 the camera is
 /// not there or went away, 130 interrupted.
 [[nodiscard]] int cmd_hal_camera(const CommonOptions& common, const HalCameraOptions& options);
 

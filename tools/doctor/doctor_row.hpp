@@ -46,6 +46,8 @@ struct DiskSpace {
                                       const DiskSpace& disk);
 /// The arm's UDP port and the network cards.
 [[nodiscard]] DoctorRows network_rows(const std::filesystem::path& root, int udp_port);
+/// A camera that the kernel serves.
+[[nodiscard]] DoctorRows video_rows(const std::filesystem::path& root, const std::string& device);
 /// The Kinect on its USB port.
 [[nodiscard]] DoctorRows usb_rows(const std::filesystem::path& root);
 

@@ -34,6 +34,8 @@ hal::Result<> check_together(const RobotFile& file, bool emulated, const std::st
       return refuse("camera: kinect lives in real time, and arm: simulated does not; expected arm: fri");
     if (file.camera == "ros2")
       return refuse("camera: ros2 lives in real time, and arm: simulated does not; expected arm: fri");
+    if (file.camera == "v4l2")
+      return refuse("camera: v4l2 lives in real time, and arm: simulated does not; expected arm: fri");
     return {};
   }
   if (emulated) return {};
@@ -45,7 +47,7 @@ hal::Result<> check_together(const RobotFile& file, bool emulated, const std::st
   if (file.camera == "simulated")
     return refuse(
         "camera: simulated observes a simulation that is not stepped beside a real arm; expected camera: "
-        "kinect or ros2, or emulator: always");
+        "kinect, ros2 or v4l2, or emulator: always");
   return {};
 }
 
@@ -75,6 +77,10 @@ hal::Result<Rig> open_rig(const RigRequest& request, const control::Config& conf
                         "names an arm on a wire, and this program has simulated devices alone");
   const bool served_elsewhere = real_time && file->emulator == "auto" && wired->served_elsewhere(*file);
   const bool emulated = real_time && file->emulator != "never" && !served_elsewhere;
+  if (served_elsewhere && file->camera == "v4l2")
+    return hal::failure(hal::ErrorCode::BadConfig, robot.value_or("").string(),
+                        "the rig that another program serves has a Kinect; expected camera: kinect, or "
+                        "emulator: always");
   if (auto ok = check_together(*file, emulated, robot.value_or("").string()); !ok)
     return tl::unexpected(ok.error());
   Rig rig;

@@ -14,6 +14,7 @@
 #include "sim_hal/emulator/mujoco/camera_world_source.hpp"
 #include "sim_hal/emulator/mujoco/hand_world_plant.hpp"
 #include "sim_hal/emulator/mujoco/krc_world_plant.hpp"
+#include "sim_hal/emulator/mujoco/video_world_source.hpp"
 
 namespace colift::tools {
 namespace {
@@ -53,7 +54,7 @@ EmulatedRig::~EmulatedRig() {
   stop();
 }
 
-hal::Result<EmulatedRig::Faults> EmulatedRig::faults_of(const sim_hal::Scenario& scenario) {
+hal::Result<EmulatedRig::Faults> EmulatedRig::faults_of(const sim_hal::Scenario& scenario, bool video) {
   for (std::size_t i = 0; i < scenario.faults.size(); ++i)
     if (!scenario.faults[i].in_state.empty())
       return hal::failure(hal::ErrorCode::BadConfig, fmt::format("faults[{}].at", i),
@@ -62,17 +63,26 @@ hal::Result<EmulatedRig::Faults> EmulatedRig::faults_of(const sim_hal::Scenario&
   if (!arm) return tl::unexpected(arm.error());
   auto hand = sim_hal::faults_of("hand", scenario.faults, {}, sim_hal::hand_fault, sim_hal::parse_hand_fault);
   if (!hand) return tl::unexpected(hand.error());
+  Faults faults{std::move(*arm), std::move(*hand), {}, {}};
+  if (video) {
+    auto device =
+        sim_hal::faults_of("camera", scenario.faults, {}, sim_hal::video_fault, sim_hal::parse_video_fault);
+    if (!device) return tl::unexpected(device.error());
+    faults.video = std::move(*device);
+    return faults;
+  }
   auto camera =
       sim_hal::faults_of("camera", scenario.faults, {}, sim_hal::camera_fault, sim_hal::parse_camera_fault);
   if (!camera) return tl::unexpected(camera.error());
-  return Faults{std::move(*arm), std::move(*hand), std::move(*camera)};
+  faults.camera = std::move(*camera);
+  return faults;
 }
 
 hal::Result<std::shared_ptr<EmulatedRig>> EmulatedRig::start(const EmulatedRigConfig& config,
                                                              const sim_hal::Scenario& scenario,
                                                              const hal::RobotModel& model,
                                                              std::shared_ptr<sim_hal::SimWorld> world) {
-  auto faults = faults_of(scenario);
+  auto faults = faults_of(scenario, config.video.has_value());
   if (!faults) return tl::unexpected(faults.error());
   std::shared_ptr<EmulatedRig> rig(new EmulatedRig(std::move(world), std::move(*faults)));
   sim_hal::SimWorld& w = *rig->world_;
@@ -107,6 +117,10 @@ hal::Result<std::shared_ptr<EmulatedRig>> EmulatedRig::start(const EmulatedRigCo
         std::make_unique<sim_hal::CameraServer>(camera, std::make_unique<sim_hal::CameraWorldSource>(w));
     if (auto started = rig->camera_->start(); !started) return tl::unexpected(started.error());
   }
+  if (config.video)
+    rig->video_ = std::make_shared<sim_hal::EmulatedVideo>(
+        config.video->first, std::make_unique<sim_hal::VideoWorldSource>(w, config.video->second),
+        rig->clock_);
   return rig;
 }
 
@@ -117,11 +131,14 @@ void EmulatedRig::begin() {
     if (pucks_) pucks_->inject(fault);
   for (const auto& fault : faults_.camera)
     if (camera_) camera_->inject(fault);
+  for (const auto& fault : faults_.video)
+    if (video_) video_->inject(fault);
 }
 
 void EmulatedRig::stop() {
   // the world's mover last
   if (camera_) camera_->stop();
+  if (video_) video_->end();
   if (pucks_) pucks_->stop();
   if (krc_) krc_->stop();
 }

@@ -11,6 +11,7 @@
 #include "sim_hal/emulator/camera/camera_server.hpp"
 #include "sim_hal/emulator/hand/hand_server.hpp"
 #include "sim_hal/emulator/krc/krc_server.hpp"
+#include "sim_hal/emulator/video/emulated_video.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
 #include "sim_hal/scenario/scenario.hpp"
 #include "tools/rig/robot_file.hpp"
@@ -25,14 +26,16 @@ struct EmulatedRigConfig {
   int cpu = -1;                                 ///< On which its client answers; -1: any.
   std::optional<std::string> can;               ///< As `barrett.can` names the bus; unset: no hand there.
   std::optional<std::string> camera;  ///< "@NAME", or empty for a name of its own; unset: no camera there.
+  /// A video device that the kernel would serve, and its camera; unset: none there.
+  std::optional<std::pair<sim_hal::EmulatedVideoConfig, hal::CameraIntrinsics>> video;
   std::uint64_t seed = 1;
 };
 
 /// What the far ends of this robot's wires are.
 [[nodiscard]] EmulatedRigConfig emulated_rig_of(const RobotFile& file, std::uint64_t seed);
 
-/// KRC, four pucks and a Kinect on one simulated world, in real time, each in a thread of its own. The pucks
-/// are asleep as after power-on.
+/// KRC, four pucks and a Kinect or a video device on one simulated world, in real time, each in a thread of
+/// its own. The pucks are asleep as after power-on.
 class EmulatedRig {
  public:
   /// Errors: BadConfig (a fault of the scenario that is none, an address that is taken), what the servers
@@ -52,22 +55,27 @@ class EmulatedRig {
   [[nodiscard]] sim_hal::KrcServer& krc() { return *krc_; }
   [[nodiscard]] sim_hal::HandServer* pucks() { return pucks_.get(); }      ///< nullptr: not served.
   [[nodiscard]] sim_hal::CameraServer* camera() { return camera_.get(); }  ///< nullptr: not served.
+  /// nullptr: not served. Lives no longer than the rig: its pictures are of the rig's world.
+  [[nodiscard]] const std::shared_ptr<sim_hal::EmulatedVideo>& video() { return video_; }
 
  private:
   struct Faults {
     std::vector<sim_hal::KrcFault> arm;
     std::vector<sim_hal::HandFault> hand;
     std::vector<sim_hal::CameraFault> camera;
+    std::vector<sim_hal::VideoFault> video;
   };
 
   EmulatedRig(std::shared_ptr<sim_hal::SimWorld> world, Faults faults);
-  static hal::Result<Faults> faults_of(const sim_hal::Scenario& scenario);
+  static hal::Result<Faults> faults_of(const sim_hal::Scenario& scenario, bool video);
 
   std::shared_ptr<sim_hal::SimWorld> world_;
   Faults faults_;
   std::unique_ptr<sim_hal::KrcServer> krc_;
   std::unique_ptr<sim_hal::HandServer> pucks_;
   std::unique_ptr<sim_hal::CameraServer> camera_;
+  hal::SteadyClock clock_;
+  std::shared_ptr<sim_hal::EmulatedVideo> video_;
 };
 
 /// Says to other programs on this machine that a rig is served for the arm's client on `port`; gone with the

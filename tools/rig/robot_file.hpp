@@ -9,6 +9,7 @@
 #include "hal/drivers/kinect/kinect_config.hpp"
 #include "hal/drivers/kuka_fri/fri_config.hpp"
 #include "hal/drivers/ros2_camera/ros2_camera_config.hpp"
+#include "hal/drivers/v4l2_camera/v4l2_camera_config.hpp"
 #include "hal/types/result.hpp"
 
 namespace colift::tools {
@@ -23,13 +24,14 @@ struct RobotFile {
   hal::BarrettHandConfig barrett;
   hal::KinectConfig kinect;
   hal::Ros2CameraConfig ros2;
+  hal::V4l2CameraConfig v4l2;
   std::string emulator = "never";
 
   template <class Visitor>
   void visit(Visitor& v) {
     v("arm", arm, hal::Choices{"simulated", "fri"}, "Back end of the arm.");
     v("hand", hand, hal::Choices{"simulated", "barrett"}, "Back end of the hand.");
-    v("camera", camera, hal::Choices{"simulated", "kinect", "ros2"}, "Back end of the camera.");
+    v("camera", camera, hal::Choices{"simulated", "kinect", "ros2", "v4l2"}, "Back end of the camera.");
     v("model", model, "URDF of arm and hand; empty: the built-in LWR 4+ with BarrettHand.");
     v("calibration", calibration,
       "Result of colift calibrate: where the camera is; empty: as the configuration or the scenario says.");
@@ -39,6 +41,7 @@ struct RobotFile {
     v("barrett", barrett, "How the BarrettHand is reached and treated.");
     v("kinect", kinect, "How the Kinect is reached and treated.");
     v("ros2", ros2, "Where a camera with a driver for ROS 2 is found.");
+    v("v4l2", v4l2, "The video device of a depth camera that the kernel serves.");
     v("emulator", emulator, hal::Choices{"never", "always", "auto"},
       "The far ends of the wires, in this program, on the scenario's world, for machines without a robot; "
       "auto: "

@@ -6,11 +6,13 @@
 #include "hal/drivers/kuka_fri/fri_arm.hpp"
 #ifdef COLIFT_DDS
 #include "hal/drivers/ros2_camera/ros2_camera.hpp"
-#include "hal/guards/guarded_camera.hpp"
 #endif
+#include "hal/drivers/v4l2_camera/v4l2_camera.hpp"
+#include "hal/guards/guarded_camera.hpp"
 #include "hal/os/make_can_bus.hpp"
 #include "hal/os/udp_link.hpp"
 #include "tools/rig/emulated_rig.hpp"
+#include "tools/rig/video_rig.hpp"
 
 namespace colift::tools {
 namespace {
@@ -55,6 +57,30 @@ hal::Result<> ros2_camera(const RobotFile&, const control::Config&, Rig&) {
 }
 #endif
 
+/// What is in front of an emulated video device: a camera as the file describes it, else a usual one.
+hal::Result<hal::v4l2::DepthModel> emulated_model(const hal::V4l2CameraConfig& config) {
+  if (!config.intrinsics.empty()) return depth_model(config);
+  hal::v4l2::DepthModel usual;
+  if (config.depth_unit_m > 0.0) usual.unit_m = config.depth_unit_m;
+  return usual;
+}
+
+hal::Result<> v4l2_camera(const RobotFile& file, EmulatedRig* far_ends, const hal::CameraGuardConfig& guard,
+                          Rig& rig) {
+  std::unique_ptr<hal::DepthCamera> camera;
+  if (far_ends != nullptr) {
+    const auto model = emulated_model(file.v4l2);
+    if (!model) return tl::unexpected(model.error());
+    camera = std::make_unique<hal::V4l2Camera>(file.v4l2, *model, far_ends->video(), *rig.robot.clock);
+  } else {
+    auto made = make_video_camera(file.v4l2, *rig.robot.clock);
+    if (!made) return tl::unexpected(made.error());
+    camera = std::move(*made);
+  }
+  rig.robot.camera = std::make_unique<hal::GuardedCamera>(std::move(camera), guard, *rig.robot.clock);
+  return {};
+}
+
 class Wired final : public WiredDevices {
  public:
   [[nodiscard]] bool served_elsewhere(const RobotFile& file) const override {
@@ -64,7 +90,19 @@ class Wired final : public WiredDevices {
   [[nodiscard]] hal::Result<std::shared_ptr<EmulatedRig>> start_far_ends(
       const RobotFile& file, std::uint64_t seed, const sim_hal::Scenario& scenario,
       std::shared_ptr<sim_hal::SimWorld> world, Rig& rig) const override {
-    auto far_ends = EmulatedRig::start(emulated_rig_of(file, seed), scenario, *rig.model, std::move(world));
+    EmulatedRigConfig wires = emulated_rig_of(file, seed);
+    if (file.camera == "v4l2") {
+      const auto model = emulated_model(file.v4l2);
+      if (!model) return tl::unexpected(model.error());
+      if (!model->lens.none())
+        return hal::failure(hal::ErrorCode::BadConfig, file.v4l2.intrinsics,
+                            "an emulated camera has no distortion; expected intrinsics without it");
+      sim_hal::EmulatedVideoConfig video;
+      video.path = file.v4l2.device;
+      video.unit_m = model->unit_m;
+      wires.video.emplace(video, model->intrinsics);
+    }
+    auto far_ends = EmulatedRig::start(wires, scenario, *rig.model, std::move(world));
     if (far_ends) rig.begin = [rig_ends = *far_ends] { rig_ends->begin(); };
     return far_ends;
   }
@@ -94,14 +132,15 @@ class Wired final : public WiredDevices {
                                      EmulatedRig* far_ends, bool pose_known, const control::Config& config,
                                      Rig& rig) const override {
     if (file.camera == "ros2") return ros2_camera(file, config, rig);
+    hal::CameraGuardConfig guard = config.guard_camera;
+    // an ideal camera shows a scene at rest alike
+    if (file.emulator != "never" && scenario.camera.noise == "none") guard.frozen_s = 0.0;
+    if (file.camera == "v4l2") return v4l2_camera(file, far_ends, guard, rig);
     hal::KinectConfig kinect = file.kinect;
     if (far_ends != nullptr) {
       kinect.source = "emulated:" + far_ends->camera()->address();
       kinect.motor = true;
     }
-    hal::CameraGuardConfig guard = config.guard_camera;
-    // an ideal camera shows a scene at rest alike
-    if (file.emulator != "never" && scenario.camera.noise == "none") guard.frozen_s = 0.0;
     std::optional<hal::Vec3> up_C;
     if (pose_known) up_C = rig.X_WC.linear().transpose() * hal::Vec3::UnitZ();
     hal::GuardedKinect made = hal::make_guarded_kinect(kinect, guard, *rig.robot.clock, up_C);

@@ -261,6 +261,8 @@ void EmulatedVideo::expose_what_is_due() {
   if (now - next_ > kMostBehind * period) next_ = now;
   for (; next_ <= now; next_ += period)
     if (now_active(Kind::Silent) == nullptr) expose(next_);
+  // a rendering that took longer than a period makes the device slower, and not its client busy for ever
+  if (const hal::Timestamp after = clock_.now(); next_ <= after) next_ = after + kTick;
 }
 
 void EmulatedVideo::expose(hal::Timestamp at) {

@@ -270,4 +270,20 @@ TEST_CASE("what keeps a Kinect from working has its repair", "[doctor]") {
   CHECK(row(usb_rows(m.root), "webcam driver").repair.find("blacklist gspca_kinect") != std::string::npos);
 }
 
+TEST_CASE("a video device: there, a device, one of the kernel's video devices", "[doctor]") {
+  const FakeMachine m;
+  const auto found = [&](const char* device) { return row(video_rows(m.root, device), "video device"); };
+  CHECK(found("/dev/video0").verdict == Verdict::Bad);
+  CHECK_THAT(found("/dev/video0").repair, Catch::Contains("v4l2-ctl --list-devices"));
+  m.file("dev/video0", "");
+  CHECK_THAT(found("/dev/video0").found, Catch::Contains("is no device"));
+  // a link by id to a node that everybody may open
+  fs::create_directories(m.root / "dev/v4l/by-id");
+  fs::create_symlink("/dev/null", m.root / "dev/v4l/by-id/camera");
+  CHECK_THAT(found("/dev/v4l/by-id/camera").found, Catch::Contains("is no video device"));
+  m.file("sys/class/video4linux/null/name", "Depth camera\n");
+  CHECK(found("/dev/v4l/by-id/camera").verdict == Verdict::Ok);
+  CHECK_THAT(found("/dev/v4l/by-id/camera").found, Catch::Contains("Depth camera"));
+}
+
 }  // namespace colift

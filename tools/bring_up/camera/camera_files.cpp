@@ -1,0 +1,67 @@
+#include "tools/bring_up/camera/camera_files.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "perception/calibration/grey_png.hpp"
+#include "tools/visualization/file_output.hpp"
+
+namespace colift::tools {
+namespace {
+
+std::string noise_yaml(const perception::MeasuredNoise& n) {
+  return fmt::format(
+      "# colift hal camera noise: {} frames, {} flat blocks of 16 x 16 pixels from {:.2f} to {:.2f} m,\n"
+      "# model off by {:.0f} % (root mean square over bins of depth). For --config.\n"
+      "noise:\n  sigma0_m: {:.6f}\n  sigma2_per_m: {:.6f}\n  step2_per_m: {:.6f}\n",
+      n.frames, n.blocks, n.nearest_m, n.farthest_m, 100 * n.misfit, n.model.sigma0_m, n.model.sigma2_per_m,
+      n.model.step2_per_m);
+}
+
+}  // namespace
+
+hal::Result<> write_depth(const std::filesystem::path& png, const hal::DepthFrame& frame) {
+  std::vector<std::uint16_t> mm;
+  mm.reserve(frame.depth_m.size());
+  for (const float z : frame.depth_m)
+    mm.push_back(z > 0.0f && z < 65.0f ? static_cast<std::uint16_t>(std::lround(1000.0f * z)) : 0);
+  const hal::CameraIntrinsics& k = frame.intrinsics;
+  if (auto done = perception::write_grey_png(png, k.width, k.height, mm); !done) return done;
+  const std::string camera = fmt::format(
+      "{{\"width\": {}, \"height\": {}, \"fx\": {}, \"fy\": {}, \"cx\": {}, \"cy\": {}, "
+      "\"depth_scale_m\": 0.001, \"invalid_depth\": 0}}\n",
+      k.width, k.height, k.fx, k.fy, k.cx, k.cy);
+  return picture::write_file(png.parent_path() / "camera.json",
+                             {reinterpret_cast<const std::uint8_t*>(camera.data()), camera.size()});
+}
+
+int say_noise(const CommonOptions& common, const std::optional<std::filesystem::path>& out,
+              const hal::Result<perception::MeasuredNoise>& noise, const perception::NoiseModel& configured) {
+  const char* const where = "hal camera noise";
+  if (!noise) return report_error(where, noise.error());
+  if (!common.quiet) {
+    std::fprintf(stderr,
+                 "noise at 1 m %.1f mm (configured %.1f), at 2 m %.1f mm (%.1f), at 3 m %.1f mm (%.1f)\n",
+                 1e3 * noise->model.sigma(1.0), 1e3 * configured.sigma(1.0), 1e3 * noise->model.sigma(2.0),
+                 1e3 * configured.sigma(2.0), 1e3 * noise->model.sigma(3.0), 1e3 * configured.sigma(3.0));
+    for (const std::string& doubt : noise->doubts) std::fprintf(stderr, "doubt: %s\n", doubt.c_str());
+  }
+  const std::string yaml = noise_yaml(*noise);
+  if (!out) {
+    if (!common.json) std::fputs(yaml.c_str(), stdout);
+    return kDone;
+  }
+  if (auto written =
+          picture::write_file(*out, {reinterpret_cast<const std::uint8_t*>(yaml.data()), yaml.size()});
+      !written)
+    return report_error(where, written.error());
+  if (!common.quiet) std::fprintf(stderr, "noise model: %s, for --config\n", out->c_str());
+  return kDone;
+}
+
+}  // namespace colift::tools
