@@ -32,12 +32,13 @@ export function heightWords(height_m: number): string {
 
 /** Null: nothing is carried, and what was said before stays. */
 export function loadWords(load: Load): string | null {
-  if (load.share === null) return null;
+  if (load.share === null && load.height_m === null) return null;
   const rest = (load.tilt_deg === null ? "" : `, tilt ${figure(load.tilt_deg, 1)}°`) +
     (load.height_m === null ? "" : `, ${heightWords(load.height_m)}`);
-  if (load.load_n < CARRIED_N || load.share <= 0) return `The robot carries nothing${rest}`;
-  return `The robot carries ${figure(load.load_n)} N, ${percent(load.share)} of the load` +
-    (load.share_predicted === null ? "" : ` (predicted ${percent(load.share_predicted)})`) + rest;
+  if (load.load_n < CARRIED_N || (load.share ?? 1) <= 0) return `The robot carries nothing${rest}`;
+  // the share is known when the weight is
+  return `The robot carries ${figure(load.load_n)} N` + (load.share === null ? "" : `, ${percent(load.share)} of the load`) +
+    (load.share === null || load.share_predicted === null ? "" : ` (predicted ${percent(load.share_predicted)})`) + rest;
 }
 
 export function leaderWords(leads: string | null | undefined): string {
