@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/motion/collision/near_points.hpp"
 #include "planner/motion/collision/squared_distances.hpp"
 
 namespace colift::planner {

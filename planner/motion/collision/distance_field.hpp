@@ -5,9 +5,10 @@
 
 #include "hal/types/geometry.hpp"
 #include "perception/map/world_map.hpp"
-#include "planner/motion/collision/near_points.hpp"
 
 namespace colift::planner {
+
+struct BoxDistances;
 
 /// Distance to the nearest obstacle cell, cut at `max_m`. Exact at the corners of the grid's cells: the
 /// squared distance in cells is a whole number there and is stored as such. Between them
