@@ -386,7 +386,7 @@ def real_time(colift):
 
 
 def only_this_machine(colift):
-    """With a client on this machine nobody else reaches the emulated controller; a long datagram is told as long as it is."""
+    """With a client on this machine nobody else reaches the emulated controller; a long datagram is reported with its true size."""
     c = Client(colift, "stanford")
     c.turns(3)
     with open("/proc/net/udp") as table:

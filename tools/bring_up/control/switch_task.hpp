@@ -15,7 +15,7 @@ struct SwitchStep {
   bool reached = false;    ///< It was commanded.
   double took_s = 0.0;     ///< From the end of the one before to the first command.
   double held_s = 0.0;     ///< For so long it was commanded.
-  double moved_rad = 0.0;  ///< Greatest distance of a joint from where it stood when the task began.
+  double moved_rad = 0.0;  ///< Max distance of a joint from where it was when the task began.
 };
 
 /// How it ended: `reason` is empty when each strategy was commanded for its time.
