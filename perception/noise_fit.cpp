@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <optional>
+
+#include "hal/types/symmetric.hpp"
 
 namespace colift::perception {
 namespace {
@@ -40,7 +41,7 @@ std::optional<std::pair<double, double>> residual_of(const hal::DepthFrame& f, i
     }
   }
   if (n < static_cast<int>(kMinSeen * kSide * kSide)) return std::nullopt;
-  const Eigen::Vector3d fit = A.ldlt().solve(b);
+  const Eigen::Vector3d fit = hal::solve_symmetric<double, 3>(A, b);
   const double rest = std::max(0.0, square - fit.dot(b)) / (n - 3);
   depth /= n;
   return std::pair(depth, std::sqrt(rest) * depth * depth);
@@ -138,7 +139,7 @@ hal::Result<MeasuredNoise> NoiseFit::result() const {
   }
   const bool spans = out.farthest_m > kMinSpan * out.nearest_m;
   Eigen::Vector2d s(0.0, -1.0);
-  if (spans) s = A.ldlt().solve(b);
+  if (spans) s = hal::solve_small_symmetric(A, b);
   if (!spans || !(s[0] >= 0.0) || !(s[1] >= 0.0)) {
     // one number at a time, as far as it is positive
     s = {0.0, b[1] / A(1, 1)};

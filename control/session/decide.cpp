@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "control/session/pipeline.hpp"
+#include "hal/types/symmetric.hpp"
 #include "hal/types/units.hpp"
 #include "perception/partner/partner_grasp.hpp"
 #include "planner/grasp/grasp_stability.hpp"
@@ -50,9 +50,7 @@ bool is_belief(const PartnerGrasp& p) {
   if (!p.position.allFinite() || !p.covariance.allFinite()) return false;
   const double size = p.covariance.norm();
   if ((p.covariance - p.covariance.transpose()).norm() > kRounding * size) return false;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(p.covariance, Eigen::EigenvaluesOnly);
-  return solver.eigenvalues().minCoeff() >= -kRounding * size;
+  return hal::small_symmetric_eigen(p.covariance).values[0] >= -kRounding * size;
 }
 
 double sigma_mm(const Eigen::Matrix3d& covariance) {

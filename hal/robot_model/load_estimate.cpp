@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "hal/types/symmetric.hpp"
 #include "hal/types/units.hpp"
 
 namespace colift::hal {
@@ -61,14 +61,13 @@ Result<LoadError> estimate_load_error(const ArmDynamics& dynamics, std::span<con
     normal += A.transpose() * A;
     right += A.transpose() * s.tau_external_nm;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(normal);
-  const double weakest = eigen.eigenvalues()[0];
+  const double weakest = small_symmetric_eigen(normal).values[0];
   if (!(weakest > 0.0) || kLoadNoise_nm / std::sqrt(weakest) > kMostSigma_kg)
     return failure(ErrorCode::NotReady, "load",
                    fmt::format("not observable from {} poses: they are too few or too much alike (turn the "
                                "wrist further, so that gravity pulls at the load from other sides)",
                                samples.size()));
-  const Eigen::Vector4d p = normal.ldlt().solve(right);
+  const Eigen::Vector4d p = solve_small_symmetric(normal, right);
 
   LoadError e;
   JointVector mean = JointVector::Zero();

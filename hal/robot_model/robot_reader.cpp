@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <urdf_model/model.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -11,6 +10,7 @@
 #include "hal/robot_model/robot_joints.hpp"
 #include "hal/robot_model/robot_model.hpp"
 #include "hal/robot_model/urdf_text.hpp"
+#include "hal/types/symmetric.hpp"
 
 namespace colift::hal {
 namespace {
@@ -29,9 +29,7 @@ Pose pose_of(const urdf::Pose& pose) {
 /// Positive definite, and no principal moment larger than the sum of the others: what a body can have.
 bool is_inertia(const Eigen::Matrix3d& inertia) {
   if (!inertia.allFinite()) return false;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(inertia, Eigen::EigenvaluesOnly);
-  const Vec3 m = solver.eigenvalues();
+  const Vec3 m = small_symmetric_eigen(inertia).values;
   return m[0] > 0.0 && m[0] + m[1] >= m[2] * (1.0 - 1e-3);
 }
 

@@ -34,6 +34,15 @@ SymmetricEigen6 symmetric_eigen(const Eigen::Matrix<double, 6, 6>& A) {
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 
+SmallMatrix solve_small_symmetric(const SmallMatrix& A, const SmallMatrix& B) {
+  return Eigen::LDLT<SmallMatrix>(A).solve(B);
+}
+
+SmallSymmetricEigen small_symmetric_eigen(const SmallMatrix& A) {
+  const Eigen::SelfAdjointEigenSolver<SmallMatrix> solver(A);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
 double symmetric_determinant(const Eigen::Matrix<double, 6, 6>& A) {
   return SymmetricUpTo6(A).vectorD().prod();
 }

@@ -19,6 +19,20 @@ struct SymmetricEigen6 {
 };
 [[nodiscard]] SymmetricEigen6 symmetric_eigen(const Eigen::Matrix<double, 6, 6>& A);
 
+/// Matrices and vectors of any size up to 16, without an allocation.
+using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 16, 16>;
+using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 16, 1>;
+
+/// As solve_symmetric(), for any size up to 16 and one or more right sides (the columns of B).
+[[nodiscard]] SmallMatrix solve_small_symmetric(const SmallMatrix& A, const SmallMatrix& B);
+
+/// Eigenvalues in ascending order, and their unit eigenvectors as columns, of a symmetric matrix up to 16x16.
+struct SmallSymmetricEigen {
+  SmallVector values;
+  SmallMatrix vectors;
+};
+[[nodiscard]] SmallSymmetricEigen small_symmetric_eigen(const SmallMatrix& A);
+
 /// Determinant of a symmetric, positive semi-definite 6x6 matrix, of which the lower half is read.
 [[nodiscard]] double symmetric_determinant(const Eigen::Matrix<double, 6, 6>& A);
 

@@ -2,14 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <random>
 
+#include "hal/types/symmetric.hpp"
 #include "perception/calibration/start_value.hpp"
 
 namespace colift::perception {
@@ -277,13 +276,12 @@ Calibration describe(const Solver& solver, const Estimate& e, std::span<const Em
   c.diversity = diversity_of(samples, e.rows.samples, e.model.p_H);
   const Linearised at = solver.at(e);
   const auto n = at.H.rows();
-  const Eigen::MatrixXd all = Eigen::MatrixXd(at.H).ldlt().solve(Eigen::MatrixXd::Identity(n, n));
+  const hal::SmallMatrix all = hal::solve_small_symmetric(at.H, hal::SmallMatrix::Identity(n, n));
   const int dof = std::max(1, at.rows - static_cast<int>(n));
   c.chi2_per_dof = at.cost / dof;
   c.covariance = all.topLeftCorner<kPoseParameters, kPoseParameters>() * std::max(1.0, c.chi2_per_dof);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kPoseParameters, kPoseParameters>> eigen(
-      c.covariance);
-  const double least = eigen.eigenvalues().minCoeff(), most = eigen.eigenvalues().maxCoeff();
+  const hal::SmallVector values = hal::small_symmetric_eigen(c.covariance).values;
+  const double least = values[0], most = values[kPoseParameters - 1];
   c.condition = least > 0.0 ? most / least : std::numeric_limits<double>::infinity();
   c.emitter_sigma_m = std::sqrt(std::max(0.0, c.covariance.bottomRightCorner<3, 3>().trace() / 3.0));
 

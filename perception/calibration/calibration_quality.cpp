@@ -1,11 +1,11 @@
 // What a set of poses and a solution are worth.
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "hal/types/symmetric.hpp"
 #include "hal/types/units.hpp"
 #include "perception/calibration/calibrate.hpp"
 
@@ -23,8 +23,8 @@ Vec3 spread(const std::vector<Vec3>& points) {
   mean /= static_cast<double>(points.size());
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const Vec3& p : points) sum += (p - mean) * (p - mean).transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(sum / static_cast<double>(points.size()));
-  return solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().reverse();
+  const hal::SmallVector values = hal::small_symmetric_eigen(sum / static_cast<double>(points.size())).values;
+  return values.cwiseMax(0.0).cwiseSqrt().reverse();
 }
 
 }  // namespace
@@ -39,8 +39,7 @@ PoseDiversity diversity_of(std::span<const EmitterSample> samples, std::span<con
     const Eigen::Quaterniond q(samples[static_cast<std::size_t>(i)].X_BH.linear());
     sum += q.coeffs() * q.coeffs().transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(sum);
-  const Eigen::Quaterniond mean(Eigen::Vector4d(solver.eigenvectors().col(3)));
+  const Eigen::Quaterniond mean(Eigen::Vector4d(hal::small_symmetric_eigen(sum).vectors.col(3)));
   std::vector<Vec3> turns, places;
   for (const int i : use) {
     const EmitterSample& s = samples[static_cast<std::size_t>(i)];

@@ -1,10 +1,11 @@
 #include "perception/calibration/emitter_model.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "hal/types/symmetric.hpp"
 
 namespace colift::perception {
 namespace {
@@ -164,7 +165,7 @@ double refine(std::span<const EmitterSample> samples, const EmitterRows& rows, c
   for (int step = 0; step < most_steps && std::isfinite(at.cost); ++step) {
     Normal damped = at.H;
     damped.diagonal() += lambda * (at.H.diagonal().array() + 1e-9).matrix();
-    const Step d = damped.ldlt().solve(-at.g);
+    const Step d = hal::solve_small_symmetric(damped, -at.g);
     if (!d.allFinite()) break;
     const EmitterModel next = moved(model, d);
     Linearised there = linearise(samples, next, prior, rows, noise);

@@ -1,11 +1,11 @@
 #include "perception/calibration/next_pose.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
+#include "hal/types/symmetric.hpp"
 #include "hal/types/units.hpp"
 
 namespace colift::perception {
@@ -38,7 +38,7 @@ Information information_of(const Pose& X_BH, const EmitterModel& model, const Em
 }
 
 double predicted_error(const Information& H, const EmitterModel& model, std::span<const Vec3> grid) {
-  const Information S = H.ldlt().solve(Information::Identity());
+  const Information S = hal::solve_small_symmetric(H, Information::Identity());
   return placing_error(model, S.topLeftCorner<6, 6>(), grid).rms_m;
 }
 

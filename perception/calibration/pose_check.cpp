@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "hal/types/symmetric.hpp"
 #include "hal/types/units.hpp"
 #include "perception/calibration/arm_in_view/arm_surface.hpp"
 
@@ -58,12 +57,12 @@ Vec3 fit_shift(const std::vector<Vec3>& points, const ArmSurface& surface, const
     }
     if (!(weights > 0.0)) break;
     // only along directions that enough of the surface faces
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(H / weights);
+    const hal::SmallSymmetricEigen eigen = hal::small_symmetric_eigen(H / weights);
     Vec3 step = Vec3::Zero();
     for (int a = 0; a < 3; ++a) {
-      if (eigen.eigenvalues()[a] < config.min_direction_fraction) continue;
-      const Vec3 axis = eigen.eigenvectors().col(a);
-      step -= axis * (axis.dot(g) / weights / eigen.eigenvalues()[a]);
+      if (eigen.values[a] < config.min_direction_fraction) continue;
+      const Vec3 axis = eigen.vectors.col(a);
+      step -= axis * (axis.dot(g) / weights / eigen.values[a]);
     }
     shift += step;
     if (step.norm() < 1e-5 || shift.norm() > 2.0 * reach_m) break;

@@ -2,11 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
+
+#include "hal/types/symmetric.hpp"
 
 namespace colift::perception {
 namespace {
@@ -155,7 +156,7 @@ std::optional<Vector2d> fit_flanks(const Difference& d, const Window& w, double 
       ++count;
     }
   if (count < 10) return std::nullopt;
-  const Vec6 c = H.ldlt().solve(g);
+  const Vec6 c = hal::solve_symmetric<double, 6>(H, g);
   const double det = 4.0 * c[3] * c[5] - c[4] * c[4];
   if (!(c[3] < 0.0) || !(c[5] < 0.0) || !(det > 0.0)) return std::nullopt;
   const Vector2d peak(u_mid + (c[4] * c[2] - 2.0 * c[5] * c[1]) / det,

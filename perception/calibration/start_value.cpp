@@ -1,10 +1,10 @@
 #include "perception/calibration/start_value.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
 #include <vector>
+
+#include "hal/types/symmetric.hpp"
 
 namespace colift::perception {
 namespace {
@@ -28,8 +28,7 @@ Mat3 nearest_rotation(const Mat3& sum) {
       0, m(0, 0) - m(1, 1) - m(2, 2), m(0, 1) + m(1, 0), m(2, 0) + m(0, 2),  //
       0, 0, -m(0, 0) + m(1, 1) - m(2, 2), m(1, 2) + m(2, 1),                 //
       0, 0, 0, -m(0, 0) - m(1, 1) + m(2, 2);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(n.transpose());  // reads the lower half
-  const Eigen::Vector4d q = solver.eigenvectors().col(3);
+  const Eigen::Vector4d q = hal::small_symmetric_eigen(n.transpose()).vectors.col(3);  // reads the lower half
   return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
 }
 
@@ -52,7 +51,7 @@ void solve_linear(const std::vector<Ray>& rays, const Vec3& prior, double prior_
   const double weight = 1e-4 / (prior_m * prior_m) * static_cast<double>(rays.size()) / 7.0;
   H.bottomRightCorner<3, 3>().diagonal().array() += weight;
   g.tail<3>() += weight * prior;
-  const Vec6 x = H.ldlt().solve(g);
+  const Vec6 x = hal::solve_symmetric<double, 6>(H, g);
   model.t_CB = x.head<3>();
   model.p_H = x.tail<3>();
 }

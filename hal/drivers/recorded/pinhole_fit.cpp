@@ -1,8 +1,9 @@
 #include "hal/drivers/recorded/pinhole_fit.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "hal/types/symmetric.hpp"
 
 namespace colift::hal {
 namespace {
@@ -159,14 +160,13 @@ std::optional<PinholeFit> fit_projection(const PointFile& file) {
     row_v.segment<4>(8) = -v * p;
     normal.noalias() += row_u * row_u.transpose() + row_v * row_v.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 12, 12>> solver(normal);
-  const auto& value = solver.eigenvalues();
+  const hal::SmallSymmetricEigen eigen = hal::small_symmetric_eigen(normal);
+  const hal::SmallVector& value = eigen.values;
   // a second direction as good as the best one: points in a plane, many cameras fit
   if (!(value[1] > 1e-9 * value[11]) || !(value[1] > 100.0 * std::abs(value[0]))) return std::nullopt;
 
   Eigen::Matrix<double, 3, 4> P;
-  for (int r = 0; r < 3; ++r)
-    P.row(r) = solver.eigenvectors().col(0).segment<4>(Eigen::Index{4} * r).transpose();
+  for (int r = 0; r < 3; ++r) P.row(r) = eigen.vectors.col(0).segment<4>(Eigen::Index{4} * r).transpose();
   Eigen::Matrix3d M = P.leftCols<3>();
   const double scale = M.row(2).norm();
   if (!(scale > 1e-12)) return std::nullopt;

@@ -1,6 +1,6 @@
 #include "sim_hal/emulator/krc/plant/krc_control_law.hpp"
 
-#include <Eigen/Cholesky>
+#include "hal/types/symmetric.hpp"
 
 namespace colift::sim_hal {
 namespace {
@@ -30,14 +30,14 @@ JointLaw joint_impedance(const KrcSetPoint& s, const hal::JointVector& q_rad, co
 JointLaw cartesian_impedance(const KrcSetPoint& s, const hal::JointVector& q_rad, const hal::Pose& X_WT,
                              const hal::ArmJacobian& J, const hal::JointMatrix& M) {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
-  const Matrix6 mobility =
-      J * M.llt().solve(hal::JointMatrix::Identity()) * J.transpose() + kSingular * Matrix6::Identity();
-  const Vector6 mass = mobility.llt().solve(Matrix6::Identity()).diagonal();
+  const Matrix6 mobility = J * hal::solve_small_symmetric(M, J.transpose()) + kSingular * Matrix6::Identity();
+  const Vector6 mass = hal::solve_small_symmetric(mobility, Matrix6::Identity()).diagonal();
   const Vector6 damping =
       2.0 * s.cart_damping_ratio.array() * (s.cart_stiffness.array().max(0.0) * mass.array()).sqrt();
 
   const Matrix6 gram = J * J.transpose() + kSingular * Matrix6::Identity();
-  const hal::JointMatrix null = hal::JointMatrix::Identity() - J.transpose() * gram.llt().solve(J);
+  const hal::JointMatrix null =
+      hal::JointMatrix::Identity() - J.transpose() * hal::solve_small_symmetric(gram, J);
   const double posture_damping =
       2.0 * kPostureDamping * std::sqrt(kPostureStiffness_nm_rad * M.diagonal().mean());
 

@@ -1,9 +1,9 @@
 #include "sim_hal/emulator/krc/plant/krc_light_plant.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
+#include "hal/types/symmetric.hpp"
 #include "sim_hal/emulator/krc/plant/krc_control_law.hpp"
 
 namespace colift::sim_hal {
@@ -88,7 +88,7 @@ void LightPlant::tick() {
     }
     // both spring and damper at the end of the step: no gain can make it ring
     const hal::JointMatrix A = M + kTick_s * law.damping + kTick_s * kTick_s * law.stiffness;
-    state_.dq_rad_s = A.llt().solve(M * before_rad_s + kTick_s * (law.feed_nm + push_nm));
+    state_.dq_rad_s = hal::solve_small_symmetric(A, M * before_rad_s + kTick_s * (law.feed_nm + push_nm));
   }
   state_.q_rad += kTick_s * state_.dq_rad_s;
   for (int i = 0; i < hal::kArmJoints; ++i) {

@@ -1,13 +1,13 @@
 #include "sim_hal/emulator/krc/plant/krc_measurement.hpp"
 
-#include <Eigen/Cholesky>
+#include "hal/types/symmetric.hpp"
 
 namespace colift::sim_hal {
 
 Vector6 wrench_of(const hal::JointVector& tau_nm, const hal::ArmJacobian& J) {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   const Matrix6 gram = J * J.transpose() + 1e-6 * Matrix6::Identity();
-  return gram.ldlt().solve(J * tau_nm);
+  return hal::solve_symmetric<double, 6>(gram, J * tau_nm);
 }
 
 void fill_arm(KrcMeasurement& m, const KrcMotion& motion, const KrcPlantState& plant,
