@@ -86,13 +86,13 @@ struct LoggedBus {
   std::unique_ptr<hal::CanBus> bus;
 };
 
-hal::Result<LoggedBus> make_bus(const Bench& bench, const hal::Clock& clock) {
+hal::Result<LoggedBus> make_bus(const Bench& bench, const hal::Clock& clock, bool announced = true) {
   auto bus = hal::make_can_bus(bench.barrett.can);
   if (!bus) return tl::unexpected(bus.error());
   auto log = hal::make_bus_log(bench.barrett);
   if (!log) return tl::unexpected(log.error());
   if (!*log) return LoggedBus{nullptr, std::move(*bus)};
-  std::fprintf(stderr, "the bus is logged in %s\n", (*log)->file().c_str());
+  if (announced) std::fprintf(stderr, "the bus is logged in %s\n", (*log)->file().c_str());
   auto logged = std::make_unique<hal::LoggedCanBus>(std::move(*bus), **log, clock);
   return LoggedBus{std::move(*log), std::move(logged)};
 }
@@ -177,13 +177,16 @@ std::string link_text(const std::string& can) {
 /// All that is known of the hand without moving it, as one file that a person can send.
 int make_bundle(const HalOptions& options, Bench bench) {
   const std::filesystem::path out = options.out.value_or("hand-doctor.tar");
+  if (std::filesystem::exists(out))
+    return report_error("hal hand doctor", {hal::ErrorCode::BadInput, out.string(),
+                                            "exists already and is kept; choose another --out"});
   if (bench.barrett.bus_log.empty()) bench.barrett.bus_log = out.string() + ".log";
   std::vector<BundlePart> parts;
   std::string fault;
   std::filesystem::path log_file;
   {
     const hal::SteadyClock clock;
-    auto bus = make_bus(bench, clock);
+    auto bus = make_bus(bench, clock, options.bus_log.has_value());  // else it goes into the bundle
     if (!bus) return report_error("hal hand doctor", bus.error());
     log_file = bus->log->file();
     const auto reading = hal::read_hand(*bus->bus, clock, bench.barrett);
