@@ -67,6 +67,22 @@ template <class Table>
   return bad_fault(text, fmt::format("\"{}\" is no fault of the {}; there are {}", name, device, all));
 }
 
+/// "KIND[=VALUE]" into a fault that has a kind and a value. Errors: BadInput.
+template <class Fault, class Table>
+[[nodiscard]] hal::Result<> read_kind_and_value(std::string_view text, std::string_view what,
+                                                const Table& kinds, std::string_view device, Fault& f) {
+  const auto value = cut_after(what, '=');
+  const auto row = find_fault(text, what, kinds, device);
+  if (!row) return tl::unexpected(row.error());
+  f.kind = row->kind;
+  f.value = row->value;
+  if (!value) return {};
+  const auto v = read_fault_value(text, row->name, row->min, row->max, *value);
+  if (!v) return tl::unexpected(v.error());
+  f.value = *v;
+  return {};
+}
+
 /// "T:KIND...[:DURATION]" into a Fault. Errors: BadInput.
 template <class Fault, class ReadKind>
 [[nodiscard]] hal::Result<Fault> parse_fault(std::string_view text, std::string_view expected,

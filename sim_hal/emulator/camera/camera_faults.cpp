@@ -31,16 +31,7 @@ constexpr std::array kKinds{
 
 /// "KIND[=VALUE]"
 hal::Result<> read_kind(std::string_view text, std::string_view what, CameraFault& f) {
-  const auto value = cut_after(what, '=');
-  const auto row = find_fault(text, what, kKinds, "camera");
-  if (!row) return tl::unexpected(row.error());
-  f.kind = row->kind;
-  f.value = row->value;
-  if (!value) return {};
-  const auto v = read_fault_value(text, row->name, row->min, row->max, *value);
-  if (!v) return tl::unexpected(v.error());
-  f.value = *v;
-  return {};
+  return read_kind_and_value(text, what, kKinds, "camera", f);
 }
 
 }  // namespace
