@@ -85,7 +85,8 @@ std::string camera_document(const std::string& verb, const CameraView& v, const 
                             const std::string& reason) {
   using Json = nlohmann::ordered_json;
   const hal::KinectReport& r = v.report;
-  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
+  // before the first frame nothing of it is known
+  const auto number = [&](double x) { return r.frames > 0 && std::isfinite(x) ? Json(x) : Json(nullptr); };
   Json j = {{"schema", "colift.hal.camera/1"},
             {"verb", verb},
             {"end", end},

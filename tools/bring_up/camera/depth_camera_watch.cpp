@@ -98,7 +98,8 @@ class Watch {
   [[nodiscard]] std::string document(const std::string& verb, const End& end) const {
     using Json = nlohmann::ordered_json;
     const hal::DeviceHealth h = camera_.health();
-    const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
+    // before the first frame nothing of it is known
+    const auto number = [&](double x) { return last_ && std::isfinite(x) ? Json(x) : Json(nullptr); };
     const Json j = {{"schema", "colift.hal.camera/1"},
                     {"verb", verb},
                     {"end", end.word},

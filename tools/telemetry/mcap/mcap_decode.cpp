@@ -91,7 +91,7 @@ std::optional<Statistics> decode_statistics(std::string_view content) {
   s.messages = r.u64(), s.schemas = r.u16(), s.channels = r.u32(), s.attachments = r.u32();
   s.metadata = r.u32(), s.chunks = r.u32(), s.start_time = r.u64(), s.end_time = r.u64();
   const bool map = count_map(r, s.per_channel);
-  return if_good(map, std::move(s));
+  return if_good(map && s.end_time >= s.start_time, std::move(s));
 }
 
 std::optional<Metadata> decode_metadata(std::string_view content) {

@@ -8,6 +8,7 @@
 #include "tests/unit/tools/telemetry/disk.hpp"
 #include "tools/telemetry/mcap/byte_io.hpp"
 #include "tools/telemetry/mcap/mcap_chunk.hpp"
+#include "tools/telemetry/mcap/mcap_decode.hpp"
 #include "tools/telemetry/mcap/mcap_encode.hpp"
 #include "tools/telemetry/mcap/mcap_reader.hpp"
 #include "tools/telemetry/mcap/mcap_writer.hpp"
@@ -218,6 +219,21 @@ TEST_CASE("lengths that lie cost neither time nor memory", "[mcap]") {
   const McapReader lz4 = opened(head + encode(bomb));
   REQUIRE_FALSE(lz4.info().damage.empty());
   CHECK(lz4.info().damage[0].find("lz4") != std::string::npos);
+}
+
+TEST_CASE("statistics that end before they start are counted anew", "[mcap]") {
+  std::string bytes = whole_file(2, 0);
+  Statistics s = opened(bytes).info().statistics;
+  const std::string honest = encode(s);
+  std::swap(s.start_time, s.end_time);
+  CHECK_FALSE(decode_statistics(std::string_view(encode(s)).substr(kRecordHead)));
+  const std::size_t at = bytes.find(honest);
+  REQUIRE(at != std::string::npos);
+  bytes.replace(at, honest.size(), encode(s));
+  const McapReader reader = opened(bytes);
+  CHECK(reader.info().statistics.start_time == 0);
+  CHECK(reader.info().statistics.end_time == 1090);
+  CHECK(reader.info().statistics.messages == 20);
 }
 
 TEST_CASE("a full disk costs what did not fit, and the file stays good", "[mcap]") {
