@@ -91,30 +91,12 @@ class ObjectPixels {
   // The same with curvature.
   [[nodiscard]] std::optional<Fit> curved(int u0, int v0, const SampledWindow& window) const {
     if (!covered<6>(window_sums(object_, u0, v0, window).n, window.samples())) return std::nullopt;
-    using Vector = Eigen::Matrix<double, 6, 1>;
-    const auto& k = reference_.cloud.intrinsics;
-    Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
-    Vector right = Vector::Zero();
-    double squares = 0.0;
-    const auto w0 = static_cast<double>(object_.values[at(u0, v0)]);
+    const QuadraticSums s = quadratic_sums(object_, u0, v0, window);
+    const Eigen::Matrix<double, 6, 1> x = hal::solve_symmetric<double, 6>(s.normal, s.right);
     Fit fit;
-    for (int dv = -window.v; dv <= window.v; dv += window.step_v)
-      for (int du = -window.u; du <= window.u; du += window.step_u) {
-        const int u = u0 + du, v = v0 + dv;
-        if (u < 0 || v < 0 || u >= k.width || v >= k.height) continue;
-        const auto here = static_cast<double>(object_.values[at(u, v)]);
-        if (!(here > 0)) continue;
-        const double w = here - w0;
-        Vector terms;
-        terms << 1, du, dv, du * du, du * dv, dv * dv;
-        normal.noalias() += terms * terms.transpose();
-        right += w * terms;
-        squares += w * w;
-        ++fit.n;
-      }
-    const Vector x = hal::solve_symmetric<double, 6>(normal, right);
-    fit.a = x[1], fit.b = x[2], fit.c = w0 + x[0];
-    fit.rms = std::sqrt(std::max(0.0, (squares - x.dot(right)) / (fit.n - 6)));
+    fit.n = s.n;
+    fit.a = x[1], fit.b = x[2], fit.c = static_cast<double>(object_.values[at(u0, v0)]) + x[0];
+    fit.rms = std::sqrt(std::max(0.0, (s.squares - x.dot(s.right)) / (fit.n - 6)));
     return fit;
   }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 namespace colift::perception {
@@ -27,5 +28,15 @@ struct InverseDepth {
 
 /// Sums around a pixel of the image; what of the window lies beyond the image has no samples.
 [[nodiscard]] WindowSums window_sums(const InverseDepth& object, int u, int v, const SampledWindow& window);
+
+/// Normal equations of w = t . x over the object's samples in a window, with the terms t = (1, u, v, u^2, u
+/// v, v^2).
+struct QuadraticSums {
+  Eigen::Matrix<double, 6, 6> normal;  ///< Sum of t t'.
+  Eigen::Matrix<double, 6, 1> right;   ///< Sum of w t.
+  double squares = 0, n = 0;           ///< Sum of w^2, number of samples.
+};
+[[nodiscard]] QuadraticSums quadratic_sums(const InverseDepth& object, int u, int v,
+                                           const SampledWindow& window);
 
 }  // namespace colift::perception

@@ -67,3 +67,35 @@ TEST_CASE("sums of a window are those of its samples, at borders and holes too")
     CHECK(samples > window.samples() / 2);
   }
 }
+
+TEST_CASE("the normal equations of a curved window are those of their definition, to the bit", "[motion]") {
+  const InverseDepth o = object();
+  for (const SampledWindow& window : {SampledWindow{7, 7, 1, 1}, SampledWindow{3, 9, 1, 2}})
+    for (const auto& [u, v] : {std::pair(30, 15), std::pair(3, 2), std::pair(58, 31)}) {
+      Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
+      Eigen::Matrix<double, 6, 1> right = Eigen::Matrix<double, 6, 1>::Zero();
+      double squares = 0.0, n = 0.0;
+      const auto value = [&](int x, int y) {
+        const bool inside = x >= 0 && y >= 0 && x < o.width && y < o.height;
+        return inside ? static_cast<double>(o.values[static_cast<std::size_t>(y * o.width + x)]) : 0.0;
+      };
+      for (int dv = -window.v; dv <= window.v; dv += window.step_v)
+        for (int du = -window.u; du <= window.u; du += window.step_u) {
+          if (!(value(u + du, v + dv) > 0)) continue;
+          const double w = value(u + du, v + dv) - value(u, v);
+          Eigen::Matrix<double, 6, 1> t;
+          t << 1, du, dv, du * du, du * dv, dv * dv;
+          normal += t * t.transpose();
+          right += w * t;
+          squares += w * w;
+          ++n;
+        }
+      const perception::QuadraticSums is = perception::quadratic_sums(o, u, v, window);
+      CAPTURE(u, v, window.v);
+      CHECK(is.normal == normal);
+      CHECK(is.right == right);
+      CHECK(is.squares == squares);
+      CHECK(is.n == n);
+      CHECK(n > 20);
+    }
+}
