@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "hal/types/symmetric.hpp"
 #include "sim_hal/emulator/krc/plant/krc_control_law.hpp"
 
 namespace colift::sim_hal {
@@ -76,7 +75,7 @@ void KrcWorldPlant::tick_cartesian() {
   // spring and damper as they will be at the end of the tick, as far as the arm alone decides it: an explicit
   // damper on the light last joints would ring
   const hal::JointMatrix A = M + kTick_s * law.damping + kTick_s * kTick_s * law.stiffness;
-  const hal::JointVector dq = hal::solve_small_symmetric(A, M * dq_rad_s_ + kTick_s * law.feed_nm);
+  const hal::JointVector dq = A.llt().solve(M * dq_rad_s_ + kTick_s * law.feed_nm);
   hal::ImpedanceCommand c;
   c.q_rad = q;
   c.stiffness_nm_rad.setZero();
