@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { after, before, test } from "node:test";
-import { launchBrowser } from "./browser.mjs";
+import { chromium } from "playwright-core";
 import { scenario, startLift, startView, until } from "./running_lift.mjs";
 
 const PICTURES = process.env.COLIFT_PICTURES ?? "pictures";
@@ -11,7 +11,11 @@ let browser, lift, page;
 
 before(async () => {
   mkdirSync(PICTURES, { recursive: true });
-  browser = await launchBrowser();
+  browser = await chromium.launch({
+    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+    args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
+      "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"],
+  });
   // it is held up for ten minutes, so that the browser, however busy, stops it and it does not end before
   lift = await startLift("--speed", "3", "--allow-operator", "--record", RECORDING, "--set", "task.hold_s=600");
   page = await browser.newPage({ viewport: { width: 1366, height: 768 } });
@@ -67,8 +71,7 @@ const covered = (layer) => page.evaluate(async (name) => {
   const canvas = document.getElementById("scene");
   const box = [...document.querySelectorAll("#layers label")].find((l) => l.textContent === name).querySelector("input");
   const picture = async () => {
-    const asked = Number(canvas.dataset.touches);
-    while (Number(canvas.dataset.drawn) < asked) await new Promise((later) => setTimeout(later, 10));
+    for (let i = 0; i < 2; ++i) await new Promise((drawn) => requestAnimationFrame(drawn));
     const copy = document.createElement("canvas");
     copy.width = 400;
     copy.height = 300;

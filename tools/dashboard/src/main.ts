@@ -1,19 +1,12 @@
 // The page that shows a run. It is an ordinary client of the channels, as Foxglove or Lichtblick would be.
 
-import * as THREE from "three";
-import { CameraPanel } from "./camera_panel";
 import { ChoicePanel } from "./choice_panel";
-import { HandPanel } from "./hand_panel";
 import { LiveClient } from "./live_client";
 import type * as M from "./messages";
-import { OperatorStop } from "./operator_stop";
-import { Pace } from "./pace";
 import { PeoplePanel } from "./people_panel";
-import { PipelineStrip } from "./pipeline_strip";
+import { PipelineStrip, escaped } from "./pipeline_strip";
 import { LoadPlots } from "./plots";
-import { ReplayBar } from "./replay_bar";
 import { SceneView } from "./scene_view";
-import { escaped, heightWords, leaderWords } from "./words";
 
 const $ = <T extends HTMLElement = HTMLElement>(id: string): T => document.getElementById(id) as T;
 const LEVELS = ["", "debug", "info", "warning", "error", "fatal"];
@@ -24,15 +17,7 @@ const choice = new ChoicePanel($("because"), $("candidates"), $("reason"));
 const plots = new LoadPlots($("shares"), $("share-plot"), $("tilt-plot"));
 const people = new PeoplePanel($("near"), $("felt"), $("near-plot"), $("alarm"));
 const scene = new SceneView($<HTMLCanvasElement>("scene"), $("layers"));
-const hand = new HandPanel($("touch"), $("tactile"));
-const moved = (p: THREE.Vector3 | null) => p && p.clone().applyMatrix4(scene.motion.matrix);
-const camera = new CameraPanel($("seen"), $<HTMLCanvasElement>("camera-picture"), () => ({
-  box: scene.restBox && scene.motion.matrix.clone().multiply(scene.restBox),
-  partner, grasp: moved(grasp), path: scene.palm.rest,
-}));
-const client = new LiveClient("robot.urdf");
-const pace = new Pace();
-for (const view of [scene, plots, people, camera]) pace.add(view);
+const client = new LiveClient();
 
 function theme(name: string): void {
   document.documentElement.dataset.theme = name;
@@ -40,7 +25,6 @@ function theme(name: string): void {
   scene.background(getComputedStyle(document.documentElement).getPropertyValue("--scene").trim());
   plots.rebuild();
   people.rebuild();
-  pace.wake();
 }
 theme(localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"));
 const otherTheme = () => theme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
@@ -66,137 +50,50 @@ function announce(intent: M.Intent): void {
   announced = window.setTimeout(() => { chip.hidden = true; }, intent.motion === null ? 8000 : 2000);
 }
 
-// it can be pressed without a link too: the address holds what the server asks for
 const stop = $<HTMLButtonElement>("stop");
-const stopping = new OperatorStop(`operator/stop${location.search}`);
-stopping.onWord = (word) => { stop.textContent = word; };
-stopping.onCall = () => void client.call("/operator/stop");
-stopping.onNote = (level, text) => say(LEVELS.indexOf(level), text, "page");
-stop.onclick = () => void stopping.press();
+stop.onclick = () => {
+  if (client.call("/operator/stop")) stop.textContent = "Stopping";
+};
 
 const lower = $<HTMLButtonElement>("lower");
 lower.onclick = () => void client.call("/operator/lower");
 
-const isRecording = () => document.title.startsWith("CoLift, recording");
-let mayOperate = new URLSearchParams(location.search).has("token"), wasLinked = false;
 client.onLink = (word, operates) => {
   const chip = $("link");
-  const what = isRecording() ? "recording" : "live";
+  const what = document.title.startsWith("CoLift, recording") ? "recording" : "live";
   chip.textContent = word === "connected" ? (operates ? `${what}, operator` : what) : word;
   chip.className = `chip ${word}`;
-  mayOperate ||= operates;
-  stop.disabled = word === "connected" ? !operates : !mayOperate;
-  lower.disabled = !operates;
-  wasLinked ||= word === "connected";
-  $("lost").hidden = word === "connected" || !wasLinked;
-  $("lost-more").textContent = mayOperate ? "Stop is sent all the same." : "";
-  document.body.classList.toggle("old", !$("lost").hidden);
+  stop.disabled = lower.disabled = !operates;
+  if (word === "connected") stop.textContent = "Stop";
 };
 client.onName = (name) => {
   document.title = name;
   $("name").textContent = name.replace(/^CoLift,? ?/, "");
-  bar.show(isRecording());
 };
 client.onNote = (level, text) => say(level + 2, text, "page");
-client.onDamage = (topic) => say(3, `a message of ${topic} is damaged`, "page");
-client.onMail = () => pace.wake();
-scene.onTouch = () => pace.wake();
-const reset = () => {
+client.onReset = () => {
   strip.reset();
   choice.reset();
   plots.reset();
   people.reset();
   scene.reset();
-  hand.reset();
-  camera.reset();
-  partner = grasp = null;
-  leads = "";
-  $("leads").hidden = true;
   $("log").innerHTML = "";
-  for (const id of ["waits", "note"]) $(id).textContent = "";
-  $("state").textContent = "no state yet";
 };
-client.onReset = () => {
-  reset();
-  stopping.reset();
-  bar.forget();
-};
-
-const bar = new ReplayBar($("replay"), "recording.txt", {
-  show: (topic, text, at) => {
-    try {
-      client.hand(topic, text, at);
-    } catch {
-      client.onDamage(topic);
-    }
-    pace.wake();
-  },
-  reset,
-  failed: (why) => say(3, why, "page"),
-});
-bar.onJump = () => {
-  scene.motion.jump();
-  scene.touch();
-};
-bar.onPlay = () => pace.wake();
-pace.work = () => {
-  const more = client.work();
-  return bar.work(performance.now()) || more;
-};
-bar.onOwn = (own) => {
-  client.muted = own;
-  if (!own) {
-    reset();
-    client.again();
-  }
-};
-client.onMessage = (at) => bar.follows(at);
-
-let leads = "";
-let partner: THREE.Vector3 | null = null, grasp: THREE.Vector3 | null = null;
-const vector = (p: number[] | null | undefined) => (p && p.length === 3 ? new THREE.Vector3(p[0], p[1], p[2]) : null);
 
 client.on<M.TaskStatus>("/task/status", (s) => {
   $("state").textContent = s.state;
-  $("waits").textContent = s.doing || s.waits_for;
-  $("note").textContent = s.partner_note;
-  partner = vector(s.partner);
+  $("waits").textContent = [s.doing || s.waits_for, s.partner_note].filter((t) => t).join(" · ");
   strip.status(s);
   people.show(s);
-  const was = scene.robot.ghost.visible;
-  if (scene.robot.state(s.state) && scene.palm.arrived()) scene.touch();
-  if (was !== scene.robot.ghost.visible) scene.touch();
+  scene.robot.state(s.state);
 });
 client.on<M.TaskChange>("/task/change", (c) => strip.change(c));
 client.on<M.Intent>("/task/intent", (i) => announce(i));
-client.on<M.Decision>("/decision", (d) => {
-  choice.show(d);
-  grasp = vector(d.candidates.find((c) => c.id === d.chosen)?.position);
-});
-client.on<M.Plan>("/plan", (p) => {
-  scene.robot.show(p);
-  scene.palm.plan(p.palm);
-  scene.touch();
-});
-client.on<M.Load>("/load", (l, at) => {
-  plots.add(l, at);
-  scene.motion.height(l.height_m, Number(at) / 1e9);
-  leads = leaderWords(l.leads);
-  $("leads").textContent = leads;
-  $("leads").hidden = leads === "";
-  scene.say(l.height_m === null ? "" : [heightWords(l.height_m), leads].filter((t) => t).join(", "));
-});
-client.on<{ transforms: M.Transform[] }>("/tf/tracked", (m, at) => scene.transforms(m.transforms, Number(at) / 1e9));
-client.on<{ transforms: M.Transform[] }>("/tf", (m, at) => {
-  scene.transforms(m.transforms, Number(at) / 1e9);
-  const lens = m.transforms.find((t) => t.child_frame_id === "camera");
-  if (lens) camera.pose(lens);
-  camera.touch();
-});
-client.on<M.Calibration>("/camera/calibration", (m) => camera.model(m));
-client.on<M.RawImage>("/camera/preview", (m) => camera.show(m));
-client.on<M.Tactile>("/hand/tactile", (m) => hand.show(m));
-client.on<M.JointStates>("/joint_states", (m) => { if (scene.robot.joints(m)) scene.touch(); });
+client.on<M.Decision>("/decision", (d) => choice.show(d));
+client.on<M.Plan>("/plan", (p) => scene.robot.show(p));
+client.on<M.Load>("/load", (l, at) => plots.add(l, at));
+client.on<{ transforms: M.Transform[] }>("/tf", (m) => scene.transforms(m.transforms));
+client.on<M.JointStates>("/joint_states", (m) => scene.robot.joints(m));
 client.on<M.PointCloud>("/cloud", (m) => scene.cloud(m));
 client.on<M.SceneUpdate>("/map", (m) => scene.map(m));
 client.on<M.SceneUpdate>("/bodies", (m) => scene.bodies(m));
@@ -221,13 +118,10 @@ client.on<M.CycleTiming>("/arm/timing", (t) => {
 choice.onSelect = (id) => scene.select(id);
 scene.onPick = (id) => choice.select(id);
 document.addEventListener("keydown", (event) => {
-  const typing = event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement;
-  if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
-  if (!(event.key === " " && event.target instanceof HTMLButtonElement) && bar.key(event.key)) return event.preventDefault();
+  if (event.target instanceof HTMLInputElement || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key === "t") otherTheme();
   if (event.key === "s" && !stop.disabled) stop.click();
 });
 
-if (matchMedia("(max-width: 44rem)").matches) $<HTMLDetailsElement>("shown").open = false;
-void scene.robot.load("robot.urdf").then(() => scene.touch());
+void scene.robot.load("robot.urdf");
 client.connect(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/${location.search}`);

@@ -3,13 +3,12 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Load } from "./messages";
-import type { Painter } from "./pace";
-import { loadWords, percent } from "./words";
+import { percent } from "./choice_panel";
 
 const KEPT = 3600;
 const HEIGHTS = [64, 88]; // the upper one leaves the time to the lower one
 
-export class LoadPlots implements Painter {
+export class LoadPlots {
   private t: number[] = [];
   private share: (number | null)[] = [];
   private predicted: (number | null)[] = [];
@@ -21,14 +20,15 @@ export class LoadPlots implements Painter {
   constructor(private words: HTMLElement, private shareBox: HTMLElement, private tiltBox: HTMLElement) {
     this.build();
     new ResizeObserver(() => this.resize()).observe(shareBox);
-  }
-
-  wants(): boolean { return this.stale; }
-
-  draw(): void {
-    this.stale = false;
-    this.plots[0]?.setData([this.t, this.share, this.predicted] as uPlot.AlignedData);
-    this.plots[1]?.setData([this.t, this.tilt, this.height] as uPlot.AlignedData);
+    const draw = () => {
+      if (this.stale) {
+        this.stale = false;
+        this.plots[0]?.setData([this.t, this.share, this.predicted] as uPlot.AlignedData);
+        this.plots[1]?.setData([this.t, this.tilt, this.height] as uPlot.AlignedData);
+      }
+      requestAnimationFrame(draw);
+    };
+    draw();
   }
 
   reset(): void {
@@ -48,7 +48,11 @@ export class LoadPlots implements Painter {
     if (this.t.length > KEPT)
       for (const list of [this.t, this.share, this.predicted, this.tilt, this.height]) list.shift();
     this.stale = true;
-    this.words.textContent = loadWords(load) ?? this.words.textContent;
+    if (load.share !== null)
+      this.words.textContent = `The robot carries ${load.load_n.toFixed(0)} N, ${percent(load.share)} of the load` +
+        (load.share_predicted === null ? "" : ` (predicted ${percent(load.share_predicted)})`) +
+        (load.tilt_deg === null ? "" : `, tilt ${load.tilt_deg.toFixed(1)}°`) +
+        (load.height_m === null ? "" : `, ${(100 * load.height_m).toFixed(1)} cm up`);
   }
 
   /** New colours. */

@@ -6,14 +6,10 @@ import type { JointStates, Plan } from "./messages";
 
 const ARM = ["arm_1", "arm_2", "arm_3", "arm_4", "arm_5", "arm_6", "arm_7"];
 const GHOST_SECONDS = 4;
-/** A joint that turns by less moves nothing by a pixel (rad). */
-const SEEN_RAD = 2e-4;
 const AFTER = ["close", "verify", "await-ready", "lift", "hold", "lower", "pause", "yield", "release", "retreat",
   "done", "stopped"];
 
 export class RobotView {
-  /** Where the palm is now, in world. */
-  onPalm: (at: THREE.Vector3) => void = () => {};
   readonly group = new THREE.Group();
   readonly ghost = new THREE.Group();
   private robot: URDFRobot | null = null;
@@ -36,22 +32,12 @@ export class RobotView {
     this.group.add(this.robot);
     this.ghost.add(this.shadow);
     this.ghost.visible = this.plan !== null && !this.arrived;
-    if (this.last) this.pose(this.last);
+    if (this.last) this.joints(this.last);
   }
 
-  /** True: what is seen has changed. */
-  joints(state: JointStates): boolean {
-    const moved = state.joints.some((joint, i) => Math.abs(joint.position - (this.last?.joints[i]?.position ?? Infinity)) > SEEN_RAD);
-    if (!moved) return false;
+  joints(state: JointStates): void {
     this.last = state;
-    this.pose(state);
-    return true;
-  }
-
-  private pose(state: JointStates): void {
     for (const joint of state.joints) this.robot?.setJointValue(joint.name, joint.position);
-    const palm = this.robot?.links["palm"];
-    if (palm) this.onPalm(palm.getWorldPosition(new THREE.Vector3()));
   }
 
   show(plan: Plan | null): void {
@@ -59,11 +45,10 @@ export class RobotView {
     this.ghost.visible = this.plan !== null && !this.arrived;
   }
 
-  /** From the closing hand on the way is behind it: then true. */
-  state(word: string): boolean {
+  /** From the closing hand on the way is behind it. */
+  state(word: string): void {
     this.arrived = AFTER.includes(word);
     this.ghost.visible = this.plan !== null && !this.arrived;
-    return this.arrived;
   }
 
   /** Lets the ghost walk along the way, again and again. */

@@ -3,25 +3,14 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { type PointCloud, type SceneUpdate, type Transform, bytesOf } from "./messages";
-import { ObjectMotion } from "./object_motion";
-import type { Painter } from "./pace";
-import { PalmPath } from "./palm_path";
+import { cellsOf, dispose, objectOf, place } from "./scene_entities";
 import { RobotView } from "./robot_view";
-import { cellsOf, dispose, label, objectOf, place } from "./scene_entities";
 
 const LAYERS = ["robot", "cloud", "map", "unseen", "ground", "target", "surfaces", "candidates", "partner", "people",
-  "gripper", "path", "at rest"] as const;
+  "gripper", "path"] as const;
 type Layer = (typeof LAYERS)[number];
 /** Not there at first: they cover what is more asked for. */
 const HIDDEN: Layer[] = ["unseen", "surfaces"];
-/** Layers that go where the object goes. */
-const CARRIED: Layer[] = ["target", "surfaces", "candidates", "partner", "gripper"];
-/** A frame that moves by less moves nothing by a pixel (m, rad). */
-const SEEN_M = 2e-4, SEEN_RAD = 2e-4;
-/** Words above the object stand higher than the partner's (m). */
-const CAPTION_M = 0.12;
-/** Less is no rise that anybody sees (m). */
-const RISEN_M = 0.002;
 /** Layers that /scene fills. */
 const OF_SCENE: Layer[] = ["ground", "target", "surfaces", "candidates", "partner", "gripper", "path"];
 
@@ -34,23 +23,10 @@ function layerOf(id: string): Layer {
   return "target";
 }
 
-export class SceneView implements Painter {
+export class SceneView {
   onPick: (id: number) => void = () => {};
-  onTouch: () => void = () => {};
   readonly robot = new RobotView();
-  readonly motion = new ObjectMotion();
-  readonly palm = new PalmPath();
-  /** Where the object rested, as a cube of edge one; null: none was found. */
-  restBox: THREE.Matrix4 | null = null;
 
-  private partner: Transform | null = null;
-  private rest = new THREE.LineSegments(new THREE.EdgesGeometry(new THREE.BoxGeometry(1, 1, 1)),
-    new THREE.LineDashedMaterial({ color: "#777777", dashSize: 0.05, gapSize: 0.04 }));
-  private caption: THREE.Sprite | null = null;
-  private captionWords = "";
-  private drawn_s = 0;
-  private stale = true;
-  private touches = 0;
   private renderer: THREE.WebGLRenderer;
   private scene = new THREE.Scene();
   private camera = new THREE.PerspectiveCamera(45, 1, 0.05, 30);
@@ -92,12 +68,7 @@ export class SceneView implements Painter {
       toggles.append(label);
     }
     this.layers.get("robot")!.add(this.robot.group);
-    this.layers.get("path")!.add(this.robot.ghost, this.palm.group);
-    this.robot.onPalm = (at) => this.palm.palm(at);
-    for (const name of CARRIED) this.layers.get(name)!.matrixAutoUpdate = false;
-    this.rest.computeLineDistances();
-    this.rest.visible = false;
-    this.layers.get("at rest")!.add(this.rest);
+    this.layers.get("path")!.add(this.robot.ghost);
     this.marker.visible = false;
     this.marker.renderOrder = 10;
     this.scene.add(this.marker);
@@ -105,115 +76,35 @@ export class SceneView implements Painter {
     canvas.addEventListener("keydown", (event) => {
       if ("1234".includes(event.key)) this.side(event.key);
       if (event.key === "f") this.controls.target.copy(this.focus);
-      const turn = { ArrowLeft: -0.1, ArrowRight: 0.1 }[event.key], tilt = { ArrowUp: -0.1, ArrowDown: 0.1 }[event.key];
-      if (turn !== undefined || tilt !== undefined) this.orbit(turn ?? 0, tilt ?? 0);
-      else if (event.key === "+" || event.key === "-") this.zoom(event.key === "+" ? 0.9 : 1.1);
-      else if (!"1234f".includes(event.key)) return;
-      this.touch();
-      event.preventDefault();
     });
-    this.controls.addEventListener("change", () => this.touch());
-    toggles.addEventListener("change", () => this.touch());
-    new ResizeObserver(() => this.touch()).observe(canvas);
+    const draw = (now: number) => {
+      this.fit();
+      this.robot.tick(now / 1000);
+      this.controls.update();
+      if (this.marker.visible) this.marker.lookAt(this.camera.position);
+      this.renderer.render(this.scene, this.camera);
+      requestAnimationFrame(draw);
+    };
+    requestAnimationFrame(draw);
   }
 
-  get gl(): WebGL2RenderingContext { return this.renderer.getContext() as WebGL2RenderingContext; }
-
-  /** Something that is seen has changed. */
-  touch(): void {
-    this.stale = true;
-    this.canvas.dataset.touches = String(++this.touches);
-    this.onTouch();
-  }
-
-  wants(): boolean { return this.stale || !this.motion.settled || this.robot.ghost.visible; }
-
-  draw(now_ms: number): void {
-    this.stale = false;
-    const touches = this.touches;
-    this.fit();
-    this.robot.tick(now_ms / 1000);
-    this.carry(now_ms / 1000);
-    this.controls.update();
-    if (this.marker.visible) this.marker.lookAt(this.camera.position);
-    this.renderer.render(this.scene, this.camera);
-    this.canvas.dataset.drawn = String(touches);
-  }
-
-  background(colour: string): void {
-    this.scene.background = new THREE.Color(colour);
-    this.touch();
-  }
+  background(colour: string): void { this.scene.background = new THREE.Color(colour); }
 
   reset(): void {
     for (const name of LAYERS)
       if (name !== "robot") this.clear(name);
     this.robot.show(null);
     this.marker.visible = false;
-    this.partner = null;
-    this.restBox = null;
-    this.motion.reset();
-    this.palm.reset();
-    this.say("");
-    this.touch();
   }
 
-  /** Words above the object; none: "". */
-  say(words: string): void {
-    if (words === this.captionWords) return;
-    this.touch();
-    this.captionWords = words;
-    if (this.caption) {
-      dispose(this.caption);
-      this.caption.removeFromParent();
-      this.caption = null;
-    }
-    if (words === "" || !this.restBox) return;
-    const at = new THREE.Vector3().setFromMatrixPosition(this.restBox);
-    const top = [0, 1, 2].reduce((sum, i) => sum + Math.abs(this.restBox!.elements[4 * i + 2]!), 0) / 2;
-    this.caption = label(words, { position: { x: at.x, y: at.y, z: at.z + top }, orientation: { x: 0, y: 0, z: 0, w: 1 } },
-      { r: 0.9, g: 0.62, b: 0, a: 1 });
-    this.caption.position.z += CAPTION_M;
-    this.layers.get("target")!.add(this.caption);
-  }
-
-  /** Object and partner where they are at this moment. */
-  private carry(now_s: number): void {
-    this.motion.tick(Math.min(1, Math.max(0, now_s - this.drawn_s)));
-    this.drawn_s = now_s;
-    for (const name of CARRIED) {
-      const group = this.layers.get(name)!;
-      group.matrix.copy(this.motion.matrix);
-      group.matrixWorldNeedsUpdate = true;
-    }
-    for (const cells of this.layers.get("map")!.children)
-      if (cells.name === "target") {
-        cells.matrixAutoUpdate = false;
-        cells.matrix.copy(this.motion.matrix);
-        cells.matrixWorldNeedsUpdate = true;
-      }
-    const sphere = this.layers.get("partner")!.children[0]?.children[0];
-    if (this.partner && sphere) {
-      const t = this.partner.translation;
-      this.layers.get("partner")!.matrix.makeTranslation(t.x - sphere.position.x, t.y - sphere.position.y, t.z - sphere.position.z);
-    }
-    const raised = new THREE.Vector3().setFromMatrixPosition(this.motion.matrix).length();
-    this.rest.visible = this.restBox !== null && raised > RISEN_M;
-    this.canvas.dataset.raisedMm = (1000 * this.motion.matrix.elements[14]!).toFixed(1);
-  }
-
-  transforms(list: Transform[], at_s: number): void {
+  transforms(list: Transform[]): void {
     for (const t of list) {
-      if (t.child_frame_id === "object") this.motion.pose(t, at_s);
-      if (t.child_frame_id === "partner") this.partner = t;
-      const frame = this.frame(t.child_frame_id), at = frame.position.clone(), turn = frame.quaternion.clone();
+      const frame = this.frame(t.child_frame_id);
       place(frame, { position: t.translation, orientation: t.rotation });
-      if (at.distanceTo(frame.position) > SEEN_M || turn.angleTo(frame.quaternion) > SEEN_RAD) this.touch();
     }
   }
 
   cloud(message: PointCloud): void {
-    this.touch();
     const bytes = bytesOf(message.data);
     const view = new DataView(bytes.buffer);
     const count = Math.floor(bytes.length / message.point_stride);
@@ -241,7 +132,6 @@ export class SceneView implements Painter {
 
   /** The collision world: its boxes as cells. */
   map(message: SceneUpdate): void {
-    this.touch();
     this.clear("map");
     this.clear("unseen");
     for (const entity of message.entities) {
@@ -252,39 +142,28 @@ export class SceneView implements Painter {
 
   /** Everybody near the arm, as boxes. */
   bodies(message: SceneUpdate): void {
-    if (message.entities.length > 0 || this.layers.get("people")!.children.length > 0) this.touch();
     this.clear("people");
     for (const entity of message.entities) this.layers.get("people")!.add(objectOf(entity));
   }
 
   update(message: SceneUpdate): void {
-    this.touch();
     for (const gone of message.deletions)
       for (const name of OF_SCENE) {
         const group = this.layers.get(name)!;
         for (const child of [...group.children])
-          if (!this.stays(child) && (gone.type === 1 || child.name === gone.id)) { dispose(child); group.remove(child); }
+          if (child !== this.robot.ghost && (gone.type === 1 || child.name === gone.id)) { dispose(child); group.remove(child); }
       }
     for (const entity of message.entities) {
-      if (entity.id === "path") continue; // palm_path draws it, with what is behind
       const object = objectOf(entity);
       this.layers.get(layerOf(entity.id))!.add(object);
-      const cube = entity.id === "target" ? object.children[0] : undefined;
-      if (!cube || !entity.cubes[0]) continue;
-      this.focus.copy(cube.position);
-      cube.updateMatrix();
-      this.restBox = cube.matrix.clone();
-      this.motion.seen(entity.cubes[0].pose);
-      cube.matrix.decompose(this.rest.position, this.rest.quaternion, this.rest.scale);
+      if (entity.id === "target") {
+        const cube = object.children[0];
+        if (cube) this.focus.copy(cube.position);
+      }
     }
   }
 
-  private stays(child: THREE.Object3D): boolean {
-    return child === this.robot.ghost || child === this.palm.group || child === this.caption || child === this.rest;
-  }
-
   select(id: number | null): void {
-    this.touch();
     const found = this.layers.get("candidates")!.children.find((c) => c.userData.candidate === id);
     this.marker.visible = found !== undefined;
     const arrow = found?.children[0];
@@ -303,7 +182,7 @@ export class SceneView implements Painter {
   private clear(layer: Layer): void {
     const group = this.layers.get(layer)!;
     for (const child of [...group.children]) {
-      if (this.stays(child)) continue;
+      if (child === this.robot.ghost) continue;
       dispose(child);
       group.remove(child);
       if (layer === "cloud") this.points = null;
@@ -320,19 +199,6 @@ export class SceneView implements Painter {
     this.controls?.target.copy(this.focus);
   }
 
-  /** Turns the camera about what it looks at (rad). */
-  private orbit(turn: number, tilt: number): void {
-    const way = new THREE.Spherical().setFromVector3(this.camera.position.clone().sub(this.controls.target)
-      .applyAxisAngle(new THREE.Vector3(1, 0, 0), -Math.PI / 2));
-    way.theta += turn;
-    way.phi = Math.min(Math.PI - 0.05, Math.max(0.05, way.phi + tilt));
-    this.camera.position.setFromSpherical(way).applyAxisAngle(new THREE.Vector3(1, 0, 0), Math.PI / 2).add(this.controls.target);
-  }
-
-  private zoom(by: number): void {
-    this.camera.position.sub(this.controls.target).multiplyScalar(by).add(this.controls.target);
-  }
-
   private pick(event: MouseEvent): void {
     const box = this.canvas.getBoundingClientRect();
     const at = new THREE.Vector2(2 * (event.clientX - box.left) / box.width - 1, 1 - 2 * (event.clientY - box.top) / box.height);
@@ -344,7 +210,6 @@ export class SceneView implements Painter {
     }
   }
 
-  /** To the place that the page gives it. */
   private fit(): void {
     const { clientWidth: w, clientHeight: h } = this.canvas;
     const ratio = this.renderer.getPixelRatio();
