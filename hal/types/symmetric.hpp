@@ -12,7 +12,8 @@ template <typename Scalar, int N>
 [[nodiscard]] Eigen::Matrix<Scalar, N, 1> solve_symmetric(const Eigen::Matrix<Scalar, N, N>& A,
                                                           const Eigen::Matrix<Scalar, N, 1>& b);
 
-/// Eigenvalues in ascending order, and their unit eigenvectors as columns, of a symmetric 6x6 matrix.
+/// Eigenvalues in ascending order, and their unit eigenvectors as columns, of a symmetric 6x6 matrix. Of a
+/// fixed size, because the object's motion, and with it every recorded lift, depends on its last bits.
 struct SymmetricEigen6 {
   Eigen::Matrix<double, 6, 1> values;
   Eigen::Matrix<double, 6, 6> vectors;

@@ -10,6 +10,8 @@
 namespace colift::perception {
 namespace {
 
+static_assert(kAllParameters <= hal::SmallVector::MaxRowsAtCompileTime);  // or they could not be solved for
+
 constexpr double kHuber = 1.5;       // in standard deviations of a sample; beyond, it counts linearly (Huber)
 constexpr double kNearest_m = 0.05;  // nothing is seen nearer to the camera
 

@@ -2,21 +2,14 @@
 
 #include <array>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 #include <string_view>
 
 #include "hal/can_log/candump.hpp"
+#include "tests/fuzz/demand.hpp"
 
-namespace {
-
+using colift::fuzz::demand;
 using namespace colift::hal;
-
-void demand(bool fact) {
-  if (!fact) std::abort();
-}
-
-}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view input(reinterpret_cast<const char*>(data), size);

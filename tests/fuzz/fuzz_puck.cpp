@@ -3,22 +3,19 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 #include <variant>
 
 #include "hal/drivers/barrett_can/hand_units.hpp"
 #include "hal/drivers/barrett_can/pucks/puck_codec.hpp"
 #include "hal/os/can_error.hpp"
+#include "tests/fuzz/demand.hpp"
 
 namespace {
 
+using colift::fuzz::demand;
 using namespace colift::hal;
 using namespace colift::hal::barrett;
-
-void demand(bool fact) {
-  if (!fact) std::abort();
-}
 
 void judge(const CanFrame& frame) {
   const auto reply = decode_reply(frame);

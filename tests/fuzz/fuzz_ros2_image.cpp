@@ -5,19 +5,16 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <span>
 
 #include "hal/drivers/ros2_camera/ros2_image.hpp"
+#include "tests/fuzz/demand.hpp"
 
 namespace {
 
+using colift::fuzz::demand;
 using namespace colift::hal;
-
-void demand(bool fact) {
-  if (!fact) std::abort();
-}
 
 /// Takes values off the front of the input; zeros behind its end.
 struct Bytes {

@@ -3,21 +3,18 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 #include <string_view>
 
 #include "hal/os/make_can_bus.hpp"
 #include "hal/os/socketcand_text.hpp"
+#include "tests/fuzz/demand.hpp"
 
 namespace {
 
+using colift::fuzz::demand;
 using namespace colift::hal;
 using Kind = GatewayMessage::Kind;
-
-void demand(bool fact) {
-  if (!fact) std::abort();
-}
 
 // all messages, as text
 std::string read_all(std::string_view stream, std::size_t piece) {

@@ -1,23 +1,15 @@
 // Any values as the model of a video device and a picture of it: refused with a reason, or a depth image of
-// the model's size in which every depth lies in the range that was asked for, or behind the lens's
-// rectification.
+// the model's size without a depth beyond the range that was asked for.
 
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 
 #include "hal/drivers/v4l2_camera/z16_image.hpp"
+#include "tests/fuzz/demand.hpp"
 
-namespace {
-
+using colift::fuzz::demand;
 using namespace colift::hal;
-
-void demand(bool fact) {
-  if (!fact) std::abort();
-}
-
-}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   struct Head {

@@ -342,10 +342,9 @@ int cmd_hal_arm(const CommonOptions& common, const HalOptions& options) {
       std::fputs(limits_table(*bench->model, bench->guard).c_str(), stdout);
     return kDone;
   }
-  if (const auto out = options.out.value_or(kBundle);
-      options.verb == "doctor" && std::filesystem::exists(out))
-    return report_error("hal arm doctor", {hal::ErrorCode::BadInput, out.string(),
-                                           "exists already and is kept; choose another --out"});
+  if (options.verb == "doctor")
+    if (auto free = check_new_bundle(options.out.value_or(kBundle)); !free)
+      return report_error("hal arm doctor", free.error());
   const auto task = task_of(options, *bench);
   if (!task) return report_error(("hal arm " + options.verb).c_str(), task.error());
   return run(common, options, *bench, *task);

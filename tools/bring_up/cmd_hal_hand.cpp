@@ -177,9 +177,7 @@ std::string link_text(const std::string& can) {
 /// All that is known of the hand without moving it, as one file that a person can send.
 int make_bundle(const HalOptions& options, Bench bench) {
   const std::filesystem::path out = options.out.value_or("hand-doctor.tar");
-  if (std::filesystem::exists(out))
-    return report_error("hal hand doctor", {hal::ErrorCode::BadInput, out.string(),
-                                            "exists already and is kept; choose another --out"});
+  if (auto free = check_new_bundle(out); !free) return report_error("hal hand doctor", free.error());
   if (bench.barrett.bus_log.empty()) bench.barrett.bus_log = out.string() + ".log";
   std::vector<BundlePart> parts;
   std::string fault;

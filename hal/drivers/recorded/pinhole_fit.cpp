@@ -160,8 +160,8 @@ std::optional<PinholeFit> fit_projection(const PointFile& file) {
     row_v.segment<4>(8) = -v * p;
     normal.noalias() += row_u * row_u.transpose() + row_v * row_v.transpose();
   }
-  const hal::SmallSymmetricEigen eigen = hal::small_symmetric_eigen(normal);
-  const hal::SmallVector& value = eigen.values;
+  const SmallSymmetricEigen eigen = small_symmetric_eigen(normal);
+  const SmallVector& value = eigen.values;
   // a second direction as good as the best one: points in a plane, many cameras fit
   if (!(value[1] > 1e-9 * value[11]) || !(value[1] > 100.0 * std::abs(value[0]))) return std::nullopt;
 

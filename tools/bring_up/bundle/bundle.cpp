@@ -63,6 +63,12 @@ std::string bundle_bytes(const std::string& folder, const std::vector<BundlePart
   return tar.append(2 * kBlock, '\0');
 }
 
+hal::Result<> check_new_bundle(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file)) return {};
+  return hal::failure(hal::ErrorCode::BadInput, file.string(),
+                      "exists already and is kept; choose another --out");
+}
+
 hal::Result<> write_bundle(const std::filesystem::path& file, const std::vector<BundlePart>& parts) {
   const std::string bytes = bundle_bytes(file.stem().string(), parts);
   const auto bad = [&](const char* why) {

@@ -18,6 +18,10 @@ struct BundlePart {
 /// that the same parts give the same bytes. A part of a name that cannot be is left out.
 [[nodiscard]] std::string bundle_bytes(const std::string& folder, const std::vector<BundlePart>& parts);
 
+/// Whether the file is still to be made: asked before a device is, whose answers could not be kept. Errors:
+/// BadInput (exists already).
+[[nodiscard]] hal::Result<> check_new_bundle(const std::filesystem::path& file);
+
 /// Writes it. Errors: BadInput (exists already, no such folder, no permission).
 [[nodiscard]] hal::Result<> write_bundle(const std::filesystem::path& file,
                                          const std::vector<BundlePart>& parts);
