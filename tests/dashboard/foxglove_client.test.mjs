@@ -1,6 +1,8 @@
 // Foxglove's own client reads our channels, in both sub-protocols.
 import assert from "node:assert/strict";
 import { get } from "node:http";
+import { connect } from "node:net";
+import { hostname } from "node:os";
 import { after, before, test } from "node:test";
 import protocol from "@foxglove/ws-protocol";
 import schemas from "@foxglove/schemas/jsonschema.js";
@@ -148,6 +150,56 @@ test("a viewer that never reads changes nothing about a run, bit for bit", async
   }
   socket.terminate();
   assert.equal(documents[0], documents[1]);
+});
+
+test("connections that say nothing, and watchers in every place, do not lock the operator out", async () => {
+  const view = await startView("run", "--view", "0", "--quiet", "--speed", "1", "--seed", "1", "--allow-operator");
+  const address = new URL(view.url), silent = [], watchers = [];
+  try {
+    for (let i = 0; i < 40; ++i) silent.push(connect(Number(address.port), address.hostname).on("error", () => {}));
+    await Promise.all(silent.map((socket) => socket.readyState === "open" || new Promise((open) => socket.on("connect", open).on("close", open))));
+    const refusals = [];
+    for (let i = 0; i < 40; ++i) {
+      const socket = new WebSocket(`ws://${address.host}/`, ["foxglove.sdk.v1"]);
+      watchers.push(socket);
+      await new Promise((done) => socket.on("open", done).on("error", done)
+        .on("unexpected-response", (_, response) => { refusals.push(response.statusCode); done(); }));
+    }
+    assert.deepEqual(refusals, Array(8).fill(503)); // 32 places for who watches
+    for (let i = 0; i < 40; ++i) silent.push(connect(Number(address.port), address.hostname).on("error", () => {}));
+    const seen = { services: [] };
+    const operator = new WebSocket(view.url.replace("http", "ws"), ["foxglove.sdk.v1"]);
+    watchers.push(operator);
+    operator.on("message", (data, binary) => {
+      const message = binary ? {} : JSON.parse(data);
+      if (message.op === "advertiseServices") seen.services = message.services.map((s) => s.name);
+    });
+    await until(() => seen.services.includes("/operator/stop"), "the operator's services", 20000);
+    const page = await new Promise((done, failed) => get(view.url, (response) => { response.resume(); done(response.statusCode); }).on("error", failed));
+    assert.equal(page, 200);
+  } finally {
+    for (const socket of silent) socket.destroy();
+    for (const socket of watchers) socket.terminate();
+    view.child.kill("SIGKILL");
+  }
+});
+
+test("opened to a network, a name that is none of the machine's is refused", async () => {
+  const view = await startView("run", "--view", "0", "--view-address", "0.0.0.0", "--quiet", "--speed", "1", "--seed", "1");
+  const port = new URL(view.url).port;
+  const asked = (host) => new Promise((done, failed) => {
+    get({ host: "127.0.0.1", port, path: "/robot.urdf", headers: { Host: host } }, (response) => {
+      response.resume();
+      done(response.statusCode);
+    }).on("error", failed);
+  });
+  try {
+    assert.equal(await asked(`127.0.0.1:${port}`), 200);
+    assert.equal(await asked(`${hostname()}:${port}`), 200);
+    assert.equal(await asked(`elsewhere.example:${port}`), 403);
+  } finally {
+    view.child.kill("SIGKILL");
+  }
 });
 
 test("a page from elsewhere is turned away, and so is who speaks no protocol of ours", async () => {

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { after, before, test } from "node:test";
-import { chromium } from "playwright-core";
+import { launchBrowser } from "./browser.mjs";
 import { scenario, startLift, startView, until } from "./running_lift.mjs";
 
 const PICTURES = process.env.COLIFT_PICTURES ?? "pictures";
@@ -11,11 +11,7 @@ let browser, lift, page;
 
 before(async () => {
   mkdirSync(PICTURES, { recursive: true });
-  browser = await chromium.launch({
-    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-    args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
-      "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"],
-  });
+  browser = await launchBrowser();
   // it is held up for ten minutes, so that the browser, however busy, stops it and it does not end before
   lift = await startLift("--speed", "3", "--allow-operator", "--record", RECORDING, "--set", "task.hold_s=600");
   page = await browser.newPage({ viewport: { width: 1366, height: 768 } });

@@ -32,7 +32,7 @@ NAME = re.compile(r"[A-Za-z_]\w*(?:(?:::|\.)[A-Za-z_]\w*)*(?=$|[(=,: ])")
 LIKE_CODE = re.compile(r"[a-z0-9]_[a-z0-9]|[a-z0-9][A-Z][a-z]|^k[A-Z]")
 # names of other systems, placeholders and examples of style, names that CMake composes
 FOREIGN = set("""BitRate SamplePoint RestartSec solvePnP cmdCartPos cmdCartPosFriOffset _optical_frame camera_link my_robot kConstants
-                 ContactMonitor plan_path estimate_share live_foxglove_client live_page""".split())
+                 ContactMonitor plan_path estimate_share live_alone live_foxglove_client live_page""".split())
 RENAMED = re.compile(r'renamed\("([\w.]+)", *"')  # old names of configuration keys (hal/config/field_table.hpp)
 DOCS_IN_SOURCE = re.compile(r"(?<![\w/-])docs/[\w/-]+\.md\b|(?<![\w/-])docs/decisions/(\d{4})")
 

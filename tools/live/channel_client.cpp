@@ -31,10 +31,12 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
         hub_(std::move(hub)),
         operates_(operates && hub_->config().on_stop != nullptr),
         talk_(hub_->config().messages_per_second, 4.0 * hub_->config().messages_per_second) {
+    hub_->take_place();
     ++hub_->clients;
   }
   ~ChannelClient() override {
     hub_->leave(this);
+    hub_->leave_place();
     --hub_->clients;
   }
 

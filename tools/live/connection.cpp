@@ -6,6 +6,7 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/version.hpp>
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -19,6 +20,7 @@ namespace http = beast::http;
 using tcp = boost::asio::ip::tcp;
 
 constexpr auto kRequestTime = std::chrono::seconds(20);
+constexpr std::size_t kSlowest_bytes_s = 500'000;  ///< A large document may take longer.
 constexpr std::size_t kLargestHeader = 8 * 1024;
 
 std::string text_of(beast::string_view view) {
@@ -26,13 +28,21 @@ std::string text_of(beast::string_view view) {
 }
 
 /// One connection as long as it speaks HTTP.
-class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
+class HttpConnection final : public Caller, public std::enable_shared_from_this<HttpConnection> {
  public:
   HttpConnection(tcp::socket socket, std::shared_ptr<Hub> hub)
       : stream_(std::move(socket)), hub_(std::move(hub)) {
+    hub_->call(this);
     ++hub_->clients;
   }
-  ~HttpConnection() { --hub_->clients; }
+  ~HttpConnection() override {
+    hub_->hang_up(this);
+    --hub_->clients;
+  }
+  void turn_out() override {
+    beast::error_code ignored;
+    stream_.socket().close(ignored);  // what it waits for ends with an error, and it with that
+  }
 
   void read() {
     parser_.emplace();
@@ -50,6 +60,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
  private:
   void answer() {
+    hub_->renew(this);
     const auto& request = parser_->get();
     Visitor visitor{text_of(request[http::field::host]), {}, text_of(request.target())};
     if (const auto origin = request.find(http::field::origin); origin != request.end())
@@ -64,6 +75,11 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     }
     if (upgrade) {
       const bool operates = has_token(visitor.target, hub_->config().door);
+      if (!hub_->has_place(operates)) {
+        ++hub_->turned_away;
+        return send(http::status::service_unavailable,
+                    {"text/plain; charset=utf-8", "all places are taken; close another page of this run\n"});
+      }
       stream_.expires_never();  // from here on the WebSocket's own deadlines hold
       return serve_channels(std::move(stream_), parser_->release(), hub_, operates);
     }
@@ -71,15 +87,19 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
       return send(http::status::method_not_allowed,
                   {"text/plain; charset=utf-8", "only GET and HEAD are served\n"});
     if (auto document = hub_->files().find(visitor.target))
-      return send(http::status::ok, std::move(*document));
+      return send(http::status::ok, std::move(document));
     send(http::status::not_found, {"text/plain; charset=utf-8", "there is nothing here\n"});
   }
 
   void send(http::status status, Document document) {
+    send(status, std::make_shared<const Document>(std::move(document)));
+  }
+
+  void send(http::status status, std::shared_ptr<const Document> document) {
     const auto& request = parser_->get();
     response_.emplace(status, request.version());
     response_->set(http::field::server, "CoLift");
-    response_->set(http::field::content_type, document.type);
+    response_->set(http::field::content_type, document->type);
     response_->set(http::field::cache_control, "no-store");
     response_->set("X-Content-Type-Options", "nosniff");
     // a viewer in a browser reads the robot's model from its own page
@@ -90,8 +110,11 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
                    "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
                    "connect-src 'self' ws: wss:; frame-ancestors 'none'");
     response_->keep_alive(request.keep_alive() && status == http::status::ok);
-    response_->content_length(document.body.size());
-    if (request.method() != http::verb::head) response_->body() = std::move(document.body);
+    response_->content_length(document->body.size());
+    if (request.method() != http::verb::head)
+      response_->body() = {document->body.data(), document->body.size()};
+    document_ = std::move(document);
+    stream_.expires_after(kRequestTime + std::chrono::seconds(document_->body.size() / kSlowest_bytes_s));
     http::async_write(stream_, *response_, [self = shared_from_this()](beast::error_code error, std::size_t) {
       if (error || !self->response_->keep_alive()) return self->end();
       self->read();
@@ -108,7 +131,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   beast::flat_buffer buffer_{kLargestHeader * 2};
   std::optional<http::request_parser<http::empty_body>> parser_;
   std::optional<std::string> shared_with_;  ///< Of the request that is being answered.
-  std::optional<http::response<http::string_body>> response_;
+  std::optional<http::response<http::span_body<const char>>> response_;
+  std::shared_ptr<const Document> document_;  ///< What the response shows: shared, however many read it.
 };
 
 }  // namespace

@@ -26,6 +26,25 @@ bool Hub::hand_in(const telemetry::Publication& publication) {
   return waiting_.size() == 1;
 }
 
+void Hub::call(Caller* caller) {
+  if (callers_.size() >= config_.most_callers && !callers_.empty()) {
+    Caller* idle = callers_.front();
+    callers_.erase(callers_.begin());
+    ++turned_away;
+    idle->turn_out();
+  }
+  callers_.push_back(caller);
+}
+
+void Hub::renew(Caller* caller) {
+  const auto found = std::find(callers_.begin(), callers_.end(), caller);
+  if (found != callers_.end()) std::rotate(found, found + 1, callers_.end());
+}
+
+void Hub::hang_up(Caller* caller) {
+  std::erase(callers_, caller);
+}
+
 void Hub::pass_on() {
   {
     const std::lock_guard lock(waiting_mutex_);

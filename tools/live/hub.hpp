@@ -23,6 +23,14 @@ class Listener {
   virtual void tell_time(hal::Timestamp now) = 0;
 };
 
+/// A connection that speaks HTTP, as the hub sees it. All calls come from the server's thread.
+class Caller {
+ public:
+  virtual ~Caller() = default;
+  /// Has to leave: its place is needed.
+  virtual void turn_out() = 0;
+};
+
 /// What all connections share: configuration, files, the board, who listens. Lives in the server's thread,
 /// except for what says otherwise.
 class Hub {
@@ -39,6 +47,19 @@ class Hub {
 
   void join(Listener* listener) { listeners_.insert(listener); }
   void leave(Listener* listener) { listeners_.erase(listener); }
+
+  /// Somebody has connected. Where all places are taken whoever has been idle longest leaves: connections
+  /// that say nothing lock nobody out.
+  void call(Caller* caller);
+  /// It has asked for something: of all, it is the last to leave.
+  void renew(Caller* caller);
+  void hang_up(Caller* caller);
+  /// Whether one more client of the channels may come.
+  [[nodiscard]] bool has_place(bool operates) const {
+    return listening_ < config_.most_clients + (operates ? config_.operator_places : 0);
+  }
+  void take_place() { ++listening_; }
+  void leave_place() { --listening_; }
 
   /// Any thread. True: nobody has been notified yet that something waits.
   [[nodiscard]] bool hand_in(const telemetry::Publication& publication);
@@ -57,6 +78,8 @@ class Hub {
   Board board_;
   std::optional<hal::Timestamp> now_, published_;
   std::set<Listener*> listeners_;
+  std::vector<Caller*> callers_;  ///< The longest idle first.
+  std::size_t listening_ = 0;     ///< Clients of the channels, from their upgrade on.
 
   std::mutex waiting_mutex_;
   std::vector<telemetry::Publication> waiting_;

@@ -54,12 +54,8 @@ struct LiveServer::Impl {
     acceptor.async_accept([this](boost::system::error_code error, tcp::socket socket) {
       if (error == asio::error::operation_aborted) return;
       if (error) return wait_and_accept();  // out of descriptors, say: not at once again
-      if (hub->clients.load() < hub->config().most_clients) {
-        socket.set_option(tcp::no_delay(true), error);
-        serve_connection(std::move(socket), hub);
-      } else {
-        ++hub->turned_away;  // the socket closes here
-      }
+      socket.set_option(tcp::no_delay(true), error);
+      serve_connection(std::move(socket), hub);
       accept();
     });
   }

@@ -14,8 +14,10 @@ namespace colift::live {
 
 struct ServerConfig {
   std::string address = "127.0.0.1";
-  std::uint16_t port = 8765;  ///< 0: any free one. 8765 is what Foxglove proposes.
-  std::size_t most_clients = 32;
+  std::uint16_t port = 8765;        ///< 0: any free one. 8765 is what Foxglove proposes.
+  std::size_t most_clients = 32;    ///< Of the channels.
+  std::size_t operator_places = 4;  ///< Further ones, for who has the token.
+  std::size_t most_callers = 32;    ///< Connections that speak HTTP; the oldest makes room for the next.
   std::size_t largest_message = 64 * 1024;  ///< Of a client (bytes).
   double messages_per_second = 50.0;        ///< Of a client; more ends its connection.
   DoorRules door;

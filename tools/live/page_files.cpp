@@ -60,9 +60,9 @@ std::optional<std::string> clean_path(std::string_view target) {
   return path;
 }
 
-std::optional<Document> PageFiles::find(std::string_view target) const {
+std::shared_ptr<const Document> PageFiles::find(std::string_view target) const {
   auto path = clean_path(target);
-  if (!path) return std::nullopt;
+  if (!path) return nullptr;
   if (*path == "/") *path = "/index.html";
   if (const auto made = made_.find(*path); made != made_.end()) return made->second;
   for (const auto& [ending, type] : kTypes) {
@@ -72,11 +72,14 @@ std::optional<Document> PageFiles::find(std::string_view target) const {
     if (std::filesystem::is_regular_file(file, error) &&
         std::filesystem::file_size(file, error) <= kLargestFile) {
       std::ifstream in(file, std::ios::binary);
-      if (in) return Document{std::string(type), {std::istreambuf_iterator<char>(in), {}}};
+      if (in)
+        return std::make_shared<const Document>(
+            Document{std::string(type), {std::istreambuf_iterator<char>(in), {}}});
     }
   }
-  if (*path == "/index.html") return Document{"text/html; charset=utf-8", kNoPage};
-  return std::nullopt;
+  if (*path == "/index.html")
+    return std::make_shared<const Document>(Document{"text/html; charset=utf-8", kNoPage});
+  return nullptr;
 }
 
 std::filesystem::path PageFiles::beside_program() {

@@ -12,8 +12,15 @@ std::string_view name_of(std::string_view host) {
   return host.substr(0, host.find(':'));
 }
 
+/// Names are the same in capitals.
+bool same_name(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
+}
+
+/// An address cannot be bent to this machine: only a name can.
 bool is_loopback_or_number(std::string_view name) {
-  if (name == "localhost" || name == "[::1]") return true;
+  if (same_name(name, "localhost")) return true;
   if (name.size() > 2 && name.front() == '[') return true;
   return !name.empty() &&
          std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c) || c == '.'; });
@@ -23,8 +30,10 @@ bool is_loopback_or_number(std::string_view name) {
 
 std::optional<std::string> turned_away(const Visitor& visitor, const DoorRules& rules) {
   if (visitor.host.empty()) return "a request needs the header Host";
-  if (!rules.any_host && !is_loopback_or_number(name_of(visitor.host)))
-    return "the name in Host is not this machine's loopback address";
+  const std::string_view name = name_of(visitor.host);
+  const auto ours = [&](const std::string& host) { return same_name(name, host); };
+  if (!is_loopback_or_number(name) && std::none_of(rules.hosts.begin(), rules.hosts.end(), ours))
+    return "the name in Host is none of this machine's; use its address in numbers";
   if (!visitor.origin) return std::nullopt;
   if (*visitor.origin == "http://" + visitor.host) return std::nullopt;
   if (shared_with(visitor, rules)) return std::nullopt;

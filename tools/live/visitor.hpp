@@ -11,7 +11,7 @@ namespace colift::live {
 /// Who may connect, and what for.
 struct DoorRules {
   std::vector<std::string> origins;  ///< Allowed besides the server's own ("https://app.example.org").
-  bool any_host = false;             ///< Listening beyond loopback was asked for: any name may have led here.
+  std::vector<std::string> hosts;    ///< Names of this machine besides "localhost"; addresses need none.
   std::string token;                 ///< An operator's; empty: nobody operates.
 };
 

@@ -13,6 +13,7 @@
 #include "tools/run/run_pace.hpp"
 #include "tools/telemetry/channels/built_in_texts.hpp"
 #include "tools/telemetry/channels/json_parts.hpp"
+#include "tools/telemetry/replay/page_recording.hpp"
 #include "tools/telemetry/replay/replay.hpp"
 
 namespace colift::tools {
@@ -207,9 +208,12 @@ int log_replay(const CommonOptions& common, const LogOptions& options) {
   if (!setting) return report_error(kCommand, setting.error());
   const auto speed = speed_of(options.live, control::Drive::InStep);
   if (!speed) return report_error(kCommand, speed.error());
-  const auto live =
-      RunLive::open(options.live, fmt::format("CoLift, recording {}", options.file.filename().string()),
-                    run.robot_urdf.empty() ? telemetry::built_in_robot_urdf() : run.robot_urdf);
+  std::map<std::string, live::Document> documents;
+  if (options.live.view)
+    documents["/recording.txt"] = {"text/plain; charset=utf-8", telemetry::page_recording(reader)};
+  const auto live = RunLive::open(
+      options.live, fmt::format("CoLift, recording {}", options.file.filename().string()),
+      run.robot_urdf.empty() ? telemetry::built_in_robot_urdf() : run.robot_urdf, std::move(documents));
   if (!live) return report_error(kCommand, live.error());
   const InterruptGuard signals;
   const auto enough = [&] { return InterruptGuard::asked() || (*live && (*live)->stopped()); };

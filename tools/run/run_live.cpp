@@ -1,7 +1,9 @@
 #include "tools/run/run_live.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <array>
 #include <charconv>
 #include <chrono>
 #include <random>
@@ -27,6 +29,12 @@ hal::Result<std::uint16_t> port_of(const std::string& text) {
   return static_cast<std::uint16_t>(port);
 }
 
+/// Empty where the system does not tell.
+std::string machine_name() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? std::string(name.data()) : std::string();
+}
+
 /// 128 bits that nobody can guess.
 std::string new_token() {
   std::random_device source;
@@ -49,7 +57,8 @@ hal::Result<std::string> robot_urdf(const std::optional<std::filesystem::path>& 
 }  // namespace
 
 hal::Result<std::unique_ptr<RunLive>> RunLive::open(const ViewOptions& options, const std::string& title,
-                                                    std::string urdf) {
+                                                    std::string urdf,
+                                                    std::map<std::string, live::Document> documents) {
   if (!options.view) {
     if (options.allow_operator || !options.allow_origins.empty())
       return hal::failure(hal::ErrorCode::BadInput, "--allow-operator", "belongs to --view");
@@ -63,14 +72,21 @@ hal::Result<std::unique_ptr<RunLive>> RunLive::open(const ViewOptions& options, 
   config.address = options.view_address;
   config.name = title;
   config.door.origins = options.allow_origins;
-  config.door.any_host = options.view_address != "127.0.0.1" && options.view_address != "::1";
+  if (options.view_address != "127.0.0.1" && options.view_address != "::1") {
+    // whoever opens it to a network calls the machine by its name there
+    if (const std::string name = machine_name(); !name.empty()) {
+      config.door.hosts.push_back(name);
+      config.door.hosts.push_back(name + ".local");
+    }
+  }
   if (options.allow_operator) {
     config.door.token = new_token();
     config.on_stop = [raw = view.get()] { raw->stopped_ = true; };
     config.on_lower = [raw = view.get()] { raw->lower_confirmed_ = true; };
   }
   live::PageFiles files(live::PageFiles::beside_program());
-  files.add("/robot.urdf", {"application/xml", std::move(urdf)});
+  documents["/robot.urdf"] = {"application/xml", std::move(urdf)};
+  for (auto& [path, document] : documents) files.add(path, std::move(document));
   auto server = live::LiveServer::open(config, std::move(files));
   if (!server) return tl::unexpected(server.error());
   view->server_ = std::move(*server);

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -17,9 +18,10 @@ class RunLive final : public LiveView {
  public:
   /// Null where no view was asked for. Errors: BadInput for a wrong port or address; NotReady where the port
   /// is taken.
-  /// `urdf` is the robot's description for the page.
-  [[nodiscard]] static hal::Result<std::unique_ptr<RunLive>> open(const ViewOptions& options,
-                                                                  const std::string& title, std::string urdf);
+  /// `urdf` is the robot's description for the page, `documents` are further ones by path.
+  [[nodiscard]] static hal::Result<std::unique_ptr<RunLive>> open(
+      const ViewOptions& options, const std::string& title, std::string urdf,
+      std::map<std::string, live::Document> documents = {});
 
   [[nodiscard]] telemetry::TelemetrySink& sink() override { return *server_; }
   [[nodiscard]] std::string url() const override { return server_->url(); }

@@ -1,7 +1,7 @@
 // The grasps with their verdicts. One of them can be chosen, by click, in the picture or with the arrow keys, and says why.
 
 import type { Candidate, Decision } from "./messages";
-import { escaped } from "./pipeline_strip";
+import { escaped, percent } from "./words";
 
 const ORDER = ["chosen", "ok", "near-partner", "over-limit", "unstable", "unreachable", "collision", "too-wide"];
 
@@ -39,7 +39,7 @@ export class ChoicePanel {
     const rank = (c: Candidate) => ORDER.indexOf(c.verdict) * 1e9 + (c.cost ?? 1e8);
     this.rows = [...decision.candidates].sort((a, b) => rank(a) - rank(b) || a.id - b.id);
     const rows = this.rows.map((c) =>
-      `<tr data-id="${c.id}"><td>${c.id}</td><td><span class="verdict ${c.verdict}">${c.verdict}</span></td>` +
+      `<tr data-id="${c.id}"><td>${c.id}</td><td><span class="verdict ${c.verdict}">${escaped(c.verdict)}</span></td>` +
       `<td>${escaped(c.kind)}</td><td>${percent(c.share)}</td><td>${c.cost === null ? "" : c.cost.toPrecision(4)}</td></tr>`);
     this.table.innerHTML =
       `<table><thead><tr><th>#</th><th>verdict</th><th>kind</th><th>share</th><th>cost</th></tr></thead><tbody>` +
@@ -64,8 +64,4 @@ export class ChoicePanel {
       if (here) row.scrollIntoView({ block: "nearest" });
     }
   }
-}
-
-export function percent(value: number | null): string {
-  return value === null ? "" : `${(100 * value).toFixed(0)} %`;
 }

@@ -19,9 +19,25 @@ export class LiveClient {
   private calls = 0;
   private session = "";
 
+  /** What the channels say is not shown meanwhile: the page plays a recording by itself. */
+  muted = false;
+  onMessage: (atNs: bigint) => void = () => {};
+
   on<T>(topic: string, handler: (message: T, atNs: bigint) => void): void {
     this.handlers.set(topic, handler as Handler);
   }
+
+  /** After each message that is shown. */
+  onShown: () => void = () => {};
+
+  /** Shows a message, whoever has it. */
+  hand(topic: string, text: string, atNs: bigint): void {
+    this.handlers.get(topic)?.(JSON.parse(text), atNs);
+    this.onShown();
+  }
+
+  /** Everything once more, as to somebody who comes late. */
+  again(): void { this.socket?.close(); }
 
   connect(url: string): void {
     this.onLink("connecting", false);
@@ -87,10 +103,10 @@ export class LiveClient {
     const op = view.getUint8(0);
     if (op === MESSAGE_DATA) {
       const topic = this.topics.get(view.getUint32(1, true));
-      const handler = topic === undefined ? undefined : this.handlers.get(topic);
-      if (!handler) return;
-      const text = new TextDecoder().decode(new Uint8Array(data, 13));
-      handler(JSON.parse(text), view.getBigUint64(5, true));
+      if (topic === undefined || this.muted) return;
+      const at = view.getBigUint64(5, true);
+      this.hand(topic, new TextDecoder().decode(new Uint8Array(data, 13)), at);
+      this.onMessage(at);
     } else if (op === SERVICE_RESPONSE) {
       const length = view.getUint32(9, true);
       const answer = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 13 + length)));

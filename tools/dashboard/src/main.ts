@@ -1,12 +1,17 @@
 // The page that shows a run. It is an ordinary client of the channels, as Foxglove or Lichtblick would be.
 
+import * as THREE from "three";
+import { CameraPanel } from "./camera_panel";
 import { ChoicePanel } from "./choice_panel";
+import { HandPanel } from "./hand_panel";
 import { LiveClient } from "./live_client";
 import type * as M from "./messages";
 import { PeoplePanel } from "./people_panel";
-import { PipelineStrip, escaped } from "./pipeline_strip";
+import { PipelineStrip } from "./pipeline_strip";
 import { LoadPlots } from "./plots";
+import { ReplayBar } from "./replay_bar";
 import { SceneView } from "./scene_view";
+import { escaped, heightWords, leaderWords } from "./words";
 
 const $ = <T extends HTMLElement = HTMLElement>(id: string): T => document.getElementById(id) as T;
 const LEVELS = ["", "debug", "info", "warning", "error", "fatal"];
@@ -17,12 +22,15 @@ const choice = new ChoicePanel($("because"), $("candidates"), $("reason"));
 const plots = new LoadPlots($("shares"), $("share-plot"), $("tilt-plot"));
 const people = new PeoplePanel($("near"), $("felt"), $("near-plot"), $("alarm"));
 const scene = new SceneView($<HTMLCanvasElement>("scene"), $("layers"));
+const hand = new HandPanel($("touch"), $("tactile"));
+const camera = new CameraPanel($("seen"), $<HTMLCanvasElement>("camera-picture"));
 const client = new LiveClient();
 
 function theme(name: string): void {
   document.documentElement.dataset.theme = name;
   localStorage.setItem("theme", name);
   scene.background(getComputedStyle(document.documentElement).getPropertyValue("--scene").trim());
+  scene.touch();
   plots.rebuild();
   people.rebuild();
 }
@@ -58,9 +66,10 @@ stop.onclick = () => {
 const lower = $<HTMLButtonElement>("lower");
 lower.onclick = () => void client.call("/operator/lower");
 
+const isRecording = () => document.title.startsWith("CoLift, recording");
 client.onLink = (word, operates) => {
   const chip = $("link");
-  const what = document.title.startsWith("CoLift, recording") ? "recording" : "live";
+  const what = isRecording() ? "recording" : "live";
   chip.textContent = word === "connected" ? (operates ? `${what}, operator` : what) : word;
   chip.className = `chip ${word}`;
   stop.disabled = lower.disabled = !operates;
@@ -69,30 +78,91 @@ client.onLink = (word, operates) => {
 client.onName = (name) => {
   document.title = name;
   $("name").textContent = name.replace(/^CoLift,? ?/, "");
+  if (isRecording()) bar.show();
 };
 client.onNote = (level, text) => say(level + 2, text, "page");
-client.onReset = () => {
+const reset = () => {
   strip.reset();
   choice.reset();
   plots.reset();
   people.reset();
   scene.reset();
+  hand.reset();
+  camera.reset();
+  partner = grasp = null;
+  leads = "";
+  $("leads").hidden = true;
   $("log").innerHTML = "";
 };
+client.onReset = reset;
+
+const bar = new ReplayBar($("replay"), "recording.txt", {
+  show: (topic, text, at) => {
+    try {
+      client.hand(topic, text, at);
+    } catch {
+      say(3, `a message of ${topic} is damaged`, "page");
+    }
+  },
+  reset,
+  failed: (why) => say(3, why, "page"),
+});
+bar.onJump = () => scene.motion.jump();
+bar.onOwn = (own) => {
+  client.muted = own;
+  if (!own) {
+    reset();
+    client.again();
+  }
+};
+client.onShown = () => scene.touch();
+client.onMessage = (at) => bar.follows(at);
+
+let leads = "";
+let partner: THREE.Vector3 | null = null, grasp: THREE.Vector3 | null = null;
+const vector = (p: number[] | null | undefined) => (p && p.length === 3 ? new THREE.Vector3(p[0], p[1], p[2]) : null);
 
 client.on<M.TaskStatus>("/task/status", (s) => {
   $("state").textContent = s.state;
-  $("waits").textContent = [s.doing || s.waits_for, s.partner_note].filter((t) => t).join(" · ");
+  $("waits").textContent = s.doing || s.waits_for;
+  $("note").textContent = s.partner_note;
+  partner = vector(s.partner);
   strip.status(s);
   people.show(s);
-  scene.robot.state(s.state);
+  if (scene.robot.state(s.state)) scene.palm.arrived();
 });
 client.on<M.TaskChange>("/task/change", (c) => strip.change(c));
 client.on<M.Intent>("/task/intent", (i) => announce(i));
-client.on<M.Decision>("/decision", (d) => choice.show(d));
-client.on<M.Plan>("/plan", (p) => scene.robot.show(p));
-client.on<M.Load>("/load", (l, at) => plots.add(l, at));
-client.on<{ transforms: M.Transform[] }>("/tf", (m) => scene.transforms(m.transforms));
+client.on<M.Decision>("/decision", (d) => {
+  choice.show(d);
+  grasp = vector(d.candidates.find((c) => c.id === d.chosen)?.position);
+});
+client.on<M.Plan>("/plan", (p) => {
+  scene.robot.show(p);
+  scene.palm.plan(p.palm);
+});
+client.on<M.Load>("/load", (l, at) => {
+  plots.add(l, at);
+  scene.motion.height(l.height_m, Number(at) / 1e9);
+  leads = leaderWords(l.leads);
+  $("leads").textContent = leads;
+  $("leads").hidden = leads === "";
+  scene.say(l.height_m === null ? "" : [heightWords(l.height_m), leads].filter((t) => t).join(", "));
+});
+client.on<{ transforms: M.Transform[] }>("/tf/tracked", (m, at) => scene.transforms(m.transforms, Number(at) / 1e9));
+client.on<{ transforms: M.Transform[] }>("/tf", (m, at) => {
+  scene.transforms(m.transforms, Number(at) / 1e9);
+  const lens = m.transforms.find((t) => t.child_frame_id === "camera");
+  if (lens) camera.pose(lens);
+  const moved = (p: THREE.Vector3 | null) => p && p.clone().applyMatrix4(scene.motion.matrix);
+  camera.draw({
+    box: scene.restBox && scene.motion.matrix.clone().multiply(scene.restBox),
+    partner, grasp: moved(grasp), path: scene.palm.rest,
+  });
+});
+client.on<M.Calibration>("/camera/calibration", (m) => camera.model(m));
+client.on<M.RawImage>("/camera/preview", (m) => camera.show(m));
+client.on<M.Tactile>("/hand/tactile", (m) => hand.show(m));
 client.on<M.JointStates>("/joint_states", (m) => scene.robot.joints(m));
 client.on<M.PointCloud>("/cloud", (m) => scene.cloud(m));
 client.on<M.SceneUpdate>("/map", (m) => scene.map(m));
@@ -115,13 +185,19 @@ client.on<M.CycleTiming>("/arm/timing", (t) => {
   timing();
 });
 
-choice.onSelect = (id) => scene.select(id);
+choice.onSelect = (id) => {
+  scene.select(id);
+  scene.touch();
+};
 scene.onPick = (id) => choice.select(id);
 document.addEventListener("keydown", (event) => {
-  if (event.target instanceof HTMLInputElement || event.ctrlKey || event.metaKey || event.altKey) return;
+  const typing = event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement;
+  if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (!(event.key === " " && event.target instanceof HTMLButtonElement) && bar.key(event.key)) return event.preventDefault();
   if (event.key === "t") otherTheme();
   if (event.key === "s" && !stop.disabled) stop.click();
 });
 
-void scene.robot.load("robot.urdf");
+if (matchMedia("(max-width: 44rem)").matches) $<HTMLDetailsElement>("shown").open = false;
+void scene.robot.load("robot.urdf").then(() => scene.touch());
 client.connect(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/${location.search}`);

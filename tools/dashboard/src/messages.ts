@@ -42,7 +42,14 @@ export interface Stages {
 export interface Load {
   load_n: number; share: number | null; share_predicted: number | null; height_m: number | null;
   tilt_deg: number | null; slip_m: number | null;
+  leads?: string | null;  // "robot" or "partner"; not in older recordings
 }
+export interface Tactile {
+  arrays: { name: string; force_n: number | null; cells: (number | null)[] }[];
+  palm_touches: boolean;
+}
+export interface Calibration { width: number; height: number; K: number[] }
+export interface RawImage { width: number; height: number; encoding: string; data: string }
 export interface Log { timestamp: { sec: number; nsec: number }; level: number; message: string; name: string }
 export interface Transform {
   parent_frame_id: string; child_frame_id: string; translation: Xyz; rotation: Quaternion;

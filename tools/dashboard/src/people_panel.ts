@@ -1,8 +1,8 @@
 // Who is near the arm, how fast it may be because of that, and the force on its hand against what would stop it.
 
 import uPlot from "uplot";
-import type { Force, Separation, TaskStatus } from "./messages";
-import { percent } from "./choice_panel";
+import type { TaskStatus } from "./messages";
+import { forceWords, percent, separationWords } from "./words";
 
 const KEPT = 3600;
 const HEIGHT = 84;
@@ -42,9 +42,9 @@ export class PeoplePanel {
     if (!s) return; // of a recording from before there were any
     this.alarm.hidden = s.on;
     this.alarm.textContent = "Speed and separation monitoring is OFF: the arm notices nobody. It moves at T1 speed.";
-    this.near.textContent = words(s);
+    this.near.textContent = separationWords(s);
     this.near.className = s.waits ? "waits" : s.speed_scale < 1 ? "slowed" : "";
-    this.felt.textContent = status.force ? forces(status.force) : "";
+    this.felt.textContent = status.force ? forceWords(status.force) : "";
     this.felt.className = status.force?.exceeded ? "waits" : "";
     const last = this.t[this.t.length - 1];
     if (last !== undefined && status.t <= last) return; // sent again after a reconnect
@@ -85,23 +85,4 @@ export class PeoplePanel {
         { label: "speed", scale: "speed", stroke: colour("--good"), width: 2 }],
     }, [[], [], [], [], []], this.box);
   }
-}
-
-function words(s: Separation): string {
-  if (!s.on) return "nobody looks";
-  const bodies = s.bodies.filter((b) => b.distance_m !== null).length;
-  const near = s.distance_m === null ? "nobody near the arm"
-    : `nearest ${Math.max(0, s.distance_m).toFixed(2)} m${bodies > 1 ? ` of ${bodies} bodies` : ""}`;
-  if (s.waits) return `The arm waits: ${s.because || near}`;
-  if (s.speed_scale < 1) return `The arm moves at ${percent(s.speed_scale)} of its speed: ${s.because || near}`;
-  return near;
-}
-
-function forces(f: Force): string {
-  const [x = 0, y = 0, z = 0] = f.felt;
-  const of = (limit: number | null) => (limit === null ? "" : ` of ${limit.toFixed(0)}`);
-  if (!f.on) return "force monitoring is off";
-  if (f.sideways_limit_n === null) return "";
-  return `Force on the hand: ${Math.hypot(x, y).toFixed(0)}${of(f.sideways_limit_n)} N sideways, ` +
-    (z >= 0 ? `${z.toFixed(0)}${of(f.up_limit_n)} N up` : `${(-z).toFixed(0)}${of(f.down_limit_n)} N down`);
 }

@@ -1,6 +1,7 @@
 // The states that the task went through, each with its reason and how long it took; the last one is where it is.
 
 import type { TaskChange, TaskStatus } from "./messages";
+import { escaped, seconds } from "./words";
 
 const NOMINAL = ["observe", "await-partner", "decide", "plan", "approach", "close", "verify", "await-ready", "lift", "hold",
   "lower", "release", "retreat", "done"];
@@ -42,12 +43,4 @@ export class PipelineStrip {
     const current = this.list.querySelector<HTMLElement>("[aria-current]");
     if (current) this.list.scrollLeft = current.offsetLeft - this.list.clientWidth / 2;
   }
-}
-
-export function seconds(s: number): string {
-  return s < 0.05 ? "" : `${s.toFixed(1)} s`;
-}
-
-export function escaped(text: string): string {
-  return text.replace(/[&<>"']/g, (c) => `&#${c.charCodeAt(0)};`);
 }

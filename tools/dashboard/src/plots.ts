@@ -3,7 +3,7 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Load } from "./messages";
-import { percent } from "./choice_panel";
+import { loadWords, percent } from "./words";
 
 const KEPT = 3600;
 const HEIGHTS = [64, 88]; // the upper one leaves the time to the lower one
@@ -48,11 +48,7 @@ export class LoadPlots {
     if (this.t.length > KEPT)
       for (const list of [this.t, this.share, this.predicted, this.tilt, this.height]) list.shift();
     this.stale = true;
-    if (load.share !== null)
-      this.words.textContent = `The robot carries ${load.load_n.toFixed(0)} N, ${percent(load.share)} of the load` +
-        (load.share_predicted === null ? "" : ` (predicted ${percent(load.share_predicted)})`) +
-        (load.tilt_deg === null ? "" : `, tilt ${load.tilt_deg.toFixed(1)}°`) +
-        (load.height_m === null ? "" : `, ${(100 * load.height_m).toFixed(1)} cm up`);
+    this.words.textContent = loadWords(load) ?? this.words.textContent;
   }
 
   /** New colours. */

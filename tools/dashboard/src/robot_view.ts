@@ -10,6 +10,8 @@ const AFTER = ["close", "verify", "await-ready", "lift", "hold", "lower", "pause
   "done", "stopped"];
 
 export class RobotView {
+  /** Where the palm is now, in world. */
+  onPalm: (at: THREE.Vector3) => void = () => {};
   readonly group = new THREE.Group();
   readonly ghost = new THREE.Group();
   private robot: URDFRobot | null = null;
@@ -38,6 +40,8 @@ export class RobotView {
   joints(state: JointStates): void {
     this.last = state;
     for (const joint of state.joints) this.robot?.setJointValue(joint.name, joint.position);
+    const palm = this.robot?.links["palm"];
+    if (palm) this.onPalm(palm.getWorldPosition(new THREE.Vector3()));
   }
 
   show(plan: Plan | null): void {
@@ -45,10 +49,11 @@ export class RobotView {
     this.ghost.visible = this.plan !== null && !this.arrived;
   }
 
-  /** From the closing hand on the way is behind it. */
-  state(word: string): void {
+  /** From the closing hand on the way is behind it: then true. */
+  state(word: string): boolean {
     this.arrived = AFTER.includes(word);
     this.ghost.visible = this.plan !== null && !this.arrived;
+    return this.arrived;
   }
 
   /** Lets the ghost walk along the way, again and again. */

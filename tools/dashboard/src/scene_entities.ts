@@ -23,6 +23,26 @@ const ROUND = new THREE.CylinderGeometry(0.5, 0.5, 1, 32).rotateX(Math.PI / 2);
 const SHAFT = new THREE.CylinderGeometry(0.5, 0.5, 1, 12).rotateZ(-Math.PI / 2).translate(0.5, 0, 0);
 const HEAD = new THREE.ConeGeometry(0.5, 1, 16).rotateZ(-Math.PI / 2).translate(0.5, 0, 0);
 
+/** The end of a candidate's arrow says its verdict by shape, for whom colours do not (choice_panel has the same as signs). */
+const ENDS: Record<string, THREE.BufferGeometry> = {
+  collision: cross(),
+  unreachable: new THREE.TorusGeometry(0.5, 0.12, 8, 24).rotateY(Math.PI / 2).translate(0.5, 0, 0),
+  "too-wide": new THREE.BoxGeometry(0.35, 1.7, 0.35).translate(0.5, 0, 0),
+  unstable: new THREE.TetrahedronGeometry(0.7).translate(0.5, 0, 0),
+  "over-limit": new THREE.BoxGeometry(0.9, 0.9, 0.9).translate(0.5, 0, 0),
+  "near-partner": new THREE.SphereGeometry(0.5, 16, 12).translate(0.5, 0, 0),
+};
+
+/** Two bars, one across the other, across the arrow's axis. */
+function cross(): THREE.BufferGeometry {
+  const shape = new THREE.Shape();
+  const [thin, long] = [0.16, 0.75];
+  const corners = [[thin, thin], [long, thin], [long, -thin], [thin, -thin], [thin, -long], [-thin, -long], [-thin, -thin],
+    [-long, -thin], [-long, thin], [-thin, thin], [-thin, long], [thin, long]];
+  corners.forEach(([x, y], i) => (i === 0 ? shape.moveTo(x!, y!) : shape.lineTo(x!, y!)));
+  return new THREE.ExtrudeGeometry(shape, { depth: 0.3, bevelEnabled: false }).rotateZ(Math.PI / 4).rotateY(Math.PI / 2).translate(0.3, 0, 0);
+}
+
 function solid(geometry: THREE.BufferGeometry, s: Solid): THREE.Mesh {
   const mesh = new THREE.Mesh(geometry, material(s.color));
   place(mesh, s.pose);
@@ -34,7 +54,7 @@ function solid(geometry: THREE.BufferGeometry, s: Solid): THREE.Mesh {
 const LABELS: Record<string, string> = { partner: "partner", gripper: "chosen" };
 
 /** A word above a place, always turned to who looks and of the same size. */
-function label(word: string, pose: Pose, c: Colour): THREE.Sprite {
+export function label(word: string, pose: Pose, c: Colour): THREE.Sprite {
   const canvas = document.createElement("canvas");
   canvas.width = 256;
   canvas.height = 64;
@@ -43,10 +63,12 @@ function label(word: string, pose: Pose, c: Colour): THREE.Sprite {
   context.beginPath();
   context.roundRect(4, 4, 248, 56, 20);
   context.fill();
-  context.font = `600 ${word.length > 10 ? 30 : 44}px sans-serif`;
+  context.font = "600 44px sans-serif";
+  const fitting = Math.min(44, Math.floor(44 * 236 / context.measureText(word).width));
+  context.font = `600 ${fitting}px sans-serif`;
   context.textAlign = "center";
   context.fillStyle = `#${new THREE.Color(c.r, c.g, c.b).multiplyScalar(0.25).getHexString()}`;
-  context.fillText(word, 128, 46);
+  context.fillText(word, 128, 32 + 0.35 * fitting);
   const texture = new THREE.CanvasTexture(canvas);
   texture.colorSpace = THREE.SRGBColorSpace;
   const sprite = new THREE.Sprite(new THREE.SpriteMaterial({ map: texture, depthTest: false, sizeAttenuation: false }));
@@ -65,7 +87,8 @@ export function objectOf(entity: Entity): THREE.Group {
     // what encloses something is drawn by its edges: the filling would hide it
     if (entity.id === "ground") (box.material as THREE.Material).opacity = 0.12;
     if (s.color.a > 0.25 || entity.id === "ground") continue;
-    (box.material as THREE.MeshLambertMaterial).opacity = 0.3 * s.color.a;
+    // but what is carried is what one looks for
+    (box.material as THREE.MeshLambertMaterial).opacity = entity.id === "target" ? 0.4 : 0.3 * s.color.a;
     const edges = new THREE.LineSegments(EDGES, new THREE.LineBasicMaterial({ color: (box.material as THREE.MeshLambertMaterial).color }));
     edges.position.copy(box.position);
     edges.quaternion.copy(box.quaternion);
@@ -80,15 +103,24 @@ export function objectOf(entity: Entity): THREE.Group {
     group.add(ball);
   }
   for (const s of entity.cylinders) group.add(solid(ROUND, s));
-  for (const a of entity.arrows) {
+  const end = ENDS[entity.metadata.find((m) => m.key === "verdict")?.value ?? ""] ?? HEAD;
+  const axes = entity.id === "gripper" ? ["x", "y", "z"] : [];
+  for (const [i, a] of entity.arrows.entries()) {
     const arrow = new THREE.Group();
     place(arrow, a.pose);
-    const shaft = new THREE.Mesh(SHAFT, material(a.color)), head = new THREE.Mesh(HEAD, material(a.color));
+    const shaft = new THREE.Mesh(SHAFT, material(a.color)), head = new THREE.Mesh(end, material(a.color));
     shaft.scale.set(a.shaft_length, a.shaft_diameter, a.shaft_diameter);
     head.position.x = a.shaft_length;
     head.scale.set(a.head_length, a.head_diameter, a.head_diameter);
     arrow.add(shaft, head);
     group.add(arrow);
+    const letter = axes[i];
+    if (letter) {
+      const tip = label(letter, a.pose, a.color);
+      tip.position.set(a.shaft_length + 0.03, 0, 0);
+      tip.scale.multiplyScalar(0.4);
+      arrow.add(tip);
+    }
   }
   for (const l of entity.lines) {
     const points = l.points.map((p) => new THREE.Vector3(p.x, p.y, p.z));

@@ -3,14 +3,21 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { type PointCloud, type SceneUpdate, type Transform, bytesOf } from "./messages";
-import { cellsOf, dispose, objectOf, place } from "./scene_entities";
+import { ObjectMotion } from "./object_motion";
+import { PalmPath } from "./palm_path";
 import { RobotView } from "./robot_view";
+import { cellsOf, dispose, label, objectOf, place } from "./scene_entities";
 
 const LAYERS = ["robot", "cloud", "map", "unseen", "ground", "target", "surfaces", "candidates", "partner", "people",
-  "gripper", "path"] as const;
+  "gripper", "path", "at rest"] as const;
 type Layer = (typeof LAYERS)[number];
 /** Not there at first: they cover what is more asked for. */
 const HIDDEN: Layer[] = ["unseen", "surfaces"];
+/** Layers that go where the object goes. */
+const CARRIED: Layer[] = ["target", "surfaces", "candidates", "partner", "gripper"];
+const SETTLES_MS = 600;
+/** Less is no rise that anybody sees (m). */
+const RISEN_M = 0.002;
 /** Layers that /scene fills. */
 const OF_SCENE: Layer[] = ["ground", "target", "surfaces", "candidates", "partner", "gripper", "path"];
 
@@ -26,7 +33,19 @@ function layerOf(id: string): Layer {
 export class SceneView {
   onPick: (id: number) => void = () => {};
   readonly robot = new RobotView();
+  readonly motion = new ObjectMotion();
+  readonly palm = new PalmPath();
+  /** Where the object rested, as a cube of edge one; null: none was found. */
+  restBox: THREE.Matrix4 | null = null;
 
+  private partner: Transform | null = null;
+  private rest = new THREE.LineSegments(new THREE.EdgesGeometry(new THREE.BoxGeometry(1, 1, 1)),
+    new THREE.LineDashedMaterial({ color: "#777777", dashSize: 0.05, gapSize: 0.04 }));
+  private caption: THREE.Sprite | null = null;
+  private captionWords = "";
+  private drawn_s = 0;
+  private drawUntil_ms = 0;
+  private stale = true;
   private renderer: THREE.WebGLRenderer;
   private scene = new THREE.Scene();
   private camera = new THREE.PerspectiveCamera(45, 1, 0.05, 30);
@@ -68,7 +87,12 @@ export class SceneView {
       toggles.append(label);
     }
     this.layers.get("robot")!.add(this.robot.group);
-    this.layers.get("path")!.add(this.robot.ghost);
+    this.layers.get("path")!.add(this.robot.ghost, this.palm.group);
+    this.robot.onPalm = (at) => this.palm.palm(at);
+    for (const name of CARRIED) this.layers.get(name)!.matrixAutoUpdate = false;
+    this.rest.computeLineDistances();
+    this.rest.visible = false;
+    this.layers.get("at rest")!.add(this.rest);
     this.marker.visible = false;
     this.marker.renderOrder = 10;
     this.scene.add(this.marker);
@@ -76,16 +100,32 @@ export class SceneView {
     canvas.addEventListener("keydown", (event) => {
       if ("1234".includes(event.key)) this.side(event.key);
       if (event.key === "f") this.controls.target.copy(this.focus);
+      const turn = { ArrowLeft: -0.1, ArrowRight: 0.1 }[event.key], tilt = { ArrowUp: -0.1, ArrowDown: 0.1 }[event.key];
+      if (turn !== undefined || tilt !== undefined) this.orbit(turn ?? 0, tilt ?? 0);
+      else if (event.key === "+" || event.key === "-") this.zoom(event.key === "+" ? 0.9 : 1.1);
+      else return;
+      event.preventDefault();
     });
+    for (const what of ["pointerdown", "pointermove", "wheel", "keydown", "touchmove"]) canvas.addEventListener(what, () => this.touch());
+    toggles.addEventListener("change", () => this.touch());
     const draw = (now: number) => {
-      this.fit();
+      requestAnimationFrame(draw);
+      if (!this.fit() && !this.stale && now > this.drawUntil_ms && !this.robot.ghost.visible) return;
+      this.stale = false;
       this.robot.tick(now / 1000);
+      this.carry(now / 1000);
       this.controls.update();
       if (this.marker.visible) this.marker.lookAt(this.camera.position);
       this.renderer.render(this.scene, this.camera);
-      requestAnimationFrame(draw);
+      if (!this.motion.settled) this.stale = true;
     };
     requestAnimationFrame(draw);
+  }
+
+  /** Something has changed: it is drawn for as long as a motion takes to settle. A phone's battery thanks for the rest. */
+  touch(): void {
+    this.stale = true; // a browser that is busy draws it once at least
+    this.drawUntil_ms = performance.now() + SETTLES_MS;
   }
 
   background(colour: string): void { this.scene.background = new THREE.Color(colour); }
@@ -95,10 +135,59 @@ export class SceneView {
       if (name !== "robot") this.clear(name);
     this.robot.show(null);
     this.marker.visible = false;
+    this.partner = null;
+    this.restBox = null;
+    this.motion.reset();
+    this.palm.reset();
+    this.say("");
   }
 
-  transforms(list: Transform[]): void {
+  /** Words above the object; none: "". */
+  say(words: string): void {
+    if (words === this.captionWords) return;
+    this.captionWords = words;
+    if (this.caption) {
+      dispose(this.caption);
+      this.caption.removeFromParent();
+      this.caption = null;
+    }
+    if (words === "" || !this.restBox) return;
+    const at = new THREE.Vector3().setFromMatrixPosition(this.restBox);
+    const top = [0, 1, 2].reduce((sum, i) => sum + Math.abs(this.restBox!.elements[4 * i + 2]!), 0) / 2;
+    this.caption = label(words, { position: { x: at.x, y: at.y, z: at.z + top }, orientation: { x: 0, y: 0, z: 0, w: 1 } },
+      { r: 0.9, g: 0.62, b: 0, a: 1 });
+    this.layers.get("target")!.add(this.caption);
+  }
+
+  /** Object and partner where they are at this moment. */
+  private carry(now_s: number): void {
+    this.motion.tick(Math.min(0.2, Math.max(0, now_s - this.drawn_s)));
+    this.drawn_s = now_s;
+    for (const name of CARRIED) {
+      const group = this.layers.get(name)!;
+      group.matrix.copy(this.motion.matrix);
+      group.matrixWorldNeedsUpdate = true;
+    }
+    for (const cells of this.layers.get("map")!.children)
+      if (cells.name === "target") {
+        cells.matrixAutoUpdate = false;
+        cells.matrix.copy(this.motion.matrix);
+        cells.matrixWorldNeedsUpdate = true;
+      }
+    const sphere = this.layers.get("partner")!.children[0]?.children[0];
+    if (this.partner && sphere) {
+      const t = this.partner.translation;
+      this.layers.get("partner")!.matrix.makeTranslation(t.x - sphere.position.x, t.y - sphere.position.y, t.z - sphere.position.z);
+    }
+    const raised = new THREE.Vector3().setFromMatrixPosition(this.motion.matrix).length();
+    this.rest.visible = this.restBox !== null && raised > RISEN_M;
+    this.canvas.dataset.raisedMm = (1000 * this.motion.matrix.elements[14]!).toFixed(1);
+  }
+
+  transforms(list: Transform[], at_s: number): void {
     for (const t of list) {
+      if (t.child_frame_id === "object") this.motion.pose(t, at_s);
+      if (t.child_frame_id === "partner") this.partner = t;
       const frame = this.frame(t.child_frame_id);
       place(frame, { position: t.translation, orientation: t.rotation });
     }
@@ -151,16 +240,24 @@ export class SceneView {
       for (const name of OF_SCENE) {
         const group = this.layers.get(name)!;
         for (const child of [...group.children])
-          if (child !== this.robot.ghost && (gone.type === 1 || child.name === gone.id)) { dispose(child); group.remove(child); }
+          if (!this.stays(child) && (gone.type === 1 || child.name === gone.id)) { dispose(child); group.remove(child); }
       }
     for (const entity of message.entities) {
+      if (entity.id === "path") continue; // palm_path draws it, with what is behind
       const object = objectOf(entity);
       this.layers.get(layerOf(entity.id))!.add(object);
-      if (entity.id === "target") {
-        const cube = object.children[0];
-        if (cube) this.focus.copy(cube.position);
-      }
+      const cube = entity.id === "target" ? object.children[0] : undefined;
+      if (!cube || !entity.cubes[0]) continue;
+      this.focus.copy(cube.position);
+      cube.updateMatrix();
+      this.restBox = cube.matrix.clone();
+      this.motion.seen(entity.cubes[0].pose);
+      cube.matrix.decompose(this.rest.position, this.rest.quaternion, this.rest.scale);
     }
+  }
+
+  private stays(child: THREE.Object3D): boolean {
+    return child === this.robot.ghost || child === this.palm.group || child === this.caption || child === this.rest;
   }
 
   select(id: number | null): void {
@@ -182,7 +279,7 @@ export class SceneView {
   private clear(layer: Layer): void {
     const group = this.layers.get(layer)!;
     for (const child of [...group.children]) {
-      if (child === this.robot.ghost) continue;
+      if (this.stays(child)) continue;
       dispose(child);
       group.remove(child);
       if (layer === "cloud") this.points = null;
@@ -199,6 +296,19 @@ export class SceneView {
     this.controls?.target.copy(this.focus);
   }
 
+  /** Turns the camera about what it looks at (rad). */
+  private orbit(turn: number, tilt: number): void {
+    const way = new THREE.Spherical().setFromVector3(this.camera.position.clone().sub(this.controls.target)
+      .applyAxisAngle(new THREE.Vector3(1, 0, 0), -Math.PI / 2));
+    way.theta += turn;
+    way.phi = Math.min(Math.PI - 0.05, Math.max(0.05, way.phi + tilt));
+    this.camera.position.setFromSpherical(way).applyAxisAngle(new THREE.Vector3(1, 0, 0), Math.PI / 2).add(this.controls.target);
+  }
+
+  private zoom(by: number): void {
+    this.camera.position.sub(this.controls.target).multiplyScalar(by).add(this.controls.target);
+  }
+
   private pick(event: MouseEvent): void {
     const box = this.canvas.getBoundingClientRect();
     const at = new THREE.Vector2(2 * (event.clientX - box.left) / box.width - 1, 1 - 2 * (event.clientY - box.top) / box.height);
@@ -210,12 +320,14 @@ export class SceneView {
     }
   }
 
-  private fit(): void {
+  /** To the place that the page gives it; true: it has changed. */
+  private fit(): boolean {
     const { clientWidth: w, clientHeight: h } = this.canvas;
     const ratio = this.renderer.getPixelRatio();
-    if (this.canvas.width === Math.floor(w * ratio) && this.canvas.height === Math.floor(h * ratio)) return;
+    if (this.canvas.width === Math.floor(w * ratio) && this.canvas.height === Math.floor(h * ratio)) return false;
     this.renderer.setSize(w, h, false);
     this.camera.aspect = w / Math.max(1, h);
     this.camera.updateProjectionMatrix();
+    return true;
   }
 }

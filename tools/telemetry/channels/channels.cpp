@@ -243,14 +243,17 @@ Json stages() {
 }
 
 Json load() {
-  return object({{"force", {{"type", {"array", "null"}}, {"items", number("N, on the hand, in world")}}},
-                 {"torque", {{"type", {"array", "null"}}, {"items", number("N m, about the palm")}}},
-                 {"load_n", number("weight that the robot carries")},
-                 {"share", maybe("of the weight as it is known; null while it is not")},
-                 {"share_predicted", maybe()},
-                 {"height_m", maybe()},
-                 {"tilt_deg", maybe()},
-                 {"slip_m", maybe()}});
+  return object(
+      {{"force", {{"type", {"array", "null"}}, {"items", number("N, on the hand, in world")}}},
+       {"torque", {{"type", {"array", "null"}}, {"items", number("N m, about the palm")}}},
+       {"load_n", number("weight that the robot carries")},
+       {"share", maybe("of the weight as it is known; null while it is not")},
+       {"share_predicted", maybe()},
+       {"height_m", maybe()},
+       {"tilt_deg", maybe()},
+       {"slip_m", maybe()},
+       {"leads",
+        {{"type", {"string", "null"}}, {"description", "robot or partner; null: nothing is held"}}}});
 }
 
 Json tactile() {

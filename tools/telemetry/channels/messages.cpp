@@ -192,6 +192,11 @@ std::string stages_message(const control::StageTimes& analysis, double decision_
                  {"grasp_to_decision_s", number_json(timing.grasp_to_decision_s)}});
 }
 
+Json leader(const std::optional<control::LiftController::Role>& role) {
+  if (!role) return nullptr;
+  return *role == control::LiftController::Role::Lead ? "robot" : "partner";
+}
+
 std::string load_message(const LoadNow& l) {
   std::optional<double> tilt_deg;
   if (l.tilt_rad) tilt_deg = hal::kDegPerRad * *l.tilt_rad;
@@ -202,7 +207,8 @@ std::string load_message(const LoadNow& l) {
                  {"share_predicted", number_json(l.share_predicted)},
                  {"height_m", number_json(l.height_m)},
                  {"tilt_deg", number_json(tilt_deg)},
-                 {"slip_m", number_json(l.slip_m)}});
+                 {"slip_m", number_json(l.slip_m)},
+                 {"leads", leader(l.role)}});
 }
 
 std::string decision_message(const DecisionView& view) {

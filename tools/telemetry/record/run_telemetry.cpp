@@ -295,7 +295,8 @@ struct RunTelemetry::Impl {
     kept.map = nullptr;
     publish(Topic::Status, at, [kept] { return status_message(kept); });
     LoadNow load{view.wrench_W, view.load_n, s.share_robot, share_predicted,
-                 s.height_m,    s.tilt_rad,  s.slip_m};
+                 s.height_m,    s.tilt_rad,  s.slip_m,      {}};
+    if (s.height_m) load.role = view.role;
     publish(Topic::Load, at, [load] { return load_message(load); });
   }
 

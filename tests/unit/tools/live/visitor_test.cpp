@@ -30,8 +30,23 @@ TEST_CASE("only a page that was allowed may read what is served") {
 TEST_CASE("a name that was bent to the loopback address is refused") {
   DoorRules rules;
   CHECK(turned_away({"evil.example:8765", "http://evil.example:8765", "/"}, rules));
-  rules.any_host = true;
-  CHECK_FALSE(turned_away({"robot.lab:8765", "http://robot.lab:8765", "/"}, rules));
+  CHECK(turned_away({"evil.example", {}, "/"}, rules));
+  CHECK(turned_away({"localhost.evil.example:8765", {}, "/"}, rules));
+}
+
+TEST_CASE("opened to a network, the machine's own names and addresses count, and no other name") {
+  DoorRules rules;
+  rules.hosts = {"robot.lab", "robot"};
+  for (const char* host :
+       {"robot.lab:8765", "ROBOT.lab:8765", "robot", "192.168.1.7:8765", "[fe80::1]:8765"}) {
+    INFO(host);
+    CHECK_FALSE(turned_away({host, std::string("http://") + host, "/"}, rules));
+  }
+  for (const char* host :
+       {"evil.example:8765", "robot.lab.evil.example", "robo", "robot.la", "xrobot", "["}) {
+    INFO(host);
+    CHECK(turned_away({host, {}, "/"}, rules));
+  }
 }
 
 TEST_CASE("the operator's token has to be right, and there") {
