@@ -12,45 +12,51 @@ const PAGE = process.env.COLIFT_PAGE ?? "dashboard";
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const VERDICTS = ["chosen", "ok", "collision", "unreachable", "too-wide", "unstable", "over-limit", "near-partner"];
 const SIZES = [[390, 844], [768, 1024], [1400, 900]];
-let browser;
+const robot = { "/robot.urdf": readFileSync(process.env.COLIFT_URDF ?? "robot.urdf") };
+let browser, run, page, errors = [];
 
+// one page sees one run after the other, as it does when a program is started again on the same port
 before(async () => {
   mkdirSync(PICTURES, { recursive: true });
   browser = await launchBrowser();
+  run = await playedRun(PAGE);
+  page = await browser.newPage();
+  page.on("pageerror", (error) => errors.push(error.message));
+  await page.goto(run.url);
 });
-after(async () => { await browser?.close(); });
-
-const robot = { "/robot.urdf": readFileSync(process.env.COLIFT_URDF ?? "robot.urdf") };
+after(async () => {
+  await browser?.close();
+  run?.end();
+});
 
 /** The page beside a run that stands in the middle of its lift. */
-async function watched(t, more = {}, viewport = { width: 1400, height: 900 }) {
-  const run = await playedRun(PAGE, { operates: true, documents: robot, ...more });
-  const page = await browser.newPage({ viewport });
-  const errors = [];
-  t.after(async () => { await page.close(); run.end(); });
-  page.on("pageerror", (error) => errors.push(error.message));
+async function watched(more = {}, viewport = { width: 1400, height: 900 }) {
+  errors = [];
+  await page.setViewportSize(viewport);
+  await run.begin({ operates: true, documents: robot, ...more });
   run.say("/scene", scene(VERDICTS));
   run.say("/decision", decision(VERDICTS));
   run.say("/task/change", { t: 0, state: "observe", because: "the run begins" });
   run.say("/task/change", { t: 3.5, state: "lift", because: "the partner has held still for 0.5 s: the robot leads" }, 3.5);
   run.say("/task/status", status("lift"), 4);
   run.say("/load", load(0), 4);
-  run.say("/devices", { devices: ["arm", "hand", "camera"].map((name) => ({ name, state: "streaming", accepted: 1000, rejected: 0, last_error: "" })) });
-  await page.goto(run.url);
+  run.say("/devices", { devices: ["arm", "hand", "camera"].map((name) => ({ name, state: "streaming", accepted: 1000, rejected: 0, last_error: "" })) }, 4);
+  await page.evaluate(() => { document.querySelector("main").scrollTop = 0; });
   await page.waitForSelector("#link.connected");
   await until(async () => (await page.textContent("#state")) === "lift", "the state");
-  return { run, page, end: () => assert.deepEqual(errors, []) };
+  return () => assert.deepEqual(errors, []);
 }
 
 /** Top and bottom row of what a layer draws, in pixels of the page. */
-const rows = (page, layer) => page.evaluate(async (name) => {
+const rows = (layer) => page.evaluate(async (name) => {
   const canvas = document.getElementById("scene");
   const boxes = [...document.querySelectorAll("#layers label")];
   const toggle = (label, on) => { const box = label.querySelector("input"); if (box.checked !== on) box.click(); };
   const were = boxes.map((label) => label.querySelector("input").checked);
   for (const label of boxes) toggle(label, false);
   const picture = async () => {
-    for (let i = 0; i < 2; ++i) await new Promise((drawn) => requestAnimationFrame(drawn));
+    const asked = Number(canvas.dataset.touches);
+    while (Number(canvas.dataset.drawn) < asked) await new Promise((later) => setTimeout(later, 10));
     const copy = document.createElement("canvas");
     copy.width = canvas.clientWidth;
     copy.height = canvas.clientHeight;
@@ -74,54 +80,54 @@ const rows = (page, layer) => page.evaluate(async (name) => {
 }, layer);
 
 /** How far a layer has gone up in the picture (m): seen from the side, from 3 m, at 45 degrees of view. */
-async function risen(page, layer, before) {
-  const now = await rows(page, layer);
+async function risen(layer, before) {
+  const now = await rows(layer);
   return (before.bottom - now.bottom) * 2 * (3 - BOX.size.y / 2) * Math.tan(Math.PI / 8) / now.height;
 }
 
-async function fromTheSide(page) {
+async function fromTheSide() {
   await page.focus("#scene");
   await page.keyboard.press("2");
 }
-const settled = async (page, mm) =>
+const settled = async (mm) =>
   until(async () => Math.abs(Number(await page.evaluate(() => document.getElementById("scene").dataset.raisedMm)) - mm) < 0.2, `a rise of ${mm} mm`);
 
-test("the drawn object rises by 5 cm as the palm does, and its partner with it", async (t) => {
-  const { run, page, end } = await watched(t, {}, { width: 1400, height: 1600 });
+test("the drawn object rises by 5 cm as the palm does, and its partner with it", async () => {
+  const end = await watched({}, { width: 700, height: 1600 });
   run.say("/load", load(null), 4.05); // no words above the object: they would be measured with it
-  await fromTheSide(page);
-  await settled(page, 0);
-  const object = await rows(page, "target"), partner = await rows(page, "partner");
+  await fromTheSide();
+  await settled(0);
+  const object = await rows("target"), partner = await rows("partner");
   run.say("/load", load(0.05), 4.1);
-  await settled(page, 50);
+  await settled(50);
   await page.screenshot({ path: `${PICTURES}/alone_raised.png` });
   for (const [layer, before] of [["target", object], ["partner", partner]]) {
-    const up = await risen(page, layer, before);
+    const up = await risen(layer, before);
     assert.ok(Math.abs(up - 0.05) < 0.01, `the ${layer} went up by ${up} m`);
   }
   end();
 });
 
-test("where the run publishes the object's pose, that counts: raised and tilted", async (t) => {
-  const { run, page, end } = await watched(t, {}, { width: 1400, height: 1600 });
+test("where the run publishes the object's pose, that counts: raised and tilted", async () => {
+  const end = await watched({}, { width: 700, height: 1600 });
   run.say("/load", load(null), 4.05);
-  await fromTheSide(page);
-  const before = await rows(page, "target");
+  await fromTheSide();
+  const before = await rows("target");
   const at = (z, turn) => ({ transforms: [{ parent_frame_id: "world", child_frame_id: "object", translation: { ...BOX.center, z },
     rotation: { x: 0, y: Math.sin(turn / 2), z: 0, w: Math.cos(turn / 2) } }] });
   run.say("/tf", at(BOX.center.z + 0.05, 0), 4.1);
   run.say("/load", load(0.01), 4.2);
-  await settled(page, 50);
-  const up = await risen(page, "target", before);
+  await settled(50);
+  const up = await risen("target", before);
   assert.ok(Math.abs(up - 0.05) < 0.01, `up by ${up} m`);
-  const level = await rows(page, "target");
+  const level = await rows("target");
   run.say("/tf", at(BOX.center.z + 0.05, 0.2), 4.3);
-  await until(async () => { const now = await rows(page, "target"); return now.bottom > level.bottom + 8; }, "a tilt that is seen");
+  await until(async () => { const now = await rows("target"); return now.bottom > level.bottom + 8; }, "a tilt that is seen");
   end();
 });
 
-test("figures are said as people read them", async (t) => {
-  const { run, page, end } = await watched(t);
+test("figures are said as people read them", async () => {
+  const end = await watched();
   const says = async (message, words) => {
     run.say("/load", message, message.at);
     await until(async () => words.test(await page.textContent("#shares")), `${words} instead of ${await page.textContent("#shares")}`, 5000);
@@ -135,8 +141,8 @@ test("figures are said as people read them", async (t) => {
   end();
 });
 
-test("who leads is said, and a recording that does not know it stays silent", async (t) => {
-  const { run, page, end } = await watched(t);
+test("who leads is said, and a recording that does not know it stays silent", async () => {
+  const end = await watched();
   await until(async () => (await page.textContent("#leads")) === "robot leads", "the leader");
   run.say("/load", load(0.02, { leads: "partner" }), 5);
   await until(async () => (await page.textContent("#leads")) === "partner leads", "the other leader");
@@ -145,8 +151,8 @@ test("who leads is said, and a recording that does not know it stays silent", as
   end();
 });
 
-test("tactile cells where the hand has any, and words where it has none", async (t) => {
-  const { run, page, end } = await watched(t);
+test("tactile cells where the hand has any, and words where it has none", async () => {
+  const end = await watched();
   assert.match(await page.textContent("#touch"), /^no tactile data/);
   assert.equal(await page.locator("#tactile i").count(), 0);
   run.say("/hand/tactile", tactile(6), 5);
@@ -162,8 +168,8 @@ test("tactile cells where the hand has any, and words where it has none", async 
   end();
 });
 
-test("the camera's picture shows object, grasp and partner where they are", async (t) => {
-  const { run, page, end } = await watched(t);
+test("the camera's picture shows object, grasp and partner where they are", async () => {
+  const end = await watched();
   const width = 80, height = 60, depth = Buffer.alloc(2 * width * height);
   for (let i = 0; i < width * height; ++i) depth.writeUInt16LE(1500, 2 * i);
   run.say("/camera/calibration", { width: 160, height: 120, K: [140, 0, 80, 0, 140, 60, 0, 0, 1] });
@@ -187,15 +193,15 @@ test("the camera's picture shows object, grasp and partner where they are", asyn
   end();
 });
 
-test("verdicts differ in shape, not in colour alone", async (t) => {
-  const { page, end } = await watched(t);
+test("verdicts differ in shape, not in colour alone", async () => {
+  const end = await watched();
   const signs = await page.$$eval("#candidates .verdict", (list) => list.map((v) => getComputedStyle(v, "::before").content));
   assert.equal(new Set(signs).size, VERDICTS.length);
   end();
 });
 
 /** Pairs of boxes with words or controls in them that cover each other in part. */
-const overlaps = (page) => page.evaluate(() => {
+const overlaps = () => page.evaluate(() => {
   const leaves = [...document.querySelectorAll("body *")].filter((e) => {
     if (e.closest("svg, .uplot, script")) return false;
     const own = [...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim() !== "");
@@ -230,16 +236,29 @@ const overlaps = (page) => page.evaluate(() => {
   return found;
 });
 
+/** What axe finds, in both themes. */
+async function axeFinds() {
+  if (!(await page.evaluate(() => "axe" in window))) await page.evaluate(AXE);
+  const found = [];
+  for (let i = 0; i < 2; ++i) {
+    const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
+    const theme = await page.evaluate(() => document.documentElement.dataset.theme);
+    found.push(...violations.map((v) => `${theme}, ${v.id}: ${v.nodes.map((n) => n.html.slice(0, 90)).join(" | ")}`));
+    await page.keyboard.press("t");
+  }
+  return found;
+}
+
 for (const [width, height] of SIZES)
-  test(`at ${width} px nothing overlaps, with all that can be shown, from top to bottom`, async (t) => {
-    const { run, page, end } = await watched(t, { name: "CoLift, recording a.mcap" }, { width, height });
+  test(`at ${width} px nothing overlaps, with all that can be shown, from top to bottom, and axe finds nothing`, async () => {
+    const end = await watched({ name: "CoLift, recording a.mcap" }, { width, height });
     run.say("/hand/tactile", tactile(6), 5);
     run.say("/load", load(0.05), 5);
     run.say("/task/intent", { t: 5, motion: "lift", in_s: 0.5, says: "the arm lifts the object" }, 5);
     run.say("/log", { timestamp: { sec: 1, nsec: 0 }, level: 3, message: "the partner's hand is hidden by his own body", name: "task" });
     await until(async () => (await page.locator("#tactile i").count()) === 96, "the cells");
     for (let part = 0; part < 12; ++part) {
-      assert.deepEqual(await overlaps(page), [], `after ${part} screens`);
+      assert.deepEqual(await overlaps(), [], `after ${part} screens`);
       const more = await page.evaluate(() => {
         const main = document.querySelector("main"), was = main.scrollTop;
         main.scrollTop += 0.8 * main.clientHeight;
@@ -248,11 +267,12 @@ for (const [width, height] of SIZES)
       await page.screenshot({ path: `${PICTURES}/alone_${width}_${part}.png` });
       if (!more) break;
     }
+    assert.deepEqual(await axeFinds(), []);
     end();
   });
 
-test("on a phone what is waited for is the largest line, and Stop is where the thumb is", async (t) => {
-  const { run, page, end } = await watched(t, {}, { width: 390, height: 844 });
+test("on a phone what is waited for is the largest line, and Stop is where the thumb is", async () => {
+  const end = await watched({}, { width: 390, height: 844 });
   const sizes = await page.evaluate(() => [...document.querySelectorAll("body *")]
     .filter((e) => e.checkVisibility() && [...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim() !== ""))
     .map((e) => [parseFloat(getComputedStyle(e).fontSize), e.id]).sort((a, b) => b[0] - a[0]));
@@ -268,21 +288,70 @@ test("on a phone what is waited for is the largest line, and Stop is where the t
   end();
 });
 
-for (const theme of ["light", "dark"])
-  for (const [width, height] of SIZES)
-    test(`axe finds nothing at ${width} px, ${theme}`, async (t) => {
-      const { run, page, end } = await watched(t, { name: "CoLift, recording a.mcap" }, { width, height });
-      if ((await page.evaluate(() => document.documentElement.dataset.theme)) !== theme) await page.keyboard.press("t");
-      run.say("/hand/tactile", tactile(6), 5);
-      await until(async () => (await page.locator("#tactile i").count()) === 96, "the cells");
-      await page.evaluate(AXE);
-      const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
-      assert.deepEqual(violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.html.slice(0, 90)).join(" | ")}`), []);
-      end();
-    });
+/** Each picture takes so much longer (ms), on the processor as where there is no graphics card. */
+const slowPictures = (ms) => page.evaluate((ms) => {
+  const gl = WebGL2RenderingContext.prototype;
+  window.clearAtOnce ??= gl.clear;
+  gl.clear = function (...what) {
+    for (const until = performance.now() + ms; performance.now() < until;);
+    return window.clearAtOnce.apply(this, what);
+  };
+}, ms);
 
-test("all of it by keyboard: the scene turns, and every control can be reached", async (t) => {
-  const { page, end } = await watched(t);
+test("a page that draws slowly takes its messages, shows the newest, and its Stop gets through", async () => {
+  const end = await watched();
+  await slowPictures(300);
+  const pictures = () => page.evaluate(() => Number(document.getElementById("scene").dataset.drawn));
+  let said = 0, height = 0;
+  const chatter = setInterval(() => {
+    height = 0.0001 * (++said % 500);
+    run.say("/scene", scene(VERDICTS), 10 + said / 50);
+    run.say("/load", load(height), 10 + said / 50);
+    run.say("/task/status", status("lift", { t: 10 + said / 50, waits_for: `message ${said}` }), 10 + said / 50);
+  }, 20);
+  try {
+    const before = await pictures();
+    await until(async () => (await pictures()) > before + 3, "slow pictures");
+    const asked = Date.now();
+    await page.click("#stop");
+    await until(() => run.stops > 0 && run.calls.includes(1), "the stop, by both ways", 5000);
+    assert.ok(Date.now() - asked < 5000, `${Date.now() - asked} ms`);
+    const then = said;
+    await until(async () => Number(/\d+/.exec(await page.textContent("#waits"))?.[0]) >= then, "the newest message, not those before it", 5000);
+  } finally {
+    clearInterval(chatter);
+    await slowPictures(0);
+  }
+  end();
+});
+
+test("a lost link is said in large words, Stop is sent all the same, and the page connects again by itself", async () => {
+  const end = await watched();
+  assert.ok(await page.locator("#lost").isHidden());
+  run.away(true);
+  try {
+    await page.waitForSelector("#lost:not([hidden])");
+    const sizes = await page.evaluate(() => [document.querySelector("#lost b"), document.getElementById("state")].map((e) => parseFloat(getComputedStyle(e).fontSize)));
+    assert.ok(sizes[0] > sizes[1], "larger than the state");
+    for (const width of [390, 768, 1400]) {
+      await page.setViewportSize({ width, height: 900 });
+      assert.deepEqual(await overlaps(), [], `at ${width} px`);
+      await page.screenshot({ path: `${PICTURES}/alone_lost_${width}.png` });
+    }
+    await page.click("#stop");
+    await until(() => run.stops > 0, "the stop", 5000);
+    assert.deepEqual(run.calls, []);
+  } finally {
+    run.away(false);
+  }
+  await page.waitForSelector("#lost", { state: "hidden" });
+  run.say("/task/status", status("hold", { t: 20 }), 20);
+  await until(async () => (await page.textContent("#state")) === "hold", "the newest state");
+  end();
+});
+
+test("all of it by keyboard: the scene turns, and every control can be reached", async () => {
+  const end = await watched();
   const picture = () => page.evaluate(() => document.getElementById("scene").toDataURL());
   await page.focus("#scene");
   for (const key of ["ArrowLeft", "ArrowUp", "+", "3"]) {
@@ -300,7 +369,7 @@ test("all of it by keyboard: the scene turns, and every control can be reached",
   end();
 });
 
-test("a recording is paused, searched, stepped through and played at another speed", async (t) => {
+test("a recording is paused, searched, stepped through and played at another speed", async () => {
   const lines = [];
   const line = (t, topic, message) => lines.push(`${topic} ${Math.round(1e9 * t)} ${JSON.stringify(message)}`);
   line(0, "/scene", scene(VERDICTS));
@@ -313,7 +382,7 @@ test("a recording is paused, searched, stepped through and played at another spe
     line(t, "/load", load(t < 2 ? null : Math.min(0.05, 0.0125 * (t - 2)), { share: t < 2 ? null : 0.4 }));
   }
   lines.push("no line at all", "/load x {}", "/load 8000000001 {broken");
-  const { run, page, end } = await watched(t, { name: "CoLift, recording a.mcap", documents: { ...robot, "/recording.txt": lines.join("\n") } });
+  const end = await watched({ name: "CoLift, recording a.mcap", documents: { ...robot, "/recording.txt": lines.join("\n") } });
   const press = (what) => page.click(`#replay [data-do=${what}]`);
   const state = () => page.textContent("#state");
   const raised = async () => Number(await page.evaluate(() => document.getElementById("scene").dataset.raisedMm));
@@ -322,7 +391,7 @@ test("a recording is paused, searched, stepped through and played at another spe
   run.say("/task/status", status("aborted"), 9); // what the server says is not shown meanwhile
   await press("forward");
   assert.equal(await state(), "hold");
-  assert.ok(Math.abs((await raised()) - 50) < 1);
+  await until(async () => Math.abs((await raised()) - 50) < 1, "the height at the end");
   await press("back");
   assert.equal(await state(), "lift");
   assert.deepEqual(await page.$$eval("#strip li:not(.to-come) b", (list) => list.map((b) => b.textContent)), ["observe", "lift"]);
@@ -347,8 +416,8 @@ test("a recording is paused, searched, stepped through and played at another spe
   end();
 });
 
-test("a recording that the server does not hand out is said to be missing, and the page follows on", async (t) => {
-  const { page, end } = await watched(t, { name: "CoLift, recording a.mcap" });
+test("a recording that the server does not hand out is said to be missing, and the page follows on", async () => {
+  const end = await watched({ name: "CoLift, recording a.mcap" });
   await page.click("#replay [data-do=forward]");
   await until(async () => /cannot be played here/.test(await page.textContent("#log")), "the reason");
   assert.equal(await page.textContent("#state"), "lift");

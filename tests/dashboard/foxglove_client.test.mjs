@@ -1,6 +1,6 @@
 // Foxglove's own client reads our channels, in both sub-protocols.
 import assert from "node:assert/strict";
-import { get } from "node:http";
+import { get, request } from "node:http";
 import { connect } from "node:net";
 import { hostname } from "node:os";
 import { after, before, test } from "node:test";
@@ -110,6 +110,35 @@ test("nobody stops the run without the operator's token", async () => {
   await until(() => seen.failures.length > 0, "a refusal");
   assert.match(seen.failures[0].message, /operator/);
   seen.client.close();
+});
+
+test("the operator's stop is a request of its own: it needs the token and our own page, and no channel that works", async () => {
+  const view = await startView("run", "--view", "0", "--quiet", "--speed", "1", "--seed", "1", "--allow-operator");
+  const asked = (method, path, headers = {}) => new Promise((done, failed) => {
+    request(new URL(path, view.url), { method, headers }, (response) => {
+      response.resume();
+      done(response.statusCode);
+    }).on("error", failed).end();
+  });
+  const right = `/operator/stop${new URL(view.url).search}`;
+  const behind = new WebSocket(view.url.replace("http", "ws"), ["foxglove.sdk.v1"]);
+  try {
+    // one that reads nothing, and asks for everything
+    await new Promise((open) => behind.on("open", open));
+    behind.send(JSON.stringify({ op: "subscribe", subscriptions: [...Array(22).keys()].map((id) => ({ id, channelId: id })) }));
+    behind.pause();
+    assert.equal(await asked("POST", "/operator/stop"), 403);
+    assert.equal(await asked("POST", `/operator/stop?token=${"0".repeat(32)}`), 403);
+    assert.equal(await asked("POST", right, { Origin: "https://elsewhere.example" }), 403);
+    assert.equal(await asked("GET", right), 404);
+    assert.equal(await asked("POST", `/robot.urdf${new URL(view.url).search}`), 405);
+    assert.ok(!/keeps the last state/.test(view.errors), "it goes on");
+    assert.equal(await asked("POST", right, { Origin: new URL(view.url).origin }), 200);
+    await until(() => /keeps the last state/.test(view.errors), "the end of the run");
+  } finally {
+    behind.terminate();
+    view.child.kill("SIGKILL");
+  }
 });
 
 test("garbage is answered with a status, a flood ends its own connection, and the others go on", async () => {

@@ -67,7 +67,8 @@ const covered = (layer) => page.evaluate(async (name) => {
   const canvas = document.getElementById("scene");
   const box = [...document.querySelectorAll("#layers label")].find((l) => l.textContent === name).querySelector("input");
   const picture = async () => {
-    for (let i = 0; i < 2; ++i) await new Promise((drawn) => requestAnimationFrame(drawn));
+    const asked = Number(canvas.dataset.touches);
+    while (Number(canvas.dataset.drawn) < asked) await new Promise((later) => setTimeout(later, 10));
     const copy = document.createElement("canvas");
     copy.width = 400;
     copy.height = 300;

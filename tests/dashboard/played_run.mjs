@@ -8,11 +8,17 @@ const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/cs
 const TOPICS = ["/tf", "/joint_states", "/camera/calibration", "/camera/preview", "/scene", "/log", "/task/status", "/task/intent", "/task/change",
   "/decision", "/plan", "/devices", "/load", "/hand/tactile", "/bodies"];
 
-/** Serves the page in `folder`; `documents` are further ones by path, `operates` offers the operator's services. */
-export async function playedRun(folder, { name = "CoLift", documents = {}, operates = false } = {}) {
+/** Serves the page in `folder`. What is run is chosen with begin(). */
+export async function playedRun(folder) {
+  const run = { calls: [], stops: 0 };
+  let shown = { name: "CoLift", documents: {}, operates: false }, session = 0;
   const server = createServer((request, response) => {
     const path = new URL(request.url, "http://page").pathname;
-    if (path in documents) return response.end(documents[path]);
+    if (request.method === "POST" && path === "/operator/stop") {
+      ++run.stops;
+      return response.end('{"done":true}');
+    }
+    if (path in shown.documents) return response.end(shown.documents[path]);
     const file = path === "/" ? "index.html" : normalize(path).replace(/^(\.\.[/\\])+/, "");
     try {
       const body = readFileSync(join(folder, file));
@@ -23,9 +29,8 @@ export async function playedRun(folder, { name = "CoLift", documents = {}, opera
       response.end();
     }
   });
-  const run = { calls: [] };
   const newest = new Map();
-  let client = null, subscribed = new Map();
+  let client = null, subscribed = new Map(), away = false, onSubscribed = () => {};
   const send = (id, text, atNs) => {
     const payload = Buffer.from(text), head = Buffer.alloc(13);
     head.writeUInt8(1, 0);
@@ -33,12 +38,18 @@ export async function playedRun(folder, { name = "CoLift", documents = {}, opera
     head.writeBigUInt64LE(BigInt(atNs), 5);
     client.send(Buffer.concat([head, payload]));
   };
-  new WebSocketServer({ server, handleProtocols: () => "foxglove.sdk.v1" }).on("connection", (socket) => {
-    client = socket;
+  const welcome = () => {
     subscribed = new Map();
-    socket.send(JSON.stringify({ op: "serverInfo", name, capabilities: [], sessionId: "1" }));
-    socket.send(JSON.stringify({ op: "advertise", channels: TOPICS.map((topic, id) => ({ id, topic, encoding: "json" })) }));
-    if (operates) socket.send(JSON.stringify({ op: "advertiseServices", services: [{ id: 1, name: "/operator/stop" }] }));
+    client.send(JSON.stringify({ op: "serverInfo", name: shown.name, capabilities: [], sessionId: String(session) }));
+    client.send(JSON.stringify({ op: "advertise", channels: TOPICS.map((topic, id) => ({ id, topic, encoding: "json" })) }));
+    if (shown.operates) client.send(JSON.stringify({ op: "advertiseServices", services: [{ id: 1, name: "/operator/stop" }] }));
+  };
+  new WebSocketServer({ server, handleProtocols: () => "foxglove.sdk.v1" }).on("connection", (socket) => {
+    client?.terminate();
+    if (away) return socket.terminate();
+    client = socket;
+    welcome();
+    socket.on("close", () => { if (client === socket) client = null; });
     socket.on("message", (data, binary) => {
       if (binary) return run.calls.push(data.readUInt32LE(1));
       const message = JSON.parse(data);
@@ -48,6 +59,7 @@ export async function playedRun(folder, { name = "CoLift", documents = {}, opera
         const kept = newest.get(TOPICS[channelId]);
         if (kept) send(id, kept.text, kept.atNs);
       }
+      onSubscribed();
     });
   });
   await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
@@ -56,7 +68,23 @@ export async function playedRun(folder, { name = "CoLift", documents = {}, opera
   run.say = (topic, message, t_s = 0) => {
     const kept = { text: JSON.stringify(message), atNs: Math.round(1e9 * t_s) };
     newest.set(topic, kept);
-    if (subscribed.has(topic)) send(subscribed.get(topic), kept.text, kept.atNs);
+    if (client && subscribed.has(topic)) send(subscribed.get(topic), kept.text, kept.atNs);
+  };
+  /** Another run: `documents` are further ones by path, `operates` offers the operator's services. Waits until the page has it. */
+  run.begin = async ({ name = "CoLift", documents = {}, operates = false } = {}) => {
+    shown = { name, documents, operates };
+    ++session;
+    newest.clear();
+    run.calls = [];
+    run.stops = 0;
+    const taken = new Promise((done) => { onSubscribed = done; });
+    if (client) welcome();
+    await taken;
+  };
+  /** The link is lost (true), and nobody gets one until it is there again. */
+  run.away = (is) => {
+    away = is;
+    if (is) client?.terminate();
   };
   run.end = () => {
     client?.terminate();

@@ -21,7 +21,12 @@ namespace websocket = beast::websocket;
 using Request = http::request<http::empty_body>;
 
 constexpr std::uint32_t kStop = 1, kLower = 2;
-constexpr hal::Duration kTimeout = std::chrono::seconds(20);  ///< With a message that is not taken.
+/// How long a client may take for one message, or for the answer to a ping that waits behind others. A page
+/// that draws slowly is behind, not gone: the operator's is given more time.
+constexpr auto kWatcherTimeout = std::chrono::seconds(20), kOperatorTimeout = std::chrono::seconds(60);
+/// What the system keeps for a client that is behind (bytes). With what it chooses by itself, megabytes, a
+/// slow client gets minutes of what has been; beyond this the outbox keeps the newest of each topic.
+constexpr int kSendBuffer = 64 * 1024;
 
 /// One client of the channels. Everything happens in the server's thread.
 class ChannelClient final : public Listener, public std::enable_shared_from_this<ChannelClient> {
@@ -30,7 +35,11 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
       : ws_(std::move(stream)),
         hub_(std::move(hub)),
         operates_(operates && hub_->config().on_stop != nullptr),
+        timeout_(operates_ ? kOperatorTimeout : kWatcherTimeout),
         talk_(hub_->config().messages_per_second, 4.0 * hub_->config().messages_per_second) {
+    beast::error_code ignored;
+    beast::get_lowest_layer(ws_).socket().set_option(boost::asio::socket_base::send_buffer_size(kSendBuffer),
+                                                     ignored);
     hub_->take_place();
     ++hub_->clients;
   }
@@ -45,7 +54,7 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
     const auto offered = request_[http::field::sec_websocket_protocol];
     const auto protocol = chosen_sub_protocol({offered.data(), offered.size()});
     // who reads nothing answers no ping either, and is gone after this time
-    ws_.set_option(websocket::stream_base::timeout{std::chrono::seconds(10), std::chrono::seconds(10), true});
+    ws_.set_option(websocket::stream_base::timeout{std::chrono::seconds(10), timeout_, true});
     ws_.set_option(websocket::stream_base::decorator([protocol](websocket::response_type& response) {
       response.set(http::field::server, "CoLift");
       if (protocol) response.set(http::field::sec_websocket_protocol, *protocol);
@@ -62,7 +71,7 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
     const auto found = subscriptions_.find(static_cast<std::uint32_t>(post.topic()));
     if (found == subscriptions_.end()) return;
     // who talks without ever reading is not idle, and would stay for good
-    if (sending_ && clock_.now() - sending_since_ > kTimeout) return cut();
+    if (sending_ && clock_.now() - sending_since_ > timeout_) return cut();
     queue(found->second, post);
     send();
   }
@@ -207,6 +216,7 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
   websocket::stream<beast::tcp_stream> ws_;
   std::shared_ptr<Hub> hub_;
   const bool operates_;
+  const std::chrono::seconds timeout_;
   TalkLimit talk_;
   Request request_;
   beast::flat_buffer buffer_;

@@ -22,6 +22,7 @@ using tcp = boost::asio::ip::tcp;
 constexpr auto kRequestTime = std::chrono::seconds(20);
 constexpr std::size_t kSlowest_bytes_s = 500'000;  ///< A large document may take longer.
 constexpr std::size_t kLargestHeader = 8 * 1024;
+constexpr std::string_view kStopPath = "/operator/stop";
 
 std::string text_of(beast::string_view view) {
   return {view.data(), view.size()};
@@ -67,8 +68,10 @@ class HttpConnection final : public Caller, public std::enable_shared_from_this<
       visitor.origin = text_of(origin->value());
     shared_with_ = shared_with(visitor, hub_->config().door);
     const bool upgrade = beast::websocket::is_upgrade(request);
-    // an ordinary request for the page may come from anywhere that a link may stand; a channel may not
-    if (!upgrade) visitor.origin.reset();
+    const bool asks_stop = request.method() == http::verb::post && clean_path(visitor.target) == kStopPath;
+    // an ordinary request for the page may come from anywhere that a link may stand; what acts, and a
+    // channel, may not
+    if (!upgrade && !asks_stop) visitor.origin.reset();
     if (const auto why = turned_away(visitor, hub_->config().door)) {
       ++hub_->turned_away;
       return send(http::status::forbidden, {"text/plain; charset=utf-8", *why + "\n"});
@@ -83,12 +86,27 @@ class HttpConnection final : public Caller, public std::enable_shared_from_this<
       stream_.expires_never();  // from here on the WebSocket's own deadlines hold
       return serve_channels(std::move(stream_), parser_->release(), hub_, operates);
     }
+    if (asks_stop) return stop(visitor);
     if (request.method() != http::verb::get && request.method() != http::verb::head)
       return send(http::status::method_not_allowed,
                   {"text/plain; charset=utf-8", "only GET and HEAD are served\n"});
     if (auto document = hub_->files().find(visitor.target))
       return send(http::status::ok, std::move(document));
     send(http::status::not_found, {"text/plain; charset=utf-8", "there is nothing here\n"});
+  }
+
+  /// The operator's stop as a request of its own: it waits behind no message of the channels, and needs no
+  /// connection that has lasted.
+  void stop(const Visitor& visitor) {
+    const ServerConfig& config = hub_->config();
+    if (!config.on_stop || !has_token(visitor.target, config.door)) {
+      ++hub_->turned_away;
+      return send(http::status::forbidden,
+                  {"text/plain; charset=utf-8",
+                   "only the operator's address, which holds the token, stops the run\n"});
+    }
+    config.on_stop();
+    send(http::status::ok, {"application/json", R"({"done":true,"what":"the run is being ended safely"})"});
   }
 
   void send(http::status status, Document document) {

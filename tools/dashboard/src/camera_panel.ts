@@ -2,6 +2,7 @@
 
 import * as THREE from "three";
 import { type Calibration, type RawImage, type Transform, bytesOf } from "./messages";
+import type { Painter } from "./pace";
 
 const NEAR_MM = 500, FAR_MM = 3000;
 const BOX_EDGES = [0, 1, 1, 3, 3, 2, 2, 0, 4, 5, 5, 7, 7, 6, 6, 4, 0, 4, 1, 5, 2, 6, 3, 7];
@@ -14,13 +15,15 @@ export interface Overlay {
   path: THREE.Vector3[];
 }
 
-export class CameraPanel {
+export class CameraPanel implements Painter {
   private calibration: Calibration | null = null;
   private fromWorld: THREE.Matrix4 | null = null;
   private picture = document.createElement("canvas");
   private hasPicture = false;
 
-  constructor(private words: HTMLElement, private canvas: HTMLCanvasElement) { this.reset(); }
+  private stale = false;
+
+  constructor(private words: HTMLElement, private canvas: HTMLCanvasElement, private overlay: () => Overlay) { this.reset(); }
 
   reset(): void {
     this.hasPicture = false;
@@ -50,13 +53,19 @@ export class CameraPanel {
       pixels.data.set([grey, grey, mm === 0 ? 0 : grey, 255], 4 * i);
     }
     context.putImageData(pixels, 0, 0);
+    this.stale = true;
     if (!this.hasPicture) this.words.textContent = "near is bright, black was not measured";
     this.hasPicture = true;
     this.canvas.hidden = false;
   }
 
-  draw(overlay: Overlay): void {
-    if (!this.hasPicture) return;
+  /** What is over the picture has moved. */
+  touch(): void { this.stale = true; }
+  wants(): boolean { return this.stale && this.hasPicture; }
+
+  draw(): void {
+    this.stale = false;
+    const overlay = this.overlay();
     const { width, height } = this.picture;
     if (this.canvas.width !== width || this.canvas.height !== height) {
       this.canvas.width = width;

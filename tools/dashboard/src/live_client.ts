@@ -1,10 +1,17 @@
 // A client of Foxglove's WebSocket protocol, version 1, as far as the page needs it. It comes back by itself when the
 // connection ends; the server then sends the newest message of every channel again.
 
+import { Inbox } from "./inbox";
+
 type Handler = (message: any, atNs: bigint) => void;
 interface Channel { id: number; topic: string; encoding: string }
 
 const MESSAGE_DATA = 1, SERVICE_RESPONSE = 3, SERVICE_CALL = 2;
+const AGAIN_MS = 1000;
+/** A link on which nothing has come for so long is asked whether it still is one (ms); it gets as long for the answer. */
+const SILENT_MS = 5000;
+/** For what has come, of one turn (ms). */
+const WORK_MS = 25;
 
 export class LiveClient {
   onLink: (word: "connected" | "connecting" | "lost", operates: boolean) => void = () => {};
@@ -27,17 +34,37 @@ export class LiveClient {
     this.handlers.set(topic, handler as Handler);
   }
 
-  /** After each message that is shown. */
-  onShown: () => void = () => {};
+  /** Something has come, and waits for work(). */
+  onMail: () => void = () => {};
+  /** A message cannot be read. */
+  onDamage: (topic: string) => void = () => {};
+  private inbox = new Inbox();
+  private heard_ms = 0;
+
+  constructor(private probe: string) { setInterval(() => void this.listen(), SILENT_MS); }
+
+  /** Shows what has come, for a short while. True: there is more. */
+  work(): boolean {
+    for (const until = performance.now() + WORK_MS; performance.now() < until;) {
+      const mail = this.inbox.take();
+      if (!mail) break;
+      try {
+        this.hand(mail.topic, new TextDecoder().decode(mail.data), mail.at);
+      } catch {
+        this.onDamage(mail.topic);
+      }
+      this.onMessage(mail.at);
+    }
+    return !this.inbox.empty;
+  }
 
   /** Shows a message, whoever has it. */
   hand(topic: string, text: string, atNs: bigint): void {
     this.handlers.get(topic)?.(JSON.parse(text), atNs);
-    this.onShown();
   }
 
   /** Everything once more, as to somebody who comes late. */
-  again(): void { this.socket?.close(); }
+  again(): void { this.lose(); }
 
   connect(url: string): void {
     this.onLink("connecting", false);
@@ -45,21 +72,39 @@ export class LiveClient {
     socket.binaryType = "arraybuffer";
     this.socket = socket;
     socket.onmessage = (event) => {
+      this.heard_ms = performance.now();
       if (typeof event.data === "string") this.text(JSON.parse(event.data));
       else this.binary(event.data as ArrayBuffer);
     };
-    socket.onclose = () => {
+    this.lose = () => {
+      this.lose = () => {};
+      socket.onmessage = socket.onclose = null;
+      socket.close();
       this.onLink("lost", false);
       this.topics.clear();
       this.services.clear();
-      setTimeout(() => this.connect(url), 1000);
+      setTimeout(() => this.connect(url), AGAIN_MS);
     };
+    socket.onclose = () => this.lose();
   }
 
-  /** Asks an operator's service; false: this connection only watches. */
+  private lose: () => void = () => {};
+
+  /** A cable that was pulled ends no connection: where nothing is said, the server is asked for something small. */
+  private async listen(): Promise<void> {
+    if (this.socket?.readyState !== WebSocket.OPEN || performance.now() - this.heard_ms < SILENT_MS) return;
+    const asked = this.socket;
+    try {
+      await fetch(this.probe, { method: "HEAD", cache: "no-store", signal: AbortSignal.timeout(SILENT_MS) });
+    } catch {
+      if (asked === this.socket) this.lose();
+    }
+  }
+
+  /** Asks an operator's service; false: this connection only watches, or there is none. */
   call(service: string): boolean {
     const id = this.services.get(service);
-    if (id === undefined || !this.socket) return false;
+    if (id === undefined || this.socket?.readyState !== WebSocket.OPEN) return false;
     const encoding = new TextEncoder().encode("json"), payload = new TextEncoder().encode("{}");
     const bytes = new Uint8Array(13 + encoding.length + payload.length);
     const view = new DataView(bytes.buffer);
@@ -76,7 +121,10 @@ export class LiveClient {
   private text(message: any): void {
     if (message.op === "serverInfo") {
       // another program, or another run, on the same port: nothing of the old one holds
-      if (this.session !== "" && this.session !== message.sessionId) this.onReset();
+      if (this.session !== "" && this.session !== message.sessionId) {
+        this.inbox.clear();
+        this.onReset();
+      }
       this.session = message.sessionId;
       this.onName(message.name);
       this.onLink("connected", false);
@@ -104,9 +152,8 @@ export class LiveClient {
     if (op === MESSAGE_DATA) {
       const topic = this.topics.get(view.getUint32(1, true));
       if (topic === undefined || this.muted) return;
-      const at = view.getBigUint64(5, true);
-      this.hand(topic, new TextDecoder().decode(new Uint8Array(data, 13)), at);
-      this.onMessage(at);
+      this.inbox.put({ topic, at: view.getBigUint64(5, true), data: new Uint8Array(data, 13) });
+      this.onMail();
     } else if (op === SERVICE_RESPONSE) {
       const length = view.getUint32(9, true);
       const answer = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 13 + length)));

@@ -6,6 +6,8 @@ import { ChoicePanel } from "./choice_panel";
 import { HandPanel } from "./hand_panel";
 import { LiveClient } from "./live_client";
 import type * as M from "./messages";
+import { OperatorStop } from "./operator_stop";
+import { Pace } from "./pace";
 import { PeoplePanel } from "./people_panel";
 import { PipelineStrip } from "./pipeline_strip";
 import { LoadPlots } from "./plots";
@@ -23,16 +25,22 @@ const plots = new LoadPlots($("shares"), $("share-plot"), $("tilt-plot"));
 const people = new PeoplePanel($("near"), $("felt"), $("near-plot"), $("alarm"));
 const scene = new SceneView($<HTMLCanvasElement>("scene"), $("layers"));
 const hand = new HandPanel($("touch"), $("tactile"));
-const camera = new CameraPanel($("seen"), $<HTMLCanvasElement>("camera-picture"));
-const client = new LiveClient();
+const moved = (p: THREE.Vector3 | null) => p && p.clone().applyMatrix4(scene.motion.matrix);
+const camera = new CameraPanel($("seen"), $<HTMLCanvasElement>("camera-picture"), () => ({
+  box: scene.restBox && scene.motion.matrix.clone().multiply(scene.restBox),
+  partner, grasp: moved(grasp), path: scene.palm.rest,
+}));
+const client = new LiveClient("robot.urdf");
+const pace = new Pace();
+for (const view of [scene, plots, people, camera]) pace.add(view);
 
 function theme(name: string): void {
   document.documentElement.dataset.theme = name;
   localStorage.setItem("theme", name);
   scene.background(getComputedStyle(document.documentElement).getPropertyValue("--scene").trim());
-  scene.touch();
   plots.rebuild();
   people.rebuild();
+  pace.wake();
 }
 theme(localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"));
 const otherTheme = () => theme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
@@ -58,29 +66,41 @@ function announce(intent: M.Intent): void {
   announced = window.setTimeout(() => { chip.hidden = true; }, intent.motion === null ? 8000 : 2000);
 }
 
+// it can be pressed without a link too: the address holds what the server asks for
 const stop = $<HTMLButtonElement>("stop");
-stop.onclick = () => {
-  if (client.call("/operator/stop")) stop.textContent = "Stopping";
-};
+const stopping = new OperatorStop(`operator/stop${location.search}`);
+stopping.onWord = (word) => { stop.textContent = word; };
+stopping.onCall = () => void client.call("/operator/stop");
+stopping.onNote = (level, text) => say(LEVELS.indexOf(level), text, "page");
+stop.onclick = () => void stopping.press();
 
 const lower = $<HTMLButtonElement>("lower");
 lower.onclick = () => void client.call("/operator/lower");
 
 const isRecording = () => document.title.startsWith("CoLift, recording");
+let mayOperate = new URLSearchParams(location.search).has("token"), wasLinked = false;
 client.onLink = (word, operates) => {
   const chip = $("link");
   const what = isRecording() ? "recording" : "live";
   chip.textContent = word === "connected" ? (operates ? `${what}, operator` : what) : word;
   chip.className = `chip ${word}`;
-  stop.disabled = lower.disabled = !operates;
-  if (word === "connected") stop.textContent = "Stop";
+  mayOperate ||= operates;
+  stop.disabled = word === "connected" ? !operates : !mayOperate;
+  lower.disabled = !operates;
+  wasLinked ||= word === "connected";
+  $("lost").hidden = word === "connected" || !wasLinked;
+  $("lost-more").textContent = mayOperate ? "Stop is sent all the same." : "";
+  document.body.classList.toggle("old", !$("lost").hidden);
 };
 client.onName = (name) => {
   document.title = name;
   $("name").textContent = name.replace(/^CoLift,? ?/, "");
-  if (isRecording()) bar.show();
+  bar.show(isRecording());
 };
 client.onNote = (level, text) => say(level + 2, text, "page");
+client.onDamage = (topic) => say(3, `a message of ${topic} is damaged`, "page");
+client.onMail = () => pace.wake();
+scene.onTouch = () => pace.wake();
 const reset = () => {
   strip.reset();
   choice.reset();
@@ -93,21 +113,36 @@ const reset = () => {
   leads = "";
   $("leads").hidden = true;
   $("log").innerHTML = "";
+  for (const id of ["waits", "note"]) $(id).textContent = "";
+  $("state").textContent = "no state yet";
 };
-client.onReset = reset;
+client.onReset = () => {
+  reset();
+  stopping.reset();
+  bar.forget();
+};
 
 const bar = new ReplayBar($("replay"), "recording.txt", {
   show: (topic, text, at) => {
     try {
       client.hand(topic, text, at);
     } catch {
-      say(3, `a message of ${topic} is damaged`, "page");
+      client.onDamage(topic);
     }
+    pace.wake();
   },
   reset,
   failed: (why) => say(3, why, "page"),
 });
-bar.onJump = () => scene.motion.jump();
+bar.onJump = () => {
+  scene.motion.jump();
+  scene.touch();
+};
+bar.onPlay = () => pace.wake();
+pace.work = () => {
+  const more = client.work();
+  return bar.work(performance.now()) || more;
+};
 bar.onOwn = (own) => {
   client.muted = own;
   if (!own) {
@@ -115,7 +150,6 @@ bar.onOwn = (own) => {
     client.again();
   }
 };
-client.onShown = () => scene.touch();
 client.onMessage = (at) => bar.follows(at);
 
 let leads = "";
@@ -129,7 +163,9 @@ client.on<M.TaskStatus>("/task/status", (s) => {
   partner = vector(s.partner);
   strip.status(s);
   people.show(s);
-  if (scene.robot.state(s.state)) scene.palm.arrived();
+  const was = scene.robot.ghost.visible;
+  if (scene.robot.state(s.state) && scene.palm.arrived()) scene.touch();
+  if (was !== scene.robot.ghost.visible) scene.touch();
 });
 client.on<M.TaskChange>("/task/change", (c) => strip.change(c));
 client.on<M.Intent>("/task/intent", (i) => announce(i));
@@ -140,6 +176,7 @@ client.on<M.Decision>("/decision", (d) => {
 client.on<M.Plan>("/plan", (p) => {
   scene.robot.show(p);
   scene.palm.plan(p.palm);
+  scene.touch();
 });
 client.on<M.Load>("/load", (l, at) => {
   plots.add(l, at);
@@ -154,16 +191,12 @@ client.on<{ transforms: M.Transform[] }>("/tf", (m, at) => {
   scene.transforms(m.transforms, Number(at) / 1e9);
   const lens = m.transforms.find((t) => t.child_frame_id === "camera");
   if (lens) camera.pose(lens);
-  const moved = (p: THREE.Vector3 | null) => p && p.clone().applyMatrix4(scene.motion.matrix);
-  camera.draw({
-    box: scene.restBox && scene.motion.matrix.clone().multiply(scene.restBox),
-    partner, grasp: moved(grasp), path: scene.palm.rest,
-  });
+  camera.touch();
 });
 client.on<M.Calibration>("/camera/calibration", (m) => camera.model(m));
 client.on<M.RawImage>("/camera/preview", (m) => camera.show(m));
 client.on<M.Tactile>("/hand/tactile", (m) => hand.show(m));
-client.on<M.JointStates>("/joint_states", (m) => scene.robot.joints(m));
+client.on<M.JointStates>("/joint_states", (m) => { if (scene.robot.joints(m)) scene.touch(); });
 client.on<M.PointCloud>("/cloud", (m) => scene.cloud(m));
 client.on<M.SceneUpdate>("/map", (m) => scene.map(m));
 client.on<M.SceneUpdate>("/bodies", (m) => scene.bodies(m));
@@ -185,10 +218,7 @@ client.on<M.CycleTiming>("/arm/timing", (t) => {
   timing();
 });
 
-choice.onSelect = (id) => {
-  scene.select(id);
-  scene.touch();
-};
+choice.onSelect = (id) => scene.select(id);
 scene.onPick = (id) => choice.select(id);
 document.addEventListener("keydown", (event) => {
   const typing = event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement;

@@ -35,11 +35,12 @@ export class PalmPath {
     this.draw();
   }
 
-  /** The plan is behind it. */
-  arrived(): void {
-    if (this.passed >= this.toFly.length) return;
+  /** The plan is behind it. True: it was not before. */
+  arrived(): boolean {
+    if (this.passed >= this.toFly.length) return false;
     this.passed = this.toFly.length;
     this.draw();
+    return true;
   }
 
   palm(at: THREE.Vector3): void {

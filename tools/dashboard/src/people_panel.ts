@@ -2,12 +2,13 @@
 
 import uPlot from "uplot";
 import type { TaskStatus } from "./messages";
+import type { Painter } from "./pace";
 import { forceWords, percent, separationWords } from "./words";
 
 const KEPT = 3600;
 const HEIGHT = 84;
 
-export class PeoplePanel {
+export class PeoplePanel implements Painter {
   private t: number[] = [];
   private distance: (number | null)[] = [];
   private stops: number[] = [];
@@ -19,14 +20,13 @@ export class PeoplePanel {
   constructor(private near: HTMLElement, private felt: HTMLElement, private box: HTMLElement, private alarm: HTMLElement) {
     this.plot = this.build();
     new ResizeObserver(() => this.plot.setSize({ width: this.width(), height: HEIGHT })).observe(box);
-    const draw = () => {
-      if (this.stale) {
-        this.stale = false;
-        this.plot.setData([this.t, this.distance, this.stops, this.slows, this.scale] as uPlot.AlignedData);
-      }
-      requestAnimationFrame(draw);
-    };
-    draw();
+  }
+
+  wants(): boolean { return this.stale; }
+
+  draw(): void {
+    this.stale = false;
+    this.plot.setData([this.t, this.distance, this.stops, this.slows, this.scale] as uPlot.AlignedData);
   }
 
   reset(): void {

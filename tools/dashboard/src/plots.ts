@@ -3,12 +3,13 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Load } from "./messages";
+import type { Painter } from "./pace";
 import { loadWords, percent } from "./words";
 
 const KEPT = 3600;
 const HEIGHTS = [64, 88]; // the upper one leaves the time to the lower one
 
-export class LoadPlots {
+export class LoadPlots implements Painter {
   private t: number[] = [];
   private share: (number | null)[] = [];
   private predicted: (number | null)[] = [];
@@ -20,15 +21,14 @@ export class LoadPlots {
   constructor(private words: HTMLElement, private shareBox: HTMLElement, private tiltBox: HTMLElement) {
     this.build();
     new ResizeObserver(() => this.resize()).observe(shareBox);
-    const draw = () => {
-      if (this.stale) {
-        this.stale = false;
-        this.plots[0]?.setData([this.t, this.share, this.predicted] as uPlot.AlignedData);
-        this.plots[1]?.setData([this.t, this.tilt, this.height] as uPlot.AlignedData);
-      }
-      requestAnimationFrame(draw);
-    };
-    draw();
+  }
+
+  wants(): boolean { return this.stale; }
+
+  draw(): void {
+    this.stale = false;
+    this.plots[0]?.setData([this.t, this.share, this.predicted] as uPlot.AlignedData);
+    this.plots[1]?.setData([this.t, this.tilt, this.height] as uPlot.AlignedData);
   }
 
   reset(): void {

@@ -59,7 +59,12 @@ export class Recording {
   /** Goes on by so much; false: it is at its end. */
   advance(byNs: bigint): boolean {
     this.now = this.now + byNs > this.ends ? this.ends : this.now + byNs;
-    while (this.next < this.entries.length && this.entries[this.next]!.at <= this.now) this.show(this.next++);
+    const newest = new Map<string, number>();
+    const first = this.next;
+    for (; this.next < this.entries.length && this.entries[this.next]!.at <= this.now; this.next++)
+      newest.set(this.entries[this.next]!.topic, this.next);
+    for (let i = first; i < this.next; i++)
+      if (HISTORIES.includes(this.entries[i]!.topic) || newest.get(this.entries[i]!.topic) === i) this.show(i);
     return this.now < this.ends;
   }
 

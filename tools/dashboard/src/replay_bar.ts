@@ -3,12 +3,16 @@
 import { Recording } from "./recording";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4, 8];
+/** A page that was not worked on for longer goes on from where it was (s). */
+const LONGEST_STEP_S = 2;
 
 export class ReplayBar {
   /** The page now plays by itself (true), or follows the server again. */
   onOwn: (own: boolean) => void = () => {};
   /** A place was chosen: motions are not drawn from where they were. */
   onJump: () => void = () => {};
+  /** From now on work() is asked for. */
+  onPlay: () => void = () => {};
   private recording: Recording | null = null;
   private loading = false;
   private playing = false;
@@ -37,19 +41,22 @@ export class ReplayBar {
     });
     this.slider.addEventListener("input", () => void this.act("seek"));
     this.speed.addEventListener("change", () => { if (!this.recording) void this.act("play"); });
-    const draw = (now_ms: number) => {
-      const passed_s = Math.min(0.2, Math.max(0, now_ms - this.drawn_ms) / 1000);
-      this.drawn_ms = now_ms;
-      if (this.playing && this.recording) {
-        this.playing = this.recording.advance(BigInt(Math.round(passed_s * 1e9 * Number(this.speed.value))));
-        this.say();
-      }
-      requestAnimationFrame(draw);
-    };
-    requestAnimationFrame(draw);
   }
 
-  show(): void { this.bar.hidden = false; }
+  /** Plays on to this moment. True: it goes on. */
+  work(now_ms: number): boolean {
+    const passed_s = Math.min(LONGEST_STEP_S, Math.max(0, now_ms - this.drawn_ms) / 1000);
+    this.drawn_ms = now_ms;
+    if (!this.playing || !this.recording) return false;
+    this.playing = this.recording.advance(BigInt(Math.round(passed_s * 1e9 * Number(this.speed.value))));
+    this.say();
+    return this.playing;
+  }
+
+  show(on: boolean): void { this.bar.hidden = !on; }
+
+  /** Another recording, or another run: what was read of the last one is over. */
+  forget(): void { if (this.recording) this.follow(); }
 
   /** Of what the server sends, while the page follows it. */
   follows(atNs: bigint): void {
@@ -73,6 +80,8 @@ export class ReplayBar {
     if (what === "play") {
       this.playing = first ? false : !this.playing;
       if (this.playing && recording.at >= recording.ends) recording.seek(recording.begins);
+      this.drawn_ms = performance.now();
+      this.onPlay();
     }
     if (what === "begin") await this.to(recording.begins);
     if (what === "end") await this.to(recording.ends);

@@ -6,6 +6,8 @@ import type { JointStates, Plan } from "./messages";
 
 const ARM = ["arm_1", "arm_2", "arm_3", "arm_4", "arm_5", "arm_6", "arm_7"];
 const GHOST_SECONDS = 4;
+/** A joint that turns by less moves nothing by a pixel (rad). */
+const SEEN_RAD = 2e-4;
 const AFTER = ["close", "verify", "await-ready", "lift", "hold", "lower", "pause", "yield", "release", "retreat",
   "done", "stopped"];
 
@@ -34,11 +36,19 @@ export class RobotView {
     this.group.add(this.robot);
     this.ghost.add(this.shadow);
     this.ghost.visible = this.plan !== null && !this.arrived;
-    if (this.last) this.joints(this.last);
+    if (this.last) this.pose(this.last);
   }
 
-  joints(state: JointStates): void {
+  /** True: what is seen has changed. */
+  joints(state: JointStates): boolean {
+    const moved = state.joints.some((joint, i) => Math.abs(joint.position - (this.last?.joints[i]?.position ?? Infinity)) > SEEN_RAD);
+    if (!moved) return false;
     this.last = state;
+    this.pose(state);
+    return true;
+  }
+
+  private pose(state: JointStates): void {
     for (const joint of state.joints) this.robot?.setJointValue(joint.name, joint.position);
     const palm = this.robot?.links["palm"];
     if (palm) this.onPalm(palm.getWorldPosition(new THREE.Vector3()));

@@ -53,27 +53,29 @@ function solid(geometry: THREE.BufferGeometry, s: Solid): THREE.Mesh {
 /** Entities that are looked for first wear their name. */
 const LABELS: Record<string, string> = { partner: "partner", gripper: "chosen" };
 
+const LABEL_FONT = "600 44px sans-serif";
+
 /** A word above a place, always turned to who looks and of the same size. */
 export function label(word: string, pose: Pose, c: Colour): THREE.Sprite {
   const canvas = document.createElement("canvas");
-  canvas.width = 256;
-  canvas.height = 64;
   const context = canvas.getContext("2d")!;
+  context.font = LABEL_FONT;
+  const width = Math.max(256, Math.min(1024, Math.ceil(context.measureText(word).width) + 40));
+  canvas.width = width;
+  canvas.height = 64;
   context.fillStyle = "rgba(255, 255, 255, 0.88)";
   context.beginPath();
-  context.roundRect(4, 4, 248, 56, 20);
+  context.roundRect(4, 4, width - 8, 56, 20);
   context.fill();
-  context.font = "600 44px sans-serif";
-  const fitting = Math.min(44, Math.floor(44 * 236 / context.measureText(word).width));
-  context.font = `600 ${fitting}px sans-serif`;
+  context.font = LABEL_FONT; // forgotten with the new size
   context.textAlign = "center";
   context.fillStyle = `#${new THREE.Color(c.r, c.g, c.b).multiplyScalar(0.25).getHexString()}`;
-  context.fillText(word, 128, 32 + 0.35 * fitting);
+  context.fillText(word, width / 2, 47, width - 20);
   const texture = new THREE.CanvasTexture(canvas);
   texture.colorSpace = THREE.SRGBColorSpace;
   const sprite = new THREE.Sprite(new THREE.SpriteMaterial({ map: texture, depthTest: false, sizeAttenuation: false }));
   sprite.position.set(pose.position.x, pose.position.y, pose.position.z + 0.17);
-  sprite.scale.set(0.1, 0.025, 1);
+  sprite.scale.set(0.025 * width / 64, 0.025, 1);
   sprite.renderOrder = 6;
   return sprite;
 }

@@ -4,6 +4,7 @@ import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { type PointCloud, type SceneUpdate, type Transform, bytesOf } from "./messages";
 import { ObjectMotion } from "./object_motion";
+import type { Painter } from "./pace";
 import { PalmPath } from "./palm_path";
 import { RobotView } from "./robot_view";
 import { cellsOf, dispose, label, objectOf, place } from "./scene_entities";
@@ -15,7 +16,10 @@ type Layer = (typeof LAYERS)[number];
 const HIDDEN: Layer[] = ["unseen", "surfaces"];
 /** Layers that go where the object goes. */
 const CARRIED: Layer[] = ["target", "surfaces", "candidates", "partner", "gripper"];
-const SETTLES_MS = 600;
+/** A frame that moves by less moves nothing by a pixel (m, rad). */
+const SEEN_M = 2e-4, SEEN_RAD = 2e-4;
+/** Words above the object stand higher than the partner's (m). */
+const CAPTION_M = 0.12;
 /** Less is no rise that anybody sees (m). */
 const RISEN_M = 0.002;
 /** Layers that /scene fills. */
@@ -30,8 +34,9 @@ function layerOf(id: string): Layer {
   return "target";
 }
 
-export class SceneView {
+export class SceneView implements Painter {
   onPick: (id: number) => void = () => {};
+  onTouch: () => void = () => {};
   readonly robot = new RobotView();
   readonly motion = new ObjectMotion();
   readonly palm = new PalmPath();
@@ -44,8 +49,8 @@ export class SceneView {
   private caption: THREE.Sprite | null = null;
   private captionWords = "";
   private drawn_s = 0;
-  private drawUntil_ms = 0;
   private stale = true;
+  private touches = 0;
   private renderer: THREE.WebGLRenderer;
   private scene = new THREE.Scene();
   private camera = new THREE.PerspectiveCamera(45, 1, 0.05, 30);
@@ -103,32 +108,42 @@ export class SceneView {
       const turn = { ArrowLeft: -0.1, ArrowRight: 0.1 }[event.key], tilt = { ArrowUp: -0.1, ArrowDown: 0.1 }[event.key];
       if (turn !== undefined || tilt !== undefined) this.orbit(turn ?? 0, tilt ?? 0);
       else if (event.key === "+" || event.key === "-") this.zoom(event.key === "+" ? 0.9 : 1.1);
-      else return;
+      else if (!"1234f".includes(event.key)) return;
+      this.touch();
       event.preventDefault();
     });
-    for (const what of ["pointerdown", "pointermove", "wheel", "keydown", "touchmove"]) canvas.addEventListener(what, () => this.touch());
+    this.controls.addEventListener("change", () => this.touch());
     toggles.addEventListener("change", () => this.touch());
-    const draw = (now: number) => {
-      requestAnimationFrame(draw);
-      if (!this.fit() && !this.stale && now > this.drawUntil_ms && !this.robot.ghost.visible) return;
-      this.stale = false;
-      this.robot.tick(now / 1000);
-      this.carry(now / 1000);
-      this.controls.update();
-      if (this.marker.visible) this.marker.lookAt(this.camera.position);
-      this.renderer.render(this.scene, this.camera);
-      if (!this.motion.settled) this.stale = true;
-    };
-    requestAnimationFrame(draw);
+    new ResizeObserver(() => this.touch()).observe(canvas);
   }
 
-  /** Something has changed: it is drawn for as long as a motion takes to settle. A phone's battery thanks for the rest. */
+  get gl(): WebGL2RenderingContext { return this.renderer.getContext() as WebGL2RenderingContext; }
+
+  /** Something that is seen has changed. */
   touch(): void {
-    this.stale = true; // a browser that is busy draws it once at least
-    this.drawUntil_ms = performance.now() + SETTLES_MS;
+    this.stale = true;
+    this.canvas.dataset.touches = String(++this.touches);
+    this.onTouch();
   }
 
-  background(colour: string): void { this.scene.background = new THREE.Color(colour); }
+  wants(): boolean { return this.stale || !this.motion.settled || this.robot.ghost.visible; }
+
+  draw(now_ms: number): void {
+    this.stale = false;
+    const touches = this.touches;
+    this.fit();
+    this.robot.tick(now_ms / 1000);
+    this.carry(now_ms / 1000);
+    this.controls.update();
+    if (this.marker.visible) this.marker.lookAt(this.camera.position);
+    this.renderer.render(this.scene, this.camera);
+    this.canvas.dataset.drawn = String(touches);
+  }
+
+  background(colour: string): void {
+    this.scene.background = new THREE.Color(colour);
+    this.touch();
+  }
 
   reset(): void {
     for (const name of LAYERS)
@@ -140,11 +155,13 @@ export class SceneView {
     this.motion.reset();
     this.palm.reset();
     this.say("");
+    this.touch();
   }
 
   /** Words above the object; none: "". */
   say(words: string): void {
     if (words === this.captionWords) return;
+    this.touch();
     this.captionWords = words;
     if (this.caption) {
       dispose(this.caption);
@@ -156,12 +173,13 @@ export class SceneView {
     const top = [0, 1, 2].reduce((sum, i) => sum + Math.abs(this.restBox!.elements[4 * i + 2]!), 0) / 2;
     this.caption = label(words, { position: { x: at.x, y: at.y, z: at.z + top }, orientation: { x: 0, y: 0, z: 0, w: 1 } },
       { r: 0.9, g: 0.62, b: 0, a: 1 });
+    this.caption.position.z += CAPTION_M;
     this.layers.get("target")!.add(this.caption);
   }
 
   /** Object and partner where they are at this moment. */
   private carry(now_s: number): void {
-    this.motion.tick(Math.min(0.2, Math.max(0, now_s - this.drawn_s)));
+    this.motion.tick(Math.min(1, Math.max(0, now_s - this.drawn_s)));
     this.drawn_s = now_s;
     for (const name of CARRIED) {
       const group = this.layers.get(name)!;
@@ -188,12 +206,14 @@ export class SceneView {
     for (const t of list) {
       if (t.child_frame_id === "object") this.motion.pose(t, at_s);
       if (t.child_frame_id === "partner") this.partner = t;
-      const frame = this.frame(t.child_frame_id);
+      const frame = this.frame(t.child_frame_id), at = frame.position.clone(), turn = frame.quaternion.clone();
       place(frame, { position: t.translation, orientation: t.rotation });
+      if (at.distanceTo(frame.position) > SEEN_M || turn.angleTo(frame.quaternion) > SEEN_RAD) this.touch();
     }
   }
 
   cloud(message: PointCloud): void {
+    this.touch();
     const bytes = bytesOf(message.data);
     const view = new DataView(bytes.buffer);
     const count = Math.floor(bytes.length / message.point_stride);
@@ -221,6 +241,7 @@ export class SceneView {
 
   /** The collision world: its boxes as cells. */
   map(message: SceneUpdate): void {
+    this.touch();
     this.clear("map");
     this.clear("unseen");
     for (const entity of message.entities) {
@@ -231,11 +252,13 @@ export class SceneView {
 
   /** Everybody near the arm, as boxes. */
   bodies(message: SceneUpdate): void {
+    if (message.entities.length > 0 || this.layers.get("people")!.children.length > 0) this.touch();
     this.clear("people");
     for (const entity of message.entities) this.layers.get("people")!.add(objectOf(entity));
   }
 
   update(message: SceneUpdate): void {
+    this.touch();
     for (const gone of message.deletions)
       for (const name of OF_SCENE) {
         const group = this.layers.get(name)!;
@@ -261,6 +284,7 @@ export class SceneView {
   }
 
   select(id: number | null): void {
+    this.touch();
     const found = this.layers.get("candidates")!.children.find((c) => c.userData.candidate === id);
     this.marker.visible = found !== undefined;
     const arrow = found?.children[0];
@@ -320,14 +344,13 @@ export class SceneView {
     }
   }
 
-  /** To the place that the page gives it; true: it has changed. */
-  private fit(): boolean {
+  /** To the place that the page gives it. */
+  private fit(): void {
     const { clientWidth: w, clientHeight: h } = this.canvas;
     const ratio = this.renderer.getPixelRatio();
-    if (this.canvas.width === Math.floor(w * ratio) && this.canvas.height === Math.floor(h * ratio)) return false;
+    if (this.canvas.width === Math.floor(w * ratio) && this.canvas.height === Math.floor(h * ratio)) return;
     this.renderer.setSize(w, h, false);
     this.camera.aspect = w / Math.max(1, h);
     this.camera.updateProjectionMatrix();
-    return true;
   }
 }
