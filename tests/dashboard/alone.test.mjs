@@ -259,12 +259,12 @@ for (const [width, height] of SIZES)
     await until(async () => (await page.locator("#tactile i").count()) === 96, "the cells");
     for (let part = 0; part < 12; ++part) {
       assert.deepEqual(await overlaps(), [], `after ${part} screens`);
+      await page.screenshot({ path: `${PICTURES}/alone_${width}_${part}.png` });
       const more = await page.evaluate(() => {
         const main = document.querySelector("main"), was = main.scrollTop;
         main.scrollTop += 0.8 * main.clientHeight;
         return main.scrollTop > was;
       });
-      await page.screenshot({ path: `${PICTURES}/alone_${width}_${part}.png` });
       if (!more) break;
     }
     assert.deepEqual(await axeFinds(), []);

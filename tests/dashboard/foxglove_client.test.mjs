@@ -141,6 +141,35 @@ test("the operator's stop is a request of its own: it needs the token and our ow
   }
 });
 
+test("an operator who has read nothing for a whole lift is still connected, and gets how it stands, not all that has been", async () => {
+  const view = await startView("run", "--view", "0", "--quiet", "--speed", "6", "--seed", "1", "--allow-operator");
+  const behind = new WebSocket(view.url.replace("http", "ws"), ["foxglove.sdk.v1"]);
+  try {
+    let closed = false, bytes = 0, said = "";
+    behind.on("close", () => { closed = true; });
+    await new Promise((open) => behind.on("open", open));
+    let channels = [];
+    await new Promise((done) => behind.on("message", (data, binary) => {
+      if (!binary && JSON.parse(data).op === "advertise") { channels = JSON.parse(data).channels; done(); }
+    }));
+    behind.send(JSON.stringify({ op: "subscribe", subscriptions: channels.map(({ id }) => ({ id, channelId: id })) }));
+    behind.pause();
+    await until(() => /keeps the last state/.test(view.errors), "the end of the lift", 120000);
+    const status = channels.find((c) => c.topic === "/task/status").id;
+    behind.on("message", (data, binary) => {
+      bytes += data.length;
+      if (binary && data.readUInt8(0) === 1 && data.readUInt32LE(1) === status) said = JSON.parse(data.subarray(13)).state;
+    });
+    behind.resume();
+    await until(() => ["done", "aborted", "stopped", "refused"].includes(said), "how it stands");
+    assert.ok(bytes < 2e6, `${bytes} bytes of what has been`);
+    assert.ok(!closed);
+  } finally {
+    behind.terminate();
+    view.child.kill("SIGKILL");
+  }
+});
+
 test("garbage is answered with a status, a flood ends its own connection, and the others go on", async () => {
   const watcher = listen("foxglove.sdk.v1");
   const rude = listen("foxglove.sdk.v1");
