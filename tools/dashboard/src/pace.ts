@@ -57,19 +57,19 @@ export class Pace {
 
   private turn(now_ms: number): void {
     this.busy = true;
-    this.more = this.work();
+    this.more = guarded(this.work, false);
     let dearest: Entry | null = null, gl: WebGL2RenderingContext | undefined;
     for (const entry of document.hidden ? [] : this.entries) {
       if (now_ms < entry.rests_until_ms || !entry.painter.wants(now_ms)) continue;
       // one dear picture in a turn, so that each one's cost is known
       if (dearest && dearest.cost_ms + entry.cost_ms > CHEAP_MS) continue;
-      entry.painter.draw(now_ms);
+      guarded(() => entry.painter.draw(now_ms), undefined);
       gl ??= entry.painter.gl;
       if (!dearest || entry.cost_ms >= dearest.cost_ms) dearest = entry;
     }
     const out = () => soon(() => this.rest(now_ms, dearest));
     // words do not wait for the picture
-    const meanwhile = () => { this.more = this.work() || this.more; };
+    const meanwhile = () => { this.more = guarded(this.work, false) || this.more; };
     if (gl) whenReady(gl, meanwhile, out);
     else out();
   }
@@ -90,6 +90,16 @@ export class Pace {
     for (const { painter, rests_until_ms } of this.entries)
       if (painter.wants(now_ms)) next_ms = Math.min(next_ms, Math.max(turn_ms, rests_until_ms - now_ms));
     if (next_ms < Infinity) this.plan(next_ms);
+  }
+}
+
+/** What fails in one view, or for one message, is reported and ends no turn. */
+function guarded<T>(what: () => T, otherwise: T): T {
+  try {
+    return what();
+  } catch (error) {
+    reportError(error);
+    return otherwise;
   }
 }
 
