@@ -1,6 +1,6 @@
 // The page in a real browser, while a simulated lift goes on.
 import assert from "node:assert/strict";
-import { mkdirSync } from "node:fs";
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { after, before, test } from "node:test";
 import { launchBrowser } from "./browser.mjs";
 import { scenario, startLift, startView, until } from "./running_lift.mjs";
@@ -99,7 +99,7 @@ test("a click on a candidate says why", async () => {
 
 test("collision world, partner, chosen gripper and path are drawn", async () => {
   for (const layer of ["map", "partner", "gripper", "path", "target", "candidates"])
-    await until(async () => (await covered(layer)) > 0.0002, `the layer ${layer}`, 30000);
+    await until(async () => (await covered(layer)) > 0.0002, `the layer ${layer}`, 120000);
 });
 
 test("every device is there and alive", async () => {
@@ -129,7 +129,11 @@ test("an operator's stop ends the run safely", async () => {
 });
 
 test("somebody in the path: who is near, how fast the arm may be, and why it waits", async () => {
-  const blocked = await startView("run", "--view", "0", "--seed", "1", "--quiet", "--speed", "2", "--scenario", scenario("person_in_the_path"));
+  // who stands in the path stays long enough for a browser that draws slowly
+  const text = readFileSync(scenario("person_in_the_path"), "utf8"), stays = text.replace("leaves_s: 9.0", "leaves_s: 14.0");
+  assert.notEqual(stays, text);
+  writeFileSync("stays.yaml", stays);
+  const blocked = await startView("run", "--view", "0", "--seed", "1", "--quiet", "--speed", "0.5", "--scenario", "stays.yaml");
   try {
     await page.goto(blocked.url);
     await page.waitForSelector("#link.connected");

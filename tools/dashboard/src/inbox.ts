@@ -5,37 +5,42 @@ export interface Mail { topic: string; at: bigint; data: Uint8Array }
 
 /** Of these each message counts; of all others only the newest (tools/live/board has the same rule). */
 const EACH = ["/task/change", "/log", "/load"];
-/** Of one of these so many wait at most: more than the server keeps for who comes late. */
+/** Of these so many wait at most: more than the server keeps for who comes late. */
 const MOST = 4000;
 
 export class Inbox {
-  private waiting = new Map<string, Mail>(); // in the order of coming
-  private numbers = 0;
+  private newest = new Map<string, Mail>();
+  private each: Mail[] = [];
+  private taken = 0; // of each
+  private turn = false;
 
-  get empty(): boolean { return this.waiting.size === 0; }
+  get empty(): boolean { return this.newest.size === 0 && this.each.length === this.taken; }
 
   put(mail: Mail): void {
     if (!EACH.includes(mail.topic)) {
-      this.waiting.set(mail.topic, mail); // in the place of the one that waits
+      this.newest.set(mail.topic, mail); // in the place of the one that waits
       return;
     }
-    if (this.waiting.size > MOST)
-      for (const key of this.waiting.keys()) {
-        if (!key.includes("#")) continue;
-        this.waiting.delete(key);
-        break;
-      }
-    this.waiting.set(`${mail.topic}#${this.numbers++}`, mail);
+    this.each.push(mail);
+    if (this.each.length - this.taken > MOST) this.taken++;
+    if (this.taken > MOST) this.each.splice(0, this.taken), this.taken = 0;
   }
 
-  /** The one that has waited longest. */
+  /** In turn of both kinds, so that none keeps the other waiting: who comes late gets a minute of /load at once. */
   take(): Mail | null {
-    for (const [key, mail] of this.waiting) {
-      this.waiting.delete(key);
+    this.turn = !this.turn;
+    const has = this.taken < this.each.length;
+    if (has && (this.turn || this.newest.size === 0)) return this.each[this.taken++];
+    for (const [topic, mail] of this.newest) {
+      this.newest.delete(topic);
       return mail;
     }
     return null;
   }
 
-  clear(): void { this.waiting.clear(); }
+  clear(): void {
+    this.newest.clear();
+    this.each = [];
+    this.taken = 0;
+  }
 }

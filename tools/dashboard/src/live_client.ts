@@ -10,8 +10,6 @@ const MESSAGE_DATA = 1, SERVICE_RESPONSE = 3, SERVICE_CALL = 2;
 const AGAIN_MS = 1000;
 /** A link on which nothing has come for so long is asked whether it still is one (ms); it gets as long for the answer. */
 const SILENT_MS = 5000;
-/** For what has come, of one turn (ms). */
-const WORK_MS = 25;
 
 export class LiveClient {
   onLink: (word: "connected" | "connecting" | "lost", operates: boolean) => void = () => {};
@@ -43,9 +41,9 @@ export class LiveClient {
 
   constructor(private probe: string) { setInterval(() => void this.listen(), SILENT_MS); }
 
-  /** Shows what has come, for a short while. True: there is more. */
-  work(): boolean {
-    for (const until = performance.now() + WORK_MS; performance.now() < until;) {
+  /** Shows what has come, for so long. True: there is more. */
+  work(max_ms: number): boolean {
+    for (const until = performance.now() + max_ms; performance.now() < until;) {
       const mail = this.inbox.take();
       if (!mail) break;
       try {

@@ -139,8 +139,8 @@ bar.onJump = () => {
   scene.touch();
 };
 bar.onPlay = () => pace.wake();
-pace.work = () => {
-  const more = client.work();
+pace.work = (max_ms) => {
+  const more = client.work(max_ms);
   return bar.work(performance.now()) || more;
 };
 bar.onOwn = (own) => {

@@ -20,6 +20,8 @@ const LONGEST_REST_MS = 1500;
 const ASK_MS = 4;
 /** And how often messages are taken in meanwhile (ms). */
 const MEANWHILE_MS = 200;
+/** Of a turn messages get at least so long (ms), and of a dear one this part: who comes late has a minute to catch up with. */
+const WORK_MS = 25, WORK_PART = 0.25;
 /** A lost graphics context never answers (ms). */
 const GIVE_UP_MS = 5000;
 /** A page that nobody sees draws nothing, but goes on reading (ms). */
@@ -28,12 +30,13 @@ const HIDDEN_MS = 500;
 interface Entry { painter: Painter; cost_ms: number; rests_until_ms: number }
 
 export class Pace {
-  /** Before the drawing of each turn: takes in what has come. True: more waits. */
-  work: () => boolean = () => false;
+  /** Before the drawing of each turn: takes in what has come, for so long. True: more waits. */
+  work: (max_ms: number) => boolean = () => false;
   private entries: Entry[] = [];
   private planned = false;
   private busy = false;
   private more = false;
+  private last_ms = 0; // of the last turn
 
   add(painter: Painter): void { this.entries.push({ painter, cost_ms: 0, rests_until_ms: 0 }); }
 
@@ -57,7 +60,8 @@ export class Pace {
 
   private turn(now_ms: number): void {
     this.busy = true;
-    this.more = guarded(this.work, false);
+    const work = () => guarded(() => this.work(Math.max(WORK_MS, WORK_PART * this.last_ms)), false);
+    this.more = work();
     let dearest: Entry | null = null, gl: WebGL2RenderingContext | undefined;
     for (const entry of document.hidden ? [] : this.entries) {
       if (now_ms < entry.rests_until_ms || !entry.painter.wants(now_ms)) continue;
@@ -69,7 +73,7 @@ export class Pace {
     }
     const out = () => soon(() => this.rest(now_ms, dearest));
     // words do not wait for the picture
-    const meanwhile = () => { this.more = guarded(this.work, false) || this.more; };
+    const meanwhile = () => { this.more = work() || this.more; };
     if (gl) whenReady(gl, meanwhile, out);
     else out();
   }
@@ -78,6 +82,7 @@ export class Pace {
   private rest(began_ms: number, drawn: Entry | null): void {
     this.busy = false;
     const now_ms = performance.now(), cost_ms = now_ms - began_ms;
+    this.last_ms = Math.min(cost_ms, LONGEST_REST_MS);
     const rest_ms = cost_ms <= CHEAP_MS ? 0 : Math.min(LONGEST_REST_MS, REST * cost_ms);
     if (drawn) {
       drawn.cost_ms = cost_ms;
