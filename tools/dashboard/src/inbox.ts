@@ -30,7 +30,7 @@ export class Inbox {
   take(): Mail | null {
     this.turn = !this.turn;
     const has = this.taken < this.each.length;
-    if (has && (this.turn || this.newest.size === 0)) return this.each[this.taken++];
+    if (has && (this.turn || this.newest.size === 0)) return this.each[this.taken++] ?? null;
     for (const [topic, mail] of this.newest) {
       this.newest.delete(topic);
       return mail;
