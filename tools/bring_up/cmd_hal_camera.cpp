@@ -16,6 +16,7 @@
 #include "tools/bring_up/bring_up.hpp"
 #include "tools/bring_up/camera/camera_files.hpp"
 #include "tools/bring_up/camera/depth_camera_watch.hpp"
+#include "tools/bring_up/camera/record_scene.hpp"
 #include "tools/bring_up/hal_camera_view.hpp"
 #include "tools/cli/config_of.hpp"
 #include "tools/cli/interrupt.hpp"
@@ -188,11 +189,13 @@ int watch_video(const CommonOptions& common, const HalCameraOptions& o, const ha
   const hal::SteadyClock clock;
   auto camera = make_video_camera(config, clock);
   if (!camera) return report_error(where.c_str(), camera.error());
-  return watch_depth_camera(common, o, "v4l2 " + config.device,
-                            fmt::format("v4l2-ctl --list-devices names the devices, v4l2-ctl -d {} "
-                                        "--list-formats-ext what this one gives",
-                                        config.device),
-                            **camera, clock, *for_s, resolved->config.noise);
+  const std::string source = "v4l2 " + config.device;
+  const std::string advice = fmt::format(
+      "v4l2-ctl --list-devices names the devices, v4l2-ctl -d {} "
+      "--list-formats-ext what this one gives",
+      config.device);
+  if (o.scene) return cmd_record_scene(common, o, source, advice, **camera, clock);
+  return watch_depth_camera(common, o, source, advice, **camera, clock, *for_s, resolved->config.noise);
 }
 
 }  // namespace
@@ -209,6 +212,12 @@ int cmd_hal_camera(const CommonOptions& common, const HalCameraOptions& options)
   if (!resolved) return report_error(where.c_str(), resolved.error());
   show_warnings(where.c_str(), common, *resolved);
 
+  if (options.scene) {
+    const hal::SteadyClock clock;
+    hal::KinectCamera camera(*kinect, clock);
+    return cmd_record_scene(common, options, "kinect " + kinect->source,
+                            camera_advice(hal::ErrorCode::LinkLost, kinect->source), camera, clock);
+  }
   const InterruptGuard signals;
   Session session(common, options, *kinect, *for_s);
   End end = session.run();

@@ -16,12 +16,16 @@ struct HalCameraOptions {
   std::optional<std::filesystem::path> infrared;  ///< Picture of one infrared image.
   std::optional<std::filesystem::path> out;       ///< Noise model as a configuration file.
   std::filesystem::path folder;                   ///< Of a recording.
+  bool scene = false;                             ///< Four steps with their truth, for a regression test.
+  std::string object, licence;                    ///< Of the scene.
+  std::optional<double> lifted_m;  ///< How far the object is lifted in it, where that is known.
+  std::optional<double> pause_s;   ///< Before each of its steps, in place of Enter.
   double tilt_deg = 0.0;
 };
 
-/// Bring-up of the Kinect: info, watch, record, noise, tilt; of a video device (`camera: v4l2`) the first two
-/// and noise. 0 done, 2 bad request or file, 3 the camera is
-/// not there or went away, 130 interrupted.
+/// Bring-up of the Kinect: info, watch, record, noise, tilt; of a video device (`camera: v4l2`) the first
+/// two, record --scene and noise. 0 done, 2 bad request or file, 3 the camera is not there or went away, 130
+/// interrupted.
 [[nodiscard]] int cmd_hal_camera(const CommonOptions& common, const HalCameraOptions& options);
 
 }  // namespace colift::tools

@@ -158,9 +158,20 @@ void add_hal_camera(CommandLine& line, CLI::App& camera, HalCameraOptions& o) {
   };
   png(add("info", "Serial number, mounting angle, depth statistics"));
   png(add("watch", "Statistics continuously (with --png: for one second)"));
-  add("record", "Records raw depth for fakenect, 18 MB a second, until interrupted")
-      .add_option("FOLDER", o.folder, "New or empty folder")
-      ->required();
+  CLI::App& record =
+      add("record", "Records raw depth for fakenect, 18 MB a second, until interrupted; or a scene");
+  record.add_option("FOLDER", o.folder, "New or empty folder")->required();
+  CLI::Option* const scene = record.add_flag("--scene", o.scene,
+                                             "Records empty place, object, hand and lift, as colift scene "
+                                             "checks them; --for is the lift's duration");
+  record.add_option("--object", o.object, "What is carried, in a few words")->needs(scene);
+  record.add_option("--lifted", o.lifted_m, "How far it is lifted, where that is measured")
+      ->type_name("M")
+      ->needs(scene);
+  record.add_option("--pause", o.pause_s, "Each step begins by itself so long after it was said")
+      ->type_name("S")
+      ->needs(scene);
+  record.add_option("--licence", o.licence, "Under which others may have the images")->needs(scene);
   add("noise", "Measures the depth noise on an empty floor or wall (default: for 3 s), as a configuration")
       .add_option("--out", o.out, "Writes it into a file for --config")
       ->type_name("OUT.yaml");

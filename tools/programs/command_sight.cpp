@@ -7,6 +7,7 @@
 #include "tools/cli/commands.hpp"
 #include "tools/cli/config_of.hpp"
 #include "tools/programs/command_line.hpp"
+#include "tools/scenes/cmd_scene.hpp"
 
 namespace colift::tools {
 namespace {
@@ -93,6 +94,17 @@ void add_sight_commands(CommandLine& line) {
   line.add_common(decide_command);
   line.when(decide_command, [&common, decide] { return cmd_decide(common, *decide); });
   line.configured(decide_command, {[&common, decide] { return config_of_decide(common, *decide); }});
+
+  CLI::App& scene_command = line.command("scene");
+  const auto scene = std::make_shared<SceneOptions>();
+  scene_command
+      .add_option("FOLDER", scene->folders, "Scenes of colift hal camera record --scene, or folders of them")
+      ->required();
+  scene_command.add_option("--method", scene->method, "fast (default), thesis or both");
+  scene_command.add_option("--png", scene->png, "Writes a picture of the truth (of one scene)")
+      ->type_name("OUT.png");
+  line.add_common(scene_command);
+  line.when(scene_command, [&common, scene] { return cmd_scene(common, *scene); });
 
   CLI::App& rank_command = line.command("rank");
   const auto problem = std::make_shared<std::string>();

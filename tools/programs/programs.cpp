@@ -23,6 +23,8 @@ constexpr CommandEntry kCommands[] = {
     {"look", "colift-analyse",
      "Perception of one recorded frame: ground, target, surfaces, grasp candidates"},
     {"decide", "colift-analyse", "look, then the robot's grasp for the partner's grasp, with the reason"},
+    {"scene", "colift-analyse",
+     "What look, decide and the object follower say of recorded scenes, beside their truth"},
     {"rank", "colift-analyse", "The load-sharing decision alone, for a problem given as numbers"},
     {"check", "colift-analyse", "Prints the configuration that a command would use; touches no device"},
     {"scenarios", "colift-analyse", "The scenarios that --scenario takes by name"},

@@ -158,9 +158,10 @@ hal::Result<> check_depth_camera_request(const HalCameraOptions& o) {
     return hal::failure(hal::ErrorCode::BadInput, where, why);
   };
   if (o.hal.verb == "tilt") return refuse("tilt", "only a Kinect has a motor");
-  if (o.hal.verb == "record")
+  if (o.hal.verb == "record" && !o.scene)
     return refuse("record",
-                  "records for fakenect, which plays a Kinect; expected info --depth FILE.png for one frame");
+                  "records for fakenect, which plays a Kinect; expected record --scene FOLDER for the steps of "
+                  "a lift, info --depth FILE.png for one frame");
   if (o.infrared) return refuse("--infrared", "only a Kinect's infrared images are read");
   if (!o.source.empty())
     return refuse("--source", "is for a Kinect; expected v4l2: {device: ...} in the robot file");

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hal/depth_camera.hpp"
+#include "hal/types/geometry.hpp"
+#include "hal/types/result.hpp"
+#include "perception/noise_model.hpp"
+#include "tools/scenes/scene_file.hpp"
+
+namespace colift::tools {
+
+/// What differences between the steps show, without anything that looks for grounds, objects or persons: what
+/// perception says of the scene is held against it. Pixels are row-major; points are in the camera's optical
+/// frame.
+struct SceneTruth {
+  hal::DepthFrame empty, object;    ///< Median of the step's images; NaN where most saw nothing.
+  std::vector<bool> object_pixels;  ///< Nearer than in the empty place.
+  std::vector<bool> person_pixels;  ///< Nearer with the person than with the object alone.
+  std::size_t object_count = 0, person_count = 0;
+  hal::Vec3 hand = hal::Vec3::Zero();  ///< Middle of the person's surface within 4 cm of where it is nearest
+                                       ///< to the object.
+  double hand_gap_m = 0.0;             ///< That nearest distance.
+  double moved = 0.0;  ///< Part of the object's pixels that changed up to the last image (0 to 1).
+};
+
+/// Errors: NotFound, with what to record anew: nothing new or several new things, the camera moved, nobody at
+/// the object, the object was not moved.
+[[nodiscard]] hal::Result<SceneTruth> scene_truth(const RecordedSteps& scene,
+                                                  const perception::NoiseModel& noise);
+
+}  // namespace colift::tools
