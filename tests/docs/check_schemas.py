@@ -135,6 +135,7 @@ def main():
             c.command("look", "look", folder / "depth.png")
     c.command("decide", "decide", real / "01_office_chair_and_bottles/depth.png", "--partner=-0.45,-0.5,1.75", "--share", "0.3")
     c.command("decide", "decide", real / "04_five_people/depth.png", "--partner=0,0,2")
+    c.command("scenes", "scene", root / "tests/data/scenes", "--method", "both")
     run = c.command("run", "run", "--seed", "3")
     c.command("run", "run", "--seed", "3", "--dry-run")
     for name in ("no_partner", "wrong_cog", "person_in_the_path", "partner_lets_go"):

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "control/session/decide.hpp"
 #include "control/session/scene_analysis.hpp"
@@ -31,10 +32,13 @@ hal::Result<SceneAnalysis> analyse(const hal::DepthFrame& frame, const Setup& se
                                 setup.hand_tables);
 }
 
+std::string words_of(const hal::Vec3& p) {
+  return fmt::format("at ({:.2f}, {:.2f}, {:.2f})", p.x(), p.y(), p.z());
+}
+
 std::string size_words(const perception::Target& t) {
   const auto& s = t.obb.size;
-  return fmt::format("{:.2f} x {:.2f} x {:.2f} m at ({:.2f}, {:.2f}, {:.2f})", s.x(), s.y(), s.z(),
-                     t.obb.center.x(), t.obb.center.y(), t.obb.center.z());
+  return fmt::format("{:.2f} x {:.2f} x {:.2f} m {}", s.x(), s.y(), s.z(), words_of(t.obb.center));
 }
 
 Answer of_empty(const SceneAnalysis& seen) {
@@ -44,7 +48,8 @@ Answer of_empty(const SceneAnalysis& seen) {
 }
 
 // points, because the thesis's target has no pixels
-Answer of_object(const SceneAnalysis& seen, const RecordedSteps& scene, const SceneTruth& truth) {
+Answer of_object(const SceneAnalysis& seen, const RecordedSteps& scene, const SceneTruth& truth,
+                 double leaf_m) {
   const std::string is = fmt::format("{}, {} pixels", scene.file.object, truth.object_count);
   const auto& target = seen.scene.target;
   if (!target || target->points.empty()) return {SceneVerdict::Nothing, is, seen.reason};
@@ -57,7 +62,14 @@ Answer of_object(const SceneAnalysis& seen, const RecordedSteps& scene, const Sc
         static_cast<std::size_t>(std::lround(at.v)) * static_cast<std::size_t>(seen.cloud.width()) +
         static_cast<std::size_t>(std::lround(at.u));
     own += truth.object_pixels[i] ? 1 : 0;
-    covered[i] = true;
+    // a point of the thesis's stands for its voxel
+    const int half = target->pixels.empty()
+                         ? static_cast<int>(std::ceil(0.5 * leaf_m * seen.cloud.intrinsics.fx / at.depth_m))
+                         : 0;
+    const int u = static_cast<int>(std::lround(at.u)), v = static_cast<int>(std::lround(at.v));
+    for (int y = std::max(0, v - half); y <= std::min(seen.cloud.height() - 1, v + half); ++y)
+      for (int x = std::max(0, u - half); x <= std::min(seen.cloud.width() - 1, u + half); ++x)
+        covered[static_cast<std::size_t>(y * seen.cloud.width() + x)] = true;
   }
   const double pure = static_cast<double>(own) / static_cast<double>(target->points.size());
   std::size_t there = 0, found = 0;
@@ -76,8 +88,10 @@ Answer of_object(const SceneAnalysis& seen, const RecordedSteps& scene, const Sc
 
 hal::Result<Answer> of_hand(const SceneAnalysis& seen, const RecordedSteps& scene, const SceneTruth& truth,
                             const control::Config& config) {
-  const auto& h = truth.hand;
-  const std::string is = fmt::format("at ({:.2f}, {:.2f}, {:.2f})", h.x(), h.y(), h.z());
+  const std::size_t places = truth.hands.size();
+  const std::string is = fmt::format(
+      "near it {}{}", words_of(truth.hands.front()),
+      places > 1 ? fmt::format(" and at {} more (hand_px in scene.json picks one)", places - 1) : "");
   if (!seen.scene.target) return Answer{SceneVerdict::Nothing, is, "no target to take hold of"};
   control::PartnerInput partner;
   partner.frame = scene.frames[static_cast<std::size_t>(SceneStep::Hand)].back();
@@ -85,12 +99,14 @@ hal::Result<Answer> of_hand(const SceneAnalysis& seen, const RecordedSteps& scen
   if (!outcome) return tl::unexpected(outcome.error());
   if (!outcome->partner) return Answer{SceneVerdict::Nothing, is, outcome->partner_reason};
   const hal::Vec3& p = outcome->partner->position;
-  const double off = (p - h).norm();
+  // of two hands the middle counts
+  double off = std::numeric_limits<double>::infinity();
+  for (const hal::Vec3& a : truth.hands)
+    for (const hal::Vec3& b : truth.hands) off = std::min(off, (p - 0.5 * (a + b)).norm());
   const auto verdict = off <= kHand_m         ? SceneVerdict::Right
                        : off <= kHandPartly_m ? SceneVerdict::Partly
                                               : SceneVerdict::Wrong;
-  return Answer{verdict, is,
-                fmt::format("at ({:.2f}, {:.2f}, {:.2f}), {:.0f} mm off", p.x(), p.y(), p.z(), 1e3 * off)};
+  return Answer{verdict, is, fmt::format("{}, {:.0f} mm off", words_of(p), 1e3 * off)};
 }
 
 hal::Result<Answer> of_lift(const SceneAnalysis& seen, const RecordedSteps& scene,
@@ -144,7 +160,7 @@ hal::Result<std::vector<SceneRow>> check_scene(const RecordedSteps& scene, const
   add(SceneStep::Empty, of_empty(*empty));
   const auto object = analyse(last(SceneStep::Object), setup);
   if (!object) return tl::unexpected(object.error());
-  add(SceneStep::Object, of_object(*object, scene, truth));
+  add(SceneStep::Object, of_object(*object, scene, truth, setup.config.thesis.voxel_leaf_m));
   auto hand = of_hand(*object, scene, truth, setup.config);
   if (!hand) return tl::unexpected(hand.error());
   add(SceneStep::Hand, std::move(*hand));

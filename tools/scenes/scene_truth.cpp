@@ -16,9 +16,13 @@ using hal::DepthFrame;
 using hal::Vec3;
 
 constexpr double kStep_m = 0.015, kSigmas = 5.0;  // a change is more than both
-constexpr int kJoin_px = 4;                       // holes that separate nothing: the shadow of the emitter
+constexpr int kJoin_px = 3;                       // holes that separate nothing
+constexpr float kJump_m = 0.06F, kJumpPart = 0.03F;
 constexpr std::size_t kMinObject_px = 400, kMinPerson_px = 300;
-constexpr double kSecond = 0.3;         // a second thing of this part of the first: which one is meant?
+constexpr double kSecond = 0.15;  // a second thing of this part of the first: which one is meant?
+constexpr double kBelongs_m = 0.3;
+constexpr std::size_t kMinPart_px = 10;
+constexpr int kBorder_px = 8;
 constexpr double kMaxElsewhere = 0.03;  // of the pixels that should have stayed as they were
 constexpr double kMaxGap_m = 0.08, kHand_m = 0.04;
 constexpr double kMinMoved = 0.3;
@@ -78,10 +82,10 @@ std::vector<bool> grown(const std::vector<bool>& pixels, int width, int by) {
   return out;
 }
 
-/// Connected parts of `pixels`, over gaps of kJoin_px, each as its indices; the largest first.
-std::vector<std::vector<std::size_t>> parts(const std::vector<bool>& pixels, int width) {
-  std::vector<bool> left = grown(pixels, width, kJoin_px / 2);
-  const std::size_t w = static_cast<std::size_t>(width);
+/// Parts of `pixels` that hang together without a jump in depth, over gaps of kJoin_px, each as its indices;
+/// the largest first.
+std::vector<std::vector<std::size_t>> parts(const DepthFrame& frame, std::vector<bool> left) {
+  const int width = frame.intrinsics.width, height = frame.intrinsics.height;
   std::vector<std::vector<std::size_t>> all;
   std::vector<std::size_t> open;
   for (std::size_t first = 0; first < left.size(); ++first) {
@@ -92,17 +96,18 @@ std::vector<std::vector<std::size_t>> parts(const std::vector<bool>& pixels, int
     while (!open.empty()) {
       const std::size_t i = open.back();
       open.pop_back();
-      if (pixels[i]) part.push_back(i);
-      const std::size_t u = i % w;
-      const std::array<std::size_t, 4> around{u > 0 ? i - 1 : i, u + 1 < w ? i + 1 : i, i >= w ? i - w : i,
-                                              i + w < left.size() ? i + w : i};
-      for (const std::size_t n : around)
-        if (left[n]) {
+      part.push_back(i);
+      const int u = static_cast<int>(i) % width, v = static_cast<int>(i) / width;
+      const float z = frame.depth_m[i], jump = std::max(kJump_m, kJumpPart * z);
+      for (int y = std::max(0, v - kJoin_px); y <= std::min(height - 1, v + kJoin_px); ++y)
+        for (int x = std::max(0, u - kJoin_px); x <= std::min(width - 1, u + kJoin_px); ++x) {
+          const auto n = static_cast<std::size_t>(y * width + x);
+          if (!left[n] || std::abs(frame.depth_m[n] - z) > jump) continue;
           left[n] = false;
           open.push_back(n);
         }
     }
-    if (!part.empty()) all.push_back(std::move(part));
+    all.push_back(std::move(part));
   }
   std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
   return all;
@@ -130,23 +135,40 @@ std::vector<Vec3> thinned(const DepthFrame& f, const std::vector<bool>& pixels) 
   return points;
 }
 
+/// From a part to the nearest of the points.
+double distance(const DepthFrame& f, const std::vector<std::size_t>& part, const std::vector<Vec3>& points) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < part.size(); k += 8) {
+    const Vec3 p = point_of(f, part[k]);
+    for (const Vec3& q : points) nearest = std::min(nearest, (p - q).squaredNorm());
+  }
+  return std::sqrt(nearest);
+}
+
 hal::Result<> find_object(SceneTruth& t, const perception::NoiseModel& noise) {
-  const int width = t.empty.intrinsics.width;
-  const auto found = parts(nearer(t.empty, t.object, noise), width);
+  const auto found = parts(t.object, nearer(t.empty, t.object, noise));
   if (found.empty() || found.front().size() < kMinObject_px)
     return again(SceneStep::Object,
                  "nothing is there that was not there before: put the object down after the first step");
-  if (found.size() > 1 &&
-      static_cast<double>(found[1].size()) > kSecond * static_cast<double>(found[0].size()))
-    return again(SceneStep::Object,
-                 fmt::format("two things are there that were not there before ({} and {} pixels): "
-                             "leave the view, and bring one object",
-                             found[0].size(), found[1].size()));
   t.object_pixels.assign(t.empty.depth_m.size(), false);
   for (const std::size_t i : found.front()) t.object_pixels[i] = true;
+  const std::vector<Vec3> main = thinned(t.object, t.object_pixels);
   t.object_count = found.front().size();
+  // legs and whatever else the object hides from itself belong to it
+  for (std::size_t k = 1; k < found.size(); ++k) {
+    const bool large = static_cast<double>(found[k].size()) > kSecond * static_cast<double>(found[0].size());
+    const bool near = distance(t.object, found[k], main) < kBelongs_m;
+    if (large || (!near && found[k].size() >= kMinPerson_px))
+      return again(SceneStep::Object,
+                   fmt::format("two things are there that were not there before ({} and {} pixels): leave "
+                               "the view, and bring one object",
+                               found[0].size(), found[k].size()));
+    if (!near || found[k].size() < kMinPart_px) continue;
+    for (const std::size_t i : found[k]) t.object_pixels[i] = true;
+    t.object_count += found[k].size();
+  }
 
-  const std::vector<bool> near = grown(t.object_pixels, width, 2 * kJoin_px);
+  const std::vector<bool> near = grown(t.object_pixels, t.empty.intrinsics.width, kBorder_px);
   std::size_t both = 0, changed = 0;
   for (std::size_t i = 0; i < near.size(); ++i) {
     const double a = static_cast<double>(t.empty.depth_m[i]), b = static_cast<double>(t.object.depth_m[i]);
@@ -164,7 +186,7 @@ hal::Result<> find_object(SceneTruth& t, const perception::NoiseModel& noise) {
 }
 
 hal::Result<> find_hand(SceneTruth& t, const DepthFrame& with_person, const perception::NoiseModel& noise) {
-  const auto found = parts(nearer(t.object, with_person, noise), t.empty.intrinsics.width);
+  const auto found = parts(with_person, nearer(t.object, with_person, noise));
   t.person_pixels.assign(t.empty.depth_m.size(), false);
   for (const auto& part : found) {
     if (part.size() < kMinPerson_px) break;
@@ -174,29 +196,38 @@ hal::Result<> find_hand(SceneTruth& t, const DepthFrame& with_person, const perc
   if (t.person_count == 0)
     return again(SceneStep::Hand, "nobody came into view: take hold of the object before this step");
   const std::vector<Vec3> object = thinned(t.object, t.object_pixels);
-  std::vector<std::pair<double, Vec3>> skin;
+  std::vector<std::pair<double, std::size_t>> skin;  // distance from the object, pixel
+  t.hand_gap_m = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < t.person_pixels.size(); ++i) {
     if (!t.person_pixels[i]) continue;
-    const Vec3 p = point_of(with_person, i);
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const Vec3& q : object) nearest = std::min(nearest, (p - q).squaredNorm());
-    if (nearest < (kMaxGap_m + kHand_m) * (kMaxGap_m + kHand_m)) skin.emplace_back(std::sqrt(nearest), p);
+    const double gap = distance(with_person, {i}, object);
+    if (gap < kMaxGap_m + kHand_m) skin.emplace_back(gap, i);
+    t.hand_gap_m = std::min(t.hand_gap_m, gap);
   }
-  t.hand_gap_m = std::numeric_limits<double>::infinity();
-  for (const auto& [distance, p] : skin) t.hand_gap_m = std::min(t.hand_gap_m, distance);
   if (!(t.hand_gap_m < kMaxGap_m))
     return again(SceneStep::Hand,
                  fmt::format("the person keeps more than {:.0f} cm from the object: take hold of it where "
                              "the camera sees the hand",
                              1e2 * kMaxGap_m));
-  std::size_t count = 0;
-  for (const auto& [distance, p] : skin) {
-    if (distance > t.hand_gap_m + kHand_m) continue;
-    t.hand += p;
-    ++count;
+  std::vector<bool> near(t.person_pixels.size(), false);
+  for (const auto& [gap, i] : skin) near[i] = gap <= t.hand_gap_m + kHand_m;
+  for (const auto& part : parts(with_person, near)) {
+    if (part.size() < kMinPart_px && !t.hands.empty()) break;
+    Vec3 middle = Vec3::Zero();
+    for (const std::size_t i : part) middle += point_of(with_person, i);
+    t.hands.push_back(middle / static_cast<double>(part.size()));
   }
-  t.hand /= static_cast<double>(count);
   return {};
+}
+
+/// Of several places the one that somebody pointed at.
+void keep_place(SceneTruth& t, const std::array<double, 2>& px) {
+  const auto& k = t.object.intrinsics;
+  const auto off = [&](const Vec3& p) {
+    return std::hypot(k.fx * p.x() / p.z() + k.cx - px[0], k.fy * p.y() / p.z() + k.cy - px[1]);
+  };
+  t.hands = {*std::min_element(t.hands.begin(), t.hands.end(),
+                               [&](const Vec3& a, const Vec3& b) { return off(a) < off(b); })};
 }
 
 }  // namespace
@@ -208,6 +239,7 @@ hal::Result<SceneTruth> scene_truth(const RecordedSteps& scene, const perception
   t.object = median_of(frames[1]);
   if (auto found = find_object(t, noise); !found) return tl::unexpected(found.error());
   if (auto found = find_hand(t, median_of(frames[2]), noise); !found) return tl::unexpected(found.error());
+  if (scene.file.hand_px) keep_place(t, *scene.file.hand_px);
   const DepthFrame& last = frames[3].back();
   std::size_t changed = 0;
   for (std::size_t i = 0; i < t.object_pixels.size(); ++i) {

@@ -20,10 +20,11 @@ struct SceneTruth {
   std::vector<bool> object_pixels;  ///< Nearer than in the empty place.
   std::vector<bool> person_pixels;  ///< Nearer with the person than with the object alone.
   std::size_t object_count = 0, person_count = 0;
-  hal::Vec3 hand = hal::Vec3::Zero();  ///< Middle of the person's surface within 4 cm of where it is nearest
-                                       ///< to the object.
-  double hand_gap_m = 0.0;             ///< That nearest distance.
-  double moved = 0.0;  ///< Part of the object's pixels that changed up to the last image (0 to 1).
+  /// Where the person is within 4 cm of being nearest to the object, the middle of each such place, largest
+  /// first: hands, and a leg that leans on it. One alone where the scene's file points at it.
+  std::vector<hal::Vec3> hands;
+  double hand_gap_m = 0.0;  ///< That nearest distance.
+  double moved = 0.0;       ///< Part of the object's pixels that changed up to the last image (0 to 1).
 };
 
 /// Errors: NotFound, with what to record anew: nothing new or several new things, the camera moved, nobody at

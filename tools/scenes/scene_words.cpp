@@ -78,10 +78,10 @@ picture::Canvas scene_picture(const RecordedSteps& scene, const SceneTruth& trut
     picture::TextStyle words;
     words.size = 13.0;
     canvas.text({x + 6.0, y + k.height + 17.0}, to_string(kSceneSteps[step]), words);
-    if (step == 2 && truth.hand.z() > 0.0)
-      canvas.circle({x + k.fx * truth.hand.x() / truth.hand.z() + k.cx,
-                     y + k.fy * truth.hand.y() / truth.hand.z() + k.cy},
-                    9.0, {picture::kInk, 2.0});
+    if (step != 2) continue;
+    for (const hal::Vec3& hand : truth.hands)
+      canvas.circle({x + k.fx * hand.x() / hand.z() + k.cx, y + k.fy * hand.y() / hand.z() + k.cy}, 9.0,
+                    {picture::kTarget, 2.0});
   }
   return canvas;
 }

@@ -94,18 +94,16 @@ hal::Result<> wait_for_person(std::optional<double> pause_s) {
   }
 }
 
-}  // namespace
-
-hal::Result<SceneFile> record_scene(hal::DepthCamera& camera, const hal::Clock& clock,
+hal::Result<SceneFile> record_steps(hal::DepthCamera& camera, const hal::Clock& clock,
                                     const SceneRequest& request, const AskStep& ask) {
-  if (auto made = make_folder(request.folder); !made) return tl::unexpected(made.error());
   for (const auto step : {&hal::DepthCamera::configure, &hal::DepthCamera::activate})
     if (auto done = (camera.*step)(); !done) return tl::unexpected(done.error());
-  SceneFile file{request.folder.filename().string(),
+  SceneFile file{(request.folder / "").parent_path().filename().string(),
                  request.object,
                  request.camera,
                  request.licence,
                  request.lifted_m,
+                 {},
                  {},
                  {}};
   for (const SceneStep step : kSceneSteps) {
@@ -123,6 +121,17 @@ hal::Result<SceneFile> record_scene(hal::DepthCamera& camera, const hal::Clock& 
     }
   }
   if (auto done = write_scene_file(request.folder, file); !done) return tl::unexpected(done.error());
+  return file;
+}
+
+}  // namespace
+
+hal::Result<SceneFile> record_scene(hal::DepthCamera& camera, const hal::Clock& clock,
+                                    const SceneRequest& request, const AskStep& ask) {
+  if (auto made = make_folder(request.folder); !made) return tl::unexpected(made.error());
+  auto file = record_steps(camera, clock, request, ask);
+  std::error_code ignored;
+  if (!file) std::filesystem::remove_all(request.folder, ignored);  // a part of a scene is none
   return file;
 }
 

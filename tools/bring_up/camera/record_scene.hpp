@@ -26,8 +26,8 @@ using AskStep = std::function<hal::Result<>(SceneStep step, const std::string& w
 
 /// Records the four steps: five images of each, of the lift ten, as 16-bit PNG (mm) with camera.json and
 /// scene.json. What was exposed before a step may be recorded is left out. The camera is configured and
-/// activated here. Errors: BadInput (folder, disk, or of `ask`), Timeout (no image for 3 s), and the
-/// camera's.
+/// activated here. What was not recorded to its end is removed. Errors: BadInput (folder, disk, or of `ask`),
+/// Timeout (no image for 3 s), and the camera's.
 [[nodiscard]] hal::Result<SceneFile> record_scene(hal::DepthCamera& camera, const hal::Clock& clock,
                                                   const SceneRequest& request, const AskStep& ask);
 
