@@ -8,6 +8,10 @@
 namespace colift::tools {
 namespace {
 
+// of a film: where more would be taken every second one goes, and they are taken half as often
+constexpr std::size_t kMaxScenes = 96;
+constexpr double kFilmStep_s = 0.2;
+
 RunSetting setting_of(const CommonOptions& common, const RunOptions& options, const RunTask& task,
                       const Rig& rig, const control::ResolvedConfig& resolved) {
   const control::Config& config = resolved.config;
@@ -56,7 +60,23 @@ hal::Result<std::unique_ptr<RunSession>> RunSession::open(const CommonOptions& c
     s->truth_.cog = s->rig_->truth->cog;
   }
   s->began_ = s->rig_->robot.clock->now();
+  s->filming_ = s->rig_->truth.has_value() && options.report.has_value();
+  s->film_step_s_ = kFilmStep_s;
   return s;
+}
+
+void RunSession::film(const control::JobStatus& job) {
+  std::vector<FilmScene>& film = scenes_.film;
+  if (film.empty() && job.state != control::Task::Approach) return;
+  const double t_s = hal::seconds(rig_->robot.clock->now() - began_);
+  if (!film.empty() && t_s < film.back().t_s + film_step_s_) return;
+  if (film.size() == kMaxScenes) {
+    for (std::size_t i = 1; 2 * i < kMaxScenes; ++i) film[i] = std::move(film[2 * i]);
+    film.resize(kMaxScenes / 2);
+    film_step_s_ *= 2.0;
+    return;
+  }
+  film.push_back({t_s, job.state, rig_->truth->scene()});
 }
 
 void RunSession::note_truth(const control::JobStatus& job,
@@ -88,6 +108,7 @@ control::JobHooks RunSession::hooks(control::JobHooks yours,
   };
   hooks.status = [this, mine, on_truth = std::move(on_truth)](const control::JobStatus& status) {
     if (rig_->truth) note_truth(status, on_truth);
+    if (filming_) film(status);
     if (mine->status) mine->status(status);
   };
   hooks.asked = [this, mine](const hal::Vec3& place) {

@@ -43,6 +43,7 @@ class RunSession {
 
  private:
   RunSession() = default;
+  void film(const control::JobStatus& job);
   void note_truth(const control::JobStatus& job, const std::function<void(const TruthSample&)>& on_truth);
 
   std::shared_ptr<Setup> setup_;
@@ -53,6 +54,8 @@ class RunSession {
   hal::Timestamp began_{0};
   RunTruth truth_;
   RunScenes scenes_;
+  bool filming_ = false;
+  double film_step_s_ = 0.0;  ///< Between two scenes of the film.
   std::optional<ArmLink> link_;
 };
 

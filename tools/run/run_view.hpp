@@ -25,10 +25,18 @@ struct RunTruth {
   std::optional<sim_hal::Verdict> verdict;  ///< Of the world's own judge, when the job is over.
 };
 
+/// Where everything stood at one moment of a run.
+struct FilmScene {
+  double t_s = 0.0;  ///< Since the run began.
+  control::Task state = control::Task::Observe;
+  picture::SolidScene scene;
+};
+
 /// Where everything stood, for pictures. In simulation the world's shapes; without them the report draws
 /// what was seen and planned.
 struct RunScenes {
   std::optional<picture::SolidScene> before, lifted;  ///< Hand closed, still on the floor; at the top.
+  std::vector<FilmScene> film;                        ///< From the approach on, evenly spaced; for a report.
 };
 
 /// What was asked for. All of it is known before the run starts.

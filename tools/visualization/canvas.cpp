@@ -288,6 +288,20 @@ Colour Canvas::at(int x, int y) const {
   return rgb(reinterpret_cast<const std::uint32_t*>(row)[x] & 0xFFFFFFu);
 }
 
+std::vector<std::uint8_t> Canvas::rgb_bytes() const {
+  cairo_surface_flush(state_->surface.get());
+  const unsigned char* const data = cairo_image_surface_get_data(state_->surface.get());
+  const std::ptrdiff_t stride = cairo_image_surface_get_stride(state_->surface.get());
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(3 * static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()));
+  for (int y = 0; y < height(); ++y) {
+    const auto* const row = reinterpret_cast<const std::uint32_t*>(data + y * stride);
+    for (int x = 0; x < width(); ++x)
+      for (const int shift : {16, 8, 0}) bytes.push_back(static_cast<std::uint8_t>(row[x] >> shift));
+  }
+  return bytes;
+}
+
 std::vector<std::uint8_t> Canvas::png() const {
   std::vector<std::uint8_t> bytes;
   const auto append = [](void* to, const unsigned char* data, unsigned length) {

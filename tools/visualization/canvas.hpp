@@ -120,6 +120,9 @@ class Canvas {
   /// Colour of one pixel.
   [[nodiscard]] Colour at(int x, int y) const;
 
+  /// Every pixel, 3 bytes each, row-major.
+  [[nodiscard]] std::vector<std::uint8_t> rgb_bytes() const;
+
   /// The picture as the bytes of a PNG file.
   [[nodiscard]] std::vector<std::uint8_t> png() const;
 

@@ -147,7 +147,7 @@ DrawnScenes drawn_scenes(const RunView& view) {
   return drawn;
 }
 
-picture::Canvas space_picture(const RunView& view, const SolidScene& scene, int width, int height) {
+Vec3 space_direction(const RunView& view) {
   const planner::GraspCandidate* grasp = chosen(view);
   const auto p = partner(view);
   Vec3 from = view.setting.X_WC.translation();
@@ -163,10 +163,14 @@ picture::Canvas space_picture(const RunView& view, const SolidScene& scene, int 
   }
   if (from.head<2>().norm() < 1e-3) from = {1.0, -2.0, 0.0};
   from.z() = 0.42 * from.head<2>().norm();
+  return from;
+}
+
+picture::Canvas space_picture(const RunView& view, const SolidScene& scene, int width, int height) {
   SolidScene shown = scene;
   // a wall between the eye and the scene hides all of it
   std::erase_if(shown.solids, [](const Solid& s) { return s.role == SolidRole::Wall; });
-  return picture::draw_solids(shown, picture::view_of(shown, from, width, height));
+  return picture::draw_solids(shown, picture::view_of(shown, space_direction(view), width, height));
 }
 
 std::optional<picture::Canvas> side_picture(const RunView& view, const DrawnScenes& scenes) {

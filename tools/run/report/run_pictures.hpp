@@ -20,8 +20,11 @@ struct DrawnScenes {
 };
 [[nodiscard]] DrawnScenes drawn_scenes(const RunView& view);
 
-/// The scene in space, from the camera's side of the line between both grasps. `partner` and `robot` are
-/// grasp points (W).
+/// Where the scene in space is seen from: the camera's side of the line between both grasps (W, towards the
+/// eye).
+[[nodiscard]] hal::Vec3 space_direction(const RunView& view);
+
+/// The scene in space, without walls.
 [[nodiscard]] picture::Canvas space_picture(const RunView& view, const picture::SolidScene& scene, int width,
                                             int height);
 

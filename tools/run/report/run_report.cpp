@@ -7,6 +7,7 @@
 
 #include "hal/types/units.hpp"
 #include "tools/analyse/grasp_rows.hpp"
+#include "tools/run/report/run_film.hpp"
 #include "tools/run/report/run_pictures.hpp"
 #include "tools/run/run_text.hpp"
 #include "tools/visualization/file_output.hpp"
@@ -293,6 +294,11 @@ std::string lift_pictures(const RunView& view) {
   if (scenes.lifted)
     space.push_back({space_picture(view, *scenes.lifted, kWidth, kHeight).png(), "At the top" + how + "."});
   std::string out = picture::report_figures(space);
+  if (const auto film = run_film(view))
+    out += picture::report_film(
+        {film->film, fmt::format("The run from {:.1f} to {:.1f} s, as the simulation knows it.", film->from_s,
+                                 film->to_s)},
+        film->still);
   if (const auto side = side_picture(view, scenes))
     out += picture::report_figure({side->png(),
                                    "The lift from the side: the dashed line is where the object's top "

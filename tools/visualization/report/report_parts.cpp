@@ -135,6 +135,14 @@ std::string report_figure(const ReportPicture& picture) {
       html_escaped(picture.caption), base64(picture.png));
 }
 
+std::string report_film(const ReportPicture& film, const std::vector<std::uint8_t>& still) {
+  return fmt::format(
+      "<figure><picture><source media=\"(prefers-reduced-motion: reduce)\" "
+      "srcset=\"data:image/png;base64,{2}\"><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"></picture>"
+      "<figcaption>{0}</figcaption></figure>\n",
+      html_escaped(film.caption), base64(film.png), base64(still));
+}
+
 std::string report_figures(const std::vector<ReportPicture>& pictures) {
   if (pictures.empty()) return "";
   std::string out = "<div class=\"pair\">\n";

@@ -39,6 +39,8 @@ struct ReportTable {
 /// In red: what nobody may overlook.
 [[nodiscard]] std::string report_warning(const std::string& sentence);
 [[nodiscard]] std::string report_figure(const ReportPicture& picture);
+/// A film (animated PNG); who asked for reduced motion sees `still` (PNG).
+[[nodiscard]] std::string report_film(const ReportPicture& film, const std::vector<std::uint8_t>& still);
 /// Pictures beside each other where the page is wide enough.
 [[nodiscard]] std::string report_figures(const std::vector<ReportPicture>& pictures);
 [[nodiscard]] std::string report_cards(const std::vector<ReportCard>& cards);

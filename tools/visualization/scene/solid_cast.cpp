@@ -78,6 +78,7 @@ class Painter {
         height_(view.height),
         X_WC_(view.X_WC()),
         intrinsics_(view.intrinsics()),
+        film_(view.film),
         ground_middle_(view.target.cast<float>()) {
     for (const Solid& solid : scene.solids) {
       if (!solid.X_WS.matrix().allFinite() || !solid.size.allFinite()) continue;
@@ -93,7 +94,7 @@ class Painter {
   }
 
   std::vector<std::uint8_t> picture() {
-    const SolidLights lights(world_, key_);
+    const SolidLights lights(world_, key_, film_);
     const auto pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
     hits_.resize(pixels);
     light_.resize(pixels);
@@ -175,12 +176,12 @@ class Painter {
     return false;
   }
 
-  // Pixels where surfaces meet, as the mean over 4 x 4 points of each.
+  // Pixels where surfaces meet, as the mean over 4 x 4 points of each, in a film 2 x 2.
   void smooth(const std::vector<std::pair<int, int>>& edges, std::vector<Vec3f>& colours) const {
-    constexpr int kSide = 4;
-    for (int j = 0; j < kSide && !edges.empty(); ++j)
-      for (int i = 0; i < kSide; ++i) {
-        const sim_hal::Rendering seen = cast((i + 0.5) / kSide - 0.5, (j + 0.5) / kSide - 0.5);
+    const int side = film_ ? 2 : 4;
+    for (int j = 0; j < side && !edges.empty(); ++j)
+      for (int i = 0; i < side; ++i) {
+        const sim_hal::Rendering seen = cast((i + 0.5) / side - 0.5, (j + 0.5) / side - 0.5);
         // averaged as it is seen, so that dark edges on white do not grow thin
         for (const auto& [x, y] : edges) {
           const Hit at = hit(seen, x, y);
@@ -189,7 +190,7 @@ class Painter {
       }
     for (const auto& [x, y] : edges) {
       Vec3f& c = colours[index(x, y)];
-      c /= kSide * kSide;
+      c /= static_cast<float>(side * side);
       c = c.cwiseProduct(c).eval();
     }
   }
@@ -253,6 +254,7 @@ class Painter {
   int width_, height_;
   hal::Pose X_WC_;
   hal::CameraIntrinsics intrinsics_;
+  bool film_;
   Vec3f ground_middle_;
   sim_hal::World world_;
   std::vector<Vec3f> colours_;  // of the shapes

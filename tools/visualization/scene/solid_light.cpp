@@ -11,12 +11,10 @@
 namespace colift::picture {
 namespace {
 
-constexpr int kKeyMaps = 24, kSkyMaps = 96;
-constexpr int kKeySide = 768, kSkySide = 256;  // pixels of a map
-constexpr double kKeySpread = 0.11;            // half angle of the window (rad): soft shadows
-constexpr double kFar_m = 400.0;               // from there rays are parallel
-constexpr float kOff_px = 1.5f;                // a surface does not shade itself
-constexpr float kGroundShade_m = 0.25f;        // beneath it, what looks down is darkened by the ground
+constexpr double kKeySpread = 0.11;      // half angle of the window (rad): soft shadows
+constexpr double kFar_m = 400.0;         // from there rays are parallel
+constexpr float kOff_px = 1.5f;          // a surface does not shade itself
+constexpr float kGroundShade_m = 0.25f;  // beneath it, what looks down is darkened by the ground
 
 // Points of a unit disc or half sphere, evenly: a sunflower's seeds.
 Eigen::Vector2d seed(int k, int of) {
@@ -27,7 +25,8 @@ Eigen::Vector2d seed(int k, int of) {
 
 }  // namespace
 
-SolidLights::SolidLights(const sim_hal::World& world, const Vec3f& key) {
+SolidLights::SolidLights(const sim_hal::World& world, const Vec3f& key, bool coarse)
+    : key_size_(coarse ? Size{10, 384} : Size{24, 768}), sky_size_(coarse ? Size{32, 128} : Size{96, 256}) {
   sim_hal::World solid;
   hal::Aabb bounds;
   for (const sim_hal::Shape& shape : world.shapes) {
@@ -40,16 +39,17 @@ SolidLights::SolidLights(const sim_hal::World& world, const Vec3f& key) {
   radius_ = static_cast<float>(0.5 * bounds.diagonal().norm());
 
   const auto [u, v] = hal::tangents(key.cast<double>());
-  for (int i = 0; i < kKeyMaps; ++i) {
-    const Eigen::Vector2d d = kKeySpread * seed(i, kKeyMaps);
-    add(solid, key_, (key.cast<double>() + d.x() * u + d.y() * v).normalized().cast<float>(), kKeySide, i);
+  for (int i = 0; i < key_size_.maps; ++i) {
+    const Eigen::Vector2d d = kKeySpread * seed(i, key_size_.maps);
+    add(solid, key_, (key.cast<double>() + d.x() * u + d.y() * v).normalized().cast<float>(), key_size_.side,
+        i);
   }
-  for (int i = 0; i < kSkyMaps; ++i) {
+  for (int i = 0; i < sky_size_.maps; ++i) {
     // the same share of the sphere for each, horizon to zenith
-    const Eigen::Vector2d d = seed(i, kSkyMaps);
+    const Eigen::Vector2d d = seed(i, sky_size_.maps);
     const double z = 1.0 - d.squaredNorm(), flat = std::sqrt(1.0 - z * z);
     const Eigen::Vector2d side = flat * d.normalized();
-    add(solid, sky_, Eigen::Vector3d(side.x(), side.y(), z).cast<float>(), kSkySide, i);
+    add(solid, sky_, Eigen::Vector3d(side.x(), side.y(), z).cast<float>(), sky_size_.side, i);
   }
 }
 
@@ -101,7 +101,7 @@ std::vector<SolidLights::Sum> SolidLights::cast(const std::vector<Map>& maps, in
 }
 
 std::vector<SolidLight> SolidLights::at(std::span<const SurfacePoint> points) const {
-  const std::vector<Sum> key = cast(key_, kKeySide, points), sky = cast(sky_, kSkySide, points);
+  const std::vector<Sum> key = cast(key_, key_size_.side, points), sky = cast(sky_, sky_size_.side, points);
   std::vector<SolidLight> lights(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!key_.empty()) lights[i].key = static_cast<float>(key[i].count) / static_cast<float>(key_.size());

@@ -24,8 +24,8 @@ struct SurfacePoint {
 /// it.
 class SolidLights {
  public:
-  /// `key`: towards the window, unit. Half spaces throw no shadow.
-  SolidLights(const sim_hal::World& world, const Vec3f& key);
+  /// `key`: towards the window, unit. Half spaces throw no shadow. `coarse`: fewer and smaller maps.
+  SolidLights(const sim_hal::World& world, const Vec3f& key, bool coarse);
 
   /// For points of surfaces, best neighbours of an image row: they meet in the maps too.
   [[nodiscard]] std::vector<SolidLight> at(std::span<const SurfacePoint> points) const;
@@ -35,6 +35,9 @@ class SolidLights {
     Vec3f towards;                // the light, unit
     Vec3f right, down;            // of the map, in its pixels per metre
     std::vector<float> height_m;  // of what is nearest to the light, along `towards` from the middle
+  };
+  struct Size {
+    int maps, side;  // directions of the light; pixels of each one's map
   };
   void add(const sim_hal::World& world, std::vector<Map>& maps, const Vec3f& towards, int side, double turn);
   struct Sum {
@@ -46,6 +49,7 @@ class SolidLights {
 
   Vec3f middle_ = Vec3f::Zero();  // of a ball that holds everything that throws a shadow
   float radius_ = 0.0f;
+  Size key_size_, sky_size_;
   std::vector<Map> key_, sky_;
 };
 

@@ -44,6 +44,7 @@ struct SolidView {
   double angle_deg = 32.0;  ///< Of view, over the height of the image; ignored with `height_m`.
   std::optional<double> height_m = std::nullopt;  ///< Parallel projection: what the image's height shows (m).
   int width = 1280, height = 800;
+  bool film = false;  ///< One picture of many: coarser shadows and edges, for a tenth of the time.
 
   /// The camera that sees this; for a parallel projection one that is very far away.
   [[nodiscard]] Pose X_WC() const;

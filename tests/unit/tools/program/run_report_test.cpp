@@ -36,6 +36,19 @@ TEST_CASE("a run's report holds each candidate's reason and each state's", "[run
   CHECK(count(page, "data:image/png;base64,iVBOR") == 5);
 }
 
+TEST_CASE("a run's report has a film of it, and a still picture for who wants nothing to move", "[run]") {
+  auto e = tests::lifted_run();
+  e.scenes.film = {{2.5, control::Task::Approach, *e.scenes.before},
+                   {9.0, control::Task::Hold, *e.scenes.lifted}};
+  const std::string page = tools::run_report_html(e.view());
+  CHECK(page.find("<picture><source media=\"(prefers-reduced-motion: reduce)\"") != std::string::npos);
+  CHECK(page.find("The run from 2.5 to 9.0 s, as the simulation knows it.") != std::string::npos);
+  CHECK(count(page, "data:image/png;base64,iVBOR") == 7);
+  CHECK(page.find("<script") == std::string::npos);
+  e.scenes.film.pop_back();  // one picture is no film
+  CHECK(tools::run_report_html(e.view()).find("<picture>") == std::string::npos);
+}
+
 TEST_CASE("a run's report needs nothing from outside and nothing breaks out of its place", "[run]") {
   auto e = tests::stopped_run();
   e.record.reason = "<script>alert(1)</script> & \"more\"";
