@@ -41,7 +41,7 @@ bool warns(const tools::CalibrationCheck& c, const std::string& words) {
 }
 
 /// The floor and a box, as a camera at X_WC sees them.
-hal::DepthFrame picture(const hal::Pose& X_WC) {
+hal::DepthFrame floor_image(const hal::Pose& X_WC) {
   sim_hal::World world;
   world.shapes.push_back(sim_hal::half_space(hal::Vec3::Zero(), hal::Vec3::UnitZ(), sim_hal::Label::Ground));
   world.shapes.push_back(sim_hal::box({0.8, 0.1, 0.2}, {0.4, 0.4, 0.4}, 0.2, sim_hal::Label::Target));
@@ -104,24 +104,25 @@ TEST_CASE("what makes a calibration doubtful is said, with its numbers", "[check
 
 TEST_CASE("one picture shows whether the ground is where the calibration has it", "[check]") {
   const control::Config config;
-  const auto good = check_ground(picture(kGood), kGood, config);
+  const auto good = check_ground(floor_image(kGood), kGood, config);
   INFO(good.reason);
   CHECK(good.good);
   CHECK(*good.tilt_deg < 1.0);
   CHECK(std::abs(*good.height_m) < 0.02);
 
   const auto tilted =
-      check_ground(picture(kGood * Eigen::AngleAxisd(0.09, hal::Vec3::UnitX())), kGood, config);
+      check_ground(floor_image(kGood * Eigen::AngleAxisd(0.09, hal::Vec3::UnitX())), kGood, config);
   CHECK_FALSE(tilted.good);
   CHECK_THAT(tilted.reason, Catch::Contains("tilted by") && Catch::Contains("calibrate again"));
-  const auto far = check_ground(picture(kGood * Eigen::AngleAxisd(0.4, hal::Vec3::UnitX())), kGood, config);
+  const auto far =
+      check_ground(floor_image(kGood * Eigen::AngleAxisd(0.4, hal::Vec3::UnitX())), kGood, config);
   CHECK_FALSE(far.good);
   hal::Pose higher = kGood;
   higher.translation().z() += 0.1;
-  const auto low = check_ground(picture(higher), kGood, config);
+  const auto low = check_ground(floor_image(higher), kGood, config);
   CHECK_FALSE(low.good);
   CHECK_THAT(low.reason, Catch::Contains("below the"));
-  hal::DepthFrame blind = picture(kGood);
+  hal::DepthFrame blind = floor_image(kGood);
   std::fill(blind.depth_m.begin(), blind.depth_m.end(), std::numeric_limits<float>::quiet_NaN());
   const auto nothing = check_ground(blind, kGood, config);
   CHECK_FALSE(nothing.good);

@@ -31,6 +31,7 @@ TEST_CASE("a solid is where its view projects it, in perspective and parallel", 
   SolidView view = view_of(scene, {1.0, -2.0, 1.0}, 320, 200);
   const bool parallel = GENERATE(false, true);
   if (parallel) view.height_m = 1.2;
+  view.film = GENERATE(false, true);
   const auto rgb = cast_solids(scene, view);
   REQUIRE(rgb.size() == 3UL * 320 * 200);
   const Vec3 middle(0.3, 0.1, 0.5), ahead = (view.target - view.eye).normalized();
@@ -50,7 +51,8 @@ TEST_CASE("a solid is where its view projects it, in perspective and parallel", 
 TEST_CASE("what stands before the light throws a shadow, and no surface shades itself", "[picture]") {
   sim_hal::World world;
   world.shapes.push_back(sim_hal::box({0, 0, 1.0}, {0.4, 0.4, 0.02}, 0.3, sim_hal::Label::Target));
-  const SolidLights lights(world, Vec3f::UnitZ());
+  const bool coarse = GENERATE(false, true);  // as for one picture of a film
+  const SolidLights lights(world, Vec3f::UnitZ(), coarse);
   const Vec3f up = Vec3f::UnitZ();
   const std::vector<SurfacePoint> points{{Vec3f(0, 0, 0.5f), up},            // beneath the plate
                                          {Vec3f(0, 0, 1.01f), up},           // on it
@@ -64,7 +66,7 @@ TEST_CASE("what stands before the light throws a shadow, and no surface shades i
   CHECK(light[2].key == 1.0f);
   CHECK(light[3].key == 0.0f);
 
-  const SolidLights nothing(sim_hal::World{}, Vec3f::UnitZ());
+  const SolidLights nothing(sim_hal::World{}, Vec3f::UnitZ(), coarse);
   const auto open = nothing.at(points);
   CHECK(open[0].key == 1.0f);
   CHECK(open[0].sky == 1.0f);
