@@ -1,9 +1,9 @@
 // The doctor on machines that are only folders: each finding has its verdict and a line that repairs it.
-#include <unistd.h>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
 
+#include "tests/support/temporary_folder.hpp"
 #include "tools/doctor/doctor_can.hpp"
 #include "tools/doctor/doctor_row.hpp"
 
@@ -18,23 +18,10 @@ using Verdict = DoctorRow::Verdict;
 
 /// A folder that is a machine, gone at the end.
 struct FakeMachine {
-  fs::path root;
-  FakeMachine() {
-    std::string name = (fs::temp_directory_path() / "colift-doctor-XXXXXX").string();
-    REQUIRE(::mkdtemp(name.data()) != nullptr);
-    root = name;
-  }
-  ~FakeMachine() {
-    std::error_code ignored;
-    fs::remove_all(root, ignored);
-  }
-  FakeMachine(const FakeMachine&) = delete;
-  FakeMachine& operator=(const FakeMachine&) = delete;
+  tests::TemporaryFolder folder;
+  const fs::path& root = folder.path();
 
-  void file(const std::string& path, const std::string& text) const {
-    fs::create_directories((root / path).parent_path());
-    std::ofstream(root / path) << text;
-  }
+  void file(const std::string& path, const std::string& text) const { folder.write(path, text); }
   void good() const {
     file("proc/sys/kernel/osrelease", "6.1.0-18-rt-amd64\n");
     file("proc/version", "Linux version 6.1.0-18-rt-amd64 SMP PREEMPT_RT\n");

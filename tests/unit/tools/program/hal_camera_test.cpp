@@ -1,12 +1,11 @@
 // Bring-up of a depth camera that is no Kinect.
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
 
 #include "hal/drivers/recorded/recorded_camera.hpp"
 #include "sim_hal/mock/mock_camera.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tools/bring_up/camera/depth_camera_watch.hpp"
 #include "tools/rig/video_rig.hpp"
 
@@ -18,27 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr auto kIntrinsics =
     R"({"width": 160, "height": 120, "fx": 150, "fy": 150, "cx": 80, "cy": 60, "depth_scale_m": 0.00025})";
-
-/// A folder, gone at the end.
-struct Scratch {
-  fs::path folder;
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "colift-camera-XXXXXX").string();
-    REQUIRE(::mkdtemp(name.data()) != nullptr);
-    folder = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-
-  fs::path file(const std::string& name, const std::string& text) const {
-    std::ofstream(folder / name) << text;
-    return folder / name;
-  }
-};
 
 sim_hal::CameraScript floor_and_box() {
   sim_hal::CameraScript s;
@@ -69,11 +47,11 @@ CommonOptions silently() {
 }  // namespace
 
 TEST_CASE("a camera of V4L2 is asked with words that help for what it has not", "[program]") {
-  const Scratch scratch;
+  const tests::TemporaryFolder scratch;
   const auto robot = [&](const std::string& v4l2) {
-    return scratch.file("rig.yaml", "arm: fri\nhand: barrett\ncamera: v4l2\nv4l2: {" + v4l2 + "}\n");
+    return scratch.write("rig.yaml", "arm: fri\nhand: barrett\ncamera: v4l2\nv4l2: {" + v4l2 + "}\n");
   };
-  const std::string with = "intrinsics: " + scratch.file("camera.json", kIntrinsics).string() + ", device: ";
+  const std::string with = "intrinsics: " + scratch.write("camera.json", kIntrinsics).string() + ", device: ";
   HalCameraOptions o = asks("info");
   o.hal.robot = robot("device: /dev/null");
   CHECK(cmd_hal_camera(silently(), o) == kBadInput);  // no intrinsics
@@ -92,9 +70,9 @@ TEST_CASE("a camera of V4L2 is asked with words that help for what it has not", 
 }
 
 TEST_CASE("intrinsics of a V4L2 camera come from its file, or it is refused", "[program]") {
-  const Scratch scratch;
+  const tests::TemporaryFolder scratch;
   hal::V4l2CameraConfig config;
-  config.intrinsics = scratch.file("camera.json", kIntrinsics);
+  config.intrinsics = scratch.write("camera.json", kIntrinsics);
   const auto model = depth_model(config);
   REQUIRE(model);
   CHECK(model->intrinsics.width == 160);
@@ -102,7 +80,7 @@ TEST_CASE("intrinsics of a V4L2 camera come from its file, or it is refused", "[
   config.depth_unit_m = 0.001;
   CHECK(depth_model(config)->unit_m == 0.001);
   const auto refused = [&](const std::string& text, const char* expected) {
-    config.intrinsics = scratch.file("wrong.json", text);
+    config.intrinsics = scratch.write("wrong.json", text);
     const auto wrong = depth_model(config);
     REQUIRE_FALSE(wrong);
     CHECK(wrong.error().code == hal::ErrorCode::BadConfig);
@@ -112,22 +90,22 @@ TEST_CASE("intrinsics of a V4L2 camera come from its file, or it is refused", "[
   refused(R"({"fx": 150, "fy": 150, "cx": 80, "cy": 60, "depth_scale_m": 0.001})", "no width and height");
   refused(R"({"width": 160, "height": 120, "fx": 5, "fy": 150, "cx": 80, "cy": 60, "depth_scale_m": 0.001})",
           "focal");
-  config.intrinsics = scratch.folder / "missing.json";
+  config.intrinsics = scratch.path() / "missing.json";
   CHECK_FALSE(depth_model(config));
   config.intrinsics.clear();
   CHECK_THAT(depth_model(config).error().detail, Catch::Contains("names no file"));
 }
 
 TEST_CASE("what a depth camera shows can be kept and read again; its noise too", "[program]") {
-  const Scratch scratch;
+  const tests::TemporaryFolder scratch;
   hal::ManualClock clock;
   sim_hal::MockCamera camera(floor_and_box(), clock);
   HalCameraOptions o = asks("info");
-  o.depth = scratch.folder / "depth.png";
-  o.png = scratch.folder / "picture.png";
+  o.depth = scratch.path() / "depth.png";
+  o.png = scratch.path() / "picture.png";
   CHECK(watch_depth_camera(silently(), o, "mock", "nothing", camera, clock, 0.5, {}) == kDone);
   CHECK(fs::exists(*o.png));
-  hal::RecordedCamera kept(hal::RecordedCameraConfig{scratch.folder.string(), 0.25, true});
+  hal::RecordedCamera kept(hal::RecordedCameraConfig{scratch.path().string(), 0.25, true});
   REQUIRE(kept.configure());
   REQUIRE(kept.activate());
   const auto frame = kept.next_frame(std::chrono::milliseconds(100));
@@ -136,7 +114,7 @@ TEST_CASE("what a depth camera shows can be kept and read again; its noise too",
   CHECK(frame->depth_m.size() == 160 * 120);
 
   o = asks("noise");
-  o.out = scratch.folder / "noise.yaml";
+  o.out = scratch.path() / "noise.yaml";
   sim_hal::MockCamera floor(floor_and_box(), clock);
   CHECK(watch_depth_camera(silently(), o, "mock", "nothing", floor, clock, 1.0, {}) == kDone);
   CHECK(fs::file_size(*o.out) > 50);

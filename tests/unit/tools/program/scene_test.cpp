@@ -1,6 +1,4 @@
 // Recorded scenes: what is recorded, its truth, and what is said of it.
-#include <unistd.h>
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
@@ -10,6 +8,7 @@
 
 #include "sim_hal/mock/mock_camera.hpp"
 #include "sim_hal/synthetic/scenes.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tools/bring_up/camera/record_scene.hpp"
 #include "tools/scenes/cmd_scene.hpp"
 #include "tools/scenes/scene_truth.hpp"
@@ -19,21 +18,6 @@ using namespace tools;
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Scratch {
-  fs::path folder;
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "colift-scene-XXXXXX").string();
-    REQUIRE(::mkdtemp(name.data()) != nullptr);
-    folder = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-};
 
 constexpr double kLift_m = 0.06;
 
@@ -115,11 +99,11 @@ void replace_in(const fs::path& file, const std::string& from, const std::string
 TEST_CASE("a scene is recorded in four steps, and its truth is what the simulation knows",
           "[program][scene]") {
   const std::uint64_t seed = GENERATE(1, 2, 3);
-  const Scratch scratch;
+  const tests::TemporaryFolder scratch;
   Place place(seed);
-  const auto file = place.record(scratch.folder / "new/");
+  const auto file = place.record(scratch.path() / "new/");
   REQUIRE(file);
-  const auto scene = read_scene(scratch.folder / "new");
+  const auto scene = read_scene(scratch.path() / "new");
   REQUIRE(scene);
   CHECK(scene->file.name == "new");
   CHECK(scene->file.object == "table");
@@ -146,9 +130,9 @@ TEST_CASE("a scene is recorded in four steps, and its truth is what the simulati
 }
 
 TEST_CASE("perception is held against the truth, and a scene with a wrong answer fails", "[program][scene]") {
-  const Scratch scratch;
+  const tests::TemporaryFolder scratch;
   Place place(2);
-  const fs::path folder = scratch.folder / "table";
+  const fs::path folder = scratch.path() / "table";
   REQUIRE(place.record(folder));
   const auto checked = check_recorded_scene(silently(), folder, "fast", folder / "scene.png");
   REQUIRE(checked);
@@ -156,7 +140,7 @@ TEST_CASE("perception is held against the truth, and a scene with a wrong answer
   CHECK(checked->accepted());
   CHECK(checked->rows.size() == 4);
   CHECK(fs::exists(folder / "scene.png"));
-  SceneOptions options{{scratch.folder}, "", {}};
+  SceneOptions options{{scratch.path()}, "", {}};
   CHECK(cmd_scene(silently(), options) == kDone);
 
   // it was lifted elsewhere than somebody says
@@ -171,9 +155,9 @@ TEST_CASE("perception is held against the truth, and a scene with a wrong answer
 }
 
 TEST_CASE("a recording in which somebody did otherwise says what to do anew", "[program][scene]") {
-  const Scratch scratch;
+  const tests::TemporaryFolder scratch;
   Place place(2);
-  const fs::path folder = scratch.folder / "scene";
+  const fs::path folder = scratch.path() / "scene";
   SECTION("no object") {
     place.brings = false;
     REQUIRE(place.record(folder));
@@ -198,12 +182,12 @@ TEST_CASE("a recording in which somebody did otherwise says what to do anew", "[
 }
 
 TEST_CASE("a camera that is pulled out while a scene is recorded leaves no half of one", "[program][scene]") {
-  const Scratch scratch;
+  const tests::TemporaryFolder scratch;
   Place place(2);
   hal::ManualClock clock;
   sim_hal::MockCamera camera(place.script(), clock);
   camera.inject(sim_hal::MockCamera::Fault::Unplug, 30, 10000);
-  const fs::path folder = scratch.folder / "scene/";
+  const fs::path folder = scratch.path() / "scene/";
   const auto file = record_scene(camera, clock, {folder, "table", "simulated", "", {}, 2.0},
                                  [](SceneStep, const std::string&) { return hal::Result<>(); });
   REQUIRE_FALSE(file);
@@ -212,16 +196,16 @@ TEST_CASE("a camera that is pulled out while a scene is recorded leaves no half 
 }
 
 TEST_CASE("a scene's file that is not one is refused with the place", "[program][scene]") {
-  const Scratch scratch;
+  const tests::TemporaryFolder scratch;
   Place place(2);
-  const fs::path folder = scratch.folder / "scene";
+  const fs::path folder = scratch.path() / "scene";
   REQUIRE(place.record(folder));
   const auto refused = [&](const char* from, const char* to, const char* expected) {
     const fs::path file = folder / "scene.json";
-    fs::copy_file(file, scratch.folder / "kept", fs::copy_options::overwrite_existing);
+    fs::copy_file(file, scratch.path() / "kept", fs::copy_options::overwrite_existing);
     replace_in(file, from, to);
     const auto read = read_scene(folder);
-    fs::copy_file(scratch.folder / "kept", file, fs::copy_options::overwrite_existing);
+    fs::copy_file(scratch.path() / "kept", file, fs::copy_options::overwrite_existing);
     REQUIRE_FALSE(read);
     CHECK(read.error().code == hal::ErrorCode::BadInput);
     CHECK_THAT(read.error().text(), Catch::Contains(expected));
@@ -233,7 +217,7 @@ TEST_CASE("a scene's file that is not one is refused with the place", "[program]
   refused("0.06", "\"much\"", "lifted_m");
   refused("\"hand_px\": null", "\"hand_px\": [3]", "hand_px");
   refused("{", "", "is no JSON");
-  CHECK(cmd_scene(silently(), {{scratch.folder / "nowhere"}, "", {}}) == kBadInput);
+  CHECK(cmd_scene(silently(), {{scratch.path() / "nowhere"}, "", {}}) == kBadInput);
 
   // a folder that holds something is not written into
   const auto again = place.record(folder);

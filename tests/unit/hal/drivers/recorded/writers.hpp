@@ -9,6 +9,7 @@
 
 #include "hal/drivers/recorded/cloud_files/point_file.hpp"
 #include "hal/drivers/recorded/file_bytes.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace colift::hal::test {
 
@@ -45,20 +46,7 @@ enum class PlyData { Ascii, Little, Big };
   return std::as_bytes(std::span(text));
 }
 
-/// A folder of its own under the system's temporary one, removed at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  std::filesystem::path write(const std::string& name, const std::string& content) const;
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+using tests::TemporaryFolder;
 
 [[nodiscard]] std::filesystem::path data(const std::string& name);
 
