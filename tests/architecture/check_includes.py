@@ -36,7 +36,8 @@ LIBRARIES = {
     r"nlohmann/json\.hpp": ("hal/drivers/recorded/camera_file.cpp", "tools/"),
     r"liblzf/": ("hal/drivers/recorded/cloud_files/pcd.cpp",),
     r"png\.h": ("hal/drivers/recorded/", "perception/calibration/grey_png.cpp", "tools/telemetry/replay/"),
-    r"zstd\.h|zlib\.h": ("tools/telemetry/mcap/",),
+    r"zstd\.h": ("tools/telemetry/mcap/",),
+    r"zlib\.h": ("tools/telemetry/mcap/", "tools/visualization/animated_png.cpp"),
     r"dds/dds(\.h|rt/)|(ros2|colift)_messages\.h": ("hal/dds/", "hal/drivers/ros2_camera/", "tools/dds/"),
     r"libfreenect": ("hal/drivers/kinect/capture/", "sim_hal/emulator/camera/freenect/"),
 }
