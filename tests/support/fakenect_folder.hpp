@@ -6,28 +6,16 @@
 #include <string>
 #include <vector>
 
-#include <unistd.h>
+#include "tests/support/temporary_folder.hpp"
 
 namespace colift::tests {
 
 /// A recording in a folder of its own that goes away with it, made of the frame in tests/data/fakenect.
 class FakenectFolder {
  public:
-  FakenectFolder() {
-    static int count = 0;
-    folder_ = std::filesystem::temp_directory_path() /
-              ("colift-fakenect-" + std::to_string(::getpid()) + "-" + std::to_string(++count));
-    std::filesystem::create_directories(folder_);
-    write_index();
-  }
-  ~FakenectFolder() {
-    std::error_code none;
-    std::filesystem::remove_all(folder_, none);
-  }
-  FakenectFolder(const FakenectFolder&) = delete;
-  FakenectFolder& operator=(const FakenectFolder&) = delete;
+  FakenectFolder() { write_index(); }
 
-  [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
+  [[nodiscard]] const std::filesystem::path& path() const { return folder_.path(); }
 
   void depth(double at_s, std::uint32_t ticks) { link(name('d', at_s, ticks, ".pgm"), "depth.pgm"); }
   void accelerometer(double at_s, std::uint32_t ticks) {
@@ -36,13 +24,13 @@ class FakenectFolder {
   /// A frame file without a byte: the library reports one error, and goes on.
   void bad_transfer(double at_s, std::uint32_t ticks) {
     const std::string n = name('d', at_s, ticks, ".pgm");
-    std::ofstream(folder_ / n);
+    std::ofstream(path() / n);
     add(n);
   }
   /// A depth frame of other pixels.
   void depth(double at_s, std::uint32_t ticks, const std::vector<std::uint16_t>& codes) {
     const std::string n = name('d', at_s, ticks, ".pgm");
-    std::ofstream out(folder_ / n, std::ios::binary);
+    std::ofstream out(path() / n, std::ios::binary);
     out << "P5 640 480 65535\n";
     out.write(reinterpret_cast<const char*>(codes.data()), static_cast<std::streamsize>(2 * codes.size()));
     add(n);
@@ -55,7 +43,7 @@ class FakenectFolder {
     return text;
   }
   void link(const std::string& n, const char* to) {
-    std::filesystem::create_symlink(std::filesystem::path(COLIFT_TEST_DATA) / "fakenect" / to, folder_ / n);
+    std::filesystem::create_symlink(std::filesystem::path(COLIFT_TEST_DATA) / "fakenect" / to, path() / n);
     add(n);
   }
   void add(const std::string& n) {
@@ -63,11 +51,11 @@ class FakenectFolder {
     write_index();
   }
   void write_index() const {
-    std::ofstream out(folder_ / "INDEX.txt");
+    std::ofstream out(path() / "INDEX.txt");
     for (const std::string& n : names_) out << n << "\n";
   }
 
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
   std::vector<std::string> names_;
 };
 

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "hal/depth_camera.hpp"
 #include "hal/types/geometry.hpp"
 #include "hal/types/result.hpp"
 #include "perception/noise_model.hpp"
+#include "perception/organised_cloud.hpp"
 #include "tools/scenes/scene_file.hpp"
 
 namespace colift::tools {
@@ -16,15 +16,15 @@ namespace colift::tools {
 /// perception says of the scene is held against it. Pixels are row-major; points are in the camera's optical
 /// frame.
 struct SceneTruth {
-  hal::DepthFrame empty, object;    ///< Median of the step's images; NaN where most saw nothing.
-  std::vector<bool> object_pixels;  ///< Nearer than in the empty place.
-  std::vector<bool> person_pixels;  ///< Nearer with the person than with the object alone.
-  std::size_t object_count = 0, person_count = 0;
+  perception::OrganisedCloud object;  ///< Median of the step's images; NaN where most saw nothing.
+  std::vector<bool> object_pixels;    ///< Nearer than in the empty place.
+  std::vector<bool> person_pixels;    ///< Nearer with the person than with the object alone.
+  std::size_t object_count = 0;       ///< Pixels of the object.
   /// Where the person is within 4 cm of being nearest to the object, the middle of each such place, largest
   /// first: hands, and a leg that leans on it. One alone where the scene's file points at it.
   std::vector<hal::Vec3> hands;
-  double hand_gap_m = 0.0;  ///< That nearest distance.
-  double moved = 0.0;       ///< Part of the object's pixels that changed up to the last image (0 to 1).
+  double moved = 0.0;  ///< Part of the object's pixels beside the person that changed from the hand's step to
+                       ///< the last image (0 to 1).
 };
 
 /// Errors: NotFound, with what to record anew: nothing new or several new things, the camera moved, nobody at

@@ -16,8 +16,10 @@ bool CheckedScene::accepted() const {
 }
 
 std::string scene_text(const CheckedScene& c) {
-  std::string text = fmt::format("{}  {}{}{}\n", c.folder.string(), c.file.object,
-                                 c.file.camera.empty() ? "" : ", ", c.file.camera);
+  std::string text = c.folder.string();
+  for (const std::string& word : {c.file.object, c.file.camera})
+    if (!word.empty()) text += "  " + word;
+  text += "\n";
   if (!c.reason.empty()) return text + fmt::format("  no truth: {}\n", c.reason);
   for (const SceneRow& r : c.rows) {
     const char* const mark = r.accepted ? r.verdict == SceneVerdict::Right ? "" : " (known)" : " !";
@@ -54,7 +56,7 @@ std::string scenes_document(const std::vector<CheckedScene>& checked) {
 }
 
 picture::Canvas scene_picture(const RecordedSteps& scene, const SceneTruth& truth) {
-  const auto& k = truth.empty.intrinsics;
+  const auto& k = truth.object.intrinsics;
   constexpr int kCaption = 24;
   picture::Canvas canvas(2 * k.width, 2 * (k.height + kCaption), picture::kPaper);
   for (std::size_t step = 0; step < kSceneSteps.size(); ++step) {
@@ -62,12 +64,7 @@ picture::Canvas scene_picture(const RecordedSteps& scene, const SceneTruth& trut
     std::vector<std::uint8_t> rgb;
     rgb.reserve(3 * frame.depth_m.size());
     for (std::size_t i = 0; i < frame.depth_m.size(); ++i) {
-      const double z = static_cast<double>(frame.depth_m[i]);
-      std::array<double, 3> c{0, 0, 60};
-      if (z > 0.0) {
-        const double grey = std::clamp(255.0 * (1.0 / z - 0.15), 20.0, 255.0);
-        c = {grey, grey, grey};
-      }
+      auto c = picture::depth_rgb(static_cast<double>(frame.depth_m[i]));
       if (step == 1 && truth.object_pixels[i]) c[2] = std::min(255.0, c[2] + 110.0);
       if (step == 2 && truth.person_pixels[i]) c[0] = std::min(255.0, c[0] + 110.0);
       for (const double v : c) rgb.push_back(static_cast<std::uint8_t>(v));
@@ -79,9 +76,10 @@ picture::Canvas scene_picture(const RecordedSteps& scene, const SceneTruth& trut
     words.size = 13.0;
     canvas.text({x + 6.0, y + k.height + 17.0}, to_string(kSceneSteps[step]), words);
     if (step != 2) continue;
-    for (const hal::Vec3& hand : truth.hands)
-      canvas.circle({x + k.fx * hand.x() / hand.z() + k.cx, y + k.fy * hand.y() / hand.z() + k.cy}, 9.0,
-                    {picture::kTarget, 2.0});
+    for (const hal::Vec3& hand : truth.hands) {
+      const auto at = truth.object.project(hand);
+      canvas.circle({x + at.u, y + at.v}, 9.0, {picture::kTarget, 2.0});
+    }
   }
   return canvas;
 }

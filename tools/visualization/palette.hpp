@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -66,5 +67,12 @@ void draw_ball(Canvas& canvas, const Px& at, double radius, const Colour& colour
 
 /// The small cross of the closed-form optimum.
 void draw_optimum(Canvas& canvas, const Px& at, double radius);
+
+/// A depth as red, green and blue, 0 to 255: near is bright, what was not seen dark blue.
+[[nodiscard]] inline std::array<double, 3> depth_rgb(double depth_m) {
+  if (!(depth_m > 0.0)) return {0, 0, 60};
+  const double grey = std::clamp(255.0 * (1.0 / depth_m - 0.15), 20.0, 255.0);
+  return {grey, grey, grey};
+}
 
 }  // namespace colift::picture

@@ -159,9 +159,10 @@ hal::Result<> check_depth_camera_request(const HalCameraOptions& o) {
   };
   if (o.hal.verb == "tilt") return refuse("tilt", "only a Kinect has a motor");
   if (o.hal.verb == "record" && !o.scene)
-    return refuse("record",
-                  "records for fakenect, which plays a Kinect; expected record --scene FOLDER for the steps of "
-                  "a lift, info --depth FILE.png for one frame");
+    return refuse(
+        "record",
+        "records for fakenect, which plays a Kinect; expected record --scene FOLDER for the steps of "
+        "a lift, info --depth FILE.png for one frame");
   if (o.infrared) return refuse("--infrared", "only a Kinect's infrared images are read");
   if (!o.source.empty())
     return refuse("--source", "is for a Kinect; expected v4l2: {device: ...} in the robot file");

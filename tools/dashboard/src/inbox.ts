@@ -23,7 +23,10 @@ export class Inbox {
     }
     this.each.push(mail);
     if (this.each.length - this.taken > MOST) this.taken++;
-    if (this.taken > MOST) this.each.splice(0, this.taken), this.taken = 0;
+    if (this.taken > MOST) {
+      this.each.splice(0, this.taken);
+      this.taken = 0;
+    }
   }
 
   /** In turn of both kinds, so that none keeps the other waiting: who comes late gets a minute of /load at once. */

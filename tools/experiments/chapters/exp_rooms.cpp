@@ -82,13 +82,10 @@ std::vector<std::uint8_t> thumbnail(const SeenRoom& seen) {
       const auto i = static_cast<std::size_t>(y * cloud.height() / kThumbHeight) *
                          static_cast<std::size_t>(cloud.width()) +
                      static_cast<std::size_t>(x * cloud.width() / kThumbWidth);
-      std::array<double, 3> c{0, 0, 60};
+      auto c = picture::depth_rgb(static_cast<double>(cloud.depth_m[i]));
       if (cloud.seen(i)) {
-        const double grey =
-            std::clamp(255.0 * (1.0 / static_cast<double>(cloud.depth_m[i]) - 0.15), 20.0, 255.0);
-        c = {grey, grey, grey};
-        if (seen.truth.label[i] == sim_hal::Label::Target) c[2] = std::min(255.0, grey + 90);
-        if (seen.truth.label[i] == sim_hal::Label::Partner) c[0] = std::min(255.0, grey + 90);
+        if (seen.truth.label[i] == sim_hal::Label::Target) c[2] = std::min(255.0, c[2] + 90);
+        if (seen.truth.label[i] == sim_hal::Label::Partner) c[0] = std::min(255.0, c[0] + 90);
         if (taken[i]) c[1] = 220;
       }
       for (const double v : c) rgb.push_back(static_cast<std::uint8_t>(v));
