@@ -5,6 +5,9 @@
 #include <pcl/sample_consensus/ransac.h>
 #include <pcl/sample_consensus/sac_model_plane.h>
 
+#include <pcl/sample_consensus/impl/ransac.hpp>  // see thesis_stages.cpp
+#include <pcl/sample_consensus/impl/sac_model_plane.hpp>
+
 #include <cmath>
 #include <numeric>
 

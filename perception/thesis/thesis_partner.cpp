@@ -5,6 +5,8 @@
 #include <pcl/search/kdtree.h>
 #include <pcl/segmentation/segment_differences.h>
 
+#include <pcl/segmentation/impl/segment_differences.hpp>  // see thesis_stages.cpp
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,5 +1,7 @@
 #include "perception/thesis/thesis_stages.hpp"
 
+// The filters are instantiated here: PCL's libraries of them carry instances for every type of point, and a
+// program that links them takes 0.1 s longer to start.
 #include <pcl/common/common.h>
 #include <pcl/filters/passthrough.h>
 #include <pcl/filters/statistical_outlier_removal.h>
@@ -7,6 +9,13 @@
 #include <pcl/point_types.h>
 #include <pcl/search/kdtree.h>
 #include <pcl/segmentation/extract_clusters.h>
+
+#include <pcl/filters/impl/filter.hpp>
+#include <pcl/filters/impl/filter_indices.hpp>
+#include <pcl/filters/impl/passthrough.hpp>
+#include <pcl/filters/impl/statistical_outlier_removal.hpp>
+#include <pcl/filters/impl/voxel_grid.hpp>
+#include <pcl/segmentation/impl/extract_clusters.hpp>
 
 #include <algorithm>
 #include <array>

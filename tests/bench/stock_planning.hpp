@@ -5,6 +5,7 @@
 #include "hal/robot_model/robot_model.hpp"
 #include "perception/map/world_map.hpp"
 #include "planner/motion/collision/collision_spheres.hpp"
+#include "planner/motion/free_space.hpp"
 #include "planner/motion/trajectory/joint_path.hpp"
 
 namespace colift::bench {

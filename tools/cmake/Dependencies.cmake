@@ -24,7 +24,7 @@ if(COLIFT_THESIS)
   endif()
   add_library(colift_pcl INTERFACE)
   target_include_directories(colift_pcl SYSTEM INTERFACE ${PCL_INCLUDE_DIR} ${FLANN_INCLUDE_DIR})
-  foreach(part common filters segmentation octree search kdtree sample_consensus)
+  foreach(part common search kdtree)  # the rest is instantiated where it is used
     find_library(PCL_${part}_LIBRARY NAMES pcl_${part} libpcl_${part}.so.1.13 REQUIRED)
     target_link_libraries(colift_pcl INTERFACE ${PCL_${part}_LIBRARY})
     list(APPEND COLIFT_PCL_LIBRARIES ${PCL_${part}_LIBRARY})

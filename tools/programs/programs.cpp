@@ -13,8 +13,10 @@
 namespace colift::tools {
 namespace {
 
+constexpr const char* kSimulate = "colift-simulate";
+
 constexpr CommandEntry kCommands[] = {
-    {"run", "colift",
+    {"run", kSimulate,
      "One complete co-lift: observe, decide, approach, lift together, lower, release, retreat"},
     {"log", "colift-log", "Recordings of runs"},
     {"experiment", "colift-experiment",
@@ -68,30 +70,29 @@ const CommandEntry* find_command(std::string_view name) {
   return found == std::end(kCommands) ? nullptr : found;
 }
 
-const char* program_for(const CommandEntry& command, std::span<const std::string> words) {
-  // the beginnings of the options that `colift` leaves to the other program; one too many costs nothing, it
-  // has them all
+const char* program_for(std::span<const std::string> words) {
+  const CommandEntry* command = find_command(command_asked_for(words));
+  if (command == nullptr) return kSimulate;
+  // the beginnings of the options that `colift-simulate` leaves to the other program; one too many costs
+  // nothing, it has them all
   constexpr std::string_view kOthers[] = {"--robot", "--record", "--flight", "--view", "--allow-", "--ros2"};
-  if (std::strcmp(command.name, "run") != 0 || words.empty() || words.front() != "run")
-    return command.program;
+  if (std::strcmp(command->name, "run") != 0 || words.front() != "run") return command->program;
   for (const std::string_view word : words)
     for (const std::string_view option : kOthers)
       if (word.starts_with(option)) return "colift-run";
-  return command.program;
+  return command->program;
 }
 
-int become(const CommandEntry& command, const char* program_name, char** argv) {
+int become(const char* program_name, char** argv) {
   std::error_code error;
   const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
   const auto program = self.parent_path() / program_name;
   ::execv(program.c_str(), argv);
   const int why = errno;
   if (why == ENOENT)
-    std::fprintf(stderr, "colift %s: %s is not there yet; tools/build builds it\n", command.name,
-                 program.c_str());
+    std::fprintf(stderr, "colift: %s is not there yet; tools/build builds it\n", program.c_str());
   else
-    std::fprintf(stderr, "colift %s: %s cannot be started: %s\n", command.name, program.c_str(),
-                 std::strerror(why));
+    std::fprintf(stderr, "colift: %s cannot be started: %s\n", program.c_str(), std::strerror(why));
   return kInternal;
 }
 

@@ -6,11 +6,11 @@
 
 namespace colift::tools {
 
-/// A command of `colift`, and the program that has it: `colift` itself, or one that stands beside it and is
-/// started in its place, as git does. A simulated lift needs only the first; the others are built after it.
+/// A command of `colift`, and the program beside it that has it and is started in its place, as git does. A
+/// simulated lift needs only `colift-simulate`; the others are built after it.
 struct CommandEntry {
   const char* name;
-  const char* program;  ///< "colift", "colift-log", ...
+  const char* program;  ///< "colift-simulate", "colift-log", ...
   const char* help;
 };
 
@@ -24,11 +24,12 @@ struct CommandEntry {
 /// nullptr: there is no such command.
 [[nodiscard]] const CommandEntry* find_command(std::string_view name);
 
-/// The program for this call: a run with devices on wires, a recording or a live view is `colift-run`'s.
-[[nodiscard]] const char* program_for(const CommandEntry& command, std::span<const std::string> words);
+/// The program for this call: a run with devices on wires, a recording or a live view is `colift-run`'s; the
+/// help of all commands, and what is wrong with a call without a known one, are `colift-simulate`'s.
+[[nodiscard]] const char* program_for(std::span<const std::string> words);
 
 /// Continues as `program` with the same arguments: same terminal, signals and exit code. Returns only where
 /// that is not possible, with the exit code, and has said why.
-[[nodiscard]] int become(const CommandEntry& command, const char* program, char** argv);
+[[nodiscard]] int become(const char* program, char** argv);
 
 }  // namespace colift::tools
