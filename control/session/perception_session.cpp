@@ -354,7 +354,7 @@ std::optional<perception::ObjectMotion> PerceptionSession::watch_object(hal::Dep
   if (!i.follower || !shows_anything(frame)) return std::nullopt;
   i.correct(frame);
   i.hide_robot(frame, robot);
-  return i.follower->update(perception::deproject(frame, i.rig.X_WC));
+  return i.follower->update(frame);
 }
 std::optional<perception::HandSighting> PerceptionSession::hand_at_grasp(hal::DepthFrame frame,
                                                                          const RobotPosture& robot,

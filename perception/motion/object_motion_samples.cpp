@@ -15,12 +15,11 @@ namespace {
 constexpr int kBinsPerSide = 3;  // of the faces of a cube around the unit sphere
 constexpr int kCentre = 2;       // half the window whose mean is the sample's point
 
-// the oblong ones are for legs and bars; the wide ones take each second or third pixel
-constexpr std::array<SampledWindow, 7> kWindows{
-    {{15, 15, 3, 3}, {9, 9, 2, 2}, {3, 15, 1, 3}, {15, 3, 3, 1}, {5, 5, 1, 1}, {2, 9, 1, 2}, {9, 2, 2, 1}}};
+// the oblong ones are for legs and bars
+constexpr std::array<Window, 7> kWindows{{{15, 15}, {9, 9}, {3, 15}, {15, 3}, {5, 5}, {2, 9}, {9, 2}}};
 
 // where nothing is flat, something may be round: a thin pipe
-constexpr std::array<SampledWindow, 3> kRoundWindows{{{7, 7, 1, 1}, {5, 5, 1, 1}, {3, 9, 1, 2}}};
+constexpr std::array<Window, 3> kRoundWindows{{{7, 7}, {5, 5}, {3, 9}}};
 
 struct Sample {
   Vec3 point, normal;
@@ -51,15 +50,19 @@ class ObjectPixels {
  public:
   ObjectPixels(const ReferenceImage& reference, const Target& target, const NoiseModel& noise,
                const SurfaceSamplingConfig& config)
-      : reference_(reference), noise_(noise), config_(config), object_(inverse_depth(reference, target)) {}
+      : reference_(reference),
+        noise_(noise),
+        config_(config),
+        object_(inverse_depth(reference, target)),
+        integrals_(object_) {}
 
   [[nodiscard]] std::optional<Sample> sample(std::uint32_t pixel) const {
     if (!(object_.values[pixel] > 0)) return std::nullopt;
     const int u = static_cast<int>(pixel) % object_.width, v = static_cast<int>(pixel) / object_.width;
-    for (const SampledWindow& window : kWindows)
+    for (const Window& window : kWindows)
       if (const auto fitted = plane(u, v, window))
         if (auto found = judge<3>(u, v, window, *fitted)) return found;
-    for (const SampledWindow& window : kRoundWindows)
+    for (const Window& window : kRoundWindows)
       if (const auto fitted = curved(u, v, window))
         if (auto found = judge<6>(u, v, window, *fitted)) return found;
     return std::nullopt;
@@ -77,20 +80,24 @@ class ObjectPixels {
   }
 
   // Least squares: inverse depth as a plane. nullopt where the window shows too little of the object.
-  [[nodiscard]] std::optional<Fit> plane(int u, int v, const SampledWindow& window) const {
-    const WindowSums s = window_sums(object_, u, v, window);
-    if (!covered<3>(s.n, window.samples())) return std::nullopt;
-    Eigen::Matrix3d normal;
-    normal << s.n, s.u, s.v, s.u, s.uu, s.uv, s.v, s.uv, s.vv;
-    const Vec3 right(s.w, s.wu, s.wv);
-    const Vec3 x = hal::solve_symmetric<double, 3>(normal, right);
-    const double rms = std::sqrt(std::max(0.0, (s.ww - x.dot(right)) / (s.n - 3)));
-    return Fit{x[1], x[2], static_cast<double>(object_.values[at(u, v)]) + x[0], rms, s.n};
+  [[nodiscard]] std::optional<Fit> plane(int u, int v, const Window& window) const {
+    const WindowSums s = integrals_.sums(object_, u, v, window);
+    if (!covered<3>(s.n, window.pixels())) return std::nullopt;
+    // about the mean, where two of the three unknowns are left
+    const double mu = s.u / s.n, mv = s.v / s.n;
+    const double uu = s.uu - mu * s.u, uv = s.uv - mu * s.v, vv = s.vv - mv * s.v;
+    const double wu = s.wu - mu * s.w, wv = s.wv - mv * s.w;
+    const double determinant = uu * vv - uv * uv;
+    if (!(determinant > 1e-9 * uu * vv)) return std::nullopt;  // a line of pixels has no plane
+    const double a = (wu * vv - wv * uv) / determinant, b = (wv * uu - wu * uv) / determinant;
+    const double c = (s.w - a * s.u - b * s.v) / s.n;
+    const double rms = std::sqrt(std::max(0.0, (s.ww - c * s.w - a * s.wu - b * s.wv) / (s.n - 3)));
+    return Fit{a, b, static_cast<double>(object_.values[at(u, v)]) + c, rms, s.n};
   }
 
   // The same with curvature.
-  [[nodiscard]] std::optional<Fit> curved(int u0, int v0, const SampledWindow& window) const {
-    if (!covered<6>(window_sums(object_, u0, v0, window).n, window.samples())) return std::nullopt;
+  [[nodiscard]] std::optional<Fit> curved(int u0, int v0, const Window& window) const {
+    if (!covered<6>(integrals_.sums(object_, u0, v0, window).n, window.pixels())) return std::nullopt;
     const QuadraticSums s = quadratic_sums(object_, u0, v0, window);
     const Eigen::Matrix<double, 6, 1> x = hal::solve_symmetric<double, 6>(s.normal, s.right);
     Fit fit;
@@ -102,7 +109,7 @@ class ObjectPixels {
 
   // The sample at a pixel, where what was fitted to the window is smooth and not too steep.
   template <int kTerms>
-  [[nodiscard]] std::optional<Sample> judge(int u0, int v0, const SampledWindow& window, const Fit& f) const {
+  [[nodiscard]] std::optional<Sample> judge(int u0, int v0, const Window& window, const Fit& f) const {
     const auto& k = reference_.cloud.intrinsics;
     if (!(f.c > 0)) return std::nullopt;
     const double z = 1.0 / f.c;
@@ -139,8 +146,7 @@ class ObjectPixels {
     sample.point = ray * (n / sum);
     sample.normal = normal;
     sample.sigma = std::hypot(noise_.sigma(z) * normal.dot(ray), config_.noise_floor_m);
-    const double seen = static_cast<double>(f.n) / window.samples() * (2 * window.u + 1) * (2 * window.v + 1);
-    const double independent = std::max(1.0, seen / config_.correlated_pixels);
+    const double independent = std::max(1.0, f.n / config_.correlated_pixels);
     const double per_slope = std::max(f.rms, 0.5 * expected) * std::sqrt(3.0 / independent) / norm;
     sample.tilt =
         std::hypot(per_slope * k.fx / std::max(window.u, 1), per_slope * k.fy / std::max(window.v, 1)) /
@@ -159,6 +165,7 @@ class ObjectPixels {
   const NoiseModel& noise_;
   const SurfaceSamplingConfig& config_;
   InverseDepth object_;
+  WindowIntegrals integrals_;
 };
 
 // How many samples each bin gives: all of a small one, an equal part of the others.
