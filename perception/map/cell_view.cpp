@@ -40,18 +40,42 @@ void count_hits(const CellGrid& grid, const OrganisedCloud& cloud, std::span<con
 /// One row of cells along x, seen in the image.
 struct RowOfCells {
   std::vector<float> u, v, depth;
+  int begin = 0, end = 0;  ///< Of the cells that may be in the image.
   explicit RowOfCells(std::size_t n) : u(n), v(n), depth(n) {}
+
+  /// The image is a convex cone, so what a row has in it is in one piece. A cell more on either side stands
+  /// for rounding: whoever asks looks at the pixel.
+  void clip(const hal::CameraIntrinsics& k, const Eigen::Vector3f& first_C, const Eigen::Vector3f& step_C) {
+    float from = 0.0f, to = static_cast<float>(u.size());
+    const auto keep = [&](const Eigen::Vector3f& inward) {  // where inward . p >= 0
+      const float here = inward.dot(first_C), slope = inward.dot(step_C);
+      const float zero = -here / slope;
+      if (slope > 0.0f && zero == zero) from = std::max(from, zero);
+      if (slope < 0.0f && zero == zero) to = std::min(to, zero);
+      if (slope == 0.0f && here < 0.0f) to = -2.0f;
+    };
+    const auto fx = static_cast<float>(k.fx), fy = static_cast<float>(k.fy);
+    const auto left = static_cast<float>(k.cx + 0.5), top = static_cast<float>(k.cy + 0.5);
+    const float right = static_cast<float>(k.width) - left, low = static_cast<float>(k.height) - top;
+    keep({fx, 0.0f, left});
+    keep({-fx, 0.0f, right});
+    keep({0.0f, fy, top});
+    keep({0.0f, -fy, low});
+    const auto n = static_cast<float>(u.size());
+    begin = static_cast<int>(std::clamp(std::floor(from) - 1.0f, 0.0f, n));
+    end = static_cast<int>(std::clamp(std::ceil(to) + 2.0f, 0.0f, n));
+  }
 
   void project(const hal::CameraIntrinsics& k, const Eigen::Vector3f& first_C,
                const Eigen::Vector3f& step_C) {
+    clip(k, first_C, step_C);
     const auto fx = static_cast<float>(k.fx), fy = static_cast<float>(k.fy);
     // half a pixel more: the cast below rounds down
     const auto cx = static_cast<float>(k.cx) + 0.5f, cy = static_cast<float>(k.cy) + 0.5f;
     const float x = first_C.x(), y = first_C.y(), z = first_C.z();
     const float dx = step_C.x(), dy = step_C.y(), dz = step_C.z();
-    const int n = static_cast<int>(u.size());
     float *pu = u.data(), *pv = v.data(), *pd = depth.data();
-    for (int i = 0; i < n; ++i) {
+    for (int i = begin; i < end; ++i) {
       const auto t = static_cast<float>(i);
       const float d = z + t * dz, inverse = 1.0f / d;
       pd[i] = d;
@@ -81,7 +105,7 @@ void view_cells(const CellGrid& grid, const OrganisedCloud& cloud, std::span<con
     for (int iy = 0; iy < grid.ny; ++iy) {
       row.project(cloud.intrinsics, (X_CW * grid.middle(0, iy, iz)).cast<float>(), step);
       CellView* out = view.data() + grid.index(0, iy, iz);
-      for (int ix = 0; ix < grid.nx; ++ix) {
+      for (int ix = row.begin; ix < row.end; ++ix) {
         const auto i = static_cast<std::size_t>(ix);
         const float d = row.depth[i], u = row.u[i], v = row.v[i];
         if (!(d > kNearest_m && u >= 0.0f && v >= 0.0f && u < right && v < low)) continue;

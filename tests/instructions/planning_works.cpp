@@ -26,22 +26,22 @@ std::vector<Eigen::Vector3f> person() {
   return points;
 }
 
-Work scene_work(std::string name, std::string what, bool with_person) {
-  return {std::move(name), std::move(what), [with_person] {
-            auto world = std::make_shared<test::CollisionWorld>();
-            auto people = with_person ? person() : std::vector<Eigen::Vector3f>{};
-            return [world, people] {
-              (void)planner::make_collision_scene(world->map, world->ground, people, {});
-            };
-          }};
-}
-
 }  // namespace
 
 std::vector<Work> planning_works() {
   std::vector<Work> works;
-  works.push_back(scene_work("collision_scene", "distance fields of a map", false));
-  works.push_back(scene_work("collision_scene_person", "the same with 20 000 points of a person", true));
+  works.push_back({"collision_scene", "distance fields of a map", [] {
+                     auto world = std::make_shared<test::CollisionWorld>();
+                     return [world] { (void)planner::make_collision_scene(world->map, world->ground, {}); };
+                   }});
+  works.push_back({"person_in_scene", "20 000 points of a person added to them, as before each plan", [] {
+                     auto world = std::make_shared<test::CollisionWorld>();
+                     auto scene = std::make_shared<planner::CollisionScene>(
+                         planner::make_collision_scene(world->map, world->ground, {}));
+                     return [world, scene, people = person()] {
+                       (void)planner::with_partner(*scene, world->map.grid(), people);
+                     };
+                   }});
   works.push_back({"state_checks", "2000 joint positions against the scene", [] {
                      const test::CollisionWorld world;
                      const hal::RobotModel& robot = hal::built_in_robot();

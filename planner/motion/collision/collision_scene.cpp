@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
+#include "hal/types/avx2.hpp"
 #include "planner/motion/collision/near_points.hpp"
 
 namespace colift::planner {
@@ -38,6 +40,23 @@ std::vector<std::uint8_t> beyond_own_space(const CellGrid& grid, double radius_m
   return beyond;
 }
 
+/// `n` cells of a row: `measured` becomes 1 where they are occupied, `kept_out` there too, and where they are
+/// unseen and that counts.
+COLIFT_ALSO_AVX2 void keep_out(const CellState* __restrict state,
+                               const std::uint8_t* __restrict unseen_counts, int n, const SceneConfig& config,
+                               std::uint8_t* __restrict measured, std::uint8_t* __restrict kept_out) {
+  const std::uint8_t hidden_counts = config.hidden_is_obstacle,
+                     out_of_view_counts = config.out_of_view_is_obstacle;
+  for (int i = 0; i < n; ++i) {
+    const auto is = [&](CellState s) { return static_cast<std::uint8_t>(state[i] == s); };
+    const auto occupied = is(CellState::Occupied);
+    const auto unseen =
+        (is(CellState::Hidden) & hidden_counts) | (is(CellState::OutOfView) & out_of_view_counts);
+    measured[i] = occupied;
+    kept_out[i] = static_cast<std::uint8_t>(occupied | (unseen & unseen_counts[i]));
+  }
+}
+
 /// Frees what a depth image strews around the edges of the target: lone groups of a few cells right beside
 /// it. Larger groups, and small ones elsewhere, are things.
 void drop_specks(const CellGrid& grid, std::span<const hal::Vec3> target_cells, const SceneConfig& config,
@@ -45,26 +64,30 @@ void drop_specks(const CellGrid& grid, std::span<const hal::Vec3> target_cells, 
   const auto few = static_cast<std::size_t>(config.min_obstacle_cells);
   std::vector<std::uint8_t> done(occupied.size(), 0);
   std::vector<Cell> group;
-  const auto inside = [&](const Cell& c) {
-    return c[0] >= 0 && c[1] >= 0 && c[2] >= 0 && c[0] < grid.nx && c[1] < grid.ny && c[2] < grid.nz;
-  };
+  // the occupied ones; rows mostly have none
   const auto each_around = [&](const Cell& c, int reach, auto&& visit) {
-    for (int dz = -reach; dz <= reach; ++dz)
-      for (int dy = -reach; dy <= reach; ++dy)
-        for (int dx = -reach; dx <= reach; ++dx) {
-          const Cell n{c[0] + dx, c[1] + dy, c[2] + dz};
-          if (inside(n)) visit(n, index_of(grid, n[0], n[1], n[2]));
+    const int x_end = std::min(c[0] + reach + 1, grid.nx), y_end = std::min(c[1] + reach + 1, grid.ny),
+              z_end = std::min(c[2] + reach + 1, grid.nz), x_begin = std::max(c[0] - reach, 0);
+    for (int z = std::max(c[2] - reach, 0); z < z_end; ++z)
+      for (int y = std::max(c[1] - reach, 0); y < y_end; ++y) {
+        const std::uint8_t* const row = occupied.data() + index_of(grid, 0, y, z);
+        for (int x = x_begin; x < x_end; ++x) {
+          const void* const found = std::memchr(row + x, 1, static_cast<std::size_t>(x_end - x));
+          if (found == nullptr) break;
+          x = static_cast<int>(static_cast<const std::uint8_t*>(found) - row);
+          visit(Cell{x, y, z}, index_of(grid, x, y, z));
         }
+      }
   };
   for (const hal::Vec3& middle : target_cells) {
     each_around(cell_of(grid, middle), config.speck_distance_cells, [&](const Cell& seed, std::size_t at) {
-      if (!occupied[at] || done[at]) return;
+      if (done[at]) return;
       group.assign(1, seed);
       done[at] = 1;
       for (std::size_t k = 0; k < group.size(); ++k) {
         const Cell from = group[k];
         each_around(from, 1, [&](const Cell& n, std::size_t i) {
-          if (!occupied[i] || done[i]) return;
+          if (done[i]) return;
           done[i] = 1;
           group.push_back(n);
         });
@@ -83,30 +106,20 @@ CollisionScene make_collision_scene(const perception::WorldMap& map, const hal::
   std::vector<std::uint8_t> measured(grid.cells.size(), 0), kept_out(grid.cells.size(), 0);
   const hal::Vec3 first = grid.origin + hal::Vec3::Constant(0.5 * grid.cell_m);
   const std::vector<std::uint8_t> unseen_counts = beyond_own_space(grid, config.own_space_m);
-  const std::uint8_t hidden_counts = config.hidden_is_obstacle,
-                     out_of_view_counts = config.out_of_view_is_obstacle;
   const double lowest = kGroundCells * grid.cell_m;
   for (int iz = 0; iz < grid.nz; ++iz) {
     for (int iy = 0; iy < grid.ny; ++iy) {
       const double row = ground.height(first + grid.cell_m * hal::Vec3(0, iy, iz));
       const auto above_ground = [&](int ix) { return row + grid.cell_m * ix * ground.normal.x() >= lowest; };
-      // the height changes evenly along a row
+      // the height changes evenly along a row: mostly all of it or nothing is above
       int from = 0, to = grid.nx;
+      if (!above_ground(0) && !above_ground(to - 1)) continue;
       while (from < to && !above_ground(from)) ++from;
       while (from < to && !above_ground(to - 1)) --to;
       const std::ptrdiff_t begin = (static_cast<std::ptrdiff_t>(iz) * grid.ny + iy) * grid.nx;
-      const CellState* const state = grid.cells.data() + begin;
-      const std::uint8_t* const counts = unseen_counts.data() + static_cast<std::ptrdiff_t>(iy) * grid.nx;
-      std::uint8_t* const measured_row = measured.data() + begin;
-      std::uint8_t* const kept_out_row = kept_out.data() + begin;
-      for (int ix = from; ix < to; ++ix) {
-        const auto is = [&](CellState s) { return static_cast<std::uint8_t>(state[ix] == s); };
-        const auto occupied = is(CellState::Occupied);
-        const auto unseen =
-            (is(CellState::Hidden) & hidden_counts) | (is(CellState::OutOfView) & out_of_view_counts);
-        measured_row[ix] = occupied;
-        kept_out_row[ix] = static_cast<std::uint8_t>(occupied | (unseen & counts[ix]));
-      }
+      keep_out(grid.cells.data() + begin + from,
+               unseen_counts.data() + static_cast<std::ptrdiff_t>(iy) * grid.nx + from, to - from, config,
+               measured.data() + begin + from, kept_out.data() + begin + from);
     }
   }
   drop_specks(grid, map.target_cells(), config, measured);

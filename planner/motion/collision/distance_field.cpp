@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "planner/motion/collision/near_points.hpp"
 #include "planner/motion/collision/squared_distances.hpp"
@@ -24,26 +25,28 @@ DistanceField::DistanceField(const perception::CellGrid& grid, const std::vector
   nx_ = grid.nx + 1;
   ny_ = grid.ny + 1;
   nz_ = grid.nz + 1;
-  if (std::none_of(is_obstacle.begin(), is_obstacle.end(), [](std::uint8_t o) { return o != 0; })) return;
-  squared_ = squared_distances({grid.nx, grid.ny, grid.nz}, is_obstacle, reach_);
+  if (std::memchr(is_obstacle.data(), 1, is_obstacle.size()) == nullptr) return;  // 0 and 1 alone
+  squared_ = std::make_shared<const std::vector<std::int16_t>>(
+      squared_distances({grid.nx, grid.ny, grid.nz}, is_obstacle, reach_));
 }
 
 void DistanceField::add(const BoxDistances& obstacles) {
   if (obstacles.squared.empty()) return;
-  if (squared_.empty())
-    squared_.assign(
-        static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_) * static_cast<std::size_t>(nz_),
-        static_cast<std::int16_t>(reach_ * reach_));
+  const std::size_t corners =
+      static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_) * static_cast<std::size_t>(nz_);
+  const auto all = empty() ? std::make_shared<std::vector<std::int16_t>>(
+                                 corners, static_cast<std::int16_t>(reach_ * reach_))
+                           : std::make_shared<std::vector<std::int16_t>>(*squared_);
   // the distance to all is the smaller of the distances to the old and to the new
   const Eigen::Vector3i &first = obstacles.first, &size = obstacles.size;
   const std::int16_t* from = obstacles.squared.data();
   for (int z = 0; z <= size.z(); ++z)
     for (int y = 0; y <= size.y(); ++y, from += size.x() + 1) {
-      std::int16_t* const into = squared_.data() +
-                                 (static_cast<std::ptrdiff_t>(first.z() + z) * ny_ + first.y() + y) * nx_ +
-                                 first.x();
+      std::int16_t* const into =
+          all->data() + (static_cast<std::ptrdiff_t>(first.z() + z) * ny_ + first.y() + y) * nx_ + first.x();
       for (int x = 0; x <= size.x(); ++x) into[x] = std::min(into[x], from[x]);
     }
+  squared_ = all;
 }
 
 float DistanceField::squared_cells(const Eigen::Vector3f& p_W) const {
@@ -56,7 +59,7 @@ float DistanceField::squared_cells(const Eigen::Vector3f& p_W) const {
             iz = std::min(static_cast<int>(in.z()), nz_ - 2);
   const float tx = in.x() - static_cast<float>(ix), ty = in.y() - static_cast<float>(iy),
               tz = in.z() - static_cast<float>(iz);
-  const std::int16_t* v = squared_.data() + (static_cast<std::ptrdiff_t>(iz) * ny_ + iy) * nx_ + ix;
+  const std::int16_t* v = squared_->data() + (static_cast<std::ptrdiff_t>(iz) * ny_ + iy) * nx_ + ix;
   const auto along_x = [&](std::ptrdiff_t offset) {
     const auto a = static_cast<float>(v[offset]), b = static_cast<float>(v[offset + 1]);
     return a + tx * (b - a);
@@ -87,6 +90,7 @@ void DistanceField::look_up(const float* x, const float* y, const float* z, int 
     std::fill_n(squared, count, std::int16_t{32767});
     return;
   }
+  const std::int16_t* const all = squared_->data();
   constexpr int kAtOnce = 16;  // points of one batch; no result depends on it
   const float ox = 0.5f - origin_.x() * per_m_, oy = 0.5f - origin_.y() * per_m_,
               oz = 0.5f - origin_.z() * per_m_;
@@ -101,8 +105,7 @@ void DistanceField::look_up(const float* x, const float* y, const float* z, int 
       iz[i] = static_cast<int>(std::min(std::max(z[first + i] * per_m_ + oz, 0.0f), lz));
     }
     for (int i = 0; i < n; ++i) {
-      squared[first + i] = squared_[static_cast<std::size_t>(
-          (static_cast<std::ptrdiff_t>(iz[i]) * ny_ + iy[i]) * nx_ + ix[i])];
+      squared[first + i] = all[(static_cast<std::ptrdiff_t>(iz[i]) * ny_ + iy[i]) * nx_ + ix[i]];
     }
   }
 }

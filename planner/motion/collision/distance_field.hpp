@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "hal/types/geometry.hpp"
@@ -22,12 +23,13 @@ struct BoxDistances;
 class DistanceField {
  public:
   DistanceField() = default;
-  /// `is_obstacle` holds one value for every cell of the grid, in its order. `max_m` is rounded up to whole
+  /// `is_obstacle` holds 0 or 1 for every cell of the grid, in its order. `max_m` is rounded up to whole
   /// cells; at most kMaxReach_cells of them.
   DistanceField(const perception::CellGrid& grid, const std::vector<std::uint8_t>& is_obstacle,
                 double max_m = 0.4);
 
-  /// Adds obstacles: afterwards it is the field of all of them. Both fields have the same grid and reach.
+  /// Adds obstacles, to this copy alone: afterwards it is the field of all of them. Both fields have the same
+  /// grid and reach.
   void add(const BoxDistances& obstacles);
 
   /// Lower bound of the distance (m), at most max_m(); 0 inside obstacles. Outside of the grid too.
@@ -44,7 +46,7 @@ class DistanceField {
   [[nodiscard]] float max_m() const { return max_m_; }
   [[nodiscard]] float cell_m() const { return cell_m_; }
   /// Made without any obstacle (or not made at all): everything is clear.
-  [[nodiscard]] bool empty() const { return squared_.empty(); }
+  [[nodiscard]] bool empty() const { return squared_ == nullptr; }
   /// How far it looks, in cells.
   [[nodiscard]] int reach_cells() const { return reach_; }
 
@@ -55,7 +57,7 @@ class DistanceField {
   float cell_m_ = 0.02f, per_m_ = 50.0f, max_m_ = 0.0f;
   int nx_ = 0, ny_ = 0, nz_ = 0;  // corners, one more than cells
   int reach_ = 0;
-  std::vector<std::int16_t> squared_;
+  std::shared_ptr<const std::vector<std::int16_t>> squared_;  // copies of a field share it; nullptr: empty
 };
 
 }  // namespace colift::planner
