@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "hal/types/avx2.hpp"
+
 namespace colift::perception {
 namespace {
 
@@ -42,7 +44,7 @@ hal::Result<> check(std::span<const hal::DepthFrame> frames) {
   return {};
 }
 
-// Running figures of one image row over all frames; plain arrays, so that the loops become SIMD code.
+// Running figures of one image row over all frames, in plain arrays.
 struct RowSums {
   explicit RowSums(std::size_t width) : sum(width), squares(width), near(width), far(width), seen(width) {}
   std::vector<float> sum, squares, near, far, seen;
@@ -54,24 +56,33 @@ struct RowSums {
     std::fill(far.begin(), far.end(), 0.0F);
     std::fill(seen.begin(), seen.end(), 0.0F);
   }
-  void add(const float* depth) {
-    for (std::size_t u = 0; u < sum.size(); ++u) {
-      const float d = depth[u];
-      const bool valid = d > 0.0F && d < kFar;
-      sum[u] += valid ? d : 0.0F;
-      seen[u] += valid ? 1.0F : 0.0F;
-      near[u] = valid && d < near[u] ? d : near[u];
-      far[u] = valid && d > far[u] ? d : far[u];
-    }
-  }
-  // second pass, about the mean: the difference of two large sums would drown a millimetre in float
-  void add_squares(const float* depth, const float* mean) {
-    for (std::size_t u = 0; u < sum.size(); ++u) {
-      const float e = depth[u] - mean[u];
-      squares[u] += depth[u] > 0.0F && depth[u] < kFar && e == e ? e * e : 0.0F;
-    }
-  }
 };
+
+// The loops have no branch, so that they become SIMD code: a missing depth (NaN compares false) changes
+// nothing.
+COLIFT_ALSO_AVX2 void add_row(const float* __restrict depth, std::size_t n, float* __restrict sum,
+                              float* __restrict seen, float* __restrict near, float* __restrict far) {
+  for (std::size_t u = 0; u < n; ++u) {
+    const float d = depth[u];
+    const float known = d > 0.0F ? d : kFar, valid = known < kFar ? 1.0F : 0.0F;
+    const float counted = known < kFar ? known : 0.0F;
+    sum[u] += counted;
+    seen[u] += valid;
+    near[u] = known < near[u] ? known : near[u];
+    far[u] = counted > far[u] ? counted : far[u];
+  }
+}
+
+// second pass, about the mean: the difference of two large sums would drown a millimetre in float
+COLIFT_ALSO_AVX2 void add_row_squares(const float* __restrict depth, const float* __restrict mean,
+                                      std::size_t n, float* __restrict squares) {
+  for (std::size_t u = 0; u < n; ++u) {
+    const float d = depth[u], e = d - mean[u];
+    const float known = d > 0.0F ? d : kFar, square = e * e;
+    const float counted = known < kFar ? square : 0.0F;
+    squares[u] += counted == counted ? counted : 0.0F;
+  }
+}
 
 struct Typical {
   float mean, spread;
@@ -116,26 +127,37 @@ hal::Result<ReferenceImage> build_reference(std::span<const hal::DepthFrame> fra
   typical.depth_m.assign(pixels, kNan);
 
   RowSums row(width);
+  const NoiseModel noise_model = noise;  // copies, which no write to an array can change
+  const double restless_sigma = config.restless_sigma, restless_steps = config.restless_steps;
   std::vector<float> values;
   values.reserve(frames.size());
   std::size_t seen = 0, restless = 0;
   for (std::size_t at = 0; at < pixels; at += width) {
     row.clear();
-    for (const auto& frame : frames) row.add(frame.depth_m.data() + at);
+    for (const auto& frame : frames)
+      add_row(frame.depth_m.data() + at, width, row.sum.data(), row.seen.data(), row.near.data(),
+              row.far.data());
     float* mean = typical.depth_m.data() + at;
     for (std::size_t u = 0; u < width; ++u) mean[u] = row.seen[u] > 0.0F ? row.sum[u] / row.seen[u] : kNan;
     if (frames.size() > 1) {
-      for (const auto& frame : frames) row.add_squares(frame.depth_m.data() + at, mean);
+      for (const auto& frame : frames)
+        add_row_squares(frame.depth_m.data() + at, mean, width, row.squares.data());
     }
+    float* const near_m = reference.near_m.data() + at;
+    float* const spread_m = reference.spread_m.data() + at;
+    std::uint16_t* const count = reference.count.data() + at;
+    const float *const row_seen = row.seen.data(), *const row_near = row.near.data(),
+                       *const row_far = row.far.data(), *const row_squares = row.squares.data();
     for (std::size_t u = 0; u < width; ++u) {
-      if (row.seen[u] == 0.0F) continue;
+      if (row_seen[u] == 0.0F) continue;
       ++seen;
-      reference.near_m[at + u] = row.near[u];
-      reference.count[at + u] = static_cast<std::uint16_t>(row.seen[u]);
-      reference.spread_m[at + u] = std::sqrt(row.squares[u] / row.seen[u]);
-      const auto gate = static_cast<float>(config.restless_sigma * noise.sigma(row.near[u]) +
-                                           config.restless_steps * noise.step(row.near[u]));
-      if (row.far[u] - row.near[u] <= gate) continue;
+      near_m[u] = row_near[u];
+      count[u] = static_cast<std::uint16_t>(row_seen[u]);
+      spread_m[u] = std::sqrt(row_squares[u] / row_seen[u]);
+      const double z_m = row_near[u];
+      const auto gate = static_cast<float>(restless_sigma * noise_model.sigma(z_m) +
+                                           restless_steps * noise_model.step(z_m));
+      if (row_far[u] - row_near[u] <= gate) continue;
       ++restless;
       values.clear();
       for (const auto& frame : frames) {
@@ -144,7 +166,7 @@ hal::Result<ReferenceImage> build_reference(std::span<const hal::DepthFrame> fra
       }
       const Typical agreed = majority(values, 0.5F * gate);
       mean[u] = agreed.mean;
-      reference.spread_m[at + u] = agreed.spread;
+      spread_m[u] = agreed.spread;
     }
   }
   if (seen == 0) {

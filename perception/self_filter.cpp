@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "perception/self_filter_rows.hpp"
+
 // In inverse depth w = 1 / z along the ray (x, y, 1) of a pixel a half space is w above or below a linear
 // function of the pixel, and a round body is a parabola in w whose vertex is linear and whose smallest value
 // is quadratic in the pixel. So a whole image row is tested in a few short loops without division, root or
@@ -12,6 +14,8 @@
 
 namespace colift::perception {
 namespace {
+
+using namespace self_filter;
 
 using hal::LinkShape;
 using hal::Pose;
@@ -203,14 +207,9 @@ struct SelfFilter::Impl {
   // Marks one row's pixels of all solids in `hit`.
   void test_row(const float* depth_m, int v) {
     const Span all = rows[static_cast<std::size_t>(v)];
-    const float m0 = margin0, m2 = margin2;
-    for (int u = all.begin; u < all.end; ++u) {
-      const float w = 1.0f / depth_m[u];
-      const float margin = m0 * w * w + m2;
-      low[static_cast<std::size_t>(u)] = w - margin;
-      high[static_cast<std::size_t>(u)] = w + margin;
-      hit[static_cast<std::size_t>(u)] = 0;
-    }
+    margins(depth_m + all.begin, margin0, margin2, all.end - all.begin, low.data() + all.begin,
+            high.data() + all.begin);
+    std::fill(hit.begin() + all.begin, hit.begin() + all.end, 0);
     const double ray_y = (v - k.cy) / k.fy;
     for (std::size_t s = 0; s < solids.size(); ++s) {
       const Solid& solid = solids[s];
@@ -220,7 +219,6 @@ struct SelfFilter::Impl {
     }
   }
 
-  // Comparisons are written so that a missing depth stays NaN and never hits.
   void test_solid(const Solid& solid, const Span& span, double ray_y) {
     const auto begin = static_cast<std::size_t>(span.begin);
     const auto n = static_cast<std::size_t>(span.end) - begin;
@@ -232,39 +230,26 @@ struct SelfFilter::Impl {
     for (int i = 0; i < solid.fronts; ++i) {
       const Linear& plane = solid.front[static_cast<std::size_t>(i)];
       const auto slope = static_cast<float>(plane.x), start = static_cast<float>(plane.at_row(ray_y));
-      for (std::size_t u = 0; u < n; ++u) {
-        const float w = start + slope * x[u];
-        hi[u] = w < hi[u] ? w : hi[u];
-      }
+      bound_above(x, start, slope, n, hi);
     }
     for (int i = 0; i < solid.backs; ++i) {
       const Linear& plane = solid.back[static_cast<std::size_t>(i)];
       const auto slope = static_cast<float>(plane.x), start = static_cast<float>(plane.at_row(ray_y));
-      for (std::size_t u = 0; u < n; ++u) {
-        const float w = start + slope * x[u];
-        lo[u] = w > lo[u] ? w : lo[u];
-      }
+      bound_below(x, start, slope, n, lo);
     }
     std::int32_t* out = hit.data() + begin;
     if (!solid.round) {
-      for (std::size_t u = 0; u < n; ++u) out[u] |= lo[u] <= hi[u] ? 1 : 0;
+      hit_between(lo, hi, n, out);
       return;
     }
     const Eigen::Matrix3d& m = solid.least;
-    const auto m2 = static_cast<float>(m(0, 0));
-    const auto m1 = static_cast<float>(2.0 * (m(0, 1) * ray_y + m(0, 2)));
-    const auto m0 = static_cast<float>(m(1, 1) * ray_y * ray_y + 2.0 * m(1, 2) * ray_y + m(2, 2));
-    const auto vertex1 = static_cast<float>(solid.vertex.x);
-    const auto vertex0 = static_cast<float>(solid.vertex.at_row(ray_y));
-    const auto c = static_cast<float>(solid.curvature);
-    for (std::size_t u = 0; u < n; ++u) {
-      const float vertex = vertex0 + vertex1 * x[u];
-      float w = lo[u] > vertex ? lo[u] : vertex;
-      w = hi[u] < w ? hi[u] : w;
-      const float off = w - vertex;
-      const float value = c * off * off + (m2 * x[u] + m1) * x[u] + m0;
-      out[u] |= static_cast<std::int32_t>(value <= 0.0f) & static_cast<std::int32_t>(lo[u] <= hi[u]);
-    }
+    const RowOfRound round{static_cast<float>(m(0, 0)),
+                           static_cast<float>(2.0 * (m(0, 1) * ray_y + m(0, 2))),
+                           static_cast<float>(m(1, 1) * ray_y * ray_y + 2.0 * m(1, 2) * ray_y + m(2, 2)),
+                           static_cast<float>(solid.vertex.at_row(ray_y)),
+                           static_cast<float>(solid.vertex.x),
+                           static_cast<float>(solid.curvature)};
+    hit_round(x, lo, hi, round, n, out);
   }
 
   // Window of all solids, `px` wider.
@@ -297,8 +282,7 @@ struct SelfFilter::Impl {
       const Span row = rows[static_cast<std::size_t>(v)];
       if (row.begin >= row.end) continue;
       test_row(depth_m.data() + at(0, v), v);
-      for (int u = row.begin; u < row.end; ++u)
-        mask[at(u, v)] = static_cast<std::uint8_t>(hit[static_cast<std::size_t>(u)]);
+      narrow(hit.data() + row.begin, row.end - row.begin, mask.data() + at(row.begin, v));
     }
   }
 
@@ -310,19 +294,20 @@ struct SelfFilter::Impl {
       std::uint8_t* out = &wide[at(0, v)];
       std::copy(row + in.u_begin, row + in.u_end, out + in.u_begin);
       for (int shift = 1; shift <= px; ++shift) {
-        for (int u = in.u_begin + shift; u < in.u_end; ++u) out[u] |= row[u - shift];
-        for (int u = in.u_begin; u < in.u_end - shift; ++u) out[u] |= row[u + shift];
+        const int n = in.u_end - in.u_begin - shift;
+        add_bits(row + in.u_begin, n, out + in.u_begin + shift);
+        add_bits(row + in.u_begin + shift, n, out + in.u_begin);
       }
     }
     for (int v = in.v_begin; v < in.v_end; ++v) {
       std::fill(band.begin() + in.u_begin, band.begin() + in.u_end, std::uint8_t{0});
       const int last = std::min(v + px, in.v_end - 1);
-      for (int y = std::max(v - px, in.v_begin); y <= last; ++y) {
-        const std::uint8_t* from = &wide[at(0, y)];
-        for (int u = in.u_begin; u < in.u_end; ++u) band[static_cast<std::size_t>(u)] |= from[u];
-      }
-      for (int u = in.u_begin; u < in.u_end; ++u)
-        if (band[static_cast<std::size_t>(u)] && !mask[at(u, v)] && alone(depth_m, u, v)) mask[at(u, v)] = 2;
+      for (int y = std::max(v - px, in.v_begin); y <= last; ++y)
+        add_bits(&wide[at(in.u_begin, y)], in.u_end - in.u_begin, band.data() + in.u_begin);
+      std::uint8_t* const row = &mask[at(0, v)];
+      for_each_marked(band.data(), in.u_begin, in.u_end, [&](int u) {
+        if (row[u] == 0 && alone(depth_m, u, v)) row[u] = 2;
+      });
     }
   }
 
@@ -341,12 +326,12 @@ struct SelfFilter::Impl {
 
   void remove(std::vector<float>& depth_m, const Window& in) {
     for (int v = in.v_begin; v < in.v_end; ++v)
-      for (int u = in.u_begin; u < in.u_end; ++u) {
+      for_each_marked(&mask[at(0, v)], in.u_begin, in.u_end, [&](int u) {
         const std::size_t i = at(u, v);
-        if (!mask[i] || !(depth_m[i] == depth_m[i])) continue;
+        if (!(depth_m[i] == depth_m[i])) return;
         depth_m[i] = std::numeric_limits<float>::quiet_NaN();
         removed.push_back(static_cast<std::uint32_t>(i));
-      }
+      });
   }
 };
 

@@ -3,12 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/types/avx2.hpp"
+
 namespace colift::perception {
 namespace {
 
 constexpr int kBlock = 4;               // pixels; 3 cm at 4 m
 constexpr double kMoved_m = 0.002;      // an object that moved by less stands where it stood
 constexpr std::size_t kMaxParts = 256;  // small ones beyond are noise everywhere: the largest count
+
+// A row's depths that are nearer than their limits; a NaN compares false.
+COLIFT_ALSO_AVX2 void add_foreign(const float* __restrict depth, const float* __restrict limit, std::size_t n,
+                                  float* __restrict sum, float* __restrict count) {
+  for (std::size_t u = 0; u < n; ++u) {
+    sum[u] += depth[u] < limit[u] ? depth[u] : 0.0F;
+    count[u] += depth[u] < limit[u] ? 1.0F : 0.0F;
+  }
+}
 
 }  // namespace
 
@@ -69,8 +80,7 @@ const std::vector<Body>& BodyFinder::find(const hal::DepthFrame& frame, std::spa
   return bodies_;
 }
 
-// Sums and counts of foreign depths by block. The two inner loops are plain, so that they become SIMD code; a
-// NaN compares false.
+// Sums and counts of foreign depths by block.
 void BodyFinder::mark(const std::vector<float>& depth_m) {
   const auto width = static_cast<std::size_t>(intrinsics_.width);
   for (std::size_t row = 0; row < rows_; ++row) {
@@ -82,11 +92,7 @@ void BodyFinder::mark(const std::vector<float>& depth_m) {
       const std::size_t at = (row * kBlock + k) * width;
       const float* depth = depth_m.data() + at;
       const float* limit = limit_m_.data() + at;
-      for (std::size_t u = 0; u < width; ++u) {
-        const bool foreign = depth[u] < limit[u];
-        sum[u] += foreign ? depth[u] : 0.0F;
-        count[u] += foreign ? 1.0F : 0.0F;
-      }
+      add_foreign(depth, limit, width, sum, count);
     }
     for (std::size_t c = 0; c < columns_; ++c) {
       const std::size_t u = c * kBlock, b = row * columns_ + c;

@@ -12,7 +12,7 @@
 
 namespace {
 
-constexpr std::size_t kRounds = 125;
+constexpr std::size_t kRounds = 25;
 
 struct Spread {
   double median_ms, most_ms;
