@@ -1,4 +1,5 @@
-// What a user waits for, piece by piece: the works of tests/instructions, timed. CPU time of one thread, medians.
+// What a user waits for, piece by piece: the works of tests/instructions, timed. CPU time of one thread,
+// medians.
 #include <fmt/format.h>
 
 #include <algorithm>
