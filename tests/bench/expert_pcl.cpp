@@ -1,6 +1,7 @@
 #include "expert_pcl.hpp"
 
 #include <pcl/ModelCoefficients.h>
+#include <pcl/filters/voxel_grid.h>
 #include <pcl/octree/octree_pointcloud_changedetector.h>
 #include <pcl/point_types.h>
 #include <pcl/search/kdtree.h>
@@ -25,6 +26,7 @@ constexpr double kOnPlane_m = 0.015;     // for the ground's inliers
 constexpr float kAbove_m = 0.02f;        // what stands on it
 constexpr float kSameSurface_m = 0.02f;  // neighbours, times their depth
 constexpr unsigned kFewest = 300;        // pixels of an object
+constexpr float kVoxel_m = 0.01f;        // of the thesis
 
 // in the camera's frame, where the comparator takes z for the distance
 Cloud::Ptr organised(const hal::DepthFrame& frame) {
@@ -51,20 +53,29 @@ Cloud::Ptr cropped(const perception::OrganisedCloud& from, const hal::Aabb& box)
   return cloud;
 }
 
+Cloud::Ptr thinned(const Cloud::Ptr& cloud, float leaf_m) {
+  pcl::VoxelGrid<Point> grid;
+  grid.setLeafSize(leaf_m, leaf_m, leaf_m);
+  grid.setInputCloud(cloud);
+  auto thin = std::make_shared<Cloud>();
+  grid.filter(*thin);
+  return thin;
+}
+
 }  // namespace
 
 std::optional<ExpertTarget> expert_target(const hal::DepthFrame& frame, const hal::Pose& X_WC) {
   const Cloud::Ptr cloud = organised(frame);
-  auto thinned = std::make_shared<Cloud>();
+  auto drawn = std::make_shared<Cloud>();
   for (std::size_t i = 0; i < cloud->size(); i += kEach)
-    if (std::isfinite((*cloud)[i].x)) thinned->push_back((*cloud)[i]);
+    if (std::isfinite((*cloud)[i].x)) drawn->push_back((*cloud)[i]);
   pcl::SACSegmentation<Point> sac;
   sac.setModelType(pcl::SACMODEL_PLANE);
   sac.setMethodType(pcl::SAC_RANSAC);
   sac.setOptimizeCoefficients(true);
   sac.setMaxIterations(200);
   sac.setDistanceThreshold(kOnPlane_m);
-  sac.setInputCloud(thinned);
+  sac.setInputCloud(drawn);
   pcl::PointIndices inliers;
   pcl::ModelCoefficients plane;
   sac.segment(inliers, plane);
@@ -120,8 +131,8 @@ std::size_t cropped_differences(const perception::OrganisedCloud& before,
                                 const perception::OrganisedCloud& now, const hal::Aabb& box_W,
                                 double distance_m) {
   pcl::SegmentDifferences<Point> differences;
-  differences.setInputCloud(cropped(now, box_W));
-  differences.setTargetCloud(cropped(before, box_W));
+  differences.setInputCloud(thinned(cropped(now, box_W), kVoxel_m));
+  differences.setTargetCloud(thinned(cropped(before, box_W), kVoxel_m));
   differences.setSearchMethod(std::make_shared<pcl::search::KdTree<Point>>());
   differences.setDistanceThreshold(distance_m * distance_m);
   Cloud changed;

@@ -25,7 +25,7 @@ struct ExpertTarget {
                                          const perception::OrganisedCloud& now, const hal::Aabb& box_W,
                                          double cell_m);
 
-/// The same by SegmentDifferences with a distance of `distance_m`.
+/// The same by SegmentDifferences with a distance of `distance_m`, between voxels of 1 cm.
 [[nodiscard]] std::size_t cropped_differences(const perception::OrganisedCloud& before,
                                               const perception::OrganisedCloud& now, const hal::Aabb& box_W,
                                               double distance_m);

@@ -21,7 +21,7 @@ def main():
         took = []
         for _ in range(args.rounds):
             start = time.perf_counter()
-            subprocess.run([args.colift, *call], stdout=subprocess.DEVNULL, check=True)
+            subprocess.run([args.colift, *call], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True)
             took.append(1e3 * (time.perf_counter() - start))
         print(f"| `colift {' '.join(call)}` | {statistics.median(took):.0f} | {min(took):.0f} |")
 
