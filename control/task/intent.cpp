@@ -13,14 +13,14 @@ struct Words {
 };
 
 // in the order of Motion
-constexpr std::array<Words, 8> kWords{{{"approach", "the arm moves to the grasp"},
-                                       {"close", "the hand closes"},
-                                       {"lift", "lifts the object"},
-                                       {"lower", "lowers the object"},
-                                       {"open", "the hand opens"},
-                                       {"retreat", "the arm leaves the object and goes home"},
-                                       {"return", "the arm returns along its path"},
-                                       {"continue", "the arm continues"}}};
+constexpr std::array<Words, kMotions> kWords{{{"approach", "the arm moves to the grasp"},
+                                              {"close", "the hand closes"},
+                                              {"lift", "lifts the object"},
+                                              {"lower", "lowers the object"},
+                                              {"open", "the hand opens"},
+                                              {"retreat", "the arm leaves the object and goes home"},
+                                              {"return", "the arm returns along its path"},
+                                              {"continue", "the arm continues"}}};
 
 const Words& words_of(Motion motion) {
   return kWords[static_cast<std::size_t>(motion)];
@@ -34,14 +34,15 @@ std::string_view to_string(Motion motion) {
 
 bool IntentAnnouncer::may_begin(Motion motion, hal::Timestamp since_start) {
   if (lead_s_ <= 0.0) return true;
-  const bool known = announced_ == motion && hal::seconds(since_start - asked_at_) < kGivenUp_s;
-  asked_at_ = since_start;
+  Announced& announced = announced_[static_cast<std::size_t>(motion)];
+  const bool known = announced.ever && hal::seconds(since_start - announced.asked_at) < kGivenUp_s;
+  announced.asked_at = since_start;
   if (!known) {
-    announced_ = motion;
-    announced_at_ = since_start;
+    announced.ever = true;
+    announced.at = since_start;
     into_->push_back({since_start, motion, lead_s_, std::string(words_of(motion).says)});
   }
-  return hal::seconds(since_start - announced_at_) >= lead_s_;
+  return hal::seconds(since_start - announced.at) >= lead_s_;
 }
 
 void IntentAnnouncer::request(std::string says, hal::Timestamp since_start) {

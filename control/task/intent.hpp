@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -12,6 +14,7 @@ namespace colift::control {
 
 /// What begins to move after it has been announced.
 enum class Motion : std::uint8_t { Approach, Close, Lift, Lower, Open, Retreat, Return, Continue };
+inline constexpr std::size_t kMotions = 8;
 
 /// "approach", "close", ...
 [[nodiscard]] std::string_view to_string(Motion motion);
@@ -40,8 +43,13 @@ class IntentAnnouncer {
  private:
   double lead_s_;
   std::vector<Intent>* into_;
-  std::optional<Motion> announced_;
-  hal::Timestamp announced_at_{0}, asked_at_{0};
+  /// Each motion for itself: while one is announced, the arm may have to wait, and its continuation is
+  /// announced.
+  struct Announced {
+    bool ever = false;
+    hal::Timestamp at{0}, asked_at{0};
+  };
+  std::array<Announced, kMotions> announced_{};
 };
 
 }  // namespace colift::control

@@ -84,6 +84,7 @@ struct TaskContext {
 
   Task state = Task::Observe;
   hal::Timestamp now{0}, began{0}, since{0};  ///< Of the robot's clock; `since`: in this state.
+  bool arm_waits = false;                     ///< For somebody near it: it stands on its path.
   double waited_s = 0.0;  ///< Of the time in this state; a slowed arm's counts in proportion.
 
   /// The collision world without people, as the session's map has it; plans add those who are there.

@@ -85,6 +85,33 @@ TEST_CASE("who stays in the path: the lift ends safely, with the reason, and nob
   CHECK(entered_s(lift, Task::Close) < 0.0);
 }
 
+// The arm stops three times, the last time within the half second before the hand closes, whose announcement
+// must not keep that of the arm's continuation from being made.
+TEST_CASE("who steps in and out of the path three times is waited for, and the lift goes on") {
+  std::vector<Eigen::Vector2d> path{{0.3, -4.0}};
+  for (int i = 0; i < 3; ++i) path.insert(path.end(), {{0.3, -1.1}, {0.3, -4.0}});
+  const auto lift = lift_with(somebody(1.0, path, "walk", std::nullopt));
+  INFO(told(lift));
+  CHECK(lift.record.outcome == Result::Lifted);
+  CHECK(lift.record.monitor.stops == 3);
+  CHECK(lift.record.intents.size() < 20);
+  CHECK(lift.person_contacts == 0);
+}
+
+TEST_CASE("who steps in and out of the path again and again does not keep the arm for ever") {
+  control::Config config = control::run_defaults();
+  config.monitor.max_wait_s = 3.5;         // at a stretch, which he never stays
+  config.motion.velocity_fraction *= 0.2;  // so that he comes often enough
+  std::vector<Eigen::Vector2d> path{{0.5, -4.0}};
+  for (int i = 0; i < 12; ++i) path.insert(path.end(), {{0.5, -0.95}, {0.5, -4.0}});
+  const auto lift = lift_with(somebody(1.0, path, "walk", std::nullopt), config);
+  INFO(told(lift));
+  CHECK(lift.record.outcome == Result::Aborted);
+  CHECK(lift.record.reason.find("in all, for whoever came near again and again") != std::string::npos);
+  CHECK(lift.record.monitor.stops >= 3);
+  CHECK(lift.person_contacts == 0);
+}
+
 TEST_CASE("who runs in at 1.6 m/s meets an arm that is at rest") {
   sim_hal::ScenarioPerson runner = somebody(4.0, {{1.2, -2.5}, {0.6, -0.8}}, "stand", 10.0);
   runner.speed = 1.6;

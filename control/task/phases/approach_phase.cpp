@@ -7,11 +7,6 @@
 #include "hal/types/units.hpp"
 
 namespace colift::control {
-namespace {
-
-// the hand's state shows a command some cycles later: before, it may look as if it had ended already
-
-}  // namespace
 
 using perception::PartnerEvent;
 
@@ -63,8 +58,9 @@ std::optional<TaskEvent> ApproachPhase::approach() {
   if (c_.in_state_s() > limits.approach_timeout_factor * total_s / c_.config.task.slow_fraction +
                             limits.approach_timeout_margin_s)
     return TaskEvent{Event::TimeOut, "timeout: motion to the grasp"};
-  // announced while the last of the way is done
-  const bool near = leg_ == Leg::Straight && total_s - passed_s <= c_.config.task.intent_lead_s;
+  // announced while the last of the way is done, not while the arm stands on it
+  const bool near =
+      !c_.arm_waits && leg_ == Leg::Straight && total_s - passed_s <= c_.config.task.intent_lead_s;
   const bool may_close = near && c_.may_begin(Motion::Close);
   if (c_.readings.hand.moving || !c_.arm.done()) return std::nullopt;
   if (leg_ == Leg::Transit) {

@@ -154,7 +154,8 @@ std::optional<TaskEvent> TaskRunner::emergency(const JobHooks& hooks) const {
   if (c_.readings.camera_lost) return TaskEvent{Event::CameraLost, "the camera gives no picture"};
   if (auto obstructed = separation_.path_obstructed(); obstructed && next(c_.state, obstructed->event))
     return obstructed;
-  if (separation_.waited_too_long()) return TaskEvent{Event::StaysNear, separation_.reason()};
+  if (const std::string why = separation_.waited_too_long(); !why.empty())
+    return TaskEvent{Event::StaysNear, why};
   if (c_.state == Task::Pause && hooks.lower_confirmed && hooks.lower_confirmed())
     return TaskEvent{Event::LowerConfirmed, ""};
   const hal::HandState& hand = c_.readings.hand;

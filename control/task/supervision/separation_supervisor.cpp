@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kPeakOfMean = 1.875;      // of a minimum-jerk profile's speed: 15/8
 constexpr double kSampleEvery_s = 0.0666;  // of the curves
+constexpr double kWaitsInAll = 3.0;  // of a state, in longest waits: its own time limits wait with the arm
 
 hal::Vec3 flat(const hal::Vec3& v) {
   return {v.x(), v.y(), 0.0};
@@ -109,6 +110,7 @@ void SeparationSupervisor::request(double scale, std::string why) {
   scale_ = scale;
   reason_ = std::move(why);
   c_.arm.set_scale(scale_);
+  c_.arm_waits = holds();
   if (is_moving(c_.state)) c_.record.monitor.min_scale = std::min(c_.record.monitor.min_scale, scale_);
 }
 
@@ -278,8 +280,13 @@ void SeparationSupervisor::add_neighbour(Nearby who, std::span<const perception:
   near_.push_back(n);
 }
 
-bool SeparationSupervisor::waited_too_long() const {
-  return waited_s_ > c_.config.monitor.max_wait_s;
+std::string SeparationSupervisor::waited_too_long() const {
+  const double max_s = c_.config.monitor.max_wait_s;
+  if (waited_s_ > max_s) return reason_;
+  if (!is_moving(c_.state) || c_.waited_s <= kWaitsInAll * max_s) return "";
+  return fmt::format(
+      "{:.0f} s of waiting and of slowing down in all, for whoever came near again and again{}{}",
+      c_.waited_s, reason_.empty() ? "" : "; now ", reason_);
 }
 
 std::optional<TaskEvent> SeparationSupervisor::path_obstructed() const {

@@ -27,8 +27,9 @@ class SeparationSupervisor {
   [[nodiscard]] bool holds() const { return scale_ == 0.0; }
   /// Why the arm is slowed or stands; empty: it is not.
   [[nodiscard]] const std::string& reason() const { return reason_; }
-  /// It has stood for longer than MonitorConfig::max_wait_s at a stretch.
-  [[nodiscard]] bool waited_too_long() const;
+  /// Why it has waited too long: it stood for longer than MonitorConfig::max_wait_s at a stretch, or the
+  /// state has lost three times that in all to whoever comes near again and again. Empty: it has not.
+  [[nodiscard]] std::string waited_too_long() const;
   /// Set when somebody or something has been in the path for so long that another path is to be planned.
   [[nodiscard]] std::optional<TaskEvent> path_obstructed() const;
   /// For page, record and report.

@@ -37,6 +37,19 @@ TEST_CASE("a motion that was given up is announced again, and one does not stand
   CHECK(said.size() == 3);
 }
 
+TEST_CASE(
+    "two motions that are asked for in turn both begin: the arm waits while the hand is about to close") {
+  std::vector<Intent> said;
+  IntentAnnouncer announcer(0.5, said);
+  for (hal::Timestamp t = 0ms; t < 500ms; t += 4ms) {
+    CHECK_FALSE(announcer.may_begin(Motion::Continue, t));
+    CHECK_FALSE(announcer.may_begin(Motion::Close, t));
+  }
+  CHECK(announcer.may_begin(Motion::Continue, 500ms));
+  CHECK(announcer.may_begin(Motion::Close, 500ms));
+  CHECK(said.size() == 2);
+}
+
 TEST_CASE("without a lead nothing is announced and nothing waits") {
   std::vector<Intent> said;
   IntentAnnouncer announcer(0.0, said);
