@@ -1,4 +1,5 @@
 // The program as a user starts it, seen by the other implementation.
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -83,13 +84,19 @@ TEST_CASE("a run has no socket that other machines reach", "[dds][run]") {
     return colift("run --json --dry-run --ros2 --speed 2 --ros2-domain " + std::to_string(test_domain()) +
                   " 2>&1");
   });
+  const auto tied = [](const std::string& socket) {
+    return socket.find("%lo:") != std::string::npos || socket.find(" 127.") != std::string::npos;
+  };
+  // Cyclone DDS has made its sockets when they are tied to the device: for a moment they are there and are
+  // not
   std::vector<std::string> sockets;
-  while (sockets.size() < 3 && running.wait_for(20ms) != std::future_status::ready)
+  while ((sockets.size() < 3 || !std::all_of(sockets.begin(), sockets.end(), tied)) &&
+         running.wait_for(20ms) != std::future_status::ready)
     sockets = sockets_of("colift-run");
   CHECK(sockets.size() >= 3);
   for (const std::string& socket : sockets) {
     INFO(socket);
-    CHECK((socket.find("%lo:") != std::string::npos || socket.find(" 127.") != std::string::npos));
+    CHECK(tied(socket));
   }
   CHECK(running.get().code == 0);
 }

@@ -332,8 +332,10 @@ TEST_CASE("every command is there, whichever program has it", "[program]") {
 TEST_CASE("a command whose program was not built yet says which and who builds it", "[program]") {
   const auto alone = scratch() / "alone";
   std::filesystem::create_directories(alone);
-  std::filesystem::copy_file(COLIFT_PROGRAM, alone / "colift",
-                             std::filesystem::copy_options::overwrite_existing);
+  const std::filesystem::path program = COLIFT_PROGRAM;
+  for (const char* name : {"colift", "colift-simulate"})
+    std::filesystem::copy_file(program.parent_path() / name, alone / name,
+                               std::filesystem::copy_options::overwrite_existing);
   const Run r = story::run_program(alone / "colift", "log info some.mcap");
   CHECK(r.code == 4);
   CHECK_THAT(r.err, Catch::Contains("colift-log is not there yet; tools/build builds it"));
