@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "hal/types/add_bits.hpp"
 #include "perception/self_filter_rows.hpp"
 
 // In inverse depth w = 1 / z along the ray (x, y, 1) of a pixel a half space is w above or below a linear
@@ -295,15 +296,15 @@ struct SelfFilter::Impl {
       std::copy(row + in.u_begin, row + in.u_end, out + in.u_begin);
       for (int shift = 1; shift <= px; ++shift) {
         const int n = in.u_end - in.u_begin - shift;
-        add_bits(row + in.u_begin, n, out + in.u_begin + shift);
-        add_bits(row + in.u_begin + shift, n, out + in.u_begin);
+        hal::add_bits(row + in.u_begin, n, out + in.u_begin + shift);
+        hal::add_bits(row + in.u_begin + shift, n, out + in.u_begin);
       }
     }
     for (int v = in.v_begin; v < in.v_end; ++v) {
       std::fill(band.begin() + in.u_begin, band.begin() + in.u_end, std::uint8_t{0});
       const int last = std::min(v + px, in.v_end - 1);
       for (int y = std::max(v - px, in.v_begin); y <= last; ++y)
-        add_bits(&wide[at(in.u_begin, y)], in.u_end - in.u_begin, band.data() + in.u_begin);
+        hal::add_bits(&wide[at(in.u_begin, y)], in.u_end - in.u_begin, band.data() + in.u_begin);
       std::uint8_t* const row = &mask[at(0, v)];
       for_each_marked(band.data(), in.u_begin, in.u_end, [&](int u) {
         if (row[u] == 0 && alone(depth_m, u, v)) row[u] = 2;

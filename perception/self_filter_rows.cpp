@@ -55,8 +55,4 @@ COLIFT_ALSO_AVX2 void narrow(const std::int32_t* __restrict from, int n, std::ui
   for (int u = 0; u < n; ++u) to[u] = static_cast<std::uint8_t>(from[u]);
 }
 
-COLIFT_ALSO_AVX2 void add_bits(const std::uint8_t* __restrict from, int n, std::uint8_t* __restrict to) {
-  for (int u = 0; u < n; ++u) to[u] |= from[u];
-}
-
 }  // namespace colift::perception::self_filter

@@ -25,8 +25,8 @@ struct RowOfRound {
 /// 1 where that holds and the round body is met between them.
 void hit_round(const float* x, const float* low, const float* high, const RowOfRound& r, std::size_t n,
                std::int32_t* hit);
+/// to[i] = from[i], which are 0 or 1.
 void narrow(const std::int32_t* from, int n, std::uint8_t* to);
-void add_bits(const std::uint8_t* from, int n, std::uint8_t* to);
 
 /// f(u) for every place of [begin, end) where a row is not 0; mostly it is.
 template <class F>

@@ -46,24 +46,21 @@ struct RowOfCells {
   /// The image is a convex cone, so what a row has in it is in one piece. A cell more on either side stands
   /// for rounding: whoever asks looks at the pixel.
   void clip(const hal::CameraIntrinsics& k, const Eigen::Vector3f& first_C, const Eigen::Vector3f& step_C) {
-    float from = 0.0f, to = static_cast<float>(u.size());
-    const auto keep = [&](const Eigen::Vector3f& inward) {  // where inward . p >= 0
-      const float here = inward.dot(first_C), slope = inward.dot(step_C);
-      const float zero = -here / slope;
-      if (slope > 0.0f && zero == zero) from = std::max(from, zero);
-      if (slope < 0.0f && zero == zero) to = std::min(to, zero);
-      if (slope == 0.0f && here < 0.0f) to = -2.0f;
+    const auto n = static_cast<double>(u.size());
+    double from = 0.0, to = n;
+    const auto keep = [&](const hal::Vec3& inward) {  // where inward . p >= 0
+      const double here = inward.dot(first_C.cast<double>()), slope = inward.dot(step_C.cast<double>());
+      if (slope > 0.0) from = std::max(from, -here / slope);
+      if (slope < 0.0) to = std::min(to, -here / slope);
+      if (slope == 0.0 && here < 0.0) to = -2.0;
     };
-    const auto fx = static_cast<float>(k.fx), fy = static_cast<float>(k.fy);
-    const auto left = static_cast<float>(k.cx + 0.5), top = static_cast<float>(k.cy + 0.5);
-    const float right = static_cast<float>(k.width) - left, low = static_cast<float>(k.height) - top;
-    keep({fx, 0.0f, left});
-    keep({-fx, 0.0f, right});
-    keep({0.0f, fy, top});
-    keep({0.0f, -fy, low});
-    const auto n = static_cast<float>(u.size());
-    begin = static_cast<int>(std::clamp(std::floor(from) - 1.0f, 0.0f, n));
-    end = static_cast<int>(std::clamp(std::ceil(to) + 2.0f, 0.0f, n));
+    const double left = k.cx + 0.5, top = k.cy + 0.5;
+    keep({k.fx, 0.0, left});
+    keep({-k.fx, 0.0, k.width - left});
+    keep({0.0, k.fy, top});
+    keep({0.0, -k.fy, k.height - top});
+    begin = static_cast<int>(std::clamp(std::floor(from) - 1.0, 0.0, n));
+    end = static_cast<int>(std::clamp(std::ceil(to) + 2.0, 0.0, n));
   }
 
   void project(const hal::CameraIntrinsics& k, const Eigen::Vector3f& first_C,

@@ -15,8 +15,8 @@ namespace colift::tools {
 
 class WiredDevices;
 
-// What a run can have beyond the simulated rig. `colift-simulate` is built without it, so that a first lift is
-// compiled in minutes; `colift-run` has all of it and is started where one of its options is given.
+// What a run can have beyond the simulated rig. `colift-simulate` is built without it, so that a first lift
+// is compiled in minutes; `colift-run` has all of it and is started where one of its options is given.
 
 /// The live view of one run, or of a recording that is played.
 class LiveView {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstring>
 
+#include "hal/types/add_bits.hpp"
 #include "hal/types/avx2.hpp"
 
 // The distance transform is separable: along x, then y, then z, each value is the least of its neighbours'
@@ -14,10 +15,6 @@
 
 namespace colift::planner {
 namespace {
-
-COLIFT_ALSO_AVX2 void add_bits(const std::uint8_t* __restrict from, int n, std::uint8_t* __restrict to) {
-  for (int i = 0; i < n; ++i) to[i] |= from[i];
-}
 
 /// What is taken together along a row: 32 values of one byte each while the square of the reach fits, else 16
 /// of two. Vectors go by reference: by value their registers would depend on the processor.
@@ -126,8 +123,8 @@ class Transform {
         if (holds_something_[static_cast<std::size_t>(row)] == 0) continue;
         any = true;
         const std::uint8_t* cell = is_obstacle_ + static_cast<std::ptrdiff_t>(row) * cells_.nx;
-        add_bits(cell, cells_.nx, of_row.data());
-        add_bits(cell, cells_.nx, of_row.data() + 1);
+        hal::add_bits(cell, cells_.nx, of_row.data());
+        hal::add_bits(cell, cells_.nx, of_row.data() + 1);
       }
     return any;
   }
