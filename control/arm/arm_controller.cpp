@@ -24,6 +24,11 @@ ArmController::ArmController(const hal::RobotModel& model, const planner::ArmGeo
     : setpoints_(model, task, limits),
       load_(model, load),
       lift_(model, arm, task),
+      palm_(model, task.lift.cartesian, task.stiffness_nm_rad, limits.superposed_nm,
+            limits.torque_slope_nm_s),
+      palm_springs_(task.lift.control == "cartesian_impedance"),
+      energy_allowed_j_(task.max_load_n * task.lift_height_m + task.lift.energy_margin_j),
+      energy_band_j_(task.lift.energy_band_j),
       force_(model, force),
       yield_(force),
       stiffness_nm_rad_(task.stiffness_nm_rad),
@@ -78,6 +83,12 @@ void ArmController::take(const ArmRequest& request) {
       break;
     case Kind::Unload:
       setpoints_.superpose(hal::JointVector::Zero());
+      // soft sideways, the palm may stand beside its set point: stiff springs would throw the empty hand
+      // there
+      if (palm_.weight() > 0.0 && view_.state.q_rad.allFinite())
+        setpoints_.servo(view_.state.q_rad, hal::JointVector::Zero());
+      palm_.engage(false);
+      energy_.close();
       break;
     case Kind::StartTare:
       load_.start_tare();
@@ -90,6 +101,8 @@ void ArmController::take(const ArmRequest& request) {
       start_lift_time();
       view_.end_of_reach = false;
       lift_.start(setpoints_.commanded());
+      palm_.engage(palm_springs_);
+      energy_.fill(energy_allowed_j_);
       lift_.lift(request.role, request.number, request.time_s);
       break;
     case Kind::RaiseOn:
@@ -155,7 +168,10 @@ void ArmController::monitor_force() {
   const bool in_contact = yielding_ || setpoints_.blocked();
   force_.update(view_.state, monitor_time_.step_s(), setpoints_.follows_trajectory(), in_contact);
   if (force_.quiet() && !in_contact && setpoints_.running() && setpoints_.at_rest())
-    yield_.rest(view_.state.q_rad, setpoints_.commanded(), setpoints_.stiffness(), monitor_time_.step_s());
+    yield_.rest(palm_.weight() > 0.0
+                    ? palm_.spring_nm()
+                    : hal::JointVector(setpoints_.stiffness() * (setpoints_.commanded() - view_.state.q_rad)),
+                monitor_time_.step_s());
   // in the cycle in which it is felt; what follows from it, the task decides
   if (force_.finding() && !yielding_) start_yield();
 }
@@ -205,7 +221,8 @@ void ArmController::serve_lift() {
     lift_starts_ = setpoints_.starts();
     lift_.restart(setpoints_.commanded());
   }
-  const auto command = lift_.step(dt_s, load_.wrench_W(), setpoints_.pace());
+  const double energy_scale = lift_.rises() ? energy_.speed_scale(energy_band_j_) : 1.0;
+  const auto command = lift_.step(dt_s, load_.wrench_W(), energy_scale * setpoints_.pace());
   view_.end_of_reach = !command;
   if (command) setpoints_.servo(command->q_rad, command->tau_superposed_nm);
 }
@@ -215,11 +232,26 @@ std::optional<hal::ImpedanceCommand> ArmController::command() {
   monitor_force();
   serve_lift();
   serve_yield();
-  const hal::ImpedanceCommand command = setpoints_.step(view_.state);
+  const hal::ImpedanceCommand joints = setpoints_.step(view_.state);
+  const hal::ImpedanceCommand command = with_palm_springs(joints);
   // a contact stops the trajectory in the cycle in which it is felt; what follows from it, the task decides
   if (setpoints_.blocked() && !stopped_by_contact_) setpoints_.hold();
   stopped_by_contact_ = setpoints_.blocked();
   if (!view_.state.may_command) return std::nullopt;
+  return command;
+}
+
+hal::ImpedanceCommand ArmController::with_palm_springs(const hal::ImpedanceCommand& joints) {
+  if (palm_starts_ != setpoints_.starts()) {
+    palm_.reset();
+    energy_.interrupt();
+  }
+  palm_starts_ = setpoints_.starts();
+  const hal::JointVector& q_rad = view_.state.q_rad;
+  const hal::ImpedanceCommand command = palm_.apply(q_rad, joints, monitor_time_.step_s());
+  const hal::JointVector torque_nm =
+      command.stiffness_nm_rad.cwiseProduct(command.q_rad - q_rad) + command.tau_superposed_nm;
+  energy_.update(q_rad, torque_nm, palm_.stored_j());
   return command;
 }
 
@@ -245,6 +277,10 @@ const ArmView& ArmController::view() {
   view_.height_m = lift_.height_m();
   view_.lift_at_rest = lift_.at_rest();
   view_.role = lift_.role();
+  if (energy_.open()) {
+    view_.energy_j = energy_.level_j();
+    view_.min_energy_j = energy_.min_level_j();
+  }
   return view_;
 }
 

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
 
 #include "control/arm/setpoint_generator.hpp"
 #include "control/arm/yield_law.hpp"
+#include "control/lift/cartesian_impedance.hpp"
+#include "control/lift/energy_tank.hpp"
 #include "control/lift/lift_controller.hpp"
 #include "control/lift/load_estimator.hpp"
 #include "control/monitor/force_monitor.hpp"
@@ -79,6 +82,7 @@ struct ArmView {
   double height_m = 0.0;
   bool lift_at_rest = false, end_of_reach = false;
   LiftController::Role role = LiftController::Role::Lead;
+  double energy_j = NAN, min_energy_j = NAN;  ///< EnergyTank, since the lift began; NaN before one.
 
   // of the link
   std::uint64_t cycles = 0, missed = 0;  ///< Since the start.
@@ -122,6 +126,8 @@ class ArmController {
   /// Continues a lift that was paused, from where the arm stands.
   void continue_lift();
   void monitor_force();
+  /// Makes the palm's springs of the joints' and counts what they give.
+  [[nodiscard]] hal::ImpedanceCommand with_palm_springs(const hal::ImpedanceCommand& joints);
   void start_yield();
   void end_yield();
   /// An arm that is pushed farther than the band follows: it does not spring back.
@@ -130,6 +136,11 @@ class ArmController {
   SetpointGenerator setpoints_;
   LoadEstimator load_;
   LiftController lift_;
+  CartesianImpedance palm_;
+  bool palm_springs_;  ///< The palm's impedance while it carries, not the joints'.
+  std::uint32_t palm_starts_ = 0;
+  EnergyTank energy_;
+  double energy_allowed_j_, energy_band_j_;
   ForceMonitor force_;
   YieldLaw yield_;
   double stiffness_nm_rad_, yield_stiffness_nm_rad_, yield_slope_nm_rad_s_;

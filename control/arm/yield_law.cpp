@@ -13,10 +13,8 @@ YieldLaw::YieldLaw(const ForceMonitorConfig& config)
       max_held_nm_(config.yield_max_held_nm),
       still_rad_s_(config.yield_still_rad_s) {}
 
-void YieldLaw::rest(const hal::JointVector& q_rad, const hal::JointVector& commanded_rad,
-                    double stiffness_nm_rad, double dt_s) {
-  if (!q_rad.allFinite() || dt_s <= 0.0) return;
-  const hal::JointVector spring_nm = stiffness_nm_rad * (commanded_rad - q_rad);
+void YieldLaw::rest(const hal::JointVector& spring_nm, double dt_s) {
+  if (!spring_nm.allFinite() || dt_s <= 0.0) return;
   held_nm_ += std::min(1.0, dt_s / rest_s_) * (spring_nm - held_nm_);
   held_nm_ = held_nm_.cwiseMax(-max_held_nm_).cwiseMin(max_held_nm_);
 }

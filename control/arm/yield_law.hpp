@@ -15,8 +15,7 @@ class YieldLaw {
 
   /// A cycle in which nothing unexpected is felt: learns what the springs hold (a load that is not
   /// superposed), which has to be superposed before they become soft.
-  void rest(const hal::JointVector& q_rad, const hal::JointVector& commanded_rad, double stiffness_nm_rad,
-            double dt_s);
+  void rest(const hal::JointVector& spring_nm, double dt_s);
   [[nodiscard]] const hal::JointVector& held_nm() const { return held_nm_; }
 
   /// One cycle of a push. `pressed`: more than a limit is felt now. \return Set point (rad).

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+
+#include "control/config/cartesian_config.hpp"
 #include "control/config/let_go_config.hpp"
 #include "hal/config/range.hpp"
 
@@ -145,6 +148,10 @@ struct LiftMotionConfig {
   double follow_acceleration_m_s2 = 0.4;
   double tested_speed_m_s = 0.005;
   double leader_rise_m = 0.008;
+  std::string control = "joint_impedance";
+  CartesianConfig cartesian;
+  double energy_margin_j = 3.0;
+  double energy_band_j = 0.5;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -161,6 +168,16 @@ struct LiftMotionConfig {
       "Max mean speed of the lift after a test lift (m/s).");
     v("leader_rise_m", leader_rise_m, hal::Range{0.001, 0.1},
       "The partner leads when his end is higher than the palm by this (m).");
+    v("control", control, hal::Choices{"joint_impedance", "cartesian_impedance"},
+      "Impedance of the arm while it carries: of its joints, or of the palm (stiff along gravity and in "
+      "tilt, "
+      "soft sideways).");
+    v("cartesian", cartesian, "The palm's impedance.");
+    v("energy_margin_j", energy_margin_j, hal::Range{0, 100},
+      "Energy that the arm may put into object and people beside what lifts max_load_n by lift_height_m; who "
+      "has put in all of it lowers the object (J).");
+    v("energy_band_j", energy_band_j, hal::Range{0, 10},
+      "Over the last of it the palm rises ever more slowly (J).");
   }
 };
 

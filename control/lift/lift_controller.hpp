@@ -48,6 +48,7 @@ class LiftController {
 
   [[nodiscard]] double height_m() const { return height_m_; }  ///< Commanded, over where the hand closed.
   [[nodiscard]] bool at_rest() const;                          ///< The commanded height has reached its goal.
+  [[nodiscard]] bool rises() const { return to_m_ > height_m_; }
   [[nodiscard]] Role role() const { return role_; }
 
  private:

@@ -89,6 +89,11 @@ std::optional<TaskEvent> ObjectMonitor::beyond_limits() const {
   if (const double load_n = c_.arm.view().load_n; load_n > task.max_load_n)
     return TaskEvent{Event::LimitReached, fmt::format("the load of {:.0f} N is above the limit of {:.0f} N",
                                                       load_n, task.max_load_n)};
+  if (const double left_j = c_.arm.view().energy_j; left_j <= 0.0)
+    return TaskEvent{Event::LimitReached,
+                     fmt::format("the arm has put {:.1f} J into the object and whoever holds it, all that a "
+                                 "lift may take",
+                                 task.max_load_n * task.lift_height_m + task.lift.energy_margin_j - left_j)};
   if (hal::seconds(c_.now - partner_bears_at_) > task.carry.settle_s)
     return TaskEvent{Event::LimitReached,
                      fmt::format("the partner bears about {:.0f} N by the measured load (limit {:.0f} N)",

@@ -31,6 +31,13 @@ bool earlier(const PartnerScriptEvent& a, const PartnerScriptEvent& b) {
   return a.at_s < b.at_s;
 }
 
+/// Where an event goes to; `away` is from the object's middle.
+Vec3 direction_of(const PartnerScriptEvent& event, Vec3 away) {
+  away.z() = 0.0;
+  const Vec3 direction = event.direction.value_or(away);
+  return direction.norm() > 0.0 ? Vec3(direction.normalized()) : Vec3(Vec3::Zero());
+}
+
 Vec3 at_most(const Vec3& v, double length) {
   const double n = v.norm();
   return n > length ? Vec3(v * (length / n)) : v;
@@ -78,6 +85,10 @@ void SimPartner::do_events(double t_s) {
       stumbles_ = event;
       continue;
     }
+    if (event.action == "sway") {
+      sways_ = event;
+      continue;
+    }
     if (event.action == "second-hand") {
       second_ = event;
       second_start_W_.reset();
@@ -101,9 +112,13 @@ std::optional<Vec3> SimPartner::second_hand(double t_s) const {
 // a pull at the hand that holds, beyond what he means to do
 Vec3 SimPartner::stumble_n(const PartnerView& view, const Vec3& at_W) const {
   if (!stumbles_ || view.t_s >= stumbles_->at_s + stumbles_->for_s) return Vec3::Zero();
-  Vec3 direction = stumbles_->direction.value_or(at_W - view.X_WT.translation());
-  if (!stumbles_->direction) direction.z() = 0.0;
-  return direction.norm() > 0.0 ? Vec3(stumbles_->force_n * direction.normalized()) : Vec3(Vec3::Zero());
+  return stumbles_->force_n * direction_of(*stumbles_, at_W - view.X_WT.translation());
+}
+
+Vec3 SimPartner::sway_m(const PartnerView& view, const Vec3& at_W) const {
+  if (!sways_ || view.t_s >= sways_->at_s + sways_->for_s) return Vec3::Zero();
+  const double there = std::sin(std::numbers::pi * (view.t_s - sways_->at_s) / sways_->for_s);
+  return there * there * sways_->by_m * direction_of(*sways_, at_W - view.X_WT.translation());
 }
 
 // as stiff as the first one, and with it
@@ -224,7 +239,8 @@ std::optional<SimPartner::Action> SimPartner::tick(const PartnerView& view) {
   }
   seen = now;
 
-  const Vec3 request_W = grip_.start_W + Vec3(0.0, 0.0, grip_.request_m) + tremor(view.t_s);
+  Vec3 request_W = grip_.start_W + Vec3(0.0, 0.0, grip_.request_m) + tremor(view.t_s);
+  if (sways_) request_W += sway_m(view, at_W);
   const Vec3 stiffness(kSide_n_m, kSide_n_m, kUp_n_m);
   const Vec3 v_W = view.v_W + view.w_W.cross(at_W - view.X_WT.translation());
   Action action;

@@ -82,6 +82,7 @@ class SimPartner {
   void do_events(double t_s);
   bool lower_confirmed_ = false;
   [[nodiscard]] Vec3 stumble_n(const PartnerView& view, const Vec3& at_W) const;
+  [[nodiscard]] Vec3 sway_m(const PartnerView& view, const Vec3& at_W) const;
   void add_second_hand(const PartnerView& view, Action& action);
   [[nodiscard]] std::optional<std::size_t> holding(double t_s) const;
   void take_hold(std::size_t hold, const PartnerView& view);
@@ -94,7 +95,7 @@ class SimPartner {
   std::vector<PartnerHold> holds_;
   std::vector<PartnerScriptEvent> coming_;  ///< In the order of time; those of states not yet entered aside.
   std::vector<PartnerScriptEvent> waiting_;
-  std::optional<PartnerScriptEvent> stumbles_, second_;
+  std::optional<PartnerScriptEvent> stumbles_, sways_, second_;
   std::optional<Vec3> second_start_W_;
   std::array<double, 3> tremor_hz_{}, tremor_rad_{};
   Grip grip_;

@@ -271,12 +271,14 @@ class Checker {
         return refuse(path, path + ".to is missing, expected a list of 3 numbers: where he grasps");
       if (!places && e.to)
         return refuse(path + ".to", path + ".to belongs to do: move, but found do: " + e.action);
-      for (const auto& [given, key] :
-           {std::pair{e.force.has_value(), ".force"}, std::pair{e.for_s.has_value(), ".for_s"},
-            std::pair{e.direction.has_value(), ".direction"}})
-        if (given && e.action != "stumble")
-          return refuse(path + key,
-                        fmt::format("{}{} belongs to do: stumble, but found do: {}", path, key, e.action));
+      const bool pulls = e.action == "stumble", sways = e.action == "sway", either = pulls || sways;
+      for (const auto& [misplaced, key, owner] :
+           {std::tuple{e.force && !pulls, ".force", "stumble"}, std::tuple{e.by && !sways, ".by", "sway"},
+            std::tuple{e.for_s && !either, ".for_s", "stumble or sway"},
+            std::tuple{e.direction && !either, ".direction", "stumble or sway"}}) {
+        if (!misplaced) continue;
+        return refuse(path + key, path + key + " belongs to do: " + owner + ", but found do: " + e.action);
+      }
       if (file_.partner.kind == "none")
         return refuse(path, path + " is given, but partner.kind is none: nobody is there to do it");
     }
@@ -351,20 +353,18 @@ Scenario scenario_of(const ScenarioBlock& file) {
     for (const MoveBlock& m : c.moves) s.clutter.back().moves.push_back({m.at_s, m.to, m.speed});
   }
   s.camera = {file.camera.xyz, file.camera.look_at, file.camera.noise};
-  s.partner.kind = file.partner.kind;
-  s.partner.grasp = file.partner.grasp;
-  s.partner.arrives_s = file.partner.arrives_s;
-  s.partner.obliging = file.partner.obliging;
+  s.partner = {file.partner.kind, file.partner.grasp, file.partner.arrives_s, file.partner.obliging, {}};
   for (const EventBlock& e : file.partner.events) {
     PartnerScriptEvent event{e.at_s.value_or(0.0), e.action, e.to};
     if (const auto relative = parse_relative(e.at)) std::tie(event.in_state, event.at_s) = *relative;
     event.force_n = e.force.value_or(event.force_n);
-    event.for_s = e.for_s.value_or(event.for_s);
+    event.for_s = e.for_s.value_or(e.action == "sway" ? kSway_s : event.for_s);
+    event.by_m = e.by.value_or(event.by_m);
     event.direction = e.direction;
     s.partner.events.push_back(std::move(event));
   }
   s.task = {file.task.kind, file.task.height, file.task.hold_s};
-  for (const PersonBlock& p : file.people) s.people.push_back(person_of(p));
+  for (const PersonBlock& person : file.people) s.people.push_back(person_of(person));
   for (const FaultBlock& f : file.faults) {
     DeviceFaultEvent event{f.at_s.value_or(0.0), f.device, f.action, f.for_s};
     if (const auto relative = parse_relative(f.at)) std::tie(event.in_state, event.at_s) = *relative;

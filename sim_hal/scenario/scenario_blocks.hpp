@@ -116,22 +116,26 @@ struct CameraBlock {
   }
 };
 
+inline constexpr double kSway_s = 2.0;  // for_s of a sway, where the file has none
+
 struct EventBlock {
   std::optional<double> at_s;
   std::string at, action;
   std::optional<Vec3> to, direction;
-  std::optional<double> force, for_s;
+  std::optional<double> force, for_s, by;
 
   template <class Visitor>
   void visit(Visitor& v) {
     v("at_s", at_s, kTime_s, "When (s).");
     v("at", at, "When: state of the task and seconds since it was first entered, lift+0.7.");
-    v("do", action, hal::Choices{"let-go", "move", "stumble", "steps-aside", "second-hand", "confirm-lower"},
+    v("do", action,
+      hal::Choices{"let-go", "move", "stumble", "sway", "steps-aside", "second-hand", "confirm-lower"},
       "What the partner does.", hal::Presence::Required);
     v("to", to, kPlace_m, "Where he grasps, in the object frame (m).");
     v("force", force, kForce_n, "Pull of a stumble (N).");
-    v("for_s", for_s, kTime_s, "How long it lasts (s).");
-    v("direction", direction, kPlace_m, "Where it pulls, in the robot base frame.");
+    v("for_s", for_s, kTime_s, "How long a stumble or a sway lasts (s).");
+    v("direction", direction, kPlace_m, "Where he pulls or sways to, in the robot base frame.");
+    v("by", by, hal::Range{0, 0.2}, "How far his hand sways (m).");
   }
 };
 

@@ -1,4 +1,4 @@
-// Both files of a calibration: the samples' and the result's.
+// The files of calibrations: of a camera the samples' and the result's, of a hand its scales.
 
 #include <cmath>
 #include <cstdint>
@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "hal/drivers/barrett_can/calibration/hand_calibration.hpp"
 #include "hal/robot_model/robot_model.hpp"
 #include "perception/calibration/calibration_file.hpp"
 #include "perception/calibration/sample_folder.hpp"
@@ -48,6 +49,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (const auto file = perception::parse_calibration(text, "input.yaml")) {
     demand(file->X_BC().matrix().allFinite(), "an accepted camera is nowhere");
     demand(file->covariance.empty() || file->covariance.size() == 81, "half a covariance");
+  } else {
+    demand_place(file.error());
+  }
+  if (const auto file = hal::parse_hand_calibration(text, "input.yaml")) {
+    const auto again = hal::parse_hand_calibration(text_of(*file), "input.yaml");
+    demand(again && again->pucks.size() == file->pucks.size(), "a file that is not read as it was written");
   } else {
     demand_place(file.error());
   }

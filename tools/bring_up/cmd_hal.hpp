@@ -31,6 +31,9 @@ struct HalOptions {
   std::string finger;                 ///< "F2".
   double value = 0.0;                 ///< Of finger, step (deg), velocity (deg/s), torque (N m).
   double torque_nm = 0.5;
+  std::vector<double> torques_nm;                ///< Of calibrate: that a person applies.
+  bool press = false;                            ///< The finger presses by itself, too.
+  std::optional<double> pause_s;                 ///< Steps begin by themselves, so long after they were said.
   std::optional<std::filesystem::path> bus_log;  ///< Where the bus's frames are logged.
   std::filesystem::path replay;                  ///< A log that is played.
 };

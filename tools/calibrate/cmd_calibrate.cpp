@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <string>
 
 #include "perception/calibration/calibration_file.hpp"
@@ -11,6 +10,7 @@
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/numbers.hpp"
 #include "tools/cli/session.hpp"
+#include "tools/cli/today.hpp"
 #include "tools/rig/wired_devices.hpp"
 #include "tools/visualization/file_output.hpp"
 
@@ -20,15 +20,6 @@ namespace {
 using hal::ErrorCode;
 
 constexpr std::uint64_t kNextSeed = 7001;  // other candidates than the poses were chosen from
-
-std::string today() {
-  const std::time_t now = std::time(nullptr);
-  char text[32] = "";
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text;
-}
 
 /// Samples, and what is known beyond them.
 struct Taken {

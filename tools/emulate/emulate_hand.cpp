@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -32,6 +33,10 @@ hal::Result<> check_options(const EmulateHandOptions& o) {
     return bad_option("--width", "a simulated world has its own object; expected --plant light");
   if (o.firmware < 132 || o.firmware > 999)
     return bad_option("--firmware", fmt::format("{} is not emulated; expected 132 to 999", o.firmware));
+  const auto usual = [](double scale) { return scale >= 0.2 && scale <= 5.0; };
+  if (!o.gauges.empty() &&
+      (o.gauges.size() != sim_hal::kHandFingers || !std::all_of(o.gauges.begin(), o.gauges.end(), usual)))
+    return bad_option("--gauges", "expected three scales from 0.2 to 5, of F1, F2 and F3");
   if (o.group < 0 || o.group > 31)
     return bad_option("--group", fmt::format("{} is no group; expected 0 to 31", o.group));
   return {};
@@ -43,6 +48,7 @@ hal::Result<sim_hal::HandEmulatorConfig> emulator_config(const EmulateHandOption
   config.puck.awake = o.awake;
   config.puck.firmware = o.firmware;
   config.puck.group_c = o.group;
+  std::copy(o.gauges.begin(), o.gauges.end(), config.puck.strain_scale.begin());
   config.seed = o.common.seed;
   auto faults = sim_hal::faults_of("hand", scenario.faults, o.common.faults, sim_hal::hand_fault,
                                    sim_hal::parse_hand_fault);

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "sim_hal/emulator/hand/hand_server.hpp"
 #include "tools/emulate/emulate.hpp"
@@ -15,7 +16,8 @@ struct EmulateHandOptions {
   std::optional<double> width_m;  ///< Of an object between the fingers of the light plant.
   bool awake = false;             ///< The pucks were woken before and know their zero.
   int firmware = 200;
-  int group = 5;  ///< Third group of every puck; 8 in hands of 2010.
+  std::vector<double> gauges;  ///< Of F1 to F3: true torque over that of the maker's curve; empty: 1.
+  int group = 5;               ///< Third group of every puck; 8 in hands of 2010.
 };
 
 /// The document colift.emulate/1 of a hand.

@@ -14,7 +14,8 @@ const std::vector<Experiment>& all_experiments() {
       complex_experiment(),     robust_experiment(),     wrong_cog_experiment(), slip_experiment(),
       tasks_experiment(),       agents_experiment(),     let_go_experiment(),    people_experiment(),
       false_stops_experiment(), faults_experiment(),     stalls_experiment(),    share_experiment(),
-      mass_experiment(),        lift_alone_experiment(), rooms_experiment(),     imperfect_experiment()};
+      mass_experiment(),        lift_alone_experiment(), rooms_experiment(),     imperfect_experiment(),
+      impedance_experiment()};
   return all;
 }
 

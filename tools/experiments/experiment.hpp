@@ -99,5 +99,6 @@ struct Experiment {
 [[nodiscard]] Experiment lift_alone_experiment();
 [[nodiscard]] Experiment rooms_experiment();
 [[nodiscard]] Experiment imperfect_experiment();
+[[nodiscard]] Experiment impedance_experiment();
 
 }  // namespace colift::experiments

@@ -128,6 +128,27 @@ void add_hal_hand(CommandLine& line, CLI::App& hand, HalOptions& o) {
   CLI::App& grip = add_verb(hand, "grip", "Closes on an object and monitors the grip", o, line);
   torque(grip);
   for_s(grip, "Duration (default 5)");
+  CLI::App& calibrate =
+      add_verb(hand, "calibrate",
+               "Measures a finger's strain gauge with known torques, and what its motor gives", o, line);
+  calibrate.add_option("FINGER", o.finger, "F1, F2 or F3")->required();
+  calibrate
+      .add_option(
+          "--torques", o.torques_nm,
+          "N m that a person applies about the outer joint, rising, at least two (default 0.2,0.4,0.6)")
+      ->type_name("NM,NM,..")
+      ->delimiter(',');
+  calibrate.add_flag(
+      "--press", o.press,
+      "Then the finger closes onto something rigid with rising torque, up to move_torque_units");
+  calibrate.add_option("--pause", o.pause_s, "Each step begins by itself so long after it was said")
+      ->type_name("S");
+  calibrate
+      .add_option("--out", o.out,
+                  "Kept by the puck's serial number, for calibration_file: of a robot file; a file "
+                  "that exists keeps its other pucks")
+      ->type_name("FILE.yaml");
+  yes(calibrate);
   for (CLI::App* verb : hand.get_subcommands({}))
     verb->add_option("--bus-log", o.bus_log, "Logs every frame of the bus (candump -L -x), for replay")
         ->type_name("FILE");

@@ -61,6 +61,10 @@ void add_emulate_hand(CLI::App& command, EmulateHandOptions& o) {
       ->type_name("M");
   command.add_flag("--awake", o.awake, "The pucks were woken before and know their zero");
   command.add_option("--firmware", o.firmware, "Firmware version of the pucks (default 200)")->type_name("N");
+  command
+      .add_option("--gauges", o.gauges, "Scales of the strain gauges of F1 to F3 against the maker's curve")
+      ->type_name("S,S,S")
+      ->delimiter(',');
   command.add_option("--group", o.group, "Third group of every puck (default 5)")->type_name("N");
 }
 

@@ -53,7 +53,8 @@ Json lift(const control::RunRecord& record) {
           {"cog", l.load ? json_array(l.load->cog) : Json(nullptr)},
           {"cog_sigma_m", l.load ? number(l.load->cog_sigma_m) : Json(nullptr)},
           {"mass_source", l.load ? Json(control::word(l.load->source)) : Json(nullptr)},
-          {"mass_because", l.load_reason}};
+          {"mass_because", l.load_reason},
+          {"energy_margin_j", number(record.energy_margin_j)}};
 }
 
 Json test_lifts(const control::RunRecord& record) {

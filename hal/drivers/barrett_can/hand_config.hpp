@@ -13,6 +13,7 @@ struct BarrettHandConfig {
   std::string initialise = "when-needed";
   std::string tactile = "full";
   std::string bus_log;
+  std::string calibration_file;
 
   double max_torque_nm = 1.0;
   double torque_units_per_nm = 2900.0;
@@ -65,6 +66,9 @@ struct BarrettHandConfig {
       "Format of the tactile pads; top10 is quicker and coarser.");
     v("bus_log", bus_log,
       "File in which every frame of the bus is logged (candump -L -x), numbered if it exists; empty: none.");
+    v("calibration_file", calibration_file,
+      "Scales of gauges and motors by the pucks' serial numbers, of colift hal hand calibrate; empty: the "
+      "maker's curve and torque_units_per_nm.");
     v("max_torque_nm", max_torque_nm, kPositive, "Max closing torque at the fingertips (N m).");
     v("torque_units_per_nm", torque_units_per_nm, kPositive,
       "Units of a puck for 1 N m at the fingertip; to be measured on the hand.");

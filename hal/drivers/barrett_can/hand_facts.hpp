@@ -38,6 +38,9 @@ struct HandFacts {
   std::array<GoodPosition, kPucks> good{};
   std::array<bool, kPucks> jump_pending{};  ///< Its last position was no possible one: it is asked once more.
   std::array<double, kFingers> strain_idle{2048.0, 2048.0, 2048.0};  ///< Of an open hand.
+  /// Of HandCalibration, or what was configured: true torque over that of the maker's curve, units of the
+  /// motor.
+  std::array<double, kFingers> strain_scale{1.0, 1.0, 1.0}, units_per_nm{};
   std::array<double, kFingers> otemp_c{60.0, 60.0, 60.0};  ///< Where its puck gives no torque any more.
 };
 
@@ -55,7 +58,16 @@ void say(ShortText& text, fmt::format_string<Args...> format, Args&&... args) {
   const Reported& sg = link.reported(finger, Property::Sg);
   const bool twelve_bits = sg.value >= 0 && sg.value <= 4095;  // others do not come from a gauge
   if (!facts.has_strain || !sg.known || !twelve_bits) return std::numeric_limits<double>::quiet_NaN();
-  return strain_nm(sg.value) - strain_nm(facts.strain_idle[index(finger)]);
+  return facts.strain_scale[index(finger)] *
+         (strain_nm(sg.value) - strain_nm(facts.strain_idle[index(finger)]));
+}
+
+/// The counts at which a finger's gauge shows a torque above that of the open hand; the most that it may be
+/// strained, where it would be more.
+[[nodiscard]] inline int strain_limit(const HandFacts& facts, Puck finger, double torque_nm) {
+  const double shown_nm = torque_nm / facts.strain_scale[index(finger)];
+  return std::min(strain_counts(facts.strain_idle[index(finger)], shown_nm).value_or(kStrainMost),
+                  kStrainMost);
 }
 
 /// Fraction of the torque asked for that a finger's puck gives at its temperature: all of it below OTEMP -

@@ -90,7 +90,7 @@ void HandMotion::grip_up() {
   gripped_up_ = true;
   for (const Puck finger : kFingerPucks)
     hold_units_[index(finger)] =
-        std::clamp(share(finger) * config_.max_torque_nm * config_.torque_units_per_nm,
+        std::clamp(share(finger) * config_.max_torque_nm * facts_.units_per_nm[index(finger)],
                    hold_units_[index(finger)], config_.move_torque_units);
   press();
 }
@@ -170,7 +170,7 @@ void HandMotion::verify(Timestamp now) {
     return;
   }
   for (const Puck finger : kFingerPucks) {
-    const double kept_nm = hold_units_[index(finger)] / config_.torque_units_per_nm;
+    const double kept_nm = hold_units_[index(finger)] / facts_.units_per_nm[index(finger)];
     const double strain = strain_above_idle(link_, facts_, finger);
     if (!contact_[index(finger)] || !pressing_ || !(strain < kHeldFraction * kept_nm)) continue;
     const double part = torque_fraction(link_, facts_, finger);

@@ -107,14 +107,11 @@ void HandMotion::begin_closing() {
   gripped_up_ = false;
   for (const Puck finger : kFingerPucks) {
     const double torque_nm = share(finger) * torque_nm_;
-    const double units = std::clamp(torque_nm * config_.torque_units_per_nm, config_.min_torque_units,
+    const double units = std::clamp(torque_nm * facts_.units_per_nm[index(finger)], config_.min_torque_units,
                                     config_.move_torque_units);
     hold_units_[index(finger)] = std::min(units, hold_limit_units_);
-    int strain_limit = 0;
-    if (facts_.has_strain && config_.stop_on_strain)
-      strain_limit = std::min(
-          strain_counts(facts_.strain_idle[index(finger)], torque_nm).value_or(kStrainMost), kStrainMost);
-    begin(finger, kClosedCounts, units, strain_limit);
+    const bool by_strain = facts_.has_strain && config_.stop_on_strain;
+    begin(finger, kClosedCounts, units, by_strain ? strain_limit(facts_, finger, torque_nm) : 0);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <vector>
 
+#include "hal/drivers/barrett_can/calibration/hand_calibration.hpp"
 #include "hal/drivers/barrett_can/pucks/wait_on.hpp"
 
 namespace colift::hal::barrett {
@@ -183,6 +184,27 @@ Result<> HandStartup::identify() {
   return {};
 }
 
+Result<> HandStartup::read_scales() {
+  facts_.strain_scale.fill(1.0);
+  facts_.units_per_nm.fill(config_.torque_units_per_nm);
+  if (config_.calibration_file.empty()) return {};
+  const auto calibration = load_hand_calibration(config_.calibration_file);
+  if (!calibration) return tl::unexpected(calibration.error());
+  for (const Puck finger : kFingerPucks) {
+    const auto serial = read(finger, Property::Sn, one_answer_s());
+    const PuckScale* scale = serial ? calibration->of(*serial) : nullptr;
+    if (!scale) {
+      add_remark(serial ? fmt::format("{} (puck {}) is not in {}: the maker's curve", name(finger), *serial,
+                                      config_.calibration_file)
+                        : fmt::format("{} does not tell its serial number: the maker's curve", name(finger)));
+      continue;
+    }
+    facts_.strain_scale[index(finger)] = scale->strain_scale;
+    if (scale->torque_points > 0) facts_.units_per_nm[index(finger)] = scale->torque_units_per_nm;
+  }
+  return {};
+}
+
 Result<> HandStartup::join_group() {
   for (const Puck puck : kAllPucks) {
     bool member = false;
@@ -301,6 +323,7 @@ Result<HandStartup::Outcome> HandStartup::run(bool loaded) {
   if (auto found = find_pucks(); !found) return tl::unexpected(found.error());
   if (auto awake = wake(); !awake) return tl::unexpected(awake.error());
   if (auto known = identify(); !known) return tl::unexpected(known.error());
+  if (auto known = read_scales(); !known) return tl::unexpected(known.error());
   if (auto joined = join_group(); !joined) return tl::unexpected(joined.error());
 
   name_pressing();

@@ -31,6 +31,8 @@ class HandStartup {
   [[nodiscard]] Result<> wake();
   [[nodiscard]] Result<> identify();
   [[nodiscard]] Result<> join_group();
+  /// The scales of the pucks that are in this hand.
+  [[nodiscard]] Result<> read_scales();
   [[nodiscard]] Result<> write_working_values(bool loaded);
   [[nodiscard]] Result<> initialise();
   /// Why a zero that looks known is not believed; empty: it is.

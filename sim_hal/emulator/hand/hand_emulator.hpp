@@ -54,6 +54,8 @@ class HandEmulator {
   void inject(const HandFault& fault);
   [[nodiscard]] double elapsed_s() const { return t_s_; }
   [[nodiscard]] const HandPuck& puck(std::size_t index) const { return pucks_[index]; }
+  /// A weight that bends a finger's outer link open (N m), until another.
+  void hang(std::size_t finger, double weight_nm) { hung_nm_[finger] = weight_nm; }
   [[nodiscard]] const HandEmulatorReport& report() const { return report_; }
 
  private:
@@ -96,6 +98,7 @@ class HandEmulator {
   std::array<hal::Timestamp, kHandPucks> last_set_{};
   std::array<bool, kHandPucks> was_ready_{};
   std::array<bool, kHandPucks> faulted_{};  ///< A fault took its zero; until it has found its stop.
+  std::array<double, kHandFingers> hung_nm_{};
   double turned_ = 0.0;                     ///< Counts that the spread was turned from outside.
   hal::Timestamp start_{0}, next_tick_{0}, wire_free_{0};
   double t_s_ = 0.0;

@@ -70,6 +70,10 @@ void HandEmulator::run_faults() {
       for (std::size_t p = 0; p < kHandPucks; ++p)
         if (f.hits(p)) pucks_[p].heat(f.value);
   }
+  for (std::size_t p = 0; p < kHandFingers; ++p) {
+    const HandFault* weight = active(Kind::Weight, p);
+    pucks_[p].hang(weight ? weight->value : hung_nm_[p]);
+  }
   if (active(Kind::Noise, 0) != nullptr && ++noise_ms_ >= kNoiseEvery_ms) {
     noise_ms_ = 0;
     if (on_bus) on_bus(Kind::Noise, true);

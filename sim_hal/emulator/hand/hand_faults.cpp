@@ -26,6 +26,7 @@ constexpr std::array kKinds{
     Row{"freeze", Kind::Freeze},
     Row{"jump", Kind::Jump, 20000, -2e6, 2e6},
     Row{"turn", Kind::Turn, 3000, -20000, 20000},
+    Row{"weight", Kind::Weight, 0.3, 0, 3},
     Row{"master", Kind::Master, 900, 0, 5000},
     Row{"altered", Kind::Altered, 900, 0, 5000},
     Row{"brown-out", Kind::BrownOut},
@@ -56,6 +57,8 @@ hal::Result<> read_kind(std::string_view text, std::string_view what, HandFault&
   if (f.kind == Kind::Turn && f.puck.value_or(kHandSpread) != kHandSpread)
     return bad_fault(text, "a finger's worm cannot be turned from outside; only the spread has none");
   if (f.kind == Kind::Turn) f.puck = kHandSpread;
+  if (f.kind == Kind::Weight && f.puck == kHandSpread)
+    return bad_fault(text, "the spread has no strain gauge; a weight hangs on F1, F2 or F3");
   if (f.puck && f.kind >= Kind::BrownOut)
     return bad_fault(text, fmt::format("{} is of the whole hand", what));
   if (!value) return {};

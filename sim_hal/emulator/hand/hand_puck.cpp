@@ -119,7 +119,8 @@ std::optional<std::int32_t> HandPuck::get(int property) const {
     case kSg: {
       if (!has_joint() || (ram_[kRole] & 0x0800) == 0) return 2048;
       const double idle = config_.strain_idle[index_];
-      const double wanted = hand_strain_nm(idle) + now_.strain_nm;
+      const double wanted =
+          hand_strain_nm(idle) + (now_.strain_nm + weight_nm_) / config_.strain_scale[index_];
       double low = 0.0, high = 4095.0;
       while (high - low > 0.25) {
         const double middle = 0.5 * (low + high);

@@ -23,6 +23,8 @@ struct HandPuckConfig {
   bool answers_unknown = false;  ///< With 0; else it says nothing.
   double ambient_c = 28.0;
   std::array<int, kHandFingers> strain_idle{2012, 2041, 1996};
+  /// True torque over that of the maker's curve; gauges of other hands differ by 30 %.
+  std::array<double, kHandFingers> strain_scale{1.0, 1.0, 1.0};
 };
 
 /// Firmware of one motor controller: properties, modes, moves, what ends them. Knows no bus: the emulator
@@ -57,6 +59,8 @@ class HandPuck {
   [[nodiscard]] bool moving() const { return mode() != 0 || finding_; }
   [[nodiscard]] bool finding() const { return finding_; }
 
+  /// Bends its outer link open (N m), beside what it meets by itself.
+  void hang(double weight_nm) { weight_nm_ = weight_nm; }
   [[nodiscard]] HandMotor decide();  ///< For the next millisecond.
   /// After it. True: the motor was driven against its stop and the clutch is tight.
   [[nodiscard]] bool look(const HandJoint& joint);
@@ -97,6 +101,7 @@ class HandPuck {
   bool finding_ = false, frozen_ = false, protects_ = true;
   std::array<double, kHandCells> tare_{};
   double puck_c_, motor_c_;
+  double weight_nm_ = 0.0;
 };
 
 }  // namespace colift::sim_hal

@@ -1,8 +1,6 @@
 #include "tools/bring_up/camera/record_scene.hpp"
 
 #include <fmt/format.h>
-#include <poll.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "tools/bring_up/camera/camera_files.hpp"
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/session.hpp"
+#include "tools/cli/wait_for_person.hpp"
 #include "tools/scenes/cmd_scene.hpp"
 
 namespace colift::tools {
@@ -71,27 +70,6 @@ hal::Result<> check(const HalCameraOptions& o) {
   if (o.hal.for_s && !(*o.hal.for_s >= 1.0 && *o.hal.for_s <= 60.0))
     return bad("--for", "the lift's duration: expected 1 to 60 s");
   return {};
-}
-
-// Enter at the terminal, or `pause_s` later.
-hal::Result<> wait_for_person(std::optional<double> pause_s) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(pause_s.value_or(0.0));
-  for (;;) {
-    if (InterruptGuard::asked()) return hal::failure(hal::ErrorCode::NotReady, "record", "asked to end");
-    if (pause_s) {
-      if (std::chrono::steady_clock::now() >= end) return {};
-      std::this_thread::sleep_for(50ms);
-      continue;
-    }
-    pollfd in{STDIN_FILENO, POLLIN, 0};
-    if (::poll(&in, 1, 100) != 1) continue;
-    char c = 0;
-    const auto got = ::read(STDIN_FILENO, &c, 1);
-    if (got == 1 && c == '\n') return {};
-    if (got <= 0)
-      return hal::failure(hal::ErrorCode::BadInput, "stdin",
-                          "ended before the last step: answer each step with Enter, or say --pause S");
-  }
 }
 
 hal::Result<SceneFile> record_steps(hal::DepthCamera& camera, const hal::Clock& clock,

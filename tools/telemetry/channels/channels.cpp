@@ -252,6 +252,7 @@ Json load() {
        {"height_m", maybe()},
        {"tilt_deg", maybe()},
        {"slip_m", maybe()},
+       {"energy_j", maybe("that the arm may still put into object and people; passivity margin")},
        {"leads",
         {{"type", {"string", "null"}}, {"description", "robot or partner; null: nothing is held"}}}});
 }

@@ -208,6 +208,7 @@ std::string load_message(const LoadNow& l) {
                  {"height_m", number_json(l.height_m)},
                  {"tilt_deg", number_json(tilt_deg)},
                  {"slip_m", number_json(l.slip_m)},
+                 {"energy_j", number_json(l.energy_j)},
                  {"leads", leader(l.role)}});
 }
 

@@ -67,6 +67,7 @@ struct LoadNow {
   std::optional<hal::Wrench> wrench_W;
   double load_n = 0.0;
   std::optional<double> share, share_predicted, height_m, tilt_rad, slip_m;
+  std::optional<double> energy_j = {};                ///< That it may still put in.
   std::optional<control::LiftController::Role> role;  ///< Of the robot, while it holds the object.
 };
 [[nodiscard]] std::string load_message(const LoadNow& load);

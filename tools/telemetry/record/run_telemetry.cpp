@@ -294,9 +294,10 @@ struct RunTelemetry::Impl {
     kept.record = nullptr;
     kept.map = nullptr;
     publish(Topic::Status, at, [kept] { return status_message(kept); });
-    LoadNow load{view.wrench_W, view.load_n, s.share_robot, share_predicted,
-                 s.height_m,    s.tilt_rad,  s.slip_m,      {}};
+    LoadNow load{
+        view.wrench_W, view.load_n, s.share_robot, share_predicted, s.height_m, s.tilt_rad, s.slip_m, {}, {}};
     if (s.height_m) load.role = view.role;
+    if (s.height_m && std::isfinite(view.energy_j)) load.energy_j = view.energy_j;
     publish(Topic::Load, at, [load] { return load_message(load); });
   }
 

@@ -89,18 +89,18 @@ TEST_CASE("a load that is compensated wrongly does not make the arm sink") {
 TEST_CASE("what stiff springs held is known before they become soft") {
   Joint joint;
   joint.commanded[1] = 0.004;  // 6 N m of a load at 1500 N m/rad
-  for (int i = 0; i < 400; ++i) joint.law.rest(joint.q, joint.commanded, 1500.0, kPeriod_s);
+  for (int i = 0; i < 400; ++i) joint.law.rest(1500.0 * (joint.commanded - joint.q), kPeriod_s);
   CHECK(joint.law.held_nm()[1] == Approx(6.0).epsilon(0.01));
   CHECK(joint.law.held_nm()[2] == 0.0);
   SECTION("a figure that is not a number teaches nothing") {
     JointVector lost = joint.q;
     lost[3] = NAN;
-    joint.law.rest(lost, joint.commanded, 1500.0, kPeriod_s);
+    joint.law.rest(1500.0 * (joint.commanded - lost), kPeriod_s);
     CHECK(joint.law.held_nm().allFinite());
   }
   SECTION("more than a load's error is somebody's push") {
     joint.commanded[1] = 0.1;
-    for (int i = 0; i < 400; ++i) joint.law.rest(joint.q, joint.commanded, 1500.0, kPeriod_s);
+    for (int i = 0; i < 400; ++i) joint.law.rest(1500.0 * (joint.commanded - joint.q), kPeriod_s);
     CHECK(joint.law.held_nm()[1] == 10.0);
   }
 }

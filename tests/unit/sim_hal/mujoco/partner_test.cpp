@@ -68,6 +68,21 @@ TEST_CASE("who stumbles pulls at the object for a moment") {
   CHECK(partner.tick(view_at(2.31))->force_W.norm() < 15.0);
 }
 
+TEST_CASE("who sways takes his hand aside and back again") {
+  ScenarioPartner script = at_origin("compliant");
+  PartnerScriptEvent sway{2.0, "sway", std::nullopt};
+  sway.for_s = 2.0;
+  sway.by_m = 0.02;
+  sway.direction = hal::Vec3(0.0, -1.0, 0.0);
+  script.events = {sway};
+  SimPartner partner(script, {}, 1);
+  const auto force_n = [&](double t_s) { return partner.tick(view_at(t_s))->force_W; };
+  CHECK(std::abs(force_n(1.9).y()) < 3.0);
+  CHECK(force_n(3.0).y() == Approx(-30.0).margin(3.0));  // 1500 N/m, farthest in the middle
+  CHECK(std::abs(force_n(3.0).x()) < 3.0);
+  CHECK(std::abs(force_n(4.01).y()) < 3.0);
+}
+
 TEST_CASE("a second hand holds too, until he lets go, and who steps aside goes") {
   ScenarioPartner script = at_origin("compliant");
   script.events = {{2.0, "second-hand", Vec3(0.4, 0.2, 0.4)}, {3.0, "steps-aside", std::nullopt}};

@@ -129,5 +129,6 @@ TEST_CASE("events and people may count from a state of the task", "[scenario]") 
   CHECK_THAT(refused("{at: lift+1e9, do: let-go}"), Contains("a state of the task and seconds"));
   CHECK_THAT(refused("{at: lift+1, at_s: 2, do: let-go}"), Contains("expected one of them"));
   CHECK_THAT(refused("{at_s: 1, do: let-go, force: 3}"), Contains("belongs to do: stumble"));
+  CHECK_THAT(refused("{at_s: 1, do: stumble, by: 0.02}"), Contains("belongs to do: sway"));
   CHECK_THAT(refused("{at_s: 1, do: second-hand}"), Contains(".to is missing"));
 }

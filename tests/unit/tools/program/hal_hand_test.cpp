@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "sim_hal/mock/mock_hand.hpp"
-#include "tools/bring_up/hal_hand_task.hpp"
+#include "tools/bring_up/hand/hal_hand_task.hpp"
 
 namespace colift {
 namespace {

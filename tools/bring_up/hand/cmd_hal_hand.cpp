@@ -8,7 +8,6 @@
 #include <iterator>
 #include <thread>
 
-#include "hal/can_log/logged_can_bus.hpp"
 #include "hal/config/config_file.hpp"
 #include "hal/drivers/barrett_can/emergency_open.hpp"
 #include "hal/drivers/barrett_can/make_barrett_hand.hpp"
@@ -21,7 +20,9 @@
 #include "tools/bring_up/bring_up.hpp"
 #include "tools/bring_up/bundle/bundle.hpp"
 #include "tools/bring_up/finger/finger_words.hpp"
-#include "tools/bring_up/hal_hand_task.hpp"
+#include "tools/bring_up/hand/cmd_calibrate_finger.hpp"
+#include "tools/bring_up/hand/hal_hand_task.hpp"
+#include "tools/bring_up/hand/logged_bus.hpp"
 #include "tools/bring_up/replay/hand_replay.hpp"
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/session.hpp"
@@ -80,23 +81,6 @@ hal::Result<HandTask> task_of(const HalOptions& o, const Bench& bench) {
   return task;
 }
 
-/// The bus, and the log that it goes into where one is asked for.
-struct LoggedBus {
-  std::unique_ptr<hal::CanLogWriter> log;  // in this order: the bus ends before it
-  std::unique_ptr<hal::CanBus> bus;
-};
-
-hal::Result<LoggedBus> make_bus(const Bench& bench, const hal::Clock& clock, bool announced = true) {
-  auto bus = hal::make_can_bus(bench.barrett.can);
-  if (!bus) return tl::unexpected(bus.error());
-  auto log = hal::make_bus_log(bench.barrett);
-  if (!log) return tl::unexpected(log.error());
-  if (!*log) return LoggedBus{nullptr, std::move(*bus)};
-  if (announced) std::fprintf(stderr, "the bus is logged in %s\n", (*log)->file().c_str());
-  auto logged = std::make_unique<hal::LoggedCanBus>(std::move(*bus), **log, clock);
-  return LoggedBus{std::move(*log), std::move(logged)};
-}
-
 /// Whether the hand knows its zeros and has its fingers closed: it may hold something then.
 /// On a bus of its own: what a log tells begins with the calls of the verb.
 bool may_hold(const hal::BarrettHandConfig& config, const hal::Clock& clock) {
@@ -116,7 +100,7 @@ int open_at_once(const CommonOptions& common, const HalOptions& options, const B
     return kBadInput;
   }
   const hal::SteadyClock clock;
-  auto bus = make_bus(bench, clock);
+  auto bus = make_bus(bench.barrett, clock);
   if (!bus) return report_error("hal hand", bus.error());
   const InterruptGuard signals;
   const auto fingers =
@@ -138,7 +122,7 @@ int open_at_once(const CommonOptions& common, const HalOptions& options, const B
 /// Questions alone: a cold hand stays cold, and nothing that another program does with it is disturbed.
 int read_state(const CommonOptions& common, const HalOptions& options, const Bench& bench) {
   const hal::SteadyClock clock;
-  auto bus = make_bus(bench, clock);
+  auto bus = make_bus(bench.barrett, clock);
   if (!bus) return report_error("hal hand", bus.error());
   const auto reading = hal::read_hand(*bus->bus, clock, bench.barrett);
   if (!reading) {
@@ -184,7 +168,7 @@ int make_bundle(const HalOptions& options, Bench bench) {
   std::filesystem::path log_file;
   {
     const hal::SteadyClock clock;
-    auto bus = make_bus(bench, clock, options.bus_log.has_value());  // else it goes into the bundle
+    auto bus = make_bus(bench.barrett, clock, options.bus_log.has_value());  // else it goes into the bundle
     if (!bus) return report_error("hal hand doctor", bus.error());
     log_file = bus->log->file();
     const auto reading = hal::read_hand(*bus->bus, clock, bench.barrett);
@@ -240,7 +224,7 @@ int move_one_finger(const CommonOptions& common, const HalOptions& options, cons
   hal::BarrettHandConfig config = bench.barrett;
   config.max_torque_nm = std::min(config.max_torque_nm, bench.guard.max_torque_nm);
   const hal::SteadyClock clock;
-  auto bus = make_bus(bench, clock);
+  auto bus = make_bus(bench.barrett, clock);
   if (!bus) return report_error("hal hand", bus.error());
   (void)hal::ask_for_realtime(
       {.priority = kPriority, .lock_memory = false, .stack_bytes = 65536, .heap_bytes = 0});
@@ -283,7 +267,7 @@ int replay(const CommonOptions& common, const HalOptions& options) {
 
 int run(const CommonOptions& common, const HalOptions& options, const Bench& bench, const HandTask& task) {
   const hal::SteadyClock clock;
-  auto bus = make_bus(bench, clock);
+  auto bus = make_bus(bench.barrett, clock);
   if (!bus) return report_error("hal hand", bus.error());
   // looking for the stops opens the fingers, whatever is in them
   if (options.verb == "init" && !options.yes && may_hold(bench.barrett, clock)) {
@@ -369,6 +353,7 @@ int cmd_hal_hand(const CommonOptions& common, const HalOptions& options) {
   if (options.verb == "emergency-open") return open_at_once(common, options, *bench);
   if (options.verb == "state") return read_state(common, options, *bench);
   if (options.verb == "doctor") return make_bundle(options, *bench);
+  if (options.verb == "calibrate") return cmd_calibrate_finger(common, options, bench->barrett);
   if (finger_motion_of(options.verb, hal::barrett::Puck::F1, 0.0))
     return move_one_finger(common, options, *bench);
   const auto task = task_of(options, *bench);

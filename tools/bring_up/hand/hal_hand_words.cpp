@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/types/units.hpp"
-#include "tools/bring_up/hal_hand_task.hpp"
+#include "tools/bring_up/hand/hal_hand_task.hpp"
 
 namespace colift::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/bring_up/hal_hand_task.hpp"
+#include "tools/bring_up/hand/hal_hand_task.hpp"
 
 #include <fmt/format.h>
 
