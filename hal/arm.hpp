@@ -27,6 +27,16 @@ struct ImpedanceCommand {
   JointVector tau_superposed_nm = JointVector::Zero();
 };
 
+/// What an arm's controller can do, for whoever chooses a control law.
+struct ArmAbilities {
+  bool joint_impedance = true;
+  bool superposed_torque = true;  ///< Beside the joints' impedance; with stiffness 0 that is torque control.
+  bool cartesian_impedance = false, position = false;  ///< In the controller, by the driver's own calls.
+  double min_period_s = 0.001, max_period_s = 0.1;     ///< Of its cycle.
+  double max_stiffness_nm_rad = 2000.0;
+  JointVector max_superposed_nm = JointVector::Constant(200.0);
+};
+
 /// A seven-joint arm in joint impedance control.
 class Arm : public Device {
  public:
@@ -37,6 +47,9 @@ class Arm : public Device {
   /// Answers that cycle, once, before the next wait_cycle(). Real-time safe.
   /// Errors: LimitExceeded (nothing was sent; the last command holds), NotReady (stopped).
   [[nodiscard]] virtual Result<> command(const ImpedanceCommand& command) = 0;
+
+  /// Does not change while the arm is configured.
+  [[nodiscard]] virtual ArmAbilities abilities() const { return {}; }
 
   /// Brings the arm to rest and holds it until activate(). Any thread, any number of times.
   virtual void stop() noexcept = 0;

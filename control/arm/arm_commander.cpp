@@ -71,7 +71,7 @@ ArmCommander::ArmCommander(hal::Arm& arm, const hal::RobotModel& model, const pl
                            const TaskConfig& task, const LoadConfig& load, Drive drive,
                            const SetpointLimits& limits, const ForceMonitorConfig& force)
     : arm_(arm),
-      controller_(model, geometry, task, load, limits, force),
+      controller_(model, geometry, task, load, limits, force, arm.abilities()),
       limits_(limits),
       max_misses_(task.supervision.arm_max_misses_at_activation),
       thread_(drive == Drive::Thread ? std::make_unique<Threaded>() : nullptr) {}

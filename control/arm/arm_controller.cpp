@@ -6,6 +6,17 @@
 #include <utility>
 
 namespace colift::control {
+namespace {
+
+constexpr double kMaxPeriod_s =
+    0.0205;  // 20 ms: the phase that it costs is small against joints of 2 Hz and more
+
+hal::ArmAbilities within(hal::ArmAbilities can, const hal::RobotModel& model, const SetpointLimits& limits) {
+  can.max_superposed_nm = can.max_superposed_nm.cwiseMin(model.effort_nm()).cwiseMin(limits.superposed_nm);
+  return can;
+}
+
+}  // namespace
 
 bool moves(ArmRequest::Kind kind) {
   using Kind = ArmRequest::Kind;
@@ -20,13 +31,15 @@ std::string describe_stall(const ArmView& view) {
 
 ArmController::ArmController(const hal::RobotModel& model, const planner::ArmGeometry& arm,
                              const TaskConfig& task, const LoadConfig& load, const SetpointLimits& limits,
-                             const ForceMonitorConfig& force)
-    : setpoints_(model, task, limits),
+                             const ForceMonitorConfig& force, const hal::ArmAbilities& abilities)
+    : model_(&model),
+      setpoints_(model, task, limits),
       load_(model, load),
       lift_(model, arm, task),
-      palm_(model, task.lift.cartesian, task.stiffness_nm_rad, limits.superposed_nm,
+      palm_(model, task.lift.cartesian, task.stiffness_nm_rad, within(abilities, model, limits),
             limits.torque_slope_nm_s),
-      palm_springs_(task.lift.control == "cartesian_impedance"),
+      palm_springs_(task.lift.control == "cartesian_impedance" && abilities.joint_impedance &&
+                    abilities.superposed_torque),
       energy_allowed_j_(task.max_load_n * task.lift_height_m + task.lift.energy_margin_j),
       energy_band_j_(task.lift.energy_band_j),
       force_(model, force),
@@ -101,7 +114,9 @@ void ArmController::take(const ArmRequest& request) {
       start_lift_time();
       view_.end_of_reach = false;
       lift_.start(setpoints_.commanded());
-      palm_.engage(palm_springs_);
+      // what couples the joints comes over the link: of a slow one it would come too late to be a spring
+      view_.palm_springs = palm_springs_ && monitor_time_.period_s() <= kMaxPeriod_s;
+      palm_.engage(view_.palm_springs);
       energy_.fill(energy_allowed_j_);
       lift_.lift(request.role, request.number, request.time_s);
       break;
@@ -248,11 +263,9 @@ hal::ImpedanceCommand ArmController::with_palm_springs(const hal::ImpedanceComma
   }
   palm_starts_ = setpoints_.starts();
   const hal::JointVector& q_rad = view_.state.q_rad;
-  const hal::ImpedanceCommand command = palm_.apply(q_rad, joints, monitor_time_.step_s());
-  const hal::JointVector torque_nm =
-      command.stiffness_nm_rad.cwiseProduct(command.q_rad - q_rad) + command.tau_superposed_nm;
-  energy_.update(q_rad, torque_nm, palm_.stored_j());
-  return command;
+  if (const auto felt_W = load_.wrench_W(); energy_.open() && felt_W && q_rad.allFinite())
+    energy_.update(hal::hand_pose(*model_, q_rad), *felt_W);
+  return palm_.apply(q_rad, joints, monitor_time_.step_s());
 }
 
 void ArmController::sent(const hal::Result<>& result) {

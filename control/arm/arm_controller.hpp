@@ -82,6 +82,7 @@ struct ArmView {
   double height_m = 0.0;
   bool lift_at_rest = false, end_of_reach = false;
   LiftController::Role role = LiftController::Role::Lead;
+  bool palm_springs = false;  ///< The palm's impedance was used in the last lift, not the joints'.
   double energy_j = NAN, min_energy_j = NAN;  ///< EnergyTank, since the lift began; NaN before one.
 
   // of the link
@@ -101,7 +102,7 @@ class ArmController {
  public:
   ArmController(const hal::RobotModel& model, const planner::ArmGeometry& arm, const TaskConfig& task,
                 const LoadConfig& load, const SetpointLimits& limits = {},
-                const ForceMonitorConfig& force = {.on = false});
+                const ForceMonitorConfig& force = {.on = false}, const hal::ArmAbilities& abilities = {});
 
   /// What the controller measured, or why it did not.
   void measured(const hal::Result<hal::ArmState>& state);
@@ -126,13 +127,14 @@ class ArmController {
   /// Continues a lift that was paused, from where the arm stands.
   void continue_lift();
   void monitor_force();
-  /// Makes the palm's springs of the joints' and counts what they give.
+  /// Makes the palm's springs of the joints', and counts what the arm gives.
   [[nodiscard]] hal::ImpedanceCommand with_palm_springs(const hal::ImpedanceCommand& joints);
   void start_yield();
   void end_yield();
   /// An arm that is pushed farther than the band follows: it does not spring back.
   void serve_yield();
 
+  const hal::RobotModel* model_;
   SetpointGenerator setpoints_;
   LoadEstimator load_;
   LiftController lift_;

@@ -7,8 +7,7 @@
 namespace colift::control {
 namespace {
 
-constexpr double kMaxJoint_nm_rad = 2000.0;  // of the LWR's joint impedance
-constexpr double kSingular = 1e-3;           // m^3; minors of a posture in which the null motion is not one
+constexpr double kSingular = 1e-3;  // m^3; minors of a posture in which the null motion is not one
 
 using Matrix7 = Eigen::Matrix<double, hal::kArmJoints, hal::kArmJoints>;
 
@@ -28,12 +27,8 @@ hal::JointVector null_motion(const hal::ArmJacobian& J) {
 }  // namespace
 
 CartesianImpedance::CartesianImpedance(const hal::RobotModel& model, const CartesianConfig& config,
-                                       double joint_nm_rad, double max_nm, double slope_nm_s)
-    : model_(&model),
-      config_(config),
-      joint_nm_rad_(joint_nm_rad),
-      max_nm_(max_nm),
-      slope_nm_s_(slope_nm_s) {}
+                                       double joint_nm_rad, const hal::ArmAbilities& arm, double slope_nm_s)
+    : model_(&model), config_(config), joint_nm_rad_(joint_nm_rad), arm_(arm), slope_nm_s_(slope_nm_s) {}
 
 void CartesianImpedance::reset() {
   weight_ = 0.0;
@@ -53,11 +48,11 @@ hal::ImpedanceCommand CartesianImpedance::apply(const hal::JointVector& q_rad,
   const auto superposed = [&](const hal::JointVector& wanted_nm) {
     const hal::JointVector most = hal::JointVector::Constant(slope_nm_s_ * dt_s);
     superposed_nm_ +=
-        (wanted_nm.cwiseMax(-max_nm_).cwiseMin(max_nm_) - superposed_nm_).cwiseMax(-most).cwiseMin(most);
+        (wanted_nm.cwiseMax(-arm_.max_superposed_nm).cwiseMin(arm_.max_superposed_nm) - superposed_nm_)
+            .cwiseMax(-most)
+            .cwiseMin(most);
     return superposed_nm_;
   };
-  // springs are linear in the little that they are stretched: half of torque times distance is in them
-  stored_j_ = 0.5 * spring_nm_.dot(off);
   if (weight_ == 0.0) {
     superposed_nm_ = joints.tau_superposed_nm;
     return joints;
@@ -78,10 +73,9 @@ hal::ImpedanceCommand CartesianImpedance::apply(const hal::JointVector& q_rad,
       J.transpose() * stiffness.cwiseProduct(away) + null_nm_rad * n.dot(off) * n;
   const hal::JointVector diagonal =
       ((J.transpose() * stiffness.asDiagonal() * J).diagonal() + null_nm_rad * n.cwiseAbs2())
-          .cwiseMin(kMaxJoint_nm_rad);
+          .cwiseMin(arm_.max_stiffness_nm_rad);
 
   spring_nm_ += weight_ * (palm_nm - spring_nm_);
-  stored_j_ = 0.5 * spring_nm_.dot(off);
   hal::ImpedanceCommand command = joints;
   command.stiffness_nm_rad += weight_ * (diagonal - joints.stiffness_nm_rad);
   command.tau_superposed_nm =

@@ -17,9 +17,9 @@ namespace colift::control {
 /// Robotics Research 26, 2007, for the combination on the LWR.) One thread; allocation-free.
 class CartesianImpedance {
  public:
-  /// The superposed torque changes by at most `slope_nm_s` and stays within `max_nm`.
+  /// The superposed torque changes by at most `slope_nm_s`.
   CartesianImpedance(const hal::RobotModel& model, const CartesianConfig& config, double joint_nm_rad,
-                     double max_nm, double slope_nm_s);
+                     const hal::ArmAbilities& arm, double slope_nm_s);
 
   /// From now on one impedance turns into the other, in CartesianConfig::blend_s.
   void engage(bool on) { engaged_ = on; }
@@ -34,18 +34,17 @@ class CartesianImpedance {
                                             const hal::ImpedanceCommand& joints, double dt_s);
   /// What the springs of the last command gave at the measured position, without what was superposed (N m).
   [[nodiscard]] const hal::JointVector& spring_nm() const { return spring_nm_; }
-  /// The energy in them (J).
-  [[nodiscard]] double stored_j() const { return stored_j_; }
 
  private:
   const hal::RobotModel* model_;
   CartesianConfig config_;
-  double joint_nm_rad_, max_nm_, slope_nm_s_;
+  double joint_nm_rad_;
+  hal::ArmAbilities arm_;
+  double slope_nm_s_;
   hal::JointVector superposed_nm_ = hal::JointVector::Zero();  ///< Of the last command.
   bool engaged_ = false;
   double weight_ = 0.0;
   hal::JointVector spring_nm_ = hal::JointVector::Zero();
-  double stored_j_ = 0.0;
 };
 
 }  // namespace colift::control

@@ -10,17 +10,22 @@ void EnergyTank::fill(double energy_j) {
   level_j_ = min_level_j_ = full_j_ = energy_j;
 }
 
-void EnergyTank::update(const hal::JointVector& q_rad, const hal::JointVector& torque_nm, double stored_j) {
-  if (!open_ || !q_rad.allFinite() || !torque_nm.allFinite()) return;
+void EnergyTank::update(const hal::Pose& X_WH, const hal::Wrench& felt_W) {
+  const bool usable = X_WH.matrix().allFinite() && felt_W.force.allFinite() && felt_W.torque.allFinite();
+  if (!open_ || !usable) return;
   if (known_) {
-    const double given_j = 0.5 * (torque_nm + torque_nm_).dot(q_rad - q_rad_);
-    level_j_ = std::min(full_j_, level_j_ - given_j - (stored_j - stored_j_));
+    const hal::Vec3 moved = X_WH.translation() - X_WH_.translation();
+    // a cycle turns the palm by so little that the rotation is its own skew part
+    const Eigen::Matrix3d R = X_WH.linear() * X_WH_.linear().transpose();
+    const hal::Vec3 turned = 0.5 * hal::Vec3(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
+    const double given_j =
+        -0.5 * ((felt_W.force + felt_W_.force).dot(moved) + (felt_W.torque + felt_W_.torque).dot(turned));
+    level_j_ = std::min(full_j_, level_j_ - given_j);
     min_level_j_ = std::min(min_level_j_, level_j_);
   }
   known_ = true;
-  stored_j_ = stored_j;
-  torque_nm_ = torque_nm;
-  q_rad_ = q_rad;
+  X_WH_ = X_WH;
+  felt_W_ = felt_W;
 }
 
 double EnergyTank::speed_scale(double band_j) const {

@@ -123,6 +123,7 @@ struct RunRecord {
   std::vector<AskRecord> asked;
   std::vector<Intent> intents;
   std::optional<LiftSummary> lift;
+  bool palm_springs = false;     ///< The arm lifted with the impedance of its palm, not of its joints.
   double energy_margin_j = NAN;  ///< Least level of the EnergyTank (J); NaN before the first lift.
   RunTiming timing;
   MonitorRecord monitor;

@@ -314,6 +314,13 @@ Result<> GuardedArm::command(const ImpedanceCommand& command) {
   return g.reject(ErrorCode::LimitExceeded, kWhere, *why);
 }
 
+ArmAbilities GuardedArm::abilities() const {
+  ArmAbilities can = impl_->inner->abilities();
+  can.max_stiffness_nm_rad = std::min(can.max_stiffness_nm_rad, impl_->config.max_stiffness_nm_rad);
+  can.max_superposed_nm = can.max_superposed_nm.cwiseMin(impl_->torque_limit);
+  return can;
+}
+
 void GuardedArm::stop() noexcept {
   impl_->active = false;
   impl_->inner->stop();

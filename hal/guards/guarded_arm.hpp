@@ -51,6 +51,8 @@ class GuardedArm final : public Arm {
   DeviceHealth health() const override;
   Result<ArmState> wait_cycle() override;
   Result<> command(const ImpedanceCommand& command) override;
+  /// The device's, within the guard's own limits.
+  [[nodiscard]] ArmAbilities abilities() const override;
   void stop() noexcept override;
 
  private:

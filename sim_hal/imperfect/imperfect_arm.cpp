@@ -19,6 +19,7 @@ class ImperfectArm final : public hal::Arm {
   hal::Result<> activate() override { return inner_->activate(); }
   void deactivate() noexcept override { inner_->deactivate(); }
   hal::DeviceHealth health() const override { return inner_->health(); }
+  [[nodiscard]] hal::ArmAbilities abilities() const override { return inner_->abilities(); }
   void stop() noexcept override { inner_->stop(); }
 
   hal::Result<hal::ArmState> wait_cycle() override {

@@ -177,6 +177,8 @@ hal::Result<> MockArm::command(const hal::ImpedanceCommand& command) {
                                       command.q_rad[i], script_.limit_rad[i]));
   if ((command.stiffness_nm_rad.array() < 0).any() || (command.damping_ratio.array() < 0).any())
     return hal::failure(ErrorCode::LimitExceeded, kWhere, "stiffness and damping have to be at least 0");
+  if ((command.stiffness_nm_rad.array() > abilities().max_stiffness_nm_rad).any())
+    return hal::failure(ErrorCode::LimitExceeded, kWhere, "a stiffness above what the arm can");
   goal_rad_ = command.q_rad;
   last_command_ = command;
   answered_ = true;

@@ -54,6 +54,7 @@ Json lift(const control::RunRecord& record) {
           {"cog_sigma_m", l.load ? number(l.load->cog_sigma_m) : Json(nullptr)},
           {"mass_source", l.load ? Json(control::word(l.load->source)) : Json(nullptr)},
           {"mass_because", l.load_reason},
+          {"control", record.palm_springs ? "cartesian_impedance" : "joint_impedance"},
           {"energy_margin_j", number(record.energy_margin_j)}};
 }
 

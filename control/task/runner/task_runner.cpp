@@ -128,6 +128,7 @@ bool TaskRunner::cycle(const JobHooks& hooks) {
   }
   if (hooks.tracked && (c_.tracked.X_WO || c_.tracked.partner_W)) hooks.tracked(c_.tracked);
   if (c_.now - reported_at_ >= kReportEvery) report(hooks);
+  c_.record.palm_springs = c_.arm.view().palm_springs;
   c_.record.energy_margin_j = std::fmin(c_.record.energy_margin_j, c_.arm.view().min_energy_j);
   if (hooks.cycle) hooks.cycle(c_.arm.view());
   return !is_end(c_.state);

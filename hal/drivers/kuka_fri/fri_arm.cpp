@@ -1,8 +1,10 @@
 #include "hal/drivers/kuka_fri/fri_arm.hpp"
 
+#include <algorithm>
 #include <atomic>
 
 #include "hal/drivers/kuka_fri/fri_driver.hpp"
+#include "hal/drivers/kuka_fri/wire/lwr_limits.hpp"
 #include "hal/os/realtime.hpp"
 #include "hal/os/udp_link.hpp"
 
@@ -295,6 +297,16 @@ Result<> FriArm::command_cartesian(const CartesianCommand& c) {
     return failure(ErrorCode::NotReady, "fri.command", why);
   return impl_->taken(impl_->driver.set(c.posture_rad ? &*c.posture_rad : nullptr, c.X, c.stiffness,
                                         c.damping_ratio, c.wrench));
+}
+
+ArmAbilities FriArm::abilities() const {
+  ArmAbilities can;
+  can.cartesian_impedance = can.position = true;
+  can.max_stiffness_nm_rad = kLwrMaxStiffness_nm_rad;
+  for (int i = 0; i < kArmJoints; ++i)
+    can.max_superposed_nm[i] = std::min(lwr_torque_nm()[i], impl_->config.max_superposed_nm);
+  can.joint_impedance = can.superposed_torque = impl_->driver.mode.control == FriControl::JointImpedance;
+  return can;
 }
 
 void FriArm::stop() noexcept {

@@ -64,6 +64,9 @@ class FriArm final : public Arm {
   Result<> command_position(const JointVector& q_rad);
   /// In Cartesian impedance control. Errors as command().
   Result<> command_cartesian(const CartesianCommand& command);
+  /// The KRC's: joint impedance (30), Cartesian impedance (20) and position control (10); cycles of 1 to 100
+  /// ms.
+  [[nodiscard]] ArmAbilities abilities() const override;
   void stop() noexcept override;
 
   /// deactivate(), then makes the KRL program end if FriConfig::end_script, and closes the link.

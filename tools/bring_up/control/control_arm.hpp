@@ -28,6 +28,7 @@ class ControlArm final : public hal::Arm {
   hal::DeviceHealth health() const override { return fri_->health(); }
   hal::Result<hal::ArmState> wait_cycle() override;
   hal::Result<> command(const hal::ImpedanceCommand& command) override;
+  [[nodiscard]] hal::ArmAbilities abilities() const override { return fri_->abilities(); }
   void stop() noexcept override { fri_->stop(); }
 
  private:

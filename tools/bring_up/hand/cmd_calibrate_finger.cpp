@@ -9,6 +9,7 @@
 #include "tools/bring_up/bring_up.hpp"
 #include "tools/bring_up/finger/calibrate_finger.hpp"
 #include "tools/bring_up/finger/finger_words.hpp"
+#include "tools/bring_up/hand/hal_hand_task.hpp"
 #include "tools/bring_up/hand/logged_bus.hpp"
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/session.hpp"

@@ -111,6 +111,7 @@ struct HandWire {
       return state;
     }
     hal::Result<> command(const hal::ImpedanceCommand& command) override { return inner_->command(command); }
+    [[nodiscard]] hal::ArmAbilities abilities() const override { return inner_->abilities(); }
     void stop() noexcept override { inner_->stop(); }
 
    private:

@@ -164,6 +164,7 @@ void visit(Visitor& v, control::ArmView& w) {
   v("lift_at_rest", w.lift_at_rest);
   v("end_of_reach", w.end_of_reach);
   v.choice("role", w.role, 1);
+  v.added("palm_springs", w.palm_springs);
   v.added("energy_j", w.energy_j);
   v.added("min_energy_j", w.min_energy_j);
   v("cycles", w.cycles);

@@ -44,6 +44,7 @@ class TappedArm final : public hal::Arm {
     (void)book_.arm.push(sample_);
     return book_.in_step ? noted(book_, std::move(answer)) : answer;
   }
+  [[nodiscard]] hal::ArmAbilities abilities() const override { return arm_->abilities(); }
   void stop() noexcept override { arm_->stop(); }
 
  private:

@@ -5,86 +5,70 @@
 
 using namespace colift;
 using control::EnergyTank;
-using hal::JointVector;
+using hal::Vec3;
 
 namespace {
 
-/// One joint that is a spring to its set point, and a torque that is added.
-struct Joint {
-  EnergyTank tank;
-  double q = 0.0, set = 0.0, stiffness = 1500.0, added = 0.0;
+hal::Pose at(double z_m, double turned_rad = 0.0) {
+  hal::Pose X = hal::Pose::Identity();
+  X.translation().z() = z_m;
+  X.linear() = Eigen::AngleAxisd(turned_rad, Vec3::UnitX()).toRotationMatrix();
+  return X;
+}
 
-  void cycle() {
-    const double spring = stiffness * (set - q);
-    tank.update(q * JointVector::UnitX(), (spring + added) * JointVector::UnitX(), 0.5 * spring * (set - q));
-  }
-};
+hal::Wrench weight(double n) {
+  return {Vec3(0.0, 0.0, -n), Vec3::Zero()};
+}
 
 }  // namespace
 
-TEST_CASE("springs alone give nothing that was not put in") {
-  Joint joint;
-  joint.tank.fill(1.0);
-  for (int i = 0; i <= 400; ++i) {  // somebody pushes it aside, far and back, again and again
-    joint.q = 0.05 * std::sin(0.1 * i);
-    joint.cycle();
-  }
-  CHECK(joint.tank.min_level_j() == Approx(1.0).margin(1e-9));
-}
-
 TEST_CASE("what raises a load comes out of the tank, and the way down gives it back") {
-  Joint joint;
-  joint.tank.fill(10.0);
-  joint.added = 40.0;  // N m, as the load that it bears
-  for (int i = 0; i <= 100; ++i, joint.q = joint.set = 0.001 * i) joint.cycle();
-  CHECK(joint.tank.level_j() == Approx(10.0 - 40.0 * 0.1).epsilon(0.02));
-  for (int i = 100; i >= 0; --i, joint.q = joint.set = 0.001 * i) joint.cycle();
-  CHECK(joint.tank.level_j() == Approx(10.0).epsilon(0.02));
-  CHECK(joint.tank.min_level_j() == Approx(6.0).epsilon(0.02));
+  EnergyTank tank;
+  tank.fill(10.0);
+  for (int i = 0; i <= 100; ++i) tank.update(at(0.001 * i), weight(40.0));
+  CHECK(tank.level_j() == Approx(10.0 - 40.0 * 0.1));
+  for (int i = 100; i >= 0; --i) tank.update(at(0.001 * i), weight(40.0));
+  CHECK(tank.level_j() == Approx(10.0));
+  CHECK(tank.min_level_j() == Approx(6.0));
 }
 
-TEST_CASE(
-    "a set point that is dragged away from somebody who holds on empties it, by what the spring takes") {
-  Joint joint;
-  joint.tank.fill(1.0);
-  for (int i = 0; i <= 40; ++i, joint.set = 0.001 * i) joint.cycle();
-  CHECK(joint.tank.level_j() == Approx(1.0 - 0.5 * 1500.0 * 0.04 * 0.04).margin(0.05));
-  CHECK(joint.tank.speed_scale(0.5) == 0.0);
+TEST_CASE("a palm that is pushed aside gives nothing, one that drags somebody along does") {
+  EnergyTank tank;
+  tank.fill(1.0);
+  for (int i = 0; i <= 100; ++i) tank.update(at(0.001 * i), {Vec3(0.0, 0.0, 30.0), Vec3::Zero()});
+  CHECK(tank.min_level_j() == 1.0);
+  for (int i = 100; i <= 140; ++i) tank.update(at(0.001 * i), {Vec3(0.0, 0.0, -30.0), Vec3::Zero()});
+  CHECK(tank.level_j() == Approx(1.0 - 1.2));
+  CHECK(tank.speed_scale(0.5) == 0.0);
 }
 
-TEST_CASE("springs that are made stiffer while they are stretched take from it, too") {
-  Joint joint;
-  joint.tank.fill(5.0);
-  joint.set = 0.05;
-  joint.stiffness = 150.0;
-  joint.cycle();
-  joint.stiffness = 1500.0;
-  joint.cycle();
-  CHECK(joint.tank.level_j() == Approx(5.0 - 0.5 * 1350.0 * 0.05 * 0.05));
+TEST_CASE("turning against a torque counts, too") {
+  EnergyTank tank;
+  tank.fill(1.0);
+  for (int i = 0; i <= 100; ++i) tank.update(at(0.0, 0.001 * i), {Vec3::Zero(), Vec3(-5.0, 0.0, 0.0)});
+  CHECK(tank.level_j() == Approx(1.0 - 0.5).epsilon(0.001));
 }
 
 TEST_CASE("it is never fuller than it was filled, and the palm slows down over its last part") {
-  Joint joint;
-  joint.tank.fill(1.0);
-  joint.added = -30.0;
-  for (int i = 0; i <= 100; ++i, joint.q = joint.set = 0.001 * i) joint.cycle();
-  CHECK(joint.tank.level_j() == 1.0);
-  CHECK(joint.tank.speed_scale(0.5) == 1.0);
-  CHECK(joint.tank.speed_scale(2.0) == Approx(0.5));
-  joint.tank.close();
-  CHECK(joint.tank.speed_scale(2.0) == 1.0);
+  EnergyTank tank;
+  CHECK(tank.speed_scale(1.0) == 1.0);  // nothing is counted
+  tank.fill(1.0);
+  for (int i = 100; i >= 0; --i) tank.update(at(0.001 * i), weight(40.0));
+  CHECK(tank.level_j() == 1.0);
+  CHECK(tank.speed_scale(0.5) == 1.0);
+  CHECK(tank.speed_scale(2.0) == Approx(0.5));
+  tank.close();
+  CHECK(tank.speed_scale(2.0) == 1.0);
 }
 
-TEST_CASE("a gap and a position that is no number are not the arm's doing") {
-  Joint joint;
-  joint.tank.fill(1.0);
-  joint.added = 50.0;
-  joint.cycle();
-  joint.tank.interrupt();
-  joint.q = joint.set = 1.0;
-  joint.cycle();
-  CHECK(joint.tank.level_j() == 1.0);
-  joint.q = NAN;
-  joint.cycle();
-  CHECK(joint.tank.level_j() == 1.0);
+TEST_CASE("a gap and a pose that is no number are not the arm's doing") {
+  EnergyTank tank;
+  tank.fill(1.0);
+  tank.update(at(0.0), weight(50.0));
+  tank.interrupt();
+  tank.update(at(1.0), weight(50.0));
+  CHECK(tank.level_j() == 1.0);
+  tank.update(at(NAN), weight(50.0));
+  tank.update(at(1.0), {Vec3(0.0, NAN, 0.0), Vec3::Zero()});
+  CHECK(tank.level_j() == 1.0);
 }

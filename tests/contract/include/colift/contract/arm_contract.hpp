@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -103,6 +104,26 @@ inline void check_arm(const MakeArm& make, const ArmTraits& traits = {}) {
   using hal::ErrorCode;
   const double tolerance_rad = traits.tolerance_rad;
 
+  SECTION("it says what it can, and takes as much") {
+    const ArmUnderTest test = make();
+    const hal::ArmAbilities can = test.arm->abilities();
+    CHECK(can.min_period_s > 0.0);
+    CHECK(can.min_period_s <= can.max_period_s);
+    CHECK(can.max_superposed_nm.allFinite());
+    CHECK(can.max_superposed_nm.minCoeff() >= 0.0);
+    REQUIRE((can.joint_impedance || can.position || can.cartesian_impedance));
+    if (can.joint_impedance) {
+      const hal::JointVector from = detail::activate(*test.arm);
+      hal::ImpedanceCommand command;
+      command.q_rad = from;
+      command.stiffness_nm_rad.setConstant(std::min(can.max_stiffness_nm_rad, 1000.0));
+      REQUIRE(test.arm->command(command));
+      // what the arm cannot take is never asked of it: beyond its own figure it refuses
+      (void)detail::next_state(*test.arm);
+      command.stiffness_nm_rad.setConstant(can.max_stiffness_nm_rad * 1.01 + 1.0);
+      CHECK_FALSE(test.arm->command(command));
+    }
+  }
   SECTION("an arm reports nothing and does nothing before it is configured") {
     const ArmUnderTest test = make();
     const auto state = test.arm->wait_cycle();
