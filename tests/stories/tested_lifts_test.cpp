@@ -87,7 +87,11 @@ TEST_CASE("who holds where no grip helps is asked to go elsewhere, and does", "[
     CHECK(lift.record.outcome == Result::Aborted);
     CHECK(lift.record.asked.size() == 1);
     CHECK(lift.record.reason.find("where he was asked to") != std::string::npos);
-    CHECK(lift.at_end.height_m < 0.002);
+    // it stands; he who still holds its overhanging edge may tip it by a degree
+    INFO("partner " << lift.at_end.partner_force_W.z() << " N, floor " << lift.at_end.floor_force_W.z()
+                    << " N");
+    CHECK(lift.at_end.height_m < 0.003);
+    CHECK(lift.at_end.floor_force_W.z() > 10.0);
     CHECK_FALSE(lift.record.hand_keeps_grip);
   }
 }

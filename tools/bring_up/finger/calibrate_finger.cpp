@@ -6,8 +6,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "hal/drivers/barrett_can/service/finger_motion.hpp"
 #include "hal/drivers/barrett_can/calibration/gauge_reading.hpp"
+#include "hal/drivers/barrett_can/service/finger_motion.hpp"
+#include "hal/drivers/barrett_can/service/hand_reading.hpp"
 #include "hal/types/units.hpp"
 
 namespace colift::tools {
@@ -44,6 +45,8 @@ class Calibration {
 
   hal::Result<FingerCalibrated> run() {
     if (auto good = check(what_); !good) return tl::unexpected(good.error());
+    if (what_.press)
+      if (auto ready = may_press(); !ready) return tl::unexpected(ready.error());
     if (auto done = read_strain(); !done) return tl::unexpected(done.error());
     if (what_.press)
       if (auto done = press(); !done) return tl::unexpected(done.error());
@@ -51,6 +54,16 @@ class Calibration {
   }
 
  private:
+  // before a person has hung a weight anywhere
+  hal::Result<> may_press() {
+    const auto hand = hal::read_hand(bus_, clock_, config_);
+    if (!hand) return tl::unexpected(hand.error());
+    if (hand->pucks[index(what_.finger)].zero_known()) return {};
+    return hal::failure(
+        hal::ErrorCode::NotReady, kWhere,
+        fmt::format("{} is asleep or does not know its zero, and is to press", name(what_.finger)));
+  }
+
   hal::Result<hal::GaugeReading> read() {
     return hal::read_gauge(bus_, clock_, config_, what_.finger, kRead_s);
   }

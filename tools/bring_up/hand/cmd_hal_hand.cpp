@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "hal/config/config_file.hpp"
+#include "hal/drivers/barrett_can/calibration/hand_calibration.hpp"
 #include "hal/drivers/barrett_can/emergency_open.hpp"
 #include "hal/drivers/barrett_can/make_barrett_hand.hpp"
 #include "hal/drivers/barrett_can/replay/hand_log.hpp"
@@ -49,6 +50,9 @@ hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& opt
   // nothing moves but on the verb that says so
   bench.barrett.initialise = options.verb == "init" ? "always" : "never";
   if (options.bus_log) bench.barrett.bus_log = options.bus_log->string();
+  if (!bench.barrett.calibration_file.empty())
+    if (const auto known = hal::load_hand_calibration(bench.barrett.calibration_file); !known)
+      return tl::unexpected(known.error());
   return bench;
 }
 

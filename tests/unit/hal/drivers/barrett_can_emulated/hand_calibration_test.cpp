@@ -132,7 +132,7 @@ TEST_CASE("a calibrated hand measures and grips with true torques, another hand'
   const auto state = rig.hand->state();
   REQUIRE(state);
   CHECK(state->torque_nm[1] == Approx(own ? 0.5 : 0.5 / kScale).epsilon(0.03));
-  const std::string remark = rig.hand->report().remark.str();
+  const std::string remark = rig.driver->report().remark.str();
   CHECK_THAT(remark, Contains("F1 (puck 111) is not in"));
   CHECK((remark.find("F2 (puck 112)") == std::string::npos) == own);
   std::filesystem::remove(file);
