@@ -8,8 +8,8 @@
 namespace colift::control {
 namespace {
 
-// Of the arm's cycle. What couples the joints comes over the link, one and a half cycles late: a spring of K N
-// m/rad that is late by T takes K T from the damping, at 5 ms less than half of what the controller gives a
+// Of the arm's cycle. What couples the joints comes over the link, one and a half cycles late: a spring of K
+// N m/rad that is late by T takes K T from the damping, at 5 ms less than half of what the controller gives a
 // wrist of 0.05 kg m^2.
 constexpr double kMaxPeriod_s = 0.0055;
 
@@ -101,7 +101,8 @@ void ArmController::take(const ArmRequest& request) {
       // soft sideways, the palm may stand beside its set point: stiff springs would throw the empty hand
       // there
       if (palm_.weight() > 0.0 && view_.state.q_rad.allFinite())
-        setpoints_.servo(view_.state.q_rad, hal::JointVector::Zero());
+        setpoints_.servo(lift_.where_taken(setpoints_.commanded(), view_.state.q_rad),
+                         hal::JointVector::Zero());
       palm_.engage(false);
       energy_.close();
       break;
@@ -223,8 +224,9 @@ void ArmController::end_yield() {
 
 void ArmController::serve_yield() {
   if (!yielding_ || !setpoints_.running() || !view_.state.q_rad.allFinite()) return;
-  const hal::JointVector goal = yield_.step(view_.state.q_rad, setpoints_.commanded(), setpoints_.stiffness(),
-                                            !force_.quiet(), monitor_time_.step_s());
+  const hal::JointVector goal =
+      yield_.step(view_.state.q_rad, setpoints_.commanded(), palm_.stiffness_nm_rad(setpoints_.stiffness()),
+                  !force_.quiet(), monitor_time_.step_s());
   if ((goal - setpoints_.commanded()).isZero()) return;
   setpoints_.servo(goal, setpoints_.superposed());
 }

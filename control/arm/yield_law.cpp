@@ -4,6 +4,12 @@
 #include <cmath>
 
 namespace colift::control {
+namespace {
+
+constexpr double kWidest = 3.0;  // times the configured band
+
+}  // namespace
+
 YieldLaw::YieldLaw(const ForceMonitorConfig& config)
     : stiffness_nm_rad_(config.yield_stiffness_nm_rad),
       band_rad_(config.yield_band_rad),
@@ -20,13 +26,13 @@ void YieldLaw::rest(const hal::JointVector& spring_nm, double dt_s) {
 }
 
 hal::JointVector YieldLaw::step(const hal::JointVector& q_rad, const hal::JointVector& commanded_rad,
-                                double stiffness_nm_rad, bool pressed, double dt_s) {
-  // while the joints are still stiff the band is the narrower: what counts is the torque
-  const double soft = std::min(1.0, stiffness_nm_rad_ / std::max(stiffness_nm_rad, 1.0));
-  const double band = soft * band_rad_, relaxed = soft * relaxed_band_rad_;
+                                const hal::JointVector& stiffness_nm_rad, bool pressed, double dt_s) {
   const double part = pressed && dt_s > 0.0 && relax_s_ > 0.0 ? 1.0 - std::exp(-dt_s / relax_s_) : 0.0;
   hal::JointVector goal = commanded_rad;
   for (int i = 0; i < hal::kArmJoints; ++i) {
+    // what counts is the torque: a stiff joint has the narrower band, one that is soft already the wider
+    const double soft = std::min(kWidest, stiffness_nm_rad_ / std::max(stiffness_nm_rad[i], 1.0));
+    const double band = soft * band_rad_, relaxed = soft * relaxed_band_rad_;
     const double away = q_rad[i] - commanded_rad[i];
     const double moved = last_known_ ? q_rad[i] - last_rad_[i] : 0.0;
     const bool swings_out = std::copysign(1.0, away) * moved > still_rad_s_ * dt_s;

@@ -18,9 +18,10 @@ class YieldLaw {
   void rest(const hal::JointVector& spring_nm, double dt_s);
   [[nodiscard]] const hal::JointVector& held_nm() const { return held_nm_; }
 
-  /// One cycle of a push. `pressed`: more than a limit is felt now. \return Set point (rad).
+  /// One cycle of a push. `stiffness_nm_rad`: of each joint, as it is commanded now; `pressed`: more than a
+  /// limit is felt now. \return Set point (rad).
   [[nodiscard]] hal::JointVector step(const hal::JointVector& q_rad, const hal::JointVector& commanded_rad,
-                                      double stiffness_nm_rad, bool pressed, double dt_s);
+                                      const hal::JointVector& stiffness_nm_rad, bool pressed, double dt_s);
 
  private:
   double stiffness_nm_rad_, band_rad_, relaxed_band_rad_, relax_s_, rest_s_, max_held_nm_, still_rad_s_;

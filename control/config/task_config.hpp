@@ -148,7 +148,7 @@ struct LiftMotionConfig {
   double follow_acceleration_m_s2 = 0.4;
   double tested_speed_m_s = 0.005;
   double leader_rise_m = 0.008;
-  std::string control = "cartesian_impedance";
+  std::string control = "joint_impedance";
   CartesianConfig cartesian;
   double energy_margin_j = 3.0;
   double energy_band_j = 0.5;

@@ -30,6 +30,10 @@ CartesianImpedance::CartesianImpedance(const hal::RobotModel& model, const Carte
                                        double joint_nm_rad, const hal::ArmAbilities& arm, double slope_nm_s)
     : model_(&model), config_(config), joint_nm_rad_(joint_nm_rad), arm_(arm), slope_nm_s_(slope_nm_s) {}
 
+hal::JointVector CartesianImpedance::stiffness_nm_rad(double joints_nm_rad) const {
+  return joints_nm_rad * (hal::JointVector::Ones() + weight_ * (diagonal_ - hal::JointVector::Ones()));
+}
+
 void CartesianImpedance::reset() {
   weight_ = 0.0;
   superposed_nm_.setZero();
@@ -75,6 +79,7 @@ hal::ImpedanceCommand CartesianImpedance::apply(const hal::JointVector& q_rad,
       ((J.transpose() * stiffness.asDiagonal() * J).diagonal() + null_nm_rad * n.cwiseAbs2())
           .cwiseMin(arm_.max_stiffness_nm_rad);
 
+  diagonal_ = diagonal.cwiseQuotient(joints.stiffness_nm_rad.cwiseMax(1.0));
   spring_nm_ += weight_ * (palm_nm - spring_nm_);
   hal::ImpedanceCommand command = joints;
   command.stiffness_nm_rad += weight_ * (diagonal - joints.stiffness_nm_rad);

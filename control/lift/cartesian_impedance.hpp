@@ -32,6 +32,8 @@ class CartesianImpedance {
   /// `joint_nm_rad` of the constructor (an arm that yields) softens the palm alike.
   [[nodiscard]] hal::ImpedanceCommand apply(const hal::JointVector& q_rad,
                                             const hal::ImpedanceCommand& joints, double dt_s);
+  /// Stiffness of each joint in the last command, were it the joints' springs that have this one.
+  [[nodiscard]] hal::JointVector stiffness_nm_rad(double joints_nm_rad) const;
   /// What the springs of the last command gave at the measured position, without what was superposed (N m).
   [[nodiscard]] const hal::JointVector& spring_nm() const { return spring_nm_; }
 
@@ -44,6 +46,8 @@ class CartesianImpedance {
   hal::JointVector superposed_nm_ = hal::JointVector::Zero();  ///< Of the last command.
   bool engaged_ = false;
   double weight_ = 0.0;
+  hal::JointVector diagonal_ =
+      hal::JointVector::Ones();  ///< Of the palm's stiffness over that of the joints.
   hal::JointVector spring_nm_ = hal::JointVector::Zero();
 };
 

@@ -8,10 +8,11 @@
 namespace colift::control {
 namespace {
 
-constexpr double kLargestStep_rad = 0.05;  // in one cycle; more is a jump to another posture
-constexpr double kAtRest_m = 0.002;        // and m/s: the camera sees the partner's end no finer
-constexpr double kMinSpan = 0.25;          // of the time of a whole lift: for what is left of one
-constexpr double kMinPath_m = 0.001;       // against division by no height
+constexpr double kLargestStep_rad = 0.05;                 // in one cycle; more is a jump to another posture
+constexpr double kMaxAside_m = 0.1, kMaxAside_rad = 0.4;  // of a palm that was taken aside while it carried
+constexpr double kAtRest_m = 0.002;   // and m/s: the camera sees the partner's end no finer
+constexpr double kMinSpan = 0.25;     // of the time of a whole lift: for what is left of one
+constexpr double kMinPath_m = 0.001;  // against division by no height
 
 // height along a minimum-jerk profile from 0 to 1
 double minimum_jerk(double s) {
@@ -65,6 +66,17 @@ void LiftController::restart(const hal::JointVector& q_commanded_rad) {
   X_WF0_.translation().z() = floor_m;
   speed_m_s_ = 0.0;
   aim(to_m_, std::max(std::abs(to_m_ - height_m_) * s_per_m_, kMinSpan * config_.lift_s));
+}
+
+hal::JointVector LiftController::where_taken(const hal::JointVector& q_commanded_rad,
+                                             const hal::JointVector& q_measured_rad) const {
+  hal::Pose X_WF = planner::flange_pose(arm_, q_commanded_rad);
+  const hal::Vec3 aside = planner::flange_pose(arm_, q_measured_rad).translation() - X_WF.translation();
+  if (!(aside.head<2>().norm() <= kMaxAside_m)) return q_commanded_rad;
+  X_WF.translation().head<2>() += aside.head<2>();
+  return planner::follow_ik(arm_, X_WF, q_commanded_rad, hal::deg_to_rad(config_.limit_margin_deg),
+                            kMaxAside_rad)
+      .value_or(q_commanded_rad);
 }
 
 double LiftController::next_height(double dt_s) {

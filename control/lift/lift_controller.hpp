@@ -37,6 +37,11 @@ class LiftController {
   /// step. What little it was turned or shifted by stays.
   void restart(const hal::JointVector& q_commanded_rad);
 
+  /// The commanded joints, but with the palm sideways where it stands now: what a soft palm was taken to. As
+  /// commanded where that is farther than a hand's breadth or out of reach.
+  [[nodiscard]] hal::JointVector where_taken(const hal::JointVector& q_commanded_rad,
+                                             const hal::JointVector& q_measured_rad) const;
+
   /// How far the partner's end of the object has risen, whenever it was seen (m).
   void see_partner(double rise_m) { partner_rise_m_ = rise_m; }
 

@@ -41,7 +41,7 @@ class Cyclictest:
             self.worst_ms = 1e-3 * max(worst) if worst else None
 
 
-CONTROLS = ("cartesian_impedance", "joint_impedance")
+CONTROLS = ("joint_impedance", "cartesian_impedance")
 
 
 def lift(colift, robot, seed, scenario, control):
@@ -61,7 +61,7 @@ def main():
     parser.add_argument("--cpu", type=int, default=-1)
     parser.add_argument("--scenarios", default="table", help="one after the other (default: table)")
     parser.add_argument("--both-controls", action="store_true",
-                        help="every other lift with the impedance of the joints instead of the palm's")
+                        help="every other lift with the impedance of the palm instead of the joints'")
     parser.add_argument("--json", metavar="FILE")
     options = parser.parse_args()
     if standstill.beside(options.colift) is None:

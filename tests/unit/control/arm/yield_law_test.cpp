@@ -27,7 +27,7 @@ struct Joint {
       speed += 0.001 * (push_nm + spring_nm() - damping * speed) / inertia;
       q[1] += 0.001 * speed;
     }
-    commanded = law.step(q, commanded, stiffness, pressed, kPeriod_s);
+    commanded = law.step(q, commanded, JointVector::Constant(stiffness), pressed, kPeriod_s);
   }
 };
 
@@ -38,7 +38,8 @@ TEST_CASE("a joint that is pushed takes its set point along and presses no harde
   const double most_nm = joint.config.yield_band_rad * joint.config.yield_stiffness_nm_rad;
   for (int i = 0; i < 200; ++i) {
     joint.q[1] += 0.01;
-    joint.commanded = joint.law.step(joint.q, joint.commanded, joint.stiffness, true, kPeriod_s);
+    joint.commanded =
+        joint.law.step(joint.q, joint.commanded, JointVector::Constant(joint.stiffness), true, kPeriod_s);
     CHECK(std::abs(joint.spring_nm()) <= Approx(most_nm));
   }
   CHECK(joint.commanded[1] >= Approx(joint.q[1] - joint.config.yield_band_rad));
@@ -49,7 +50,8 @@ TEST_CASE("a joint that is still stiff presses with no more torque than a soft o
   Joint joint;
   joint.stiffness = 1500.0;
   joint.q[1] = 0.3;
-  joint.commanded = joint.law.step(joint.q, joint.commanded, joint.stiffness, true, kPeriod_s);
+  joint.commanded =
+      joint.law.step(joint.q, joint.commanded, JointVector::Constant(joint.stiffness), true, kPeriod_s);
   CHECK(-joint.spring_nm() <= Approx(0.1 * 150.0));
 }
 
@@ -72,7 +74,8 @@ TEST_CASE("who stays pressed is pressed lightly soon") {
   joint.q[1] = 0.1;  // held there: 15 N m
   const bool pressed = GENERATE(true, false);
   for (int i = 0; i < 200; ++i)
-    joint.commanded = joint.law.step(joint.q, joint.commanded, joint.stiffness, pressed, kPeriod_s);
+    joint.commanded =
+        joint.law.step(joint.q, joint.commanded, JointVector::Constant(joint.stiffness), pressed, kPeriod_s);
   // a load that no limit is broken by does not make the arm creep away
   const double expected = pressed ? joint.config.yield_relaxed_band_rad * joint.stiffness : 15.0;
   CHECK(-joint.spring_nm() == Approx(expected).epsilon(0.1));
