@@ -14,7 +14,7 @@
 namespace colift::tools {
 namespace {
 
-constexpr const char* kWhere = "hal hand calibrate";
+constexpr const char* kWhere = "hand.calibrate";
 constexpr double kRead_s = 1.0;
 constexpr double kMax_nm = 1.5;      // a gauge is at its end near 1.9 N m
 constexpr double kExample_m = 0.05;  // of the pad's middle from the outer joint
@@ -90,7 +90,14 @@ class Calibration {
       result_.strain.push_back({nm, loaded->shown_nm - idle_nm_});
     }
     const auto fit = hal::fit_scale(result_.strain);
-    if (!fit) return tl::unexpected(fit.error());
+    if (!fit) {
+      std::string shown;
+      for (const hal::ScalePoint& p : result_.strain)
+        shown += fmt::format(", {:+.3f} at {:.2f}", p.shown, p.is);
+      return hal::failure(
+          fit.error().code, kWhere,
+          fmt::format("{}; shown N m at those applied: {}", fit.error().detail, shown.substr(2)));
+    }
     result_.scale.strain_scale = fit->scale;
     result_.scale.strain_residual_nm = fit->residual;
     result_.scale.strain_points = static_cast<int>(what_.torques_nm.size());

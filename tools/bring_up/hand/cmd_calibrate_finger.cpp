@@ -53,8 +53,12 @@ int cmd_calibrate_finger(const CommonOptions& common, const HalOptions& options,
     if (InterruptGuard::asked()) return kInterrupted;
     if (result.error().where == "--torques" || result.error().where == "stdin")
       return report_error(kWhere, result.error());
-    report_failure("hand", options.verb, result.error().text(),
-                   fmt::format("next: {}\n", hand_advice(result.error().code, config.can)));
+    const bool no_line = result.error().code == hal::ErrorCode::BadInput;
+    report_failure(
+        "hand", options.verb, result.error().text(),
+        fmt::format("next: {}\n", no_line ? "check weights and lever, and that nothing else touches "
+                                            "the finger; then measure again"
+                                          : hand_advice(result.error().code, config.can)));
     return kDeviceFailed;
   }
   if (options.out) {
