@@ -202,7 +202,7 @@ picture::Canvas plot(const Results& r) {
       for (const char* control : kShort) {
         const std::vector<double> v = where(r, fmt::format("{}_{}", control, what), partner);
         if (!v.empty())
-          panel.bars.push_back({control, quantile(v, 0.5), std::string(control) == "palm", quantile(v, 0.25),
+          panel.bars.push_back({control, quantile(v, 0.5), false, quantile(v, 0.25),
                                 quantile(v, 0.75)});
       }
       if (!panel.bars.empty()) panels.push_back(std::move(panel));

@@ -15,7 +15,10 @@ struct Carrying {
   hal::ImpedanceCommand command;
 };
 
-Carrying carry(double period_s, const hal::ArmAbilities& can = {}, const control::TaskConfig& task = {}) {
+Carrying carry(double period_s, const hal::ArmAbilities& can = {},
+               const std::string& control = "cartesian_impedance") {
+  control::TaskConfig task;
+  task.lift.control = control;
   const hal::RobotModel& model = hal::built_in_robot();
   ArmController arm(model, planner::arm_geometry(model).value(), task, {}, {}, {.on = false}, can);
   hal::ArmState state;
@@ -63,9 +66,7 @@ TEST_CASE("an arm that takes no torques, and a task that says so, keep the imped
   hal::ArmAbilities can;
   can.superposed_torque = false;
   CHECK_FALSE(carry(0.005, can).view.palm_springs);
-  control::TaskConfig task;
-  task.lift.control = "joint_impedance";
-  const Carrying joints = carry(0.005, {}, task);
+  const Carrying joints = carry(0.005, {}, "joint_impedance");
   CHECK_FALSE(joints.view.palm_springs);
   CHECK(equal_joints(joints.command));
   // the energy is counted under either
