@@ -183,25 +183,25 @@ void add_sharing(std::vector<Curve>& curves) {
 void write_picture(const std::vector<Curve>& curves, const std::string& file) {
   picture::LinePlot plot;
   plot.x_title = "size over the smallest one (tens to the power of)";
-  picture::PlotPanel panel;
-  panel.title = "Cost over that of the smallest size (tens to the power of); dashed: linear";
   // hues of Okabe and Ito
-  const std::array colours{picture::kRobot,        picture::kPartner,      picture::kCog,
-                           picture::rgb(0xD55E00), picture::rgb(0xCC79A7), picture::rgb(0x56B4E9),
-                           picture::kSoftInk};
-  picture::PlotLine linear{"linear", picture::kInk, {0.0, 3.0}, {0.0, 3.0}, true};
-  for (std::size_t i = 0; i < curves.size(); ++i) {
-    picture::PlotLine line{
-        fmt::format("{} / {}", curves[i].stage, curves[i].unit), colours[i % colours.size()], {}, {}};
-    for (const Point& p : curves[i].points) {
-      line.x.push_back(std::log10(p.size / curves[i].points.front().size));
-      line.y.push_back(std::log10(p.ms / curves[i].points.front().ms));
+  const std::array colours{picture::kRobot, picture::kPartner, picture::kCog, picture::rgb(0xD55E00)};
+  for (const bool of_pixels : {true, false}) {
+    picture::PlotPanel panel;
+    panel.title = of_pixels ? "Cost over pixels (tens to the power of)" : "Cost over the others";
+    for (const Curve& c : curves) {
+      if ((c.unit == "pixels") != of_pixels) continue;
+      picture::PlotLine line{
+          of_pixels ? c.stage : c.unit, colours[panel.lines.size() % colours.size()], {}, {}};
+      for (const Point& p : c.points) {
+        line.x.push_back(std::log10(p.size / c.points.front().size));
+        line.y.push_back(std::log10(p.ms / c.points.front().ms));
+      }
+      panel.lines.push_back(std::move(line));
     }
-    panel.lines.push_back(std::move(line));
+    const double most = of_pixels ? 1.5 : 3.0;
+    panel.lines.push_back({"linear", picture::kInk, {0.0, most}, {0.0, most}, true});
+    plot.panels.push_back(std::move(panel));
   }
-  panel.lines.push_back(linear);
-  plot.panels.push_back(panel);
-  plot.panel_height = 520;
   if (auto done = picture::draw_line_plot(plot).write_png(file); !done) {
     fmt::print(stderr, "{}\n", done.error().text());
     std::exit(1);
