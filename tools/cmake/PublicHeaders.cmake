@@ -142,7 +142,8 @@ set(COLIFT_PUBLIC_HEADERS
   # ... and what these include
   control/arm/drive.hpp
   control/config/check_config.hpp
-  control/config/cartesian_config.hpp control/config/let_go_config.hpp
+  control/config/cartesian_config.hpp
+  control/config/let_go_config.hpp
   control/config/method.hpp
   control/config/monitor_config.hpp
   control/config/setpoint_limits.hpp
