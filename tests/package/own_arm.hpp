@@ -48,8 +48,9 @@ class OwnArm : public colift::hal::Arm {
     if (!active_ || answered_) return refuse(Code::NotReady, "not active, or this cycle has its command");
     const bool numbers =
         c.q_rad.allFinite() && c.stiffness_nm_rad.allFinite() && c.tau_superposed_nm.allFinite();
-    if (!numbers || c.q_rad.cwiseAbs().maxCoeff() > 2.0 || c.stiffness_nm_rad.minCoeff() < 0.0)
-      return refuse(Code::LimitExceeded, "a joint beyond 2 rad, a negative stiffness, or no number");
+    if (!numbers || c.q_rad.cwiseAbs().maxCoeff() > 2.0 || c.stiffness_nm_rad.minCoeff() < 0.0 ||
+        c.stiffness_nm_rad.maxCoeff() > abilities().max_stiffness_nm_rad)
+      return refuse(Code::LimitExceeded, "a joint beyond 2 rad, a stiffness that it has not, or no number");
     goal_rad_ = c.q_rad;
     answered_ = true;
     return {};
