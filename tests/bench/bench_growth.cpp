@@ -8,8 +8,8 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,7 +19,6 @@
 #include "perception/map/world_map.hpp"
 #include "perception/surfaces/find_surfaces.hpp"
 #include "perception/target/target.hpp"
-#include "planner/load_sharing/rank.hpp"
 #include "planner/load_sharing/several_agents.hpp"
 #include "planner/motion/motion_planner.hpp"
 #include "sim_hal/synthetic/kinect/kinect_noise.hpp"

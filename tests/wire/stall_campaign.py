@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """The PC stands still while it commands the arm: SIGSTOP on `colift hal arm hold` for 5 ms to 2 s, at random instants,
 against `colift emulate krc` in real time. Judged from outside: the controller saw no rule broken by the client but
-missing answers (no step, no wrong first command), the client ended by itself, and where command mode was lost the reason names this machine and
-for how long it stood still.
+missing answers (no step, no wrong first command), the client ended by itself, and where command mode was lost the
+reason names this machine and for how long it stood still.
 
-Standard library only. Usage: stall_campaign.py COLIFT [--trials N] [--seed S]; exit code 1 when one trial was judged wrong.
+Standard library only. Usage: stall_campaign.py COLIFT [--trials N] [--seed S]; exit code 1 when a trial was judged wrong.
 """
 
 import argparse

@@ -99,7 +99,7 @@ class HandEmulator {
   std::array<bool, kHandPucks> was_ready_{};
   std::array<bool, kHandPucks> faulted_{};  ///< A fault took its zero; until it has found its stop.
   std::array<double, kHandFingers> hung_nm_{};
-  double turned_ = 0.0;                     ///< Counts that the spread was turned from outside.
+  double turned_ = 0.0;  ///< Counts that the spread was turned from outside.
   hal::Timestamp start_{0}, next_tick_{0}, wire_free_{0};
   double t_s_ = 0.0;
   int foreign_ms_ = 0, noise_ms_ = 0;

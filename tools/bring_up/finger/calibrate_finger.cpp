@@ -112,7 +112,6 @@ class Calibration {
       return ready;
     const double from = config_.min_torque_units, to = config_.move_torque_units;
     hal::BarrettHandConfig pressing = config_;
-    pressing.calibration_file.clear();
     // the torque that the service is told is only a name for units; its limit of strain has to lie beyond
     // them
     pressing.max_torque_nm = kMax_nm;

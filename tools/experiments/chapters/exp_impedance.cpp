@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "hal/types/units.hpp"
 #include "sim_hal/scenario/object_parts.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
 #include "tools/experiments/bar_plot.hpp"
@@ -202,8 +201,7 @@ picture::Canvas plot(const Results& r) {
       for (const char* control : kShort) {
         const std::vector<double> v = where(r, fmt::format("{}_{}", control, what), partner);
         if (!v.empty())
-          panel.bars.push_back({control, quantile(v, 0.5), false, quantile(v, 0.25),
-                                quantile(v, 0.75)});
+          panel.bars.push_back({control, quantile(v, 0.5), false, quantile(v, 0.25), quantile(v, 0.75)});
       }
       if (!panel.bars.empty()) panels.push_back(std::move(panel));
     }

@@ -1,12 +1,13 @@
-// The gauges and motors of one hand: measured with known torques on emulated pucks, kept by serial number, and used.
+// The gauges and motors of one hand: measured with known torques on emulated pucks, kept by serial number,
+// and used.
 #include "hal/drivers/barrett_can/calibration/hand_calibration.hpp"
 
 #include <catch2/catch.hpp>
-#include <filesystem>
-#include <fstream>
+#include <cmath>
 
 #include "hal/drivers/barrett_can/calibration/gauge_reading.hpp"
 #include "tests/contract/barrett_rig.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tools/bring_up/finger/calibrate_finger.hpp"
 
 using namespace colift;
@@ -85,7 +86,8 @@ TEST_CASE("a file that is none gets its place", "[hand][calibration]") {
   CHECK_THAT(why("schema: colift.hand_calibration/1\npucks:\n  - {serial: 0}\n"), Contains("hand.yaml:3"));
   CHECK_THAT(why("schema: colift.hand_calibration/1\npucks:\n  - {serial: 7, strain_scale: 9}\n"),
              Contains("0.2 to 5"));
-  CHECK_THAT(why("schema: colift.hand_calibration/1\npucks: [{serial: 7}, {serial: 7}]\n"), Contains("twice"));
+  CHECK_THAT(why("schema: colift.hand_calibration/1\npucks: [{serial: 7}, {serial: 7}]\n"),
+             Contains("twice"));
 }
 
 TEST_CASE("a finger is measured with weights and presses by itself, and its scale is found",
@@ -96,13 +98,14 @@ TEST_CASE("a finger is measured with weights and presses by itself, and its scal
   rig.hand->deactivate();
   tools::FingerCalibration what{Puck::F2, {0.2, 0.4, 0.6}, /*press=*/true, "2026-01-01"};
   std::vector<std::string> said;
-  const auto result = tools::calibrate_finger(*rig.client, rig.clock, {}, what, [&](const std::string& words) {
-    // the person does what he is told
-    const std::size_t step = said.size();
-    rig.pucks.hang(1, step >= 1 && step <= what.torques_nm.size() ? what.torques_nm[step - 1] : 0.0);
-    said.push_back(words);
-    return hal::Result<>();
-  });
+  const auto result =
+      tools::calibrate_finger(*rig.client, rig.clock, {}, what, [&](const std::string& words) {
+        // the person does what he is told
+        const std::size_t step = said.size();
+        rig.pucks.hang(1, step >= 1 && step <= what.torques_nm.size() ? what.torques_nm[step - 1] : 0.0);
+        said.push_back(words);
+        return hal::Result<>();
+      });
   INFO((result ? "" : result.error().text()));
   REQUIRE(result);
   CHECK(said.size() == 5);
@@ -117,11 +120,10 @@ TEST_CASE("a finger is measured with weights and presses by itself, and its scal
 
 TEST_CASE("a calibrated hand measures and grips with true torques, another hand's file changes nothing",
           "[hand][calibration]") {
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / "colift_hand_calibration_test.yaml";
   const bool own = GENERATE(true, false);
-  std::ofstream(file) << text_of(one_puck(own ? 112 : 999));
+  const tests::TemporaryFolder folder;
   hal::BarrettHandConfig config;
-  config.calibration_file = file.string();
+  config.calibration_file = folder.write("hand.yaml", text_of(one_puck(own ? 112 : 999))).string();
   BarrettRig rig(/*with_object=*/false, config, emulator());
   const auto configured = rig.hand->configure();
   INFO((configured ? "" : configured.error().text()));
@@ -135,7 +137,6 @@ TEST_CASE("a calibrated hand measures and grips with true torques, another hand'
   const std::string remark = rig.driver->report().remark.str();
   CHECK_THAT(remark, Contains("F1 (puck 111) is not in"));
   CHECK((remark.find("F2 (puck 112)") == std::string::npos) == own);
-  std::filesystem::remove(file);
 }
 
 TEST_CASE("a calibration file that is not there refuses the hand", "[hand][calibration]") {
