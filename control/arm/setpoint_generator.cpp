@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "hal/guards/braking_law.hpp"
 
@@ -93,8 +94,9 @@ hal::Result<> SetpointGenerator::follow(std::shared_ptr<const planner::Trajector
   cut_off_ = false;
   urgency_ = 1.0;
   tare_ = rest_tau_;
+  if (std::exchange(first_since_start_, false)) first_tare_ = tare_;
   lag_at_start_ = rest_lag_;
-  contact_ = hal::Wrench{};
+  contact_ = first_contact_ = hal::Wrench{};
   armed_ = true;
   blocked_ = {};
   return {};
@@ -200,6 +202,7 @@ void SetpointGenerator::start_from(const hal::ArmState& state, bool usable) {
   on_trajectory_ = false;
   if (state.tau_external_nm.allFinite()) rest_tau_ = state.tau_external_nm;
   rest_lag_.setZero();
+  first_since_start_ = true;
 }
 
 void SetpointGenerator::set_pace(bool slow, double dt_s) {
@@ -274,17 +277,22 @@ void SetpointGenerator::step_servo(double dt_s) {
 void SetpointGenerator::watch(const hal::ArmState& state, double dt_s) {
   if (!state.tau_external_nm.allFinite()) return;
   const hal::JointVector lag = q_ - state.q_rad;
-  if (mode_ != Mode::Trajectory && at_rest()) {
-    const double part = std::min(1.0, dt_s / limits_.rest_filter_s);
+  const bool rests = mode_ != Mode::Trajectory && at_rest();
+  rested_s_ = rests ? rested_s_ + dt_s : 0.0;
+  if (rests) {
+    // a mean at first: what was felt before the last motion says nothing here
+    const double part = std::min(1.0, dt_s / std::min(rested_s_, limits_.rest_filter_s));
     rest_tau_ += part * (state.tau_external_nm - rest_tau_);
     rest_lag_ += part * (lag - rest_lag_);
   }
   if (mode_ != Mode::Trajectory) return;
 
   const hal::Wrench now = palm_wrench(*model_, state.q_rad, state.tau_external_nm - tare_);
+  const hal::Wrench first = palm_wrench(*model_, state.q_rad, state.tau_external_nm - first_tare_);
   const double part = limits_.contact_filter_s > 0.0 ? 1.0 - std::exp(-dt_s / limits_.contact_filter_s) : 1.0;
   contact_.force += part * (now.force - contact_.force);
-  const double force = contact_.force.norm();
+  first_contact_.force += part * (first.force - first_contact_.force);
+  const double force = contact_force_n();
   int joint = 0;
   const double lag_rad = (lag - lag_at_start_).cwiseAbs().maxCoeff(&joint);
   const bool quiet = force < limits_.rearm_fraction * contact_limit_n_ &&
@@ -298,6 +306,10 @@ void SetpointGenerator::watch(const hal::ArmState& state, double dt_s) {
     why = Contact::Lag;
   if (why != Contact::None)
     blocked_ = {why, force, contact_limit_n_, joint, lag_rad, limits_.follow_error_rad};
+}
+
+double SetpointGenerator::contact_force_n() const {
+  return std::min(contact_.force.norm(), first_contact_.force.norm());
 }
 
 bool SetpointGenerator::at_rest() const {

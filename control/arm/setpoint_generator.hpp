@@ -94,14 +94,15 @@ class SetpointGenerator {
   [[nodiscard]] double pace() const { return pace_; }
   [[nodiscard]] bool slow() const { return slow_left_s_ > 0.0; }
 
-  /// While a trajectory is followed: a force at the palm above TaskConfig::contact_n since the trajectory
-  /// began, or an arm that does not follow. Latched until the next follow(), resume() or back(). The watch
-  /// only tells; whoever asks calls hold().
+  /// While a trajectory is followed: a force at the palm above TaskConfig::contact_n against both of its
+  /// zeros, what was felt before this trajectory began and before the first one since the arm was started; or
+  /// an arm that does not follow. Latched until the next follow(), resume() or back(). The watch only tells;
+  /// whoever asks calls hold().
   [[nodiscard]] bool blocked() const { return blocked_.why != Contact::None; }
   /// Why, with numbers; describe() makes a sentence of it.
   [[nodiscard]] const Blockage& blockage() const { return blocked_; }
-  /// Force at the palm against what was felt at rest before the trajectory began (N).
-  [[nodiscard]] double contact_force_n() const { return contact_.force.norm(); }
+  /// Force at the palm against the nearer of these zeros (N).
+  [[nodiscard]] double contact_force_n() const;
 
  private:
   enum class Mode { Hold, Trajectory, Servo };
@@ -147,8 +148,13 @@ class SetpointGenerator {
 
   bool armed_ = true;
   Blockage blocked_;
-  hal::Wrench contact_;
+  /// A trajectory that begins in a contact takes it for its zero, and would feel it as a force once it is
+  /// gone.
+  hal::Wrench contact_, first_contact_;
   hal::JointVector rest_tau_ = hal::JointVector::Zero(), tare_ = hal::JointVector::Zero();
+  hal::JointVector first_tare_ = hal::JointVector::Zero();
+  bool first_since_start_ = true;
+  double rested_s_ = 0.0;  ///< Since the last motion.
   hal::JointVector rest_lag_ = hal::JointVector::Zero(), lag_at_start_ = hal::JointVector::Zero();
 };
 

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "control/config/certificate_config.hpp"
 #include "control/config/check_config.hpp"
 #include "control/config/load_config.hpp"
 #include "control/config/method.hpp"
@@ -57,6 +58,7 @@ struct Config {
   perception::TrackerConfig tracker{.dwell_s = 0.1};
   perception::PresenceConfig presence;
   planner::DecisionConfig decision;
+  CertificateConfig certificate;
   perception::ThesisConfig thesis;
   perception::WorldMapConfig map;
   perception::SelfFilterConfig self_filter;
@@ -104,6 +106,7 @@ struct Config {
     v("tracker", tracker, "When a touch is a grasp.");
     v("presence", presence, "Whether the partner's hand is still at its grasp while the object moves.");
     v("decision", decision, "Load sharing.");
+    v("certificate", certificate, "Bounds of share, tilt, slip and load that are said before a lift.");
     v("thesis", thesis, "Parameters of the thesis's method.");
     v("map", map, "The collision world.");
     v("self_filter", self_filter, "How the robot's own pixels are removed.");

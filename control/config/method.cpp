@@ -36,6 +36,7 @@ std::optional<Method> method_named(std::string_view name) {
 
 void set_method_defaults(Method method, Config& config) {
   if (method != Method::Thesis) return;
+  config.certificate.on_breach = "report";  // the thesis has no bounds
   config.decision.weights = planner::SharingWeights::thesis();
   config.decision.share_first = false;
   config.decision.max_sideways = std::numeric_limits<double>::infinity();

@@ -119,9 +119,10 @@ hal::Result<> choose(const SceneAnalysis& analysis, const Config& config, const 
   if (!decision) return tl::unexpected(decision.error());
   out.decision = std::move(*decision);
   if (auto done = choose_robustly(analysis, config.decision, out); !done) return tl::unexpected(done.error());
-  out.share = share_contract(out, analysis, uncertain_scene(analysis, *out.partner, config.decision),
-                             config.decision, mass_kg);
+  out.share = share_contract(out, analysis, uncertain_scene(analysis, *out.partner, config.decision), config,
+                             mass_kg);
   say_share(out);
+  refuse_beyond_limits(out, config.certificate);
   out.decision_ms = 1e3 * hal::seconds(clock.now() - start);
   return {};
 }

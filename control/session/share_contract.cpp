@@ -16,34 +16,7 @@ namespace {
 
 using hal::Vec3;
 
-constexpr double k95 = 1.96;           // standard deviations, of a normal distribution
-constexpr double kStep_m = 1e-3;       // of the differences that make a gradient
 constexpr double kPlaceStep_m = 0.02;  // along the object's edges: a quarter of a hand
-
-// of the lever rule at these places, to first order
-double sigma_of(const planner::UncertainScene& s, const Vec3& robot) {
-  const auto share = [&](const Vec3& cog, const Vec3& partner) {
-    return planner::lever_share(cog, partner, robot, s.up).value_or(0.0);
-  };
-  Vec3 by_cog, by_partner;
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 step = kStep_m * Vec3::Unit(k);
-    by_cog[k] = (share(s.cog + step, s.partner) - share(s.cog - step, s.partner)) / (2.0 * kStep_m);
-    by_partner[k] = (share(s.cog, s.partner + step) - share(s.cog, s.partner - step)) / (2.0 * kStep_m);
-  }
-  const double variance =
-      by_cog.dot(s.cog_covariance * by_cog) + by_partner.dot(s.partner_covariance * by_partner);
-  return std::sqrt(std::max(0.0, variance));
-}
-
-// Of hands that resist a tilt: their torque over the weight's between them.
-double grip_sigma(const planner::UncertainScene& s, const Vec3& robot, const planner::DecisionConfig& config,
-                  std::optional<double> mass_kg) {
-  const Vec3 between = robot - s.partner;
-  const double span_m = (between - between.dot(s.up) * s.up).norm();
-  const double weight_n = hal::kGravity_m_s2 * mass_kg.value_or(config.usual_mass_kg);
-  return span_m > 0.0 ? config.grip_torque_nm / (weight_n * span_m) : 0.0;
-}
 
 void add_line(const Vec3& from, const Vec3& to, std::vector<Vec3>& places) {
   const int n = std::max(1, static_cast<int>(std::ceil((to - from).norm() / kPlaceStep_m)));
@@ -162,8 +135,9 @@ std::string partner_text_of(const ShareContract& c) {
 }  // namespace
 
 ShareContract share_contract(const Outcome& outcome, const SceneAnalysis& analysis,
-                             const planner::UncertainScene& scene, const planner::DecisionConfig& config,
+                             const planner::UncertainScene& scene, const Config& settings,
                              std::optional<double> mass_kg) {
+  const planner::DecisionConfig& config = settings.decision;
   ShareContract c;
   const planner::Decision& d = outcome.decision;
   c.wanted = config.share;
@@ -175,11 +149,13 @@ ShareContract share_contract(const Outcome& outcome, const SceneAnalysis& analys
                                  : tl::unexpected(unlimited.error());
   if (!sharing) return c;  // the decision has failed with the same error
   if (d.chosen) {
-    const Vec3 robot = planner::load_point(outcome.candidates[*d.chosen]);
-    const double half = k95 * std::hypot(sigma_of(scene, robot), grip_sigma(scene, robot, config, c.mass_kg));
+    c.certificate = certify(
+        forecast_lift(scene, outcome.candidates[*d.chosen], d.share,
+                      analysis.finder ? analysis.finder->hand() : planner::HandModel{}, config, c.mass_kg),
+        settings.certificate, certificate_limits(settings));
     c.predicted = d.share;
-    c.interval =
-        planner::ShareRange{std::clamp(d.share - half, 0.0, 1.0), std::clamp(d.share + half, 0.0, 1.0)};
+    c.interval = c.certificate->share;
+    const double half = std::max(d.share - c.interval->low, c.interval->high - d.share);
     c.tolerance = config.share_window + half;
     if (c.mass_kg) c.partner_load_n = (1.0 - d.share) * *c.mass_kg * hal::kGravity_m_s2;
     if (c.wanted)
@@ -193,6 +169,18 @@ ShareContract share_contract(const Outcome& outcome, const SceneAnalysis& analys
   c.text = text_of(c, scene, config.share_window);
   c.partner_text = partner_text_of(c);
   return c;
+}
+
+void refuse_beyond_limits(Outcome& outcome, const CertificateConfig& config) {
+  planner::Decision& d = outcome.decision;
+  const auto& certificate = outcome.share.certificate;
+  if (config.on_breach != "refuse" || !d.chosen || !certificate || certificate->breaches.empty()) return;
+  planner::GraspCandidate& c = outcome.candidates[*d.chosen];
+  d.reason =
+      fmt::format("no grasp: of the best one, candidate {}, {} (95 %)", c.id, certificate->breach_text);
+  c.verdict = planner::Verdict::OverLimit;
+  c.reason = certificate->breach_text;
+  d.chosen.reset();
 }
 
 void say_share(Outcome& outcome) {

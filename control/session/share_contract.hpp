@@ -3,6 +3,8 @@
 #include <optional>
 #include <string>
 
+#include "control/certificate/certificate.hpp"
+#include "control/config/config.hpp"
 #include "hal/types/geometry.hpp"
 #include "planner/grasp/robust_choice.hpp"
 #include "planner/grasp/share_choice.hpp"
@@ -24,8 +26,7 @@ struct ShareContract {
   std::optional<double> wanted;
   std::optional<planner::ShareRange> reachable;  ///< Over all feasible candidates; unset: there is none.
   std::optional<double> predicted;               ///< Of the chosen candidate.
-  /// 95 % of the prediction, by the covariances of the centre of gravity and of the partner's position, and
-  /// by what torque hands may resist a tilt with (DecisionConfig::grip_torque_nm).
+  /// 95 % of the prediction: that of the certificate.
   std::optional<planner::ShareRange> interval;
   /// Whether the prediction may be called the wanted share: within share_window of it, and the half width of
   /// the interval within share_sure. Unset where none is wanted or nothing was chosen.
@@ -34,18 +35,22 @@ struct ShareContract {
   std::optional<Place> elsewhere;  ///< Where the wanted share is not reachable; unset: found none.
   bool searched = false;          ///< Whether such a place was looked for: the wanted share is not reachable.
   std::optional<double> mass_kg;  ///< That the partner's load is computed for; unset: unknown.
-  std::optional<double> partner_load_n;   ///< Predicted, vertical; unset where the mass is unknown.
-  std::optional<double> partner_limit_n;  ///< Unset: no limit.
-  std::string text;                       ///< The shares, as a person would say them.
-  std::string partner_text;               ///< The partner's load and its limit.
+  std::optional<double> partner_load_n;    ///< Predicted, vertical; unset where the mass is unknown.
+  std::optional<double> partner_limit_n;   ///< Unset: no limit.
+  std::string text;                        ///< The shares, as a person would say them.
+  std::string partner_text;                ///< The partner's load and its limit.
+  std::optional<Certificate> certificate;  ///< Of the chosen grasp; unset: nothing was chosen.
 };
 
 /// Of a decision. `scene`: what it believes, with covariances. `mass_kg`: where it is known beside
-/// config.known_mass_kg.
+/// config.decision.known_mass_kg.
 [[nodiscard]] ShareContract share_contract(const Outcome& outcome, const SceneAnalysis& analysis,
-                                           const planner::UncertainScene& scene,
-                                           const planner::DecisionConfig& config,
+                                           const planner::UncertainScene& scene, const Config& config,
                                            std::optional<double> mass_kg);
+
+/// Takes back the choice of a grasp whose certificate is beyond a limit, where `on_breach` is "refuse"; the
+/// decision's reason then says the number.
+void refuse_beyond_limits(Outcome& outcome, const CertificateConfig& config);
 
 /// Adds the shares to the decision's reason where one is wanted.
 void say_share(Outcome& outcome);

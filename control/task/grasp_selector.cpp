@@ -75,6 +75,7 @@ bool GraspSelector::choose() {
   }
   c_.record.decision = std::move(*outcome);
   if (!take_own_choice()) return false;
+  test_beyond_limits();
   const planner::Decision& decision = c_.record.decision->decision;
   if (!decision.chosen) {
     // the rule says already that no grasp fits
@@ -82,6 +83,16 @@ bool GraspSelector::choose() {
     if (failure.starts_with("no grasp: ")) failure.erase(0, 10);
   }
   return decision.chosen.has_value();
+}
+
+// A lift whose bounds are not within the limits is tried out by millimetres first.
+void GraspSelector::test_beyond_limits() {
+  Outcome& outcome = *c_.record.decision;
+  const auto& certificate = outcome.share.certificate;
+  if (c_.config.certificate.on_breach != "test" || !outcome.decision.chosen || !certificate) return;
+  if (certificate->breaches.empty() || c_.config.test_lift.on) return;
+  c_.config.test_lift.on = true;
+  outcome.decision.reason += fmt::format("; a test lift first, because {} (95 %)", certificate->breach_text);
 }
 
 bool GraspSelector::take_own_choice() {
@@ -104,9 +115,10 @@ bool GraspSelector::take_own_choice() {
   }
   outcome.share =
       share_contract(outcome, analysis, uncertain_scene(analysis, *outcome.partner, c_.config.decision),
-                     c_.config.decision, mass_kg());
+                     c_.config, mass_kg());
   say_share(outcome);
-  return true;
+  refuse_beyond_limits(outcome, c_.config.certificate);
+  return outcome.decision.chosen.has_value();
 }
 
 // After test lifts: where the object is most likely to hang level. Where nothing promises that, the best of
@@ -164,18 +176,30 @@ std::optional<double> GraspSelector::mass_kg() const {
   return std::nullopt;
 }
 
+// A test lift judges tilt and slip by itself; what it tells of the mass is compared with what hands may bear.
+std::optional<std::string> GraspSelector::too_heavy() const {
+  const auto& certificate = c_.record.decision->share.certificate;
+  if (!certificate || c_.config.certificate.on_breach == "report") return std::nullopt;
+  for (const Certificate::Breach& b : certificate->breaches)
+    if (b.of == Certificate::Breach::Of::Load || b.of == Certificate::Breach::Of::PartnerLoad)
+      return "not lifted: " + certificate->breach_text + " (95 %)";
+  return std::nullopt;
+}
+
 bool GraspSelector::renew_share(const perception::PartnerGrasp& partner, const TestLift& known) {
   Outcome& outcome = *c_.record.decision;
   planner::UncertainScene scene = uncertain_scene(c_.session.analysis(), partner, c_.config.decision);
   scene.cog = known.cog;
   scene.cog_covariance.topLeftCorner<2, 2>() = known.belief.covariance();
   auto refusal = planner::too_far_from_share(outcome.decision.share, c_.config.decision);
+  if (refusal) outcome.decision.chosen.reset();
+  outcome.share = share_contract(outcome, c_.session.analysis(), scene, c_.config, mass_kg());
+  if (!refusal) refusal = too_heavy();
   if (refusal) {
-    outcome.decision.reason = c_.attempts.failure = *refusal;
+    outcome.decision.reason = *refusal;
     outcome.decision.refused_for_share = true;
     outcome.decision.chosen.reset();
   }
-  outcome.share = share_contract(outcome, c_.session.analysis(), scene, c_.config.decision, mass_kg());
   say_share(outcome);
   if (refusal) c_.attempts.failure = outcome.decision.reason;
   return !refusal;

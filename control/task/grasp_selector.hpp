@@ -44,6 +44,9 @@ class GraspSelector {
   void judge_reach(std::vector<planner::GraspCandidate>& candidates);
   /// JobPolicies::choice. False where it names a candidate that is not feasible: nothing is chosen then.
   [[nodiscard]] bool take_own_choice();
+  void test_beyond_limits();
+  /// Why a load that a test lift made known is not lifted.
+  [[nodiscard]] std::optional<std::string> too_heavy() const;
   void apply_refusals(std::vector<planner::GraspCandidate>& candidates) const;
   [[nodiscard]] bool choose_level(const perception::PartnerGrasp& partner, const Judge& reach);
   /// Of the object, where somebody knows it or a test lift measured it.

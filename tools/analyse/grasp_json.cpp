@@ -76,6 +76,22 @@ Json share_json(const control::ShareContract& s) {
   return j;
 }
 
+Json certificate_json(const control::ShareContract& share) {
+  if (!share.certificate) return nullptr;
+  const control::Certificate& c = *share.certificate;
+  const auto range = [](const std::optional<control::Certificate::LoadRange>& r) {
+    return r ? Json{r->low, r->high} : Json(nullptr);
+  };
+  return {{"confidence", 0.95},
+          {"share", {c.share.low, c.share.high}},
+          {"tilt_deg", c.tilt_deg},
+          {"slip_m", c.slip_m},
+          {"load_n", range(c.load_n)},
+          {"partner_load_n", range(c.partner_load_n)},
+          {"within_limits", c.breaches.empty()},
+          {"because", c.breaches.empty() ? c.text : c.breach_text}};
+}
+
 Json decision_json(const control::Outcome& o) {
   const auto& d = o.decision;
   if (!d.chosen) return nullptr;

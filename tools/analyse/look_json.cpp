@@ -108,6 +108,7 @@ std::string decide_document(const Seen& seen, const control::Outcome& o,
   }
   j["decision"] = decision_json(o);
   j["share"] = share_json(o.share);
+  j["certificate"] = certificate_json(o.share);
   if (!o.decision.chosen) j["because"] = o.decision.reason;
   j["suggestion"] = nullptr;
   if (suggestion)

@@ -60,6 +60,7 @@ picture::Report report_of(const Seen& seen, const control::Outcome* outcome, con
     if (!outcome->share.text.empty()) {
       if (!outcome->share.wanted) r.notes.push_back(outcome->share.text);
       r.notes.push_back(outcome->share.partner_text);
+      if (outcome->share.certificate) r.notes.push_back(outcome->share.certificate->text);
     }
   }
   r.facts = picture.figures;

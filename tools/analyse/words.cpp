@@ -125,6 +125,11 @@ std::string decide_text(const control::Outcome& o, const std::optional<control::
   if (!o.share.text.empty()) {
     if (!o.share.wanted) text += "share     " + o.share.text + "\n";
     text += "load      " + o.share.partner_text + "\n";
+    if (o.share.certificate) {
+      text += "bounds    " + o.share.certificate->text + "\n";
+      if (!o.share.certificate->breaches.empty())
+        text += "limits    " + o.share.certificate->breach_text + "\n";
+    }
   }
   if (suggestion) text += suggestion->reason + "\n";
   return text;

@@ -9,6 +9,7 @@
 #include "tools/cli/session.hpp"
 #include "tools/experiments/outcome.hpp"
 #include "tools/experiments/trials/sighting.hpp"
+#include "tools/experiments/worst.hpp"
 
 namespace colift::tools {
 namespace {
@@ -132,6 +133,25 @@ int merge(const CommonOptions& common, const ExperimentOptions& options) {
   return kDone;
 }
 
+// worst NAME: the trials of a finished campaign that went worst, each with its picture and its cause
+int show_worst(const CommonOptions& common, const ExperimentOptions& options) {
+  const Experiment* e = options.words.size() == 2 ? find_experiment(options.words[1]) : nullptr;
+  if (e == nullptr)
+    return report_error("experiment",
+                        {ErrorCode::BadInput, "worst", "of which experiment? worst NAME --out DIR"});
+  WorstOptions worst;
+  if (options.trials > 0) worst.count = options.trials;
+  worst.folder = options.out;
+  const InterruptGuard signals;
+  const auto page = write_worst(*e, worst, [&](const std::string& words) {
+    if (!common.quiet) std::fputs((words + "\n").c_str(), stderr);
+    return !InterruptGuard::asked();
+  });
+  if (!page) return report_error("experiment", page.error());
+  if (!common.quiet) std::fprintf(stderr, "page: %s\n", page->c_str());
+  return kDone;
+}
+
 }  // namespace
 
 hal::Result<control::ResolvedConfig> config_of_experiment(const ExperimentOptions& o) {
@@ -153,6 +173,7 @@ hal::Result<control::ResolvedConfig> config_of_experiment(const ExperimentOption
 
 int cmd_experiment(const CommonOptions& common, const ExperimentOptions& options) {
   if (options.words.front() == "merge") return merge(common, options);
+  if (options.words.front() == "worst") return show_worst(common, options);
   if (options.words.size() > 1)
     return report_error("experiment", {ErrorCode::BadInput, options.words[1], "one NAME at a time"});
   auto campaign_setting = campaign_options(options);

@@ -11,6 +11,10 @@
 #include "tools/experiments/trial_table.hpp"
 #include "tools/visualization/canvas.hpp"
 
+namespace colift::control {
+struct RunRecord;
+}
+
 namespace colift::experiments {
 
 /// Where the camera stands.
@@ -26,6 +30,8 @@ struct Trial {
   int index = 0;
   control::Method method = control::Method::Fast;
   View view = View::OfLayout;
+  /// Told how each whole lift of the trial ended; mostly empty.
+  std::function<void(const control::RunRecord&)> watch = {};
 
   /// A number of its own for everything random in it, the same for both methods.
   [[nodiscard]] std::uint64_t own_seed(std::uint64_t stream) const;
@@ -59,6 +65,12 @@ struct Results {
   const TrialTable& details;
 };
 
+/// What speaks against a trial: the larger, the worse.
+struct Badness {
+  double value = 0.0;
+  std::string words;
+};
+
 /// One experiment of the thesis's chapter 6, or one that goes beyond it.
 struct Experiment {
   std::string name, title, thesis;  ///< `thesis`: where it stands, "6.3.2".
@@ -72,6 +84,8 @@ struct Experiment {
   std::string trials_set;  ///< Entries of the configuration that trials set beside it, for people.
   std::function<std::vector<Figure>(const Results&)> figures;
   std::function<picture::Canvas(const Results&)> plot;
+  /// How bad a trial was, in words and in a number; nullopt: it does not count. Unset: trials are not ranked.
+  std::function<std::optional<Badness>(const Results&, const Row&)> badness = {};
 };
 
 /// All of them, in the order of the thesis; made once.
@@ -100,5 +114,6 @@ struct Experiment {
 [[nodiscard]] Experiment rooms_experiment();
 [[nodiscard]] Experiment imperfect_experiment();
 [[nodiscard]] Experiment impedance_experiment();
+[[nodiscard]] Experiment certificate_experiment();
 
 }  // namespace colift::experiments

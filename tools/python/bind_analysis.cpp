@@ -172,9 +172,9 @@ std::string why_json(const PyOutcome& o, int id) {
 void choose_instead(PyOutcome& o, std::size_t candidate, std::string reason) {
   value_of(control::choose_instead(o.outcome, candidate, std::move(reason)));
   const control::SceneAnalysis& a = o.seen->analysis;
-  const planner::DecisionConfig& config = o.setup->config.decision;
+  const control::Config& config = o.setup->config;
   o.outcome.share = control::share_contract(
-      o.outcome, a, control::uncertain_scene(a, *o.outcome.partner, config), config, {});
+      o.outcome, a, control::uncertain_scene(a, *o.outcome.partner, config.decision), config, {});
   control::say_share(o.outcome);
 }
 

@@ -278,6 +278,7 @@ std::string run_document(const RunView& view) {
             {"partner", partner(view)},
             {"decision", record.decision ? decision_json(*record.decision) : Json(nullptr)},
             {"share", record.decision ? share_json(record.decision->share) : Json(nullptr)},
+            {"certificate", record.decision ? certificate_json(record.decision->share) : Json(nullptr)},
             {"asked", asked(record)},
             {"intents", intents(record)},
             {"test_lifts", test_lifts(record)},

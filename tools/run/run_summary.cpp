@@ -109,6 +109,10 @@ std::string run_summary(const RunView& view, int columns) {
     // where one was wanted, the reason of grasp or refusal has it
     if (!share.wanted) out += line("share", share.text);
     out += line("limit", share.partner_text);
+    if (share.certificate) {
+      out += line("bounds", share.certificate->text);
+      if (!share.certificate->breaches.empty()) out += line("beyond", share.certificate->breach_text);
+    }
   }
   for (const control::AskRecord& a : record.asked) out += line("asked", a.reason);
   for (const control::TestLiftRecord& t : record.test_lifts)

@@ -46,8 +46,10 @@ TaskEvent PlanPhase::find_path() {
       c_.record.timing.plan_ms = 1e3 * hal::seconds(c_.stopwatch.now() - start);
       c_.record.plan = std::move(*plan);
       const planner::MotionPlan& p = *c_.record.plan;
+      const auto& certificate = c_.record.decision->share.certificate;
       return {c_.options.dry_run ? Event::DryRunOver : Event::PlanReady,
-              fmt::format("trajectory of {:.1f} s", p.transit.duration_s() + p.approach.duration_s())};
+              fmt::format("trajectory of {:.1f} s{}", p.transit.duration_s() + p.approach.duration_s(),
+                          certificate ? "; " + certificate->text : "")};
     }
     why = plan.error().detail;
     // the next best, then

@@ -14,7 +14,8 @@ constexpr double kWrenchSlope_n_s = 500.0, kWrenchSlope_nm_s = 100.0;
 constexpr int kGapCycles = 5;
 constexpr double kRival_s = 1.0;             // a second sender that was silent for so long is gone
 constexpr std::uint32_t kLoopbackNet = 127;  // 127.0.0.0/8: this machine
-constexpr double kStall_s = 0.01, kStallForgotten_s = 3.0;  // a kernel's ordinary jitter is shorter
+// a shorter one costs no answer, because the wait for a datagram has slack
+constexpr double kStall_s = 0.004, kStallCycles = 2.0, kStallForgotten_s = 3.0;
 
 FriQuality quality(const std::string& name) {
   return name == "perfect" ? FriQuality::Perfect : name == "bad" ? FriQuality::Bad : FriQuality::Ok;
@@ -171,7 +172,7 @@ void FriDriver::note_stall(Timestamp asked, Timestamp until) {
   if (!session.may_command()) commanding_since_ = now;
   if (seconds(now - commanding_since_) > kStallForgotten_s) stall_s_ = 0.0;
   const double stall_s = std::max(overslept_s, came_late_s);
-  if (seen && stall_s > std::max(kStall_s, kGapCycles * period_s_)) {
+  if (seen && stall_s > std::max(kStall_s, kStallCycles * period_s_)) {
     stall_s_ = std::max(stall_s_, stall_s);
     commanding_since_ = now;
   }

@@ -12,6 +12,10 @@ namespace colift::hal {
 namespace {
 
 constexpr std::uint32_t kManyMisses = 10;  // by the KRC's count
+// A stall that is longer costs command mode whatever the KRC counts; a shorter one only where it missed
+// answers.
+constexpr double kCertainStall_s = 0.01, kCertainStallCycles = 5.0;
+constexpr std::uint32_t kStallMisses = 2;
 
 std::string_view name(FriQuality q) {
   switch (q) {
@@ -246,7 +250,8 @@ std::string describe_torque_sign(const FriStatus& s, const FriConfig& c) {
 }
 
 std::string describe_stall(const FriStatus& s) {
-  if (s.stall_s <= 0.0) return {};
+  const bool certain = s.stall_s > std::max(kCertainStall_s, kCertainStallCycles * s.period_s);
+  if (!certain && (s.stall_s <= 0.0 || s.recent_misses < kStallMisses)) return {};
   return fmt::format(
       "this program did not run for {:.0f} ms (it was stopped, or the machine had no time for it) and the "
       "KRC "
@@ -266,7 +271,8 @@ std::string why_not(const FriStatus& s, const FriConfig& c) {
     case FriReason::ScriptRefused:
     case FriReason::DrivesOff:
     case FriReason::LeftCommand:
-      if (s.stall_s > 0.0) return describe_stall(s) + "; after that: " + reason;
+      if (const std::string stall = describe_stall(s); !stall.empty())
+        return stall + "; after that: " + reason;
       // a person at the panel costs no answers: lost ones come first
       if (s.recent_misses > kManyMisses && s.reason != FriReason::LinkLost)
         return fmt::format(

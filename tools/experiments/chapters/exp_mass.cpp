@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "sim_hal/synthetic/hash_random.hpp"
@@ -45,6 +46,7 @@ TrialRows run(const Trial& trial) {
   const sim_hal::Scenario scenario = layout(trial, uniform);
   sim_hal::SimTruth truth;
   LiftHooks hooks;
+  hooks.ended = trial.watch;
   hooks.started = [&](const sim_hal::SimWorld& world) { truth = world.truth(); };
   const auto lift = run_whole_lift(scenario, trial.method, trial.own_seed(43), hooks);
   Row row{scenario.object.kind, uniform ? "uniform" : "shifted"};
@@ -121,6 +123,17 @@ std::vector<Figure> figures(const Results& r) {
   return out;
 }
 
+// errors over their goals
+std::optional<Badness> badness(const Results& r, const Row& row) {
+  const auto at = [&](const char* column) { return r.trials.number(row, column); };
+  if (std::isnan(at("kg"))) return std::nullopt;
+  const double mass = std::abs(at("kg") / at("kg_true") - 1.0), cog_m = 1e-3 * std::abs(at("cog_mm"));
+  const double share = std::abs(at("share") - at("share_true"));
+  return Badness{std::max({mass / kMassGoal, cog_m / kCogGoal_m, share / kShareGoal}),
+                 fmt::format("mass {:.1f} % off, centre of gravity {:.0f} mm, share {:.3f}", 100.0 * mass,
+                             1e3 * cog_m, share)};
+}
+
 picture::Canvas plot(const Results& r) {
   BarPanel mass{"Error of the mass, median (%)", {}, {}, {}};
   for (const char* kind : kKinds) {
@@ -156,6 +169,7 @@ Experiment mass_experiment() {
   e.run = run;
   e.figures = figures;
   e.plot = plot;
+  e.badness = badness;
   return e;
 }
 

@@ -60,7 +60,7 @@ TrialRows run(const Trial& trial) {
   std::optional<BodyInView> view;
   LiftHooks hooks;
   hooks.started = [&](const sim_hal::SimWorld& world) { view.emplace(world); };
-  hooks.each_frame = [&](const sim_hal::SimWorld& world) { view->frame(world); };
+  hooks.each_frame = [&](const sim_hal::SimWorld& world, control::Task) { view->frame(world); };
   hooks.each_tick = [&](const sim_hal::TickReport& report) { view->tick(report); };
   const auto lift = run_whole_lift(scene.scenario, trial.method, trial.own_seed(32), hooks);
   if (!lift) {

@@ -40,6 +40,7 @@ sim_hal::Scenario layout(const Trial& trial) {
 
 hal::Result<WholeLift> lift(const sim_hal::Scenario& scenario, const Trial& trial, double wanted) {
   LiftHooks hooks;
+  hooks.ended = trial.watch;
   hooks.settings = {{"decision.share", fmt::format("{}", wanted)}};
   return run_whole_lift(scenario, trial.method, trial.own_seed(12), hooks);
 }
@@ -217,6 +218,13 @@ std::vector<Figure> figures(const Results& r) {
   return out;
 }
 
+std::optional<Badness> badness(const Results& r, const Row& row) {
+  const double truth = r.trials.number(row, "true"), predicted = r.trials.number(row, "predicted");
+  if (std::isnan(truth) || std::isnan(predicted)) return std::nullopt;
+  return Badness{std::abs(truth - predicted),
+                 fmt::format("share {:.2f} where {:.2f} was predicted", truth, predicted)};
+}
+
 picture::Canvas plot(const Results& r) {
   std::vector<BarPanel> panels;
   for (const char* kind : kKinds) {
@@ -272,6 +280,7 @@ Experiment share_experiment() {
   e.trials_set = "decision.share";
   e.figures = figures;
   e.plot = plot;
+  e.badness = badness;
   return e;
 }
 

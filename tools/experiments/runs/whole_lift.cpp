@@ -70,7 +70,7 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
   hooks.interrupted = [&] { return enough; };
   hooks.asked = [&](const hal::Vec3& place) { (*world)->ask_partner(place); };
   hooks.status = [&](const control::JobStatus& status) {
-    if (with.each_frame) with.each_frame(**world);
+    if (with.each_frame) with.each_frame(**world, status.state);
     const sim_hal::SimTruth truth = (*world)->truth();
     if (held && !truth.partner_W && std::isnan(lift.let_go_s)) {
       lift.height_at_let_go_m = truth.height_m;
@@ -98,6 +98,7 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
   }
   lift.verdict = judge.verdict(lift.record.outcome == control::RunRecord::Result::Lifted);
   lift.hit_something = (*world)->truth().robot_hit_something;
+  if (with.ended) with.ended(lift.record);
   return lift;
 }
 

@@ -38,9 +38,11 @@ struct LiftHooks {
   Settings settings = {};
   /// At full speed, which no configuration allows without monitoring: to measure what monitoring costs.
   bool without_monitor = false;
-  std::function<void(const sim_hal::SimWorld&)> started;     ///< Before the first cycle.
-  std::function<void(const sim_hal::SimWorld&)> each_frame;  ///< About 30 times a second.
+  std::function<void(const sim_hal::SimWorld&)> started;  ///< Before the first cycle.
+  /// About 30 times a second, with the state of the task.
+  std::function<void(const sim_hal::SimWorld&, control::Task)> each_frame;
   std::function<void(const sim_hal::TickReport&)> each_tick;
+  std::function<void(const control::RunRecord&)> ended;  ///< After the last cycle.
   CutShort cut = {};
   std::optional<sim_hal::RigErrors> errors = {};  ///< Of the sensors; unset: ideal.
 };

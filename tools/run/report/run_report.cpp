@@ -61,6 +61,11 @@ std::vector<std::string> summary(const RunView& view) {
   if (r.decision && !r.decision->share.text.empty()) {
     if (!r.decision->share.wanted) out.push_back(sentence(r.decision->share.text));
     out.push_back(sentence(r.decision->share.partner_text));
+    if (r.decision->share.certificate) {
+      out.push_back(sentence(r.decision->share.certificate->text));
+      if (!r.decision->share.certificate->breaches.empty())
+        out.push_back(sentence(r.decision->share.certificate->breach_text));
+    }
   }
   if (r.camera_correction && r.camera_correction->applied())
     out.push_back(sentence(r.camera_correction->reason));

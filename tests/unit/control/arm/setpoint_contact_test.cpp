@@ -63,3 +63,38 @@ TEST_CASE("an arm that does not follow its command is told", "[cycle]") {
   CHECK(lag < rig.limits.follow_error_rad + 0.002);
   CHECK_THAT(control::describe(rig.cycle.blockage()), Catch::Matchers::Contains("A7 does not follow"));
 }
+
+TEST_CASE("a contact that a motion begins in, and leaves, is no force of the motions after it", "[cycle]") {
+  Rig rig;
+  const auto touch = [&](double n) {  // straight up, as an object bears a hand that leans on it
+    const hal::ArmJacobian J = hal::jacobian(robot(), rig.state.q_rad, hal::Vec3::Zero());
+    Eigen::Matrix<double, 6, 1> F;
+    F << 0, 0, n, 0, 0, 0;
+    return JointVector(J.transpose() * F);
+  };
+  rig.steps(1000);
+  const auto follow = [&](const JointVector& from, const JointVector& to, bool ends) {
+    REQUIRE(rig.cycle.follow(way({from, to})));
+    while (ends && !rig.cycle.done()) rig.step();
+  };
+  follow(home(), there(), true);
+  rig.state.tau_external_nm = touch(40.0);
+  rig.steps(1000);
+  follow(there(), beyond(), false);
+  rig.steps(20);
+  rig.state.tau_external_nm.setZero();
+  while (!rig.cycle.done()) rig.step();
+  CHECK_FALSE(rig.cycle.blocked());
+  rig.steps(2);  // the next one begins at once
+  follow(beyond(), home(), false);
+  rig.steps(200);
+  CHECK_FALSE(rig.cycle.blocked());
+  CHECK(rig.cycle.contact_force_n() < 1.0);
+  // a push is felt as ever
+  int cycles = 0;
+  for (; !rig.cycle.blocked() && cycles < 100; ++cycles) {
+    rig.state.tau_external_nm = touch(60.0);
+    rig.step();
+  }
+  CHECK(cycles <= 12);
+}

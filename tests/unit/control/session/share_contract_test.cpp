@@ -43,6 +43,7 @@ Config config_with(std::optional<double> share) {
   Config config;
   config.candidates.refine_lines = 0;
   config.decision.unevenness = 0.0;
+  config.certificate.share_below = config.certificate.share_above = 1.96;
   config.decision.max_lever_m = 0.065;
   config.decision.share = share;
   if (share) config.decision.weights.epsilon = *planner::epsilon_for_share(*share);
@@ -144,4 +145,21 @@ TEST_CASE("a strict share is refused with the figures and the possible range", "
   CHECK_THAT(outcome.decision.reason,
              Catch::Contains("30 % of the load were wanted, the robot would carry 50 %") &&
                  Catch::Contains("limit 5.0 %") && Catch::Contains("possible"));
+}
+
+TEST_CASE("a lift whose bounds are beyond a limit is refused with the number, where that is asked for",
+          "[share]") {
+  Config config = config_with({});
+  config.task.max_tilt_deg = 0.5;
+  config.certificate.lead_m = 0.8 * std::tan(hal::deg_to_rad(1.0));
+  config.certificate.turning = 0.0;
+  config.certificate.tilt_factor = 2.0;
+  config.certificate.on_breach = "report";
+  const Outcome reported = decided(table(0.0), config, kEnd);
+  REQUIRE((reported.decision.chosen && reported.share.certificate));
+  CHECK_THAT(reported.share.certificate->breach_text, Catch::Contains("2.0 deg, 0.5 are allowed"));
+  config.certificate.on_breach = "refuse";
+  const Outcome refused = decided(table(0.0), config, kEnd);
+  CHECK_FALSE(refused.decision.chosen);
+  CHECK_THAT(refused.decision.reason, Catch::Contains("the tilt may reach 2.0 deg, 0.5 are allowed"));
 }

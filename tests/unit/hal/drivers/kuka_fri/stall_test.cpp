@@ -1,5 +1,6 @@
 // The PC stood still, not the KRC: who is told so looks at the right machine.
 
+#include <chrono>
 #include <utility>
 
 #include "fri_arm_rig.hpp"
@@ -77,6 +78,21 @@ TEST_CASE("a stall is forgotten once the arm is commanded again for a while", "[
   CHECK(run.arm->status().stall_s > 0.0);
   run.cycles(2000);
   CHECK(run.arm->status().stall_s == 0.0);
+}
+
+TEST_CASE("a short stall is the cause only where the KRC counts answers that never came", "[fri][faults]") {
+  Moving run;
+  run.cycles(100);
+  const double period_s = run.arm->status().period_s;
+  stall(run, std::chrono::milliseconds(static_cast<int>(3.5e3 * period_s)));
+  const bool missed = GENERATE(true, false);
+  if (missed) run.krc.m.misses += 4;
+  run.krc.m.power = 0;
+  run.krc.monitor_mode();
+  run.cycles(20);
+  const std::string words = run.arm->health().last_error;
+  CAPTURE(words, period_s, run.arm->status().stall_s);
+  CHECK((words.find("this program did not run for ") == 0) == missed);
 }
 
 }  // namespace colift
