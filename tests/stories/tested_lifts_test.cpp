@@ -105,3 +105,24 @@ TEST_CASE("without a camera no test lift goes on", "[tested]") {
   CHECK(times(lift, Task::Lift) == 0);
   CHECK(lift.at_end.height_m < 0.002);
 }
+
+TEST_CASE("a lift whose bounds are beyond a limit is tried by millimetres first, or refused with the number",
+          "[tested]") {
+  auto scenario = heavy_side();
+  scenario.object.cog_offset.setZero();
+  control::Config config = control::run_defaults();
+  config.certificate.tilt_factor = 5.0;
+  SECTION("tried, which is what a run does by itself") {
+    const auto lift = tests::simulate(scenario, control::Method::Fast, 1, config);
+    INFO(tests::line("tried first", lift));
+    CHECK(lift.record.outcome == Result::Lifted);
+    CHECK(times(lift, Task::TestLift) == 1);
+  }
+  SECTION("refused: nothing moves") {
+    config.certificate.on_breach = "refuse";
+    const auto lift = tests::simulate(scenario, control::Method::Fast, 1, config);
+    CHECK(lift.record.outcome == Result::Refused);
+    CHECK(lift.record.reason.find("5.0 are allowed (95 %)") != std::string::npos);
+    CHECK(times(lift, Task::Approach) == 0);
+  }
+}

@@ -1,5 +1,7 @@
 // A campaign gives the same figures however it is split, stopped and continued.
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
@@ -7,6 +9,7 @@
 
 #include "tools/experiments/campaign.hpp"
 #include "tools/experiments/outcome.hpp"
+#include "tools/experiments/worst.hpp"
 
 using namespace colift;
 using namespace colift::experiments;
@@ -161,4 +164,43 @@ TEST_CASE("trials and shards out of range are refused", "[campaign]") {
   CHECK_FALSE(run_campaign(e, options(fresh("r"), -1), {}));
   CHECK_FALSE(run_campaign(e, options(fresh("r"), 9, 4, 3), {}));
   CHECK_FALSE(run_campaign(e, options(fresh("r"), 9, 0, 3), {}));
+}
+
+TEST_CASE("the worst trials are made once more, the worst first, each with its cause", "[campaign]") {
+  Experiment e = toy();
+  std::vector<int> again;
+  const auto run = e.run;
+  e.run = [&](const Trial& t) {
+    if (t.watch) again.push_back(t.index);
+    return run(t);
+  };
+  e.badness = [](const Results& r, const Row& row) -> std::optional<Badness> {
+    const double v = r.trials.number(row, "value");
+    if (v < 20.0) return std::nullopt;
+    return Badness{v, fmt::format("is {:.3f}", v)};
+  };
+  const fs::path folder = fresh("worst");
+  const auto campaign = run_campaign(e, options(folder), {});
+  REQUIRE(campaign);
+  CHECK(again.empty());
+  std::vector<std::string> said;
+  const auto page = write_worst(e, {.count = 3, .folder = folder}, [&](const std::string& words) {
+    said.push_back(words);
+    return true;
+  });
+  REQUIRE(page);
+  REQUIRE(again.size() == 3);
+  const auto value = [](int index) { return static_cast<double>(Trial{5, index}.own_seed(1) % 1000); };
+  CHECK(value(again[0]) >= value(again[1]));
+  CHECK(value(again[1]) >= value(again[2]));
+  const std::string text = bytes(*page);
+  const std::string cause = fmt::format("is {:.3f}", value(again[0]) / 7.0);
+  CHECK(text.find(cause) != std::string::npos);
+  CHECK(said.front().find(cause) != std::string::npos);
+
+  Experiment unranked = toy();
+  const auto refused = write_worst(unranked, {.folder = folder}, [](const std::string&) { return true; });
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().text().find("does not rank") != std::string::npos);
+  CHECK_FALSE(write_worst(e, {.folder = fresh("nothing there")}, [](const std::string&) { return true; }));
 }
