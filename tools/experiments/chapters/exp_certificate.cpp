@@ -270,9 +270,9 @@ picture::Canvas plot(const Results& r) {
       }
       if (n == 0) continue;
       const Estimate e = rate(good, n);
-      panel.bars.push_back({lot, 100.0 * e.value, lot == kLots[0], 100.0 * e.low, 100.0 * e.high});
-      panel.levels.push_back({lot, 95.0, picture::kCog});
+      panel.bars.push_back({lot, 100.0 * e.value, false, 100.0 * e.low, 100.0 * e.high});
     }
+    panel.levels.push_back({"95", 95.0, picture::kCog});
     if (!panel.bars.empty()) panels.push_back(std::move(panel));
   }
   return draw_bar_plot(panels);
