@@ -106,8 +106,8 @@ const Row kRows[] = {
     {"43, hot", "temperature=90:1", "...........", "90 deg C"},
     {"44, off and on", "unplug:1", "...........", "arm"},
     {"46, jump", "jump=0.2@3:0.1", "...........", "jump"},
-    // an arm that holds still may well be still; what lasts into the retreat shows there
-    {"46, stuck", "freeze:1", "+.+.+...+..", ""},
+    // an arm that holds still may well be still, and it has hardly set out when a second of Release is over
+    {"46, stuck", "freeze:1", "+.+.+.+.+..", ""},
     {"46, not a number", "nan@3:0.05", "...........", "arm"},
     // while the object is borne a wrong torque is a wrong load, within its limit; a hand at work feels
     // nothing

@@ -141,6 +141,9 @@ set(COLIFT_PUBLIC_HEADERS
   control/task/machine/task_machine.hpp
   # ... and what these include
   control/arm/drive.hpp
+  control/certificate/certificate.hpp
+  control/certificate/lift_forecast.hpp
+  control/config/certificate_config.hpp
   control/config/check_config.hpp
   control/config/cartesian_config.hpp
   control/config/let_go_config.hpp
