@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <mutex>
 #include <set>
+#include <sstream>
 #include <thread>
 
 #include "control/session/pipeline.hpp"
@@ -278,6 +279,13 @@ Campaign of_method(const Campaign& campaign, const std::string& method) {
     return out;
   };
   return {filtered(campaign.trials), filtered(campaign.details), campaign.complete};
+}
+
+std::optional<std::string> header_value(const Campaign& campaign, const std::string& name) {
+  std::istringstream words(campaign.trials.header());
+  for (std::string word; words >> word;)
+    if (word.starts_with(name + "=")) return word.substr(name.size() + 1);
+  return std::nullopt;
 }
 
 std::vector<std::string> methods_of(const Campaign& campaign) {

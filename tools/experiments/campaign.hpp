@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,10 @@ struct Campaign {
 /// The tables as they stand in a folder. Errors: BadInput.
 [[nodiscard]] hal::Result<Campaign> read_campaign(const Experiment& experiment,
                                                   const std::filesystem::path& folder);
+
+/// What the header of its table says under a name: "7" for "seed" of "colift.experiment/1 mass seed=7
+/// method=fast".
+[[nodiscard]] std::optional<std::string> header_value(const Campaign& campaign, const std::string& name);
 
 /// The rows of one method. The campaign stays as it is.
 [[nodiscard]] Campaign of_method(const Campaign& campaign, const std::string& method);

@@ -50,9 +50,7 @@ std::string verdict(const Figure& f) {
 }
 
 std::string seed_of(const Campaign& campaign) {
-  const std::string& header = campaign.trials.header();
-  const std::size_t at = header.find("seed=");
-  return at == std::string::npos ? "" : header.substr(at + 5, header.find(' ', at) - at - 5);
+  return header_value(campaign, "seed").value_or("");
 }
 
 std::size_t trials_of(const Campaign& campaign) {

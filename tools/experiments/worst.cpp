@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
-#include <sstream>
 #include <vector>
 
 #include "control/task/run_record.hpp"
@@ -36,14 +35,6 @@ std::vector<Ranked> ranked(const Experiment& e, const Campaign& campaign) {
   std::stable_sort(all.begin(), all.end(),
                    [](const Ranked& a, const Ranked& b) { return a.badness.value > b.badness.value; });
   return all;
-}
-
-// "seed" of "colift.experiment/1 mass seed=7 method=fast"
-std::optional<std::string> said(const Campaign& campaign, const std::string& name) {
-  std::istringstream words(campaign.trials.header());
-  for (std::string word; words >> word;)
-    if (word.rfind(name + "=", 0) == 0) return word.substr(name.size() + 1);
-  return std::nullopt;
 }
 
 // what the camera saw when the grasp was chosen, with all that was found and believed
@@ -85,10 +76,10 @@ hal::Result<std::filesystem::path> write_worst(const Experiment& e, const WorstO
   const auto campaign = read_campaign(e, options.folder);
   if (!campaign) return tl::unexpected(campaign.error());
   Trial trial;
-  const std::string seed = said(*campaign, "seed").value_or("");
+  const std::string seed = header_value(*campaign, "seed").value_or("");
   if (std::from_chars(seed.data(), seed.data() + seed.size(), trial.seed).ec != std::errc())
     return refuse(options.folder.string(), "its table does not say its seed");
-  trial.view = said(*campaign, "camera") == "side" ? View::Side : View::OfLayout;
+  trial.view = header_value(*campaign, "camera") == "side" ? View::Side : View::OfLayout;
   std::vector<Ranked> worst = ranked(e, *campaign);
   if (worst.empty()) return refuse(options.folder.string(), "no trial there has anything against it");
   const std::size_t of = worst.size();
