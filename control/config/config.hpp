@@ -11,6 +11,7 @@
 #include "control/config/setpoint_limits.hpp"
 #include "control/config/task_config.hpp"
 #include "control/config/test_lift_config.hpp"
+#include "control/config/views_config.hpp"
 #include "hal/config/range.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_camera.hpp"
@@ -65,6 +66,7 @@ struct Config {
   perception::MotionConfig object_motion;
   perception::BodyConfig bodies;
   perception::BodyTrackConfig body_tracks;
+  ViewsConfig views;
   planner::PlannerConfig motion;
   TaskConfig task;
   MonitorConfig monitor;
@@ -113,6 +115,7 @@ struct Config {
     v("object_motion", object_motion, "How the object is followed while it is lifted.");
     v("bodies", bodies, "What counts as a foreign body, a person or a thing.");
     v("body_tracks", body_tracks, "How such bodies are followed over frames.");
+    v("views", views, "How the views of several cameras are joined.");
     v("motion", motion, "Motion planning of the arm.");
     v("task", task, "The job: timeouts, lift, limits that end it.");
     v("monitor", monitor,

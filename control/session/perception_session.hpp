@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <span>
@@ -7,8 +8,9 @@
 #include <vector>
 
 #include "control/config/config.hpp"
+#include "control/session/rig_view.hpp"
 #include "control/session/scene_analysis.hpp"
-#include "hal/robot_model/robot_model.hpp"
+#include "control/session/views/view_report.hpp"
 #include "perception/bodies/body_finder.hpp"
 #include "perception/bodies/body_tracker.hpp"
 #include "perception/calibration/arm_in_view/camera_correction.hpp"
@@ -16,23 +18,8 @@
 #include "perception/motion/object_motion.hpp"
 #include "perception/partner/partner_grasp.hpp"
 #include "perception/partner/partner_tracker.hpp"
-#include "perception/self_filter.hpp"
 
 namespace colift::control {
-
-/// What seeing needs to know about the rig, beside the configuration.
-struct RigView {
-  const hal::RobotModel& model;
-  const planner::HandModel& hand;
-  std::shared_ptr<const planner::HandCollision> hand_tables;
-  hal::Pose X_WC = hal::Pose::Identity();
-};
-
-/// Where the robot is when a frame is taken.
-struct RobotPosture {
-  hal::JointVector q_rad = hal::JointVector::Zero();
-  hal::HandPosture hand;
-};
 
 /// One frame, seen with the scene in mind.
 struct Sight {
@@ -49,18 +36,31 @@ struct BodySighting {
   std::span<const perception::BodyPoint> points;  ///< Body::first and count refer to them.
 };
 
-/// `where` of the error when the camera is not where its calibration says.
-inline constexpr const char* kCameraOff = "calibration";
-
-/// Everything that the camera tells during one job: first the scene (several frames averaged, the robot's own
-/// pixels removed), then frame by frame where the partner's hands are, then how the object moves. One job,
-/// one thread.
+/// Everything that the cameras tell during one job: first the scene (several frames averaged, the robot's own
+/// pixels removed), then frame by frame where the partner's hands are, then how the object moves. One camera
+/// leads: its frames are handed in by the calls below, and the scene is its own; the newest frames of the
+/// others (take_frame()) are joined with them. One job, one thread.
 class PerceptionSession {
  public:
   PerceptionSession(Method method, const Config& config, const RigView& rig, const hal::Clock& stopwatch);
   ~PerceptionSession();
 
-  /// Collects a frame of the scene before anybody comes. Frames that show nothing at all are left out.
+  /// The newest frame of a camera that does not lead; each at its own time.
+  void take_frame(std::size_t camera, hal::DepthFrame frame, const RobotPosture& robot);
+  /// Another camera leads from here on, because the one that did gives no frames. Before the scene is seen,
+  /// any can; later one that knows the object. False: this one cannot.
+  [[nodiscard]] bool lead(std::size_t camera);
+  [[nodiscard]] std::size_t leading() const;
+  /// The camera that the scene is seen by.
+  [[nodiscard]] std::size_t scene_camera() const;
+  /// By camera, after analyse_scene(); that of the scene's own camera says nothing.
+  [[nodiscard]] const std::vector<ViewReport>& views() const;
+  /// A camera that was pushed since the scene was seen: it does not count any more. Said once. With several
+  /// cameras only.
+  [[nodiscard]] std::optional<PushedCamera> take_pushed();
+
+  /// Collects a frame of the scene before anybody comes, and those of the other cameras that came since the
+  /// last one. Frames that show nothing at all are left out.
   void add_reference(hal::DepthFrame frame, const RobotPosture& robot);
   [[nodiscard]] int reference_frames() const;
   void forget_reference();
@@ -85,6 +85,8 @@ class PerceptionSession {
   [[nodiscard]] SceneAnalysis& analysis();
   [[nodiscard]] const SceneAnalysis& analysis() const;
   [[nodiscard]] const perception::WorldMap& map() const;
+  /// Part of the space around the object that no camera sees (0 to 1); NaN without an object.
+  [[nodiscard]] double unseen() const;
 
   /// Looks for the partner's hands; the tracker turns touches into events. A method that is too slow for
   /// every frame looks at some; in between its last sighting is returned, and the tracker hears of nothing.

@@ -8,6 +8,7 @@
 #include "control/lift/load_balance.hpp"
 #include "control/session/decide.hpp"
 #include "control/session/scene_analysis.hpp"
+#include "control/session/views/view_report.hpp"
 #include "control/task/grip_quality.hpp"
 #include "control/task/intent.hpp"
 #include "control/task/machine/task_machine.hpp"
@@ -114,6 +115,8 @@ struct RunRecord {
   std::vector<StateChange> states;
   std::optional<SceneAnalysis> analysis;                          ///< Of the reference frame.
   std::optional<perception::CameraCorrection> camera_correction;  ///< Unset: switched off, or no scene yet.
+  std::vector<ViewReport> views;                                  ///< By camera; empty before the scene.
+  double unseen = NAN;  ///< Part of the space around the object that no camera sees; NaN: no object.
   std::optional<Outcome> decision;  ///< The one that was carried out, or the last that was tried.
   std::optional<hal::DepthFrame> frame_partner, frame_lifted;  ///< When decided; at the top.
   std::optional<planner::MotionPlan> plan;

@@ -10,6 +10,7 @@
 #include "control/arm/arm_commander.hpp"
 #include "control/session/perception_session.hpp"
 #include "control/task/job_status.hpp"
+#include "control/task/posture_history.hpp"
 #include "control/task/run_record.hpp"
 #include "control/test_lift/test_lifts.hpp"
 #include "hal/robot.hpp"
@@ -93,6 +94,7 @@ struct TaskContext {
   std::vector<Eigen::Vector3f> obstacles_W;
 
   DeviceReadings readings;
+  PostureHistory past;   ///< Of the robot, for frames that come late.
   TrackedPoses tracked;  ///< In the frame of this cycle.
   Attempts attempts;
   double carry_scale = 1.0;  ///< Of the palm's speed, as JobPolicies::carry wants it.

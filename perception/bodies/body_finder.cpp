@@ -224,7 +224,7 @@ void BodyFinder::make_body(int number) {
   }
   if (body.area_m2 < config_.min_body_m2) return;
   body.first = points_.size();
-  body.pixels = {intrinsics_.width, intrinsics_.height, 0, 0};
+  int left = intrinsics_.width, right = 0, upper = intrinsics_.height;
   const std::size_t stride = 1 + blocks / static_cast<std::size_t>(config_.max_points);
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   std::size_t at = 0;
@@ -233,10 +233,9 @@ void BodyFinder::make_body(int number) {
     for (std::size_t i = part.first; i < part.first + part.count; ++i) {
       const std::size_t b = order_[i];
       const int u = kBlock * static_cast<int>(b % columns_), v = kBlock * static_cast<int>(b / columns_);
-      body.pixels.u_begin = std::min(body.pixels.u_begin, u);
-      body.pixels.v_begin = std::min(body.pixels.v_begin, v);
-      body.pixels.u_end = std::max(body.pixels.u_end, u + kBlock);
-      body.pixels.v_end = std::max(body.pixels.v_end, v + kBlock);
+      left = std::min(left, u);
+      upper = std::min(upper, v);
+      right = std::max(right, u + kBlock);
       sum += point_[b];
       if (at++ % stride != 0) continue;
       const float along = ray_[b].norm();
@@ -247,6 +246,8 @@ void BodyFinder::make_body(int number) {
     }
   }
   body.count = points_.size() - body.first;
+  body.top_seen = upper > 0;
+  body.whole = body.top_seen && left > 0 && right < intrinsics_.width;
   body.center = (sum / static_cast<float>(blocks)).cast<double>();
   bodies_.push_back(body);
 }

@@ -65,7 +65,8 @@ struct Body {
   double area_m2 = 0.0;              ///< As if every pixel faced the camera: a lower bound.
   hal::Aabb box;                     ///< Of its visible points, W.
   hal::Vec3 center = hal::Vec3::Zero();
-  PixelWindow pixels;
+  bool whole = true;     ///< Not cut off by the image's left, right or upper border.
+  bool top_seen = true;  ///< Not cut off by its upper border.
 };
 
 /// Finds foreign bodies in frames of a camera at rest. A pixel is foreign when it is nearer than the

@@ -57,8 +57,8 @@ std::span<const BodyTrack> BodyTracker::update(hal::Timestamp exposed_at, std::s
 }
 
 void BodyTracker::see_top(BodyTrack& track, const Body& body) {
-  track.top_m = body.pixels.v_begin > 0 ? std::max(track.top_m, body.box.max().z())
-                                        : std::numeric_limits<double>::infinity();
+  track.top_m =
+      body.top_seen ? std::max(track.top_m, body.box.max().z()) : std::numeric_limits<double>::infinity();
 }
 
 void BodyTracker::follow(BodyTrack& track, hal::Timestamp at, const Body& body) const {

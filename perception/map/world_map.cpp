@@ -66,12 +66,14 @@ struct WorldMap::Impl {
       : config(settings),
         grid(lay_out(settings)),
         log_odds(grid.cells.size(), 0),
-        view(grid.cells.size(), CellView::OutOfView) {}
+        view(grid.cells.size(), CellView::OutOfView),
+        looked_at(grid.cells.size(), 0) {}
 
   WorldMapConfig config;
   CellGrid grid;
   std::vector<std::int16_t> log_odds;
-  std::vector<CellView> view;  // by the last frame
+  std::vector<CellView> view;   // by the last frame
+  std::vector<char> looked_at;  // by any frame: not out of its view
   std::vector<Vec3> target;
 
   std::mutex making_tree;
@@ -80,7 +82,7 @@ struct WorldMap::Impl {
   [[nodiscard]] CellState state_of(std::size_t cell) const {
     if (log_odds[cell] > 0) return CellState::Occupied;
     if (log_odds[cell] < 0) return CellState::Free;
-    return view[cell] == CellView::OutOfView ? CellState::OutOfView : CellState::Hidden;
+    return looked_at[cell] == 0 ? CellState::OutOfView : CellState::Hidden;
   }
   void set(std::size_t cell, std::int16_t odds) {
     log_odds[cell] = odds;
@@ -113,6 +115,7 @@ void WorldMap::insert(const OrganisedCloud& cloud, std::span<const std::uint32_t
   view_cells(m.grid, cloud, not_scene, m.config.max_range_m, m.view, m.config.view);
   for (std::size_t i = 0; i < m.view.size(); ++i) {
     int odds = m.log_odds[i];
+    if (m.view[i] != CellView::OutOfView) m.looked_at[i] = 1;
     if (m.view[i] == CellView::Hit) odds = std::min<int>(odds + kHit, kMost);
     if (m.view[i] == CellView::Through) odds = std::max<int>(odds + kMiss, kMin);
     m.set(i, static_cast<std::int16_t>(odds));

@@ -111,8 +111,8 @@ class WorldMap {
   void set_target(std::span<const hal::Vec3> points_W);
   [[nodiscard]] const std::vector<hal::Vec3>& target_cells() const;  ///< Middles of its cells.
 
-  /// The map as a regular grid over [min_m, max_m], hidden cells judged from the last frame that was
-  /// inserted. Valid until the map changes.
+  /// The map as a regular grid over [min_m, max_m]; an unknown cell is hidden where any of the frames looks.
+  /// Valid until the map changes.
   [[nodiscard]] const CellGrid& grid() const;
   /// Most likely state of the known cells, pruned; without the target. Made when it is asked for: the first
   /// call after a change takes some milliseconds. Any thread, until the map changes.

@@ -49,6 +49,7 @@ class HandPixels {
   [[nodiscard]] bool hidden(const OrganisedCloud& reference, const hal::DepthFrame& frame,
                             std::span<const std::uint32_t> robot_pixels, const NoiseModel& noise) const;
 
+  [[nodiscard]] bool seen_before() const { return !pixels_.empty(); }
   void forget() { pixels_.clear(); }
 
  private:

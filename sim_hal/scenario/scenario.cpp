@@ -3,18 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
-#include <numbers>
 #include <string_view>
 #include <system_error>
-#include <tuple>
 #include <utility>
 
 #include "hal/config/config_file.hpp"
 #include "hal/config/field_value.hpp"
 #include "hal/config/yaml_tree.hpp"
+#include "hal/types/camera_name.hpp"
 #include "hal/types/units.hpp"
 #include "sim_hal/scenario/object_parts.hpp"
 #include "sim_hal/scenario/scenario_blocks.hpp"
@@ -58,20 +56,6 @@ YamlPlace place_of(const YamlTree& tree, std::string_view path) {
   return place;
 }
 
-/// "lift+0.7" as state and seconds; nothing when it is no such text.
-std::optional<std::pair<std::string, double>> parse_relative(std::string_view text) {
-  const std::size_t plus = text.find('+');
-  const std::string state(text.substr(0, plus));
-  if (std::ranges::find(task_state_names(), state) == task_state_names().end()) return std::nullopt;
-  if (plus == std::string_view::npos) return std::pair{state, 0.0};
-  double seconds = 0.0;
-  const std::string_view digits = text.substr(plus + 1);
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), seconds);
-  const bool whole = error == std::errc() && end == digits.data() + digits.size() && !digits.empty();
-  if (!whole || !(seconds >= kTime_s.low && seconds <= kTime_s.high)) return std::nullopt;
-  return std::pair{state, seconds};
-}
-
 /// What the blocks have to be together.
 class Checker {
  public:
@@ -81,9 +65,7 @@ class Checker {
   Result<> run() const {
     if (auto done = check_object(); !done) return done;
     if (auto done = check_clutter(); !done) return done;
-    if ((file_.camera.xyz - file_.camera.look_at).norm() < 0.05)
-      return refuse("camera.look_at",
-                    "camera.look_at is where the camera is, expected a point at least 5 cm away");
+    if (auto done = check_cameras(); !done) return done;
     if (auto done = check_partner(); !done) return done;
     if (auto done = check_people(); !done) return done;
     if (file_.faults.size() > kMaxEvents) return too_many("faults", file_.faults.size(), kMaxEvents);
@@ -91,13 +73,17 @@ class Checker {
       const FaultBlock& f = file_.faults[i];
       const std::string path = fmt::format("faults[{}]", i);
       if (auto done = check_time(path, f.at_s.has_value(), f.at); !done) return done;
+      if (f.device.starts_with("camera") && f.device != hal::camera_name(0) &&
+          f.device > hal::camera_name(file_.more_cameras.size()))
+        return refuse(path + ".device", fmt::format("{}.device is {}, but there are {} cameras", path,
+                                                    f.device, 1 + file_.more_cameras.size()));
       const auto has = [&](const hal::Choices& c) {
         return std::ranges::find(c.names, f.action) != c.names.end();
       };
       const bool of_arm = has(FaultBlock::of_controller()), of_hand = has(FaultBlock::of_pucks());
       const bool of_kinect = has(FaultBlock::of_kinect());
       const bool can = (!of_arm && !of_hand && !of_kinect) || (of_arm && f.device == "arm") ||
-                       (of_hand && f.device == "hand") || (of_kinect && f.device == "camera");
+                       (of_hand && f.device == "hand") || (of_kinect && f.device.starts_with("camera"));
       if (!can)
         return refuse(path + ".do",
                       fmt::format("{}.do is {}, but that only {} can do; {} expects one of freeze, drop, "
@@ -111,7 +97,7 @@ class Checker {
       if (auto done = check_push(f, i); !done) return done;
       if (!f.puck.empty() && f.device != "hand")
         return refuse(path + ".puck", fmt::format("{}.puck is {}, but only a hand has pucks", path, f.puck));
-      if (f.action == "blind" && f.device != "camera")
+      if (f.action == "blind" && !f.device.starts_with("camera"))
         return refuse(path + ".do",
                       fmt::format("{}.do is blind, but that only a camera can be; {} expects one of freeze, "
                                   "drop, unplug, corrupt, late, silent",
@@ -187,6 +173,20 @@ class Checker {
     if (f.device != "arm") return wrong("device", "device: arm (link: 0 is the hand)");
     if (!f.value || *f.value <= 0.0) return wrong("value", "a value above 0: its force (N)");
     if (f.direction.norm() < 1e-6) return wrong("direction", "a direction that is not zero");
+    return {};
+  }
+
+  Result<> check_cameras() const {
+    const auto check = [&](const std::string& path, const CameraBlock& camera) -> Result<> {
+      if ((camera.xyz - camera.look_at).norm() >= 0.05) return {};
+      return refuse(path + ".look_at",
+                    path + ".look_at is where the camera is, expected a point at least 5 cm away");
+    };
+    if (auto done = check("camera", file_.camera); !done) return done;
+    if (file_.more_cameras.size() > kMaxMoreCameras)
+      return too_many("more_cameras", file_.more_cameras.size(), kMaxMoreCameras);
+    for (std::size_t n = 0; n < file_.more_cameras.size(); ++n)
+      if (auto done = check(fmt::format("more_cameras[{}]", n), file_.more_cameras[n]); !done) return done;
     return {};
   }
 
@@ -302,79 +302,6 @@ Result<> check_required(const hal::FieldTable& table, const Checker& checker, bo
                           fmt::format("{} is missing, expected {}", field.path, hal::expectation(field)));
   }
   return {};
-}
-
-ScenarioObject object_of(const ObjectBlock& block) {
-  ScenarioObject object;
-  object.kind = block.kind;
-  object.size = block.size;
-  object.mass = block.mass.value_or(object.mass);
-  object.cog_offset = block.cog_offset;
-  object.xyz = block.pose.xyz;
-  object.yaw_deg = block.pose.yaw_deg;
-  object.friction = block.friction;
-  const auto volume = [](const PartBlock& part) {
-    return part.shape == "cylinder" ? std::numbers::pi * part.size[0] * part.size[0] * part.size[1]
-                                    : part.size[0] * part.size[1] * part.size[2];
-  };
-  double whole = 0.0, together = 0.0;
-  for (const PartBlock& part : block.parts) whole += volume(part);
-  for (const PartBlock& part : block.parts) {
-    const double mass = part.mass ? *part.mass : object.mass * volume(part) / whole;
-    together += mass;
-    object.parts.push_back({part.shape, part.size, part.xyz, part.rpy_deg, mass});
-  }
-  if (!block.parts.empty()) object.mass = together;
-  return object;
-}
-
-ScenarioPerson person_of(const PersonBlock& block) {
-  ScenarioPerson p;
-  p.enters_s = block.enters_s.value_or(p.enters_s);
-  if (const auto relative = parse_relative(block.enters)) std::tie(p.in_state, p.enters_s) = *relative;
-  for (std::size_t k = 0; k + 1 < block.path.size(); k += 2)
-    p.path.emplace_back(block.path[k], block.path[k + 1]);
-  p.speed = block.speed;
-  p.action = block.action;
-  p.reach_to = block.reach_to;
-  p.point = block.point.value_or(Vec3::Zero());
-  // what is under the object a hand's breadth above the floor is a foot's place
-  p.with_foot = block.with == "foot" || (block.with.empty() && block.reach_to == "under-object");
-  p.hand_speed = block.hand_speed;
-  p.leaves_s = block.leaves_s;
-  return p;
-}
-
-Scenario scenario_of(const ScenarioBlock& file) {
-  Scenario s;
-  s.object = object_of(file.object);
-  for (const ClutterBlock& c : file.clutter) {
-    s.clutter.push_back({c.shape, c.size, c.xyz, c.yaw_deg});
-    for (const MoveBlock& m : c.moves) s.clutter.back().moves.push_back({m.at_s, m.to, m.speed});
-  }
-  s.camera = {file.camera.xyz, file.camera.look_at, file.camera.noise};
-  s.partner = {file.partner.kind, file.partner.grasp, file.partner.arrives_s, file.partner.obliging, {}};
-  for (const EventBlock& e : file.partner.events) {
-    PartnerScriptEvent event{e.at_s.value_or(0.0), e.action, e.to};
-    if (const auto relative = parse_relative(e.at)) std::tie(event.in_state, event.at_s) = *relative;
-    event.force_n = e.force.value_or(event.force_n);
-    event.for_s = e.for_s.value_or(e.action == "sway" ? kSway_s : event.for_s);
-    event.by_m = e.by.value_or(event.by_m);
-    event.direction = e.direction;
-    s.partner.events.push_back(std::move(event));
-  }
-  s.task = {file.task.kind, file.task.height, file.task.hold_s};
-  for (const PersonBlock& person : file.people) s.people.push_back(person_of(person));
-  for (const FaultBlock& f : file.faults) {
-    DeviceFaultEvent event{f.at_s.value_or(0.0), f.device, f.action, f.for_s};
-    if (const auto relative = parse_relative(f.at)) std::tie(event.in_state, event.at_s) = *relative;
-    event.value = f.value;
-    event.puck = f.puck;
-    event.direction = f.direction;
-    event.link = f.link;
-    s.faults.push_back(std::move(event));
-  }
-  return s;
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -62,6 +63,8 @@ struct ScenarioCamera {
   std::string noise = "kinect";  ///< kinect | none
 };
 
+inline constexpr std::size_t kMaxMoreCameras = 3;
+
 /// The states of the task that a time of a scenario may count from.
 [[nodiscard]] const std::vector<std::string>& task_state_names();
 
@@ -111,7 +114,7 @@ struct ScenarioTask {
 /// entered).
 struct DeviceFaultEvent {
   double at_s = 0.0;
-  std::string device;  ///< camera | arm | hand
+  std::string device;  ///< camera | arm | hand | camera2 | camera3 | camera4
   std::string action;  ///< freeze | drop | unplug | corrupt | blind | late | silent, as the device can
   double for_s = 0.5;
   std::optional<double> value{};   ///< How much, where the action has a meaning for it.
@@ -132,6 +135,7 @@ struct Scenario {
   ScenarioObject object;
   std::vector<ScenarioClutter> clutter;
   ScenarioCamera camera;
+  std::vector<ScenarioCamera> more_cameras{};  ///< At most kMaxMoreCameras.
   ScenarioPartner partner;
   ScenarioTask task;
   std::vector<ScenarioPerson> people;

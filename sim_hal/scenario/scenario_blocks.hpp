@@ -4,6 +4,8 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "hal/config/range.hpp"
@@ -236,7 +238,8 @@ struct FaultBlock {
     constexpr auto kRequired = hal::Presence::Required;
     v("at_s", at_s, kTime_s, "When (s).");
     v("at", at, "When: state of the task and seconds since it was first entered, lift+0.7.");
-    v("device", device, hal::Choices{"camera", "arm", "hand"}, "Which device fails.", kRequired);
+    v("device", device, hal::Choices{"camera", "arm", "hand", "camera2", "camera3", "camera4"},
+      "Which device fails; camera2 is the first of more_cameras.", kRequired);
     v("do", action, choices(), "How it fails.", kRequired);
     v("value", value, hal::Range{-1e6, 1e6},
       "How much, where that has a meaning (hot: deg C, late: ms, loss: %, push: N).");
@@ -252,6 +255,7 @@ struct ScenarioBlock {
   ObjectBlock object;
   std::vector<ClutterBlock> clutter;
   CameraBlock camera;
+  std::vector<CameraBlock> more_cameras;
   PartnerBlock partner;
   TaskBlock task;
   std::vector<PersonBlock> people;
@@ -264,11 +268,18 @@ struct ScenarioBlock {
     v("object", object, "What is lifted.");
     v("clutter", clutter, "What stands around.");
     v("camera", camera, "Where the camera is.");
+    v("more_cameras", more_cameras, "Other cameras that look at the same scene; up to three.");
     v("partner", partner, "Who lifts along.");
     v("task", task, "What is to be done.");
     v("people", people, "Who else is in the room.");
     v("faults", faults, "What fails.");
   }
 };
+
+/// "lift+0.7" as state and seconds; nothing when it is no such text.
+[[nodiscard]] std::optional<std::pair<std::string, double>> parse_relative(std::string_view text);
+
+/// The scenario that a file says; what a kind asks of its entries together has been checked.
+[[nodiscard]] Scenario scenario_of(const ScenarioBlock& file);
 
 }  // namespace colift::sim_hal

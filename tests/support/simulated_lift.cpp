@@ -97,7 +97,8 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
   const hal::SteadyClock wall;
   hal::Pose X_WC = sim_hal::camera_pose(scenario.camera);
   if (over) X_WC.pretranslate(over->camera_off_m);
-  const control::RigView rig{model, hand, tables, X_WC};
+  robot.more_cameras = sim_hal::make_more_sim_cameras(*world);
+  const control::RigView rig{model, hand, tables, X_WC, sim_hal::more_camera_poses(scenario)};
 
   SimulatedLift lift;
   std::optional<hal::Vec3> partner;

@@ -23,6 +23,7 @@ set(COLIFT_PUBLIC_HEADERS
   hal/robot.hpp
   hal/robot_model/dynamics.hpp
   hal/robot_model/robot_model.hpp
+  hal/types/camera_name.hpp
   hal/types/geometry.hpp
   hal/types/joints.hpp
   hal/types/result.hpp
@@ -58,6 +59,7 @@ set(COLIFT_PUBLIC_HEADERS
   perception/calibration/emitter_model.hpp
   perception/calibration/next_pose.hpp
   perception/calibration/pose_check.hpp
+  perception/views/view_alignment.hpp
   perception/calibration/spot_finder.hpp
   perception/footprint.hpp
   perception/ground/block_planes.hpp
@@ -151,9 +153,12 @@ set(COLIFT_PUBLIC_HEADERS
   control/config/monitor_config.hpp
   control/config/setpoint_limits.hpp
   control/config/task_config.hpp
+  control/config/views_config.hpp
   control/config/recovery_config.hpp
   control/lift/load_balance.hpp
   control/lift/load_estimator.hpp
+  control/session/rig_view.hpp
+  control/session/views/view_report.hpp
   control/task/grip_quality.hpp
   control/task/job_policies.hpp
   control/task/job_status.hpp

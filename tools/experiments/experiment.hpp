@@ -115,5 +115,6 @@ struct Experiment {
 [[nodiscard]] Experiment imperfect_experiment();
 [[nodiscard]] Experiment impedance_experiment();
 [[nodiscard]] Experiment certificate_experiment();
+[[nodiscard]] Experiment views_experiment();
 
 }  // namespace colift::experiments

@@ -21,7 +21,7 @@ int exit_code(const control::RecoveryRecord& record) {
 control::RecoveryRecord recover_rig(Rig& rig, const Setup& setup, std::uint64_t seed,
                                     const control::RecoveryHooks& hooks) {
   const hal::SteadyClock stopwatch;
-  const control::RigView view{*rig.model, setup.hand, setup.hand_tables, rig.X_WC};
+  const control::RigView view{*rig.model, setup.hand, setup.hand_tables, rig.X_WC, {}};
   control::Recovery recovery(rig.robot, view, setup.config, {setup.method, seed, rig.drive, rig.home_rad},
                              stopwatch);
   return recovery.run(hooks);

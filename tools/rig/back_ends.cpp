@@ -21,6 +21,8 @@ namespace {
 
 using World = std::shared_ptr<sim_hal::SimWorld>;
 
+constexpr std::uint64_t kOwnErrors = 0x9e3779b97f4a7c15;  // any odd number: seeds far from each other
+
 /// Which devices go together in one run. A simulated arm steps its world, a wire's far end lets it run in
 /// real time, and beside a real arm nobody moves one.
 hal::Result<> check_together(const RobotFile& file, bool emulated, const std::string& where) {
@@ -28,6 +30,8 @@ hal::Result<> check_together(const RobotFile& file, bool emulated, const std::st
     return hal::failure(hal::ErrorCode::BadConfig, where, reason);
   };
   if (file.arm == "simulated") {
+    if (!file.more_cameras.empty())
+      return refuse("more_cameras of a simulated rig stand in the scenario; expected none here");
     if (file.hand == "barrett")
       return refuse("hand: barrett lives in real time, and arm: simulated does not; expected arm: fri");
     if (file.camera == "kinect")
@@ -90,13 +94,15 @@ hal::Result<Rig> open_rig(const RigRequest& request, const control::Config& conf
   rig.model = std::move(*model);
   auto read = read_scenario(request.scenario);
   if (!read) return tl::unexpected(read.error());
+  std::optional<sim_hal::RigFigures> figures;
   std::optional<sim_hal::RigErrors> errors;
   if (request.errors) {
     if (file->arm != "simulated" || file->hand != "simulated" || file->camera != "simulated")
       return hal::failure(hal::ErrorCode::BadInput, "--rig",
                           "is for a rig of which arm, hand and camera are simulated");
-    const auto figures = sim_hal::load_rig_figures(*request.errors);
-    if (!figures) return tl::unexpected(figures.error());
+    auto loaded = sim_hal::load_rig_figures(*request.errors);
+    if (!loaded) return tl::unexpected(loaded.error());
+    figures = std::move(*loaded);
     errors = sim_hal::draw_rig_errors(*figures, request.seed);
     *read = sim_hal::with_errors(std::move(*read), *errors);
     rig.name += ", " + request.errors->stem().string();
@@ -153,8 +159,18 @@ hal::Result<Rig> open_rig(const RigRequest& request, const control::Config& conf
     if (errors)
       rig.robot.camera = sim_hal::make_imperfect_camera(std::move(rig.robot.camera), errors->camera);
     rig.infrared = sim_hal::make_sim_infrared(*world, {});
+    rig.robot.more_cameras = sim_hal::make_more_sim_cameras(*world);
+    rig.X_WC_more = sim_hal::more_camera_poses(*read);
+    for (std::size_t n = 0; figures && n < rig.X_WC_more.size(); ++n) {
+      // each camera has errors of its own
+      const auto own = sim_hal::draw_rig_errors(*figures, request.seed + kOwnErrors * (n + 1)).camera;
+      rig.robot.more_cameras[n] = sim_hal::make_imperfect_camera(std::move(rig.robot.more_cameras[n]), own);
+      rig.X_WC_more[n] = rig.X_WC_more[n] * own.X_CK;
+    }
   } else if (auto made = wired->camera(*file, *read, far_ends.get(), pose_known, config, rig); !made) {
     return tl::unexpected(made.error());
+  } else if (auto more = wired->more_cameras(*file, *read, far_ends.get(), config, rig); !more) {
+    return tl::unexpected(more.error());
   }
   return rig;
 }

@@ -43,6 +43,7 @@ struct Rig {
   hal::Robot robot;
   std::shared_ptr<hal::InfraredCamera> infrared;  ///< Where it is not the camera itself.
   hal::Pose X_WC = hal::Pose::Identity();
+  std::vector<hal::Pose> X_WC_more;                      ///< Of hal::Robot::more_cameras.
   hal::Pose true_X_WC = hal::Pose::Identity();           ///< In simulation; X_WC may come from a calibration.
   hal::JointVector home_rad = hal::JointVector::Zero();  ///< Where the arm stands at the start.
   control::Drive drive = control::Drive::InStep;         ///< Who runs the arm's cycle.

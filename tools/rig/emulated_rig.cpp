@@ -10,6 +10,7 @@
 
 #include "hal/os/make_can_bus.hpp"
 #include "hal/robot_model/dynamics.hpp"
+#include "hal/types/camera_name.hpp"
 #include "sim_hal/emulator/hand/hand_gateway.hpp"
 #include "sim_hal/emulator/mujoco/camera_world_source.hpp"
 #include "sim_hal/emulator/mujoco/hand_world_plant.hpp"
@@ -28,9 +29,8 @@ hal::Result<std::unique_ptr<hal::CanBus>> far_end_of(const std::string& can) {
 }
 
 /// Where the emulated camera is served: the file's address, or one of its own.
-std::string camera_address(const RobotFile& file) {
+std::string camera_address(const std::string& source) {
   constexpr std::string_view kEmulated = "emulated:";
-  const std::string& source = file.kinect.source;
   return source.starts_with(kEmulated) ? source.substr(kEmulated.size()) : "";
 }
 
@@ -42,7 +42,9 @@ EmulatedRigConfig emulated_rig_of(const RobotFile& file, std::uint64_t seed) {
   config.script = file.fri.script;
   config.cpu = file.fri.cpu;
   if (file.hand == "barrett") config.can = file.barrett.can;
-  if (file.camera == "kinect") config.camera = camera_address(file);
+  if (file.camera == "kinect") config.camera = camera_address(file.kinect.source);
+  for (const MoreCamera& more : file.more_cameras)
+    config.more_cameras.push_back(camera_address(more.kinect.source));
   config.seed = seed;
   return config;
 }
@@ -71,10 +73,12 @@ hal::Result<EmulatedRig::Faults> EmulatedRig::faults_of(const sim_hal::Scenario&
     faults.video = std::move(*device);
     return faults;
   }
-  auto camera =
-      sim_hal::faults_of("camera", scenario.faults, {}, sim_hal::camera_fault, sim_hal::parse_camera_fault);
-  if (!camera) return tl::unexpected(camera.error());
-  faults.camera = std::move(*camera);
+  for (std::size_t n = 0; n <= scenario.more_cameras.size(); ++n) {
+    auto camera = sim_hal::faults_of(hal::camera_name(n), scenario.faults, {}, sim_hal::camera_fault,
+                                     sim_hal::parse_camera_fault);
+    if (!camera) return tl::unexpected(camera.error());
+    faults.cameras.push_back(std::move(*camera));
+  }
   return faults;
 }
 
@@ -116,6 +120,13 @@ hal::Result<std::shared_ptr<EmulatedRig>> EmulatedRig::start(const EmulatedRigCo
     rig->camera_ =
         std::make_unique<sim_hal::CameraServer>(camera, std::make_unique<sim_hal::CameraWorldSource>(w));
     if (auto started = rig->camera_->start(); !started) return tl::unexpected(started.error());
+    for (std::size_t n = 1; n <= w.scenario().more_cameras.size(); ++n) {
+      camera.address = n <= config.more_cameras.size() ? config.more_cameras[n - 1] : "";
+      camera.seed = config.seed + n;
+      rig->more_cameras_.push_back(std::make_unique<sim_hal::CameraServer>(
+          camera, std::make_unique<sim_hal::CameraWorldSource>(w, n)));
+      if (auto started = rig->more_cameras_.back()->start(); !started) return tl::unexpected(started.error());
+    }
   }
   if (config.video)
     rig->video_ = std::make_shared<sim_hal::EmulatedVideo>(
@@ -129,8 +140,8 @@ void EmulatedRig::begin() {
   for (const auto& fault : faults_.arm) krc_->inject(fault);
   for (const auto& fault : faults_.hand)
     if (pucks_) pucks_->inject(fault);
-  for (const auto& fault : faults_.camera)
-    if (camera_) camera_->inject(fault);
+  for (std::size_t n = 0; camera_ && n < faults_.cameras.size(); ++n)
+    for (const auto& fault : faults_.cameras[n]) (n == 0 ? camera_ : more_cameras_[n - 1])->inject(fault);
   for (const auto& fault : faults_.video)
     if (video_) video_->inject(fault);
 }
@@ -138,6 +149,7 @@ void EmulatedRig::begin() {
 void EmulatedRig::stop() {
   // the world's mover last
   if (camera_) camera_->stop();
+  for (const auto& camera : more_cameras_) camera->stop();
   if (video_) video_->end();
   if (pucks_) pucks_->stop();
   if (krc_) krc_->stop();

@@ -26,6 +26,8 @@ struct EmulatedRigConfig {
   int cpu = -1;                                 ///< On which its client answers; -1: any.
   std::optional<std::string> can;               ///< As `barrett.can` names the bus; unset: no hand there.
   std::optional<std::string> camera;  ///< "@NAME", or empty for a name of its own; unset: no camera there.
+  std::vector<std::string>
+      more_cameras;  ///< The same of the scenario's others, where it has more than these.
   /// A video device that the kernel would serve, and its camera; unset: none there.
   std::optional<std::pair<sim_hal::EmulatedVideoConfig, hal::CameraIntrinsics>> video;
   std::uint64_t seed = 1;
@@ -55,6 +57,10 @@ class EmulatedRig {
   [[nodiscard]] sim_hal::KrcServer& krc() { return *krc_; }
   [[nodiscard]] sim_hal::HandServer* pucks() { return pucks_.get(); }      ///< nullptr: not served.
   [[nodiscard]] sim_hal::CameraServer* camera() { return camera_.get(); }  ///< nullptr: not served.
+  /// The scenario's others, where the first one is served.
+  [[nodiscard]] const std::vector<std::unique_ptr<sim_hal::CameraServer>>& more_cameras() const {
+    return more_cameras_;
+  }
   /// nullptr: not served. Lives no longer than the rig: its pictures are of the rig's world.
   [[nodiscard]] const std::shared_ptr<sim_hal::EmulatedVideo>& video() { return video_; }
 
@@ -62,7 +68,7 @@ class EmulatedRig {
   struct Faults {
     std::vector<sim_hal::KrcFault> arm;
     std::vector<sim_hal::HandFault> hand;
-    std::vector<sim_hal::CameraFault> camera;
+    std::vector<std::vector<sim_hal::CameraFault>> cameras;  ///< The first one's, then of each other.
     std::vector<sim_hal::VideoFault> video;
   };
 
@@ -74,6 +80,7 @@ class EmulatedRig {
   std::unique_ptr<sim_hal::KrcServer> krc_;
   std::unique_ptr<sim_hal::HandServer> pucks_;
   std::unique_ptr<sim_hal::CameraServer> camera_;
+  std::vector<std::unique_ptr<sim_hal::CameraServer>> more_cameras_;
   hal::SteadyClock clock_;
   std::shared_ptr<sim_hal::EmulatedVideo> video_;
 };

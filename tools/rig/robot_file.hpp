@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hal/config/range.hpp"
 #include "hal/drivers/barrett_can/hand_config.hpp"
@@ -13,6 +14,24 @@
 #include "hal/types/result.hpp"
 
 namespace colift::tools {
+
+/// A camera beside the first, and how it is reached.
+struct MoreCamera {
+  std::string camera = "kinect";
+  std::string calibration;
+  hal::KinectConfig kinect;
+  hal::Ros2CameraConfig ros2;
+  hal::V4l2CameraConfig v4l2;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("camera", camera, hal::Choices{"kinect", "ros2", "v4l2"}, "Back end of the camera.");
+    v("calibration", calibration, "Result of colift calibrate for this camera: where it is.");
+    v("kinect", kinect, "How the Kinect is reached and treated; several on USB need their serial numbers.");
+    v("ros2", ros2, "Where a camera with a driver for ROS 2 is found.");
+    v("v4l2", v4l2, "The video device of a depth camera that the kernel serves.");
+  }
+};
 
 /// Which devices a rig has, and how they are reached: the file behind --robot.
 struct RobotFile {
@@ -25,6 +44,7 @@ struct RobotFile {
   hal::KinectConfig kinect;
   hal::Ros2CameraConfig ros2;
   hal::V4l2CameraConfig v4l2;
+  std::vector<MoreCamera> more_cameras;
   std::string emulator = "never";
 
   template <class Visitor>
@@ -42,6 +62,9 @@ struct RobotFile {
     v("kinect", kinect, "How the Kinect is reached and treated.");
     v("ros2", ros2, "Where a camera with a driver for ROS 2 is found.");
     v("v4l2", v4l2, "The video device of a depth camera that the kernel serves.");
+    v("more_cameras", more_cameras,
+      "Other cameras that look at the same scene, up to three; those of a simulated or emulated rig stand in "
+      "the scenario.");
     v("emulator", emulator, hal::Choices{"never", "always", "auto"},
       "The far ends of the wires, in this program, on the scenario's world, for machines without a robot; "
       "auto: "

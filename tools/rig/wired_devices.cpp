@@ -1,5 +1,7 @@
 #include "tools/rig/wired_devices.hpp"
 
+#include <fmt/format.h>
+
 #include "hal/drivers/barrett_can/make_barrett_hand.hpp"
 #include "hal/drivers/barrett_can/pucks/puck_codec.hpp"
 #include "hal/drivers/kinect/guarded_kinect.hpp"
@@ -11,6 +13,8 @@
 #include "hal/guards/guarded_camera.hpp"
 #include "hal/os/make_can_bus.hpp"
 #include "hal/os/udp_link.hpp"
+#include "perception/calibration/calibration_file.hpp"
+#include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "tools/rig/emulated_rig.hpp"
 #include "tools/rig/video_rig.hpp"
 
@@ -43,19 +47,34 @@ ArmLink link_of(const hal::FriArm& arm, EmulatedRig* emulated) {
 }
 
 #ifdef COLIFT_DDS
-hal::Result<> ros2_camera(const RobotFile& file, const control::Config& config, Rig& rig) {
-  rig.robot.camera = std::make_unique<hal::GuardedCamera>(
-      std::make_unique<hal::Ros2Camera>(file.ros2, *rig.robot.clock), config.guard_camera, *rig.robot.clock);
-  return {};
+hal::Result<std::unique_ptr<hal::DepthCamera>> ros2_camera(const hal::Ros2CameraConfig& ros2,
+                                                           const control::Config& config,
+                                                           const hal::Clock& clock) {
+  return std::make_unique<hal::GuardedCamera>(std::make_unique<hal::Ros2Camera>(ros2, clock),
+                                              config.guard_camera, clock);
 }
 #else
-hal::Result<> ros2_camera(const RobotFile&, const control::Config&, Rig&) {
+hal::Result<std::unique_ptr<hal::DepthCamera>> ros2_camera(const hal::Ros2CameraConfig&,
+                                                           const control::Config&, const hal::Clock&) {
   return hal::failure(
       hal::ErrorCode::BadConfig, "camera: ros2",
       "this program was built without Cyclone DDS; install cyclonedds-dev and cyclonedds-tools, "
       "then run tools/build");
 }
 #endif
+
+hal::Result<std::unique_ptr<hal::DepthCamera>> real_camera(const MoreCamera& entry, const hal::Pose& X_WC,
+                                                           const control::Config& config,
+                                                           const hal::Clock& clock) {
+  if (entry.camera == "ros2") return ros2_camera(entry.ros2, config, clock);
+  if (entry.camera == "v4l2") {
+    auto made = make_video_camera(entry.v4l2, clock);
+    if (!made) return tl::unexpected(made.error());
+    return std::make_unique<hal::GuardedCamera>(std::move(*made), config.guard_camera, clock);
+  }
+  const hal::Vec3 up_C = X_WC.linear().transpose() * hal::Vec3::UnitZ();
+  return hal::make_guarded_kinect(entry.kinect, config.guard_camera, clock, up_C).camera;
+}
 
 /// What is in front of an emulated video device: a camera as the file describes it, else a usual one.
 hal::Result<hal::v4l2::DepthModel> emulated_model(const hal::V4l2CameraConfig& config) {
@@ -131,7 +150,12 @@ class Wired final : public WiredDevices {
   [[nodiscard]] hal::Result<> camera(const RobotFile& file, const sim_hal::Scenario& scenario,
                                      EmulatedRig* far_ends, bool pose_known, const control::Config& config,
                                      Rig& rig) const override {
-    if (file.camera == "ros2") return ros2_camera(file, config, rig);
+    if (file.camera == "ros2") {
+      auto made = ros2_camera(file.ros2, config, *rig.robot.clock);
+      if (!made) return tl::unexpected(made.error());
+      rig.robot.camera = std::move(*made);
+      return {};
+    }
     hal::CameraGuardConfig guard = config.guard_camera;
     // an ideal camera shows a scene at rest alike
     if (file.emulator != "never" && scenario.camera.noise == "none") guard.frozen_s = 0.0;
@@ -146,6 +170,47 @@ class Wired final : public WiredDevices {
     hal::GuardedKinect made = hal::make_guarded_kinect(kinect, guard, *rig.robot.clock, up_C);
     rig.robot.camera = std::move(made.camera);
     rig.infrared = std::move(made.infrared);
+    return {};
+  }
+
+  [[nodiscard]] hal::Result<> more_cameras(const RobotFile& file, const sim_hal::Scenario& scenario,
+                                           EmulatedRig* far_ends, const control::Config& config,
+                                           Rig& rig) const override {
+    std::vector<MoreCamera> entries = file.more_cameras;
+    if (rig.simulated) rig.X_WC_more = sim_hal::more_camera_poses(scenario);
+    if (far_ends != nullptr && far_ends->camera() == nullptr && !scenario.more_cameras.empty())
+      return hal::failure(hal::ErrorCode::BadConfig, rig.name,
+                          "more_cameras of a scenario are emulated beside camera: kinect alone");
+    if (far_ends != nullptr) {
+      entries.resize(far_ends->more_cameras().size());
+      for (std::size_t n = 0; n < entries.size(); ++n) {
+        entries[n].camera = "kinect";
+        entries[n].kinect.source = "emulated:" + far_ends->more_cameras()[n]->address();
+        entries[n].kinect.motor = true;
+      }
+    }
+    if (entries.size() > sim_hal::kMaxMoreCameras)
+      return hal::failure(hal::ErrorCode::BadConfig, rig.name,
+                          fmt::format("more_cameras holds {} cameras, expected at most {}", entries.size(),
+                                      sim_hal::kMaxMoreCameras));
+    rig.X_WC_more.resize(entries.size(), hal::Pose::Identity());
+    for (std::size_t n = 0; n < entries.size(); ++n) {
+      const bool by_scenario = rig.simulated && n < scenario.more_cameras.size();
+      if (!entries[n].calibration.empty()) {
+        const auto calibration = perception::load_calibration(entries[n].calibration, config.calibration);
+        if (!calibration) return tl::unexpected(calibration.error());
+        rig.X_WC_more[n] = calibration->X_BC();
+      } else if (!by_scenario) {
+        return hal::failure(
+            hal::ErrorCode::BadConfig, rig.name,
+            fmt::format("more_cameras[{}] has no calibration; calibrate it as the only camera "
+                        "of a robot file, and name the result there",
+                        n));
+      }
+      auto made = real_camera(entries[n], rig.X_WC_more[n], config, *rig.robot.clock);
+      if (!made) return tl::unexpected(made.error());
+      rig.robot.more_cameras.push_back(std::move(*made));
+    }
     return {};
   }
 };

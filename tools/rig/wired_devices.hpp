@@ -36,6 +36,11 @@ class WiredDevices {
   [[nodiscard]] virtual hal::Result<> camera(const RobotFile& file, const sim_hal::Scenario& scenario,
                                              EmulatedRig* far_ends, bool pose_known,
                                              const control::Config& config, Rig& rig) const = 0;
+  /// Those beside the first, each behind its guard, and where they are. Errors also: BadConfig (a camera
+  /// without a calibration).
+  [[nodiscard]] virtual hal::Result<> more_cameras(const RobotFile& file, const sim_hal::Scenario& scenario,
+                                                   EmulatedRig* far_ends, const control::Config& config,
+                                                   Rig& rig) const = 0;
 };
 
 /// The drivers in hal/drivers and the emulators in sim_hal/emulator.

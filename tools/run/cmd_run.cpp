@@ -31,6 +31,8 @@ RunStatus status_of(const control::JobStatus& job, const Rig& rig) {
   s.devices = {{"arm", rig.robot.arm->health(), 0.0},
                {"hand", rig.robot.hand->health(), 0.0},
                {"camera", rig.robot.camera->health(), 0.0}};
+  for (std::size_t n = 0; n < rig.robot.more_cameras.size(); ++n)
+    s.devices.push_back({hal::camera_name(n + 1), rig.robot.more_cameras[n]->health(), 0.0});
   s.partner = job.partner_W;
   s.partner_note = job.partner_note;
   if (const auto& outcome = job.record->decision; outcome && outcome->decision.chosen) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "hal/robot.hpp"
 #include "hal/types/units.hpp"
 #include "tools/analyse/grasp_json.hpp"
 
@@ -191,6 +192,20 @@ Json camera_correction(const control::RunRecord& record) {
           {"floor_points", c.floor_points}};
 }
 
+Json cameras(const control::RunRecord& record) {
+  Json all = Json::array();
+  for (std::size_t n = 0; n < record.views.size(); ++n) {
+    const control::ViewReport& v = record.views[n];
+    all.push_back({{"camera", hal::camera_name(n)},
+                   {"used", v.used},
+                   {"knows_object", v.knows_object},
+                   {"agreement_m", number(v.agreement_m)},
+                   {"unseen_without", number(v.unseen_without)},
+                   {"because", v.reason}});
+  }
+  return all;
+}
+
 Json faults(const control::RunRecord& record) {
   Json all = Json::array();
   for (const control::DeviceNote& f : record.faults)
@@ -290,6 +305,8 @@ std::string run_document(const RunView& view) {
   if (view.arm_link != nullptr) j["arm_link"] = arm_link(*view.arm_link);
   if (!view.recovery.empty()) j["recovery"] = Json::parse(view.recovery);
   j["camera_correction"] = camera_correction(record);
+  j["cameras"] = cameras(record);
+  j["unseen"] = number(record.unseen);
   j["monitor"] = monitor(record);
   j["faults"] = faults(record);
   j["hand_keeps_grip"] = record.hand_keeps_grip;

@@ -34,6 +34,7 @@ hal::Result<telemetry::RunDescription> describe(const CommonOptions& common, con
   run.started = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
   run.config_yaml = control::yaml_of(setup);
   run.X_WC = rig.X_WC;
+  run.X_WC_more = rig.X_WC_more;
   run.method = job.method;
   run.seed = job.seed;
   run.dry_run = job.dry_run;
@@ -137,7 +138,7 @@ hal::Result<std::unique_ptr<RunRecording>> open_recording(
     sinks.push_back(impl->recorder.get());
   }
   impl->telemetry = std::make_unique<telemetry::RunTelemetry>(
-      telemetry::RunTelemetry::Setting{rig.model.get(), rig.X_WC, job.drive, true, &setup.hand,
+      telemetry::RunTelemetry::Setting{rig.model.get(), rig.X_WC, rig.X_WC_more, job.drive, true, &setup.hand,
                                        run->robot_urdf},
       sinks, wall);
   impl->telemetry->tap(rig.robot);

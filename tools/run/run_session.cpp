@@ -128,7 +128,7 @@ control::JobHooks RunSession::hooks(control::JobHooks yours,
 }
 
 hal::Result<control::RunRecord> RunSession::run(const control::JobHooks& hooks) {
-  const control::RigView view{*rig_->model, setup_->hand, setup_->hand_tables, rig_->X_WC};
+  const control::RigView view{*rig_->model, setup_->hand, setup_->hand_tables, rig_->X_WC, rig_->X_WC_more};
   auto record = control::run_job(rig_->robot, view, setup_->config, job_, hooks, stopwatch_);
   if (record && rig_->truth)
     truth_.verdict = rig_->truth->judge(record->outcome == control::RunRecord::Result::Lifted);

@@ -31,6 +31,7 @@ std::optional<TaskEvent> ScenePhase::observe() {
     if (error.code == hal::ErrorCode::NotFound && try_again(error.detail)) return std::nullopt;
     return TaskEvent{error.where == kCameraOff ? Event::CameraOff : Event::NothingToCarry, error.detail};
   }
+  note_views();
   const SceneAnalysis& analysis = session.analysis();
   if (!analysis.scene.target) {
     c_.record.analysis = analysis;
@@ -53,6 +54,17 @@ void ScenePhase::note_correction() {
   c_.record.camera_correction = correction;
   // a camera that is used otherwise than it was calibrated is never silent
   if (correction->applied()) c_.note_device("camera", correction->reason);
+}
+
+void ScenePhase::note_views() {
+  const auto& views = c_.session.views();
+  for (std::size_t n = 0; n < views.size(); ++n) {
+    const bool known = n < c_.record.views.size() && c_.record.views[n].used == views[n].used;
+    if (n != c_.session.scene_camera() && !views[n].used && !known)
+      c_.note_device(hal::camera_name(n), "is not used: " + views[n].reason);
+  }
+  c_.record.views = views;
+  c_.record.unseen = c_.session.unseen();
 }
 
 bool ScenePhase::try_again(const std::string& error) {

@@ -24,6 +24,7 @@ class ScenePhase {
 
   /// Puts what the session found about the camera's calibration into the record.
   void note_correction();
+  void note_views();
 
   TaskContext& c_;
   GraspSelector& grasps_;

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <utility>
+#include <vector>
 
 namespace colift::control {
 namespace {
@@ -99,7 +100,9 @@ hal::Result<> TaskRunner::start_devices() {
   };
   if (arm_first)
     if (auto started = start_arm(); !started) return started;
-  hal::Device* const others[] = {c_.robot.camera.get(), c_.robot.hand.get()};
+  std::vector<hal::Device*> others{c_.robot.camera.get()};
+  for (const auto& camera : c_.robot.more_cameras) others.push_back(camera.get());
+  others.push_back(c_.robot.hand.get());
   for (hal::Device* device : others)
     if (auto ok = device->configure(); !ok) return ok;
   for (hal::Device* device : others)
@@ -137,6 +140,7 @@ bool TaskRunner::cycle(const JobHooks& hooks) {
 void TaskRunner::read_devices() {
   arm_.read(speed_.reason());
   hand_.read();
+  c_.past.add(c_.readings.arm.measured_at, c_.posture());
   camera_.read();
   c_.tracked = {c_.readings.frame_at, {}, {}};
   speed_.update(hand_.warning());
@@ -361,6 +365,7 @@ RunRecord TaskRunner::finish() {
   record.hand_keeps_grip = c_.readings.hand.held;
   c_.robot.hand->stop();
   c_.robot.camera->deactivate();
+  for (const auto& camera : c_.robot.more_cameras) camera->deactivate();
   using Result = RunRecord::Result;
   switch (c_.state) {
     case Task::Done:

@@ -1,25 +1,33 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
+#include "control/task/supervision/camera_feed.hpp"
 #include "control/task/task_context.hpp"
 
 namespace colift::control {
 
-/// Takes frames from the camera and passes on only those that are new, whole and not a repeated image.
-/// A camera that gives none for a while is lost; one that is unplugged is opened again from time to time.
+/// Reads all cameras. The frames of one, which leads, go to the phases; those of the others to the perception
+/// session, which joins them. When the leading one is lost or was pushed, another that knows the scene takes
+/// over; the job has lost its camera when there is none.
 class CameraSupervisor {
  public:
-  explicit CameraSupervisor(TaskContext& context) : c_(context) {}
+  explicit CameraSupervisor(TaskContext& context);
 
-  void start() { c_.readings.frame_at = c_.now; }
+  void start();
   void read();
 
  private:
+  [[nodiscard]] bool usable(std::size_t camera) const;
+  void read_others();
+  void note_pushed();
+  /// Lets another camera lead; false: there is none.
+  [[nodiscard]] bool hand_over();
+
   TaskContext& c_;
-  std::vector<float> last_depth_m_;
-  int timely_ = 0;  ///< Good frames in a row that came in time.
-  hal::Timestamp reopen_at_{0};
+  std::vector<CameraFeed> feeds_;
+  std::vector<char> pushed_;  ///< By camera: it does not count any more.
 };
 
 }  // namespace colift::control

@@ -34,31 +34,7 @@ void SeparationSupervisor::start() {
                    "speed and separation monitoring is off: nobody near the arm is noticed; T1 speed");
 }
 
-void SeparationSupervisor::remember_posture() {
-  past_[remembered_++ % past_.size()] = {c_.readings.arm.measured_at, c_.posture()};
-}
-
-// Of the two remembered postures around a time, in between; the newest for a time after it.
-RobotPosture SeparationSupervisor::posture_at(hal::Timestamp at) const {
-  const std::size_t n = std::min(remembered_, past_.size());
-  const Posture* after = nullptr;
-  for (std::size_t i = 1; i <= n; ++i) {
-    const Posture& p = past_[(remembered_ - i) % past_.size()];
-    if (p.at > at) {
-      after = &p;
-      continue;
-    }
-    if (!after || after->at == p.at) return p.posture;
-    const double part = hal::seconds(at - p.at) / hal::seconds(after->at - p.at);
-    RobotPosture out = p.posture;  // fingers move little between two cycles
-    out.q_rad += part * (after->posture.q_rad - p.posture.q_rad);
-    return out;
-  }
-  return after ? after->posture : c_.posture();
-}
-
 void SeparationSupervisor::update(double image_age_s) {
-  remember_posture();
   const double passed_s = std::max(0.0, hal::seconds(c_.now - updated_at_));
   updated_at_ = c_.now;
   if (!c_.config.monitor.on) {
@@ -171,7 +147,7 @@ void SeparationSupervisor::place_arm(const RobotPosture& posture) {
 
 void SeparationSupervisor::look(const hal::DepthFrame& frame) {
   const hal::Timestamp began = c_.stopwatch.now();
-  const RobotPosture posture = posture_at(frame.exposed_at);
+  const RobotPosture posture = c_.past.at(frame.exposed_at, c_.posture());
   place_arm(posture);
   const BodySighting seen = c_.session.observe_bodies(frame, posture);
   near_.clear();
@@ -226,11 +202,9 @@ void SeparationSupervisor::sort_points(const BodySighting& seen) {
     const perception::BodyTrack* track = i < seen.tracks.size() ? &seen.tracks[i] : nullptr;
     const bool partner =
         !partner_box.isEmpty() && body.box.exteriorDistance(partner_box) < c_.config.monitor.gap_m;
-    // of what is cut off by the image's border nobody knows how high it is
-    const bool whole = body.pixels.u_begin > 0 && body.pixels.v_begin > 0 &&
-                       body.pixels.u_end < c_.readings.frame->intrinsics.width;
-    // who was seen upright and crouches now is no thing, however still he is
-    const bool low = whole && track && track->top_m < config.low_m;
+    // of what is cut off by the image's border nobody knows how high it is; who was seen upright and
+    // crouches now is no thing, however still he is
+    const bool low = body.whole && track && track->top_m < config.low_m;
     const bool thing = !partner && low && track->still_s >= config.still_s;
     hand_.clear();
     partner_.clear();

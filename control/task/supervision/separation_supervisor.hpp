@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,12 +34,6 @@ class SeparationSupervisor {
   void report(SeparationStatus& out) const;
 
  private:
-  struct Posture {
-    hal::Timestamp at{0};
-    RobotPosture posture;
-  };
-  void remember_posture();
-  [[nodiscard]] RobotPosture posture_at(hal::Timestamp at) const;
   void look(const hal::DepthFrame& frame);
   void place_arm(const RobotPosture& posture);
   void sort_points(const BodySighting& seen);
@@ -60,8 +52,6 @@ class SeparationSupervisor {
   SeparationMonitor monitor_;
   SweptVolume arm_;
   perception::SphereSet links_, path_;
-  std::array<Posture, 256> past_{};  ///< About a second.
-  std::size_t remembered_ = 0;
   std::vector<Neighbour> near_;
   std::vector<perception::BodyPoint> hand_, partner_, others_;
   std::vector<SeparationStatus::Body> bodies_;

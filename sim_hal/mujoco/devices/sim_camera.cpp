@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "sim_hal/mujoco/devices/projector_overlap.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
 #include "sim_hal/synthetic/kinect/kinect_noise.hpp"
 
@@ -20,13 +21,15 @@ using State = hal::DeviceHealth::State;
 using std::chrono::milliseconds;
 
 constexpr std::uint64_t kFramesPerSecond = 30;
+constexpr auto kOffset = milliseconds(11);             // from one camera to the next
 constexpr auto kStall = milliseconds(100);             // three frames that did not come
 constexpr auto kLate = milliseconds(200);              // how much later than it should a late frame comes
 constexpr double kMoved_m = 0.05, kMoved_rad = 0.087;  // of somebody who pushed the tripod
 
 /// The newest frame whose exposure is not after a time.
 std::uint64_t newest_due(hal::Timestamp now) {
-  const auto ms = static_cast<std::uint64_t>(std::chrono::floor<milliseconds>(now).count());
+  const auto ms = static_cast<std::uint64_t>(
+      std::max(std::chrono::floor<milliseconds>(now).count(), milliseconds::rep{0}));
   return ms * kFramesPerSecond / 1000;
 }
 
@@ -38,19 +41,25 @@ Pose moved_camera_pose(const ScenarioCamera& camera) {
 
 class SimCamera final : public hal::DepthCamera {
  public:
-  explicit SimCamera(SimWorld& world)
-      : world_(world), caster_(hal::CameraIntrinsics{}, camera_pose(world.scenario().camera)) {
+  SimCamera(SimWorld& world, std::size_t number)
+      : world_(world),
+        place_(number == 0 ? world.scenario().camera : world.scenario().more_cameras.at(number - 1)),
+        name_(hal::camera_name(number)),
+        number_(number),
+        offset_(kOffset * static_cast<int>(number)),
+        caster_(hal::CameraIntrinsics{}, camera_pose(place_)),
+        overlap_(world, number) {
     for (const DeviceFaultEvent& fault : world.scenario().faults)
-      may_freeze_ |= fault.device == "camera" && fault.action == "freeze";
+      may_freeze_ |= fault.device == name_ && fault.action == "freeze";
     for (const DeviceFaultEvent& fault : world.scenario().faults)
-      if (fault.device == "camera" && fault.action == "moved")
-        moved_.emplace(hal::CameraIntrinsics{}, moved_camera_pose(world.scenario().camera));
+      if (fault.device == name_ && fault.action == "moved")
+        moved_.emplace(hal::CameraIntrinsics{}, moved_camera_pose(place_));
   }
 
   hal::Result<> configure() override {
     if (fault_now() == "unplug" || fault_now() == "crash") return drop_link("sim_camera.configure");
     // what went by while the link was down was never seen
-    if (health_.state == State::Lost) next_ = std::max(next_, newest_due(now()));
+    if (health_.state == State::Lost) next_ = std::max(next_, newest_due(now() - offset_));
     health_.state = State::Opening;
     return {};
   }
@@ -78,13 +87,13 @@ class SimCamera final : public hal::DepthCamera {
 
     const hal::Timestamp deadline = now() + std::max(timeout, milliseconds(0));
     for (;;) {
-      const hal::Timestamp due = late_ ? late_->exposed_at + kLate : exposure_due(next_);
+      const hal::Timestamp due = late_ ? late_->exposed_at + kLate : exposure_due(next_) + offset_;
       if (std::max(due, now()) > deadline) break;
       if (due > now()) world_.advance(due - now());
       if (fault_now() == "unplug" || fault_now() == "crash") return drop_link(kWhere);
       if (late_) return hand_out(std::move(*std::exchange(late_, std::nullopt)));
       // of several that are due only the newest is there
-      const std::uint64_t frame = std::max(next_, newest_due(now()));
+      const std::uint64_t frame = std::max(next_, newest_due(now() - offset_));
       next_ = frame + 1;
       const std::string_view fault = fault_now();
       const bool seldom = fault == "slow" && frame % kSlowEvery != 0;
@@ -117,7 +126,7 @@ class SimCamera final : public hal::DepthCamera {
     const double t = hal::seconds(world_.elapsed());
     const auto& faults = world_.scenario().faults;
     for (auto it = faults.rbegin(); it != faults.rend(); ++it)
-      if (it->device == "camera" && it->active(t)) return it->action;
+      if (it->device == name_ && it->active(t)) return it->action;
     return {};
   }
 
@@ -130,9 +139,11 @@ class SimCamera final : public hal::DepthCamera {
 
   hal::DepthFrame expose(std::uint64_t frame, std::string_view fault) {
     const Rendering& truth = (fault == "moved" ? *moved_ : caster_).cast(world_.shapes());
-    hal::DepthFrame image = world_.scenario().camera.noise == "none"
-                                ? measure_ideal(truth)
-                                : measure(truth, KinectNoise{}, hash(world_.seed(), kNoiseStream, frame));
+    const bool ideal = place_.noise == "none";
+    hal::DepthFrame image =
+        ideal ? measure_ideal(truth)
+              : measure(truth, KinectNoise{}, hash(world_.seed(), kNoiseStream + kStreams * number_, frame));
+    if (!ideal) overlap_.apply(image, frame);
     image.exposed_at = now();
     if (fault == "freeze") {
       // a camera that freezes with its first frame shows that one
@@ -169,13 +180,18 @@ class SimCamera final : public hal::DepthCamera {
     return image;
   }
 
-  static constexpr std::uint64_t kNoiseStream = 71, kHoleStream = 72;
+  static constexpr std::uint64_t kNoiseStream = 71, kHoleStream = 72, kStreams = 100;
   static constexpr std::uint64_t kSlowEvery = 6;  // of 30 frames a second: 5
   static constexpr std::size_t kBlot_px = 16;
   static constexpr double kHoles = 0.5;
 
   SimWorld& world_;
+  ScenarioCamera place_;
+  std::string name_;
+  std::uint64_t number_;
+  hal::Duration offset_;  // nothing synchronises cameras
   RayCaster caster_;
+  ProjectorOverlap overlap_;
   std::optional<RayCaster> moved_;  // where a fault moves it
   bool may_freeze_ = false;
   std::uint64_t next_ = 0;  // first frame that has not been exposed
@@ -196,7 +212,20 @@ Rendering render_truth(const SimWorld& world) {
 }
 
 std::unique_ptr<hal::DepthCamera> make_sim_camera(SimWorld& world) {
-  return std::make_unique<SimCamera>(world);
+  return std::make_unique<SimCamera>(world, 0);
+}
+
+std::vector<std::unique_ptr<hal::DepthCamera>> make_more_sim_cameras(SimWorld& world) {
+  std::vector<std::unique_ptr<hal::DepthCamera>> cameras;
+  for (std::size_t n = 1; n <= world.scenario().more_cameras.size(); ++n)
+    cameras.push_back(std::make_unique<SimCamera>(world, n));
+  return cameras;
+}
+
+std::vector<Pose> more_camera_poses(const Scenario& scenario) {
+  std::vector<Pose> poses;
+  for (const ScenarioCamera& camera : scenario.more_cameras) poses.push_back(camera_pose(camera));
+  return poses;
 }
 
 Pose camera_pose(const ScenarioCamera& camera) {

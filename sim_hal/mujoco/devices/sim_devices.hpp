@@ -12,10 +12,14 @@ namespace colift::sim_hal {
 [[nodiscard]] std::unique_ptr<hal::Arm> make_sim_arm(SimWorld& world);
 [[nodiscard]] std::unique_ptr<hal::Hand> make_sim_hand(SimWorld& world);
 [[nodiscard]] std::unique_ptr<hal::DepthCamera> make_sim_camera(SimWorld& world);
+/// Those of the scenario's more_cameras, in their order.
+[[nodiscard]] std::vector<std::unique_ptr<hal::DepthCamera>> make_more_sim_cameras(SimWorld& world);
 /// The world's time, as a robot's clock.
 [[nodiscard]] std::unique_ptr<hal::Clock> make_sim_clock(const SimWorld& world);
 
 /// Pose of the camera in W as the scenario says.
 [[nodiscard]] Pose camera_pose(const ScenarioCamera& camera);
+/// The same of its more_cameras.
+[[nodiscard]] std::vector<Pose> more_camera_poses(const Scenario& scenario);
 
 }  // namespace colift::sim_hal

@@ -35,6 +35,7 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
   auto arm = sim_hal::make_sim_arm(**world);
   auto hand = sim_hal::make_sim_hand(**world);
   robot.camera = sim_hal::make_sim_camera(**world);
+  robot.more_cameras = sim_hal::make_more_sim_cameras(**world);
   hal::Pose X_WC = sim_hal::camera_pose(scenario.camera);
   if (with.errors) {
     arm = sim_hal::make_imperfect_arm(std::move(arm), model, with.errors->arm);
@@ -45,7 +46,8 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
   robot.arm = std::make_unique<hal::GuardedArm>(std::move(arm), model, config.guard_arm);
   robot.hand = std::make_unique<hal::GuardedHand>(std::move(hand), config.guard_hand);
   robot.clock = sim_hal::make_sim_clock(**world);
-  const control::RigView rig{model, shared_hand(method).hand, shared_hand(method).tables, X_WC};
+  const control::RigView rig{model, shared_hand(method).hand, shared_hand(method).tables, X_WC,
+                             sim_hal::more_camera_poses(scenario)};
   const hal::SteadyClock wall;
   control::JobOptions options;
   options.method = method;

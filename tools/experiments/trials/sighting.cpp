@@ -63,7 +63,7 @@ struct Observation::Impl {
 
   static control::RigView rig(const sim_hal::SimWorld& world, control::Method method) {
     return {world.model(), shared_hand(method).hand, shared_hand(method).tables,
-            sim_hal::camera_pose(world.scenario().camera)};
+            sim_hal::camera_pose(world.scenario().camera), sim_hal::more_camera_poses(world.scenario())};
   }
   [[nodiscard]] control::RobotPosture posture() const {
     return {world->arm_state().q_rad, hal::posture_of(world->hand_state())};
@@ -75,12 +75,20 @@ struct Observation::Impl {
         watch.map(), hal::Vec3::UnitZ());
   }
 
+  /// The next frame of the first camera; what the others have by then is handed on.
+  hal::Result<hal::DepthFrame> next_frame(hal::DepthCamera& camera) {
+    auto frame = camera.next_frame(std::chrono::milliseconds(100));
+    for (std::size_t n = 0; n < more_eyes.size(); ++n)
+      if (auto other = more_eyes[n]->next_frame(std::chrono::milliseconds(0)))
+        watch.take_frame(n + 1, std::move(*other), posture());
+    return frame;
+  }
+
   hal::Result<> see_scene(hal::DepthCamera& camera) {
     const double late_s = hal::seconds(world->elapsed()) + 5.0;
     while (watch.reference_frames() < config.task.reference_frames) {
       if (hal::seconds(world->elapsed()) > late_s) return tl::unexpected(missing("the camera shows nothing"));
-      if (auto frame = camera.next_frame(std::chrono::milliseconds(100)))
-        watch.add_reference(std::move(*frame), posture());
+      if (auto frame = next_frame(camera)) watch.add_reference(std::move(*frame), posture());
     }
     if (auto seen = watch.analyse_scene(posture()); !seen) return seen;
     if (!watch.analysis().scene.target) return tl::unexpected(missing(watch.analysis().reason));
@@ -93,7 +101,7 @@ struct Observation::Impl {
     const double late_s = world->scenario().partner.arrives_s + kNobody_s;
     std::string note = "he was not seen";
     while (hal::seconds(world->elapsed()) < late_s) {
-      auto frame = camera.next_frame(std::chrono::milliseconds(100));
+      auto frame = next_frame(camera);
       if (!frame) continue;
       auto sight = watch.observe_partner(std::move(*frame), posture());
       if (!sight) return tl::unexpected(sight.error());
@@ -118,6 +126,7 @@ struct Observation::Impl {
   control::PerceptionSession watch;
   planner::MotionPlanner planner;
   std::unique_ptr<hal::DepthCamera> eye;
+  std::vector<std::unique_ptr<hal::DepthCamera>> more_eyes;
   std::optional<perception::PartnerGrasp> partner;
   hal::Vec3 true_partner = hal::Vec3::Zero(), true_cog = hal::Vec3::Zero();
 };
@@ -133,9 +142,14 @@ hal::Result<std::unique_ptr<Observation>> Observation::make(const sim_hal::Scena
   auto impl = std::make_unique<Impl>(method, seed, std::move(*world), lift_height_m);
   impl->true_cog = impl->world->truth().cog_W;
   impl->eye = sim_hal::make_sim_camera(*impl->world);
+  impl->more_eyes = sim_hal::make_more_sim_cameras(*impl->world);
   hal::DepthCamera* const camera = impl->eye.get();
-  if (auto ok = camera->configure(); !ok) return tl::unexpected(ok.error());
-  if (auto ok = camera->activate(); !ok) return tl::unexpected(ok.error());
+  std::vector<hal::DepthCamera*> all{camera};
+  for (const auto& eye : impl->more_eyes) all.push_back(eye.get());
+  for (hal::DepthCamera* each : all) {
+    if (auto ok = each->configure(); !ok) return tl::unexpected(ok.error());
+    if (auto ok = each->activate(); !ok) return tl::unexpected(ok.error());
+  }
   if (auto seen = impl->see_scene(*camera); !seen) return tl::unexpected(seen.error());
   if (scenario.partner.kind != "none") {
     if (auto seen = impl->see_partner(*camera); !seen) return tl::unexpected(seen.error());

@@ -363,6 +363,8 @@ std::vector<ChannelInfo> all() {
   add_image(Topic::Depth, "/camera/depth");
   add_image(Topic::Colour, "/camera/color");
   add(Topic::Frame, "/camera/frame", "colift.CameraFrame", frame());
+  add_image(Topic::MoreDepth, "/more_cameras/depth");
+  add(Topic::MoreFrame, "/more_cameras/frame", "colift.CameraFrame", frame());
   add(Topic::Inputs, "/inputs", "colift.CycleInputs", inputs());
   return list;
 }

@@ -37,6 +37,8 @@ enum class Topic : std::uint8_t {
   Depth,        ///< sensor_msgs/msg/Image: the depth of every frame, lossless (image_message.hpp).
   Colour,       ///< sensor_msgs/msg/Image: its colour, where the camera has any.
   Frame,        ///< colift.CameraFrame: number, camera model and gravity of every frame (recorded_frame.hpp).
+  MoreDepth,    ///< As Depth, of the cameras beside the first; its frame says which: "camera2" ...
+  MoreFrame,    ///< As Frame, of these.
   Inputs,       ///< colift.CycleInputs: everything that the task was handed in one of its cycles, for replay.
 };
 inline constexpr int kTopics = static_cast<int>(Topic::Inputs) + 1;

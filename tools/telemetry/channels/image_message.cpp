@@ -44,8 +44,8 @@ Size size_of(const hal::CameraIntrinsics& c, std::size_t elements, std::size_t p
   return {elements, 1};
 }
 
-std::string image(hal::Timestamp at, Size size, std::size_t pixel_bytes, std::string_view encoding,
-                  std::string_view data) {
+std::string image(hal::Timestamp at, std::string_view frame_id, Size size, std::size_t pixel_bytes,
+                  std::string_view encoding, std::string_view data) {
   std::string out;
   out.reserve(data.size() + 96);
   ByteWriter w(out);
@@ -53,7 +53,7 @@ std::string image(hal::Timestamp at, Size size, std::size_t pixel_bytes, std::st
   std::int64_t seconds = at.count() / kSecond_ns, rest = at.count() % kSecond_ns;
   if (rest < 0) --seconds, rest += kSecond_ns;
   w.u32(static_cast<std::uint32_t>(seconds)), w.u32(static_cast<std::uint32_t>(rest));
-  put_text(out, kCameraFrame);
+  put_text(out, frame_id);
   align(out);
   w.u32(static_cast<std::uint32_t>(size.height)), w.u32(static_cast<std::uint32_t>(size.width));
   put_text(out, encoding);
@@ -128,16 +128,20 @@ std::string image_definition() {
 }
 
 std::string depth_image(const hal::DepthFrame& f) {
+  return depth_image(f, kCameraFrame);
+}
+
+std::string depth_image(const hal::DepthFrame& f, std::string_view frame_id) {
   const Size size = size_of(f.intrinsics, f.depth_m.size(), 1);
-  if (const auto data = millimetres(f.depth_m)) return image(f.exposed_at, size, 2, "16UC1", *data);
-  return image(f.exposed_at, size, 4, "32FC1", floats(f.depth_m));
+  if (const auto data = millimetres(f.depth_m)) return image(f.exposed_at, frame_id, size, 2, "16UC1", *data);
+  return image(f.exposed_at, frame_id, size, 4, "32FC1", floats(f.depth_m));
 }
 
 std::string colour_image(const hal::DepthFrame& f) {
   const std::string_view data(reinterpret_cast<const char*>(f.rgb.data()), f.rgb.size());
   const Size size = size_of(f.intrinsics, f.rgb.size(), 3);
   const bool whole = 3 * size.width * size.height == f.rgb.size();
-  return image(f.exposed_at, size, whole ? 3 : 1, whole ? "rgb8" : "8UC1", data);
+  return image(f.exposed_at, kCameraFrame, size, whole ? 3 : 1, whole ? "rgb8" : "8UC1", data);
 }
 
 hal::Result<ImageView> parse_image(std::string_view bytes) {

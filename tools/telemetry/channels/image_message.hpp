@@ -23,6 +23,8 @@ inline constexpr const char* kImageType = "sensor_msgs/msg/Image";
 /// number of millimetres, as a Kinect has none, is written as floats in metres instead (`32FC1`), with its
 /// NaNs. A frame with other than width x height pixels is one row of what it has.
 [[nodiscard]] std::string depth_image(const hal::DepthFrame& frame);
+/// The same of another camera: `frame_id` is its frame.
+[[nodiscard]] std::string depth_image(const hal::DepthFrame& frame, std::string_view frame_id);
 /// Its colour (`rgb8`; what is not three bytes for each pixel is one row of bytes, `8UC1`).
 [[nodiscard]] std::string colour_image(const hal::DepthFrame& frame);
 

@@ -1,6 +1,7 @@
 #include "tools/telemetry/channels/messages.hpp"
 
 #include "hal/health_text.hpp"
+#include "hal/robot.hpp"
 #include "hal/types/units.hpp"
 #include "planner/verdict_word.hpp"
 #include "tools/telemetry/channels/json_parts.hpp"
@@ -40,7 +41,8 @@ std::string base64(std::string_view bytes) {
 }
 
 std::string transforms_message(hal::Timestamp at, const hal::RobotModel& model, const hal::JointVector& q_rad,
-                               const hal::HandPosture& hand, const hal::Pose& X_WC) {
+                               const hal::HandPosture& hand, const hal::Pose& X_WC,
+                               std::span<const hal::Pose> X_WC_more) {
   std::vector<hal::Pose> X_WL;
   hal::link_poses(model, q_rad, hand, X_WL);
   Json all = Json::array();
@@ -48,6 +50,8 @@ std::string transforms_message(hal::Timestamp at, const hal::RobotModel& model, 
   for (std::size_t i = 0; i < model.links.size(); ++i)
     if (model.links[i].name != kWorldFrame) all.push_back(transform(time, model.links[i].name, X_WL[i]));
   all.push_back(transform(time, kCameraFrame, X_WC));
+  for (std::size_t n = 0; n < X_WC_more.size(); ++n)
+    all.push_back(transform(time, hal::camera_name(n + 1), X_WC_more[n]));
   return dumped({{"transforms", std::move(all)}});
 }
 

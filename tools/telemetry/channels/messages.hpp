@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,13 +20,14 @@ namespace colift::telemetry {
 
 /// Names of frames.
 inline constexpr const char* kWorldFrame = "world";
-inline constexpr const char* kCameraFrame = "camera";
+inline constexpr const char* kCameraFrame = "camera";  ///< Of the first; of others hal::camera_name().
 inline constexpr const char* kObjectFrame = "object";
 inline constexpr const char* kPartnerFrame = "partner";
 
 [[nodiscard]] std::string transforms_message(hal::Timestamp at, const hal::RobotModel& model,
                                              const hal::JointVector& q_rad, const hal::HandPosture& hand,
-                                             const hal::Pose& X_WC);
+                                             const hal::Pose& X_WC,
+                                             std::span<const hal::Pose> X_WC_more = {});
 /// Of "object" and "partner" what is set, stamped with the frame's exposure. Of the partner a point is known:
 /// his frame has the axes of "world".
 [[nodiscard]] std::string tracked_message(const control::TrackedPoses& tracked);

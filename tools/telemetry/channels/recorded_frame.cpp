@@ -83,10 +83,16 @@ hal::Result<NumberedFrame> decode_frame(const EncodedFrame& encoded) {
 }
 
 std::optional<EncodedFrame> FrameJoiner::add(std::string_view topic, std::string_view message) {
-  if (topic == channel_of(Topic::Frame).topic) {
-    next_.reset();
+  const bool of_others = topic == channel_of(Topic::MoreFrame).topic;
+  if (of_others || topic == channel_of(Topic::Frame).topic) {
+    auto& next = of_others ? next_of_others_ : next_;
+    next.reset();
     if (const auto about = described(message))
-      next_ = EncodedFrame{about->number, std::string(message), {}, {}};
+      next = EncodedFrame{about->number, std::string(message), {}, {}};
+  } else if (topic == channel_of(Topic::MoreDepth).topic) {
+    if (!next_of_others_) return std::nullopt;
+    next_of_others_->depth = message;
+    return std::exchange(next_of_others_, std::nullopt);
   } else if (topic == channel_of(Topic::Colour).topic) {
     if (next_) next_->colour = message;
   } else if (topic == channel_of(Topic::Depth).topic) {

@@ -34,11 +34,12 @@ struct EncodedFrame {
 /// out: its image alone does not say which frame it is.
 class FrameJoiner {
  public:
-  /// Of a message on /camera/frame, /camera/color or /camera/depth: the whole frame, with its last message.
+  /// Of a message on /camera/frame, /camera/color or /camera/depth, or of /more_cameras: the whole frame,
+  /// with its last message.
   [[nodiscard]] std::optional<EncodedFrame> add(std::string_view topic, std::string_view message);
 
  private:
-  std::optional<EncodedFrame> next_;
+  std::optional<EncodedFrame> next_, next_of_others_;
 };
 
 }  // namespace colift::telemetry

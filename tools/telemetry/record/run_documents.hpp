@@ -25,6 +25,7 @@ struct RunDescription {
   std::string scenario_yaml;    ///< Empty on a real rig.
   std::string robot_file;       ///< Which devices; empty: the simulated rig.
   hal::Pose X_WC = hal::Pose::Identity();
+  std::vector<hal::Pose> X_WC_more = {};
   control::Method method = control::Method::Fast;
   std::uint64_t seed = 0;
   bool dry_run = false;

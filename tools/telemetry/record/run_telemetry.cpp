@@ -133,6 +133,16 @@ struct RunTelemetry::Impl {
           bytes / 4);
   }
 
+  /// Of a camera beside the first: kept for replay and for viewers.
+  void on_other_frame(std::size_t camera, std::uint64_t number, const hal::DepthFrame& frame) {
+    const hal::Timestamp at = time();
+    const auto kept = std::make_shared<const NumberedFrame>(NumberedFrame{number, frame});
+    publish(Topic::MoreFrame, at, [kept] { return frame_message(kept->number, kept->frame); });
+    publish(
+        Topic::MoreDepth, at, [kept, camera] { return depth_image(kept->frame, hal::camera_name(camera)); },
+        frame.depth_m.size() * sizeof(float));
+  }
+
   /// Where the camera is, as far as the job knows.
   [[nodiscard]] hal::Pose camera_pose() const {
     return correction ? setting.X_WC * correction->X_KC : setting.X_WC;
@@ -178,9 +188,8 @@ struct RunTelemetry::Impl {
               [at, model, arm = view.state, h = hand] { return joints_message(at, *model, arm, h); });
     if (transforms.due(now))
       publish(Topic::Transforms, at,
-              [at, model, q = view.state.q_rad, h = hal::posture_of(hand), X = camera_pose()] {
-                return transforms_message(at, *model, q, h, X);
-              });
+              [at, model, q = view.state.q_rad, h = hal::posture_of(hand), X = camera_pose(),
+               more = setting.X_WC_more] { return transforms_message(at, *model, q, h, X, more); });
     const bool has_cells = std::any_of(hand.tactile.begin(), hand.tactile.end(),
                                        [](const auto& a) { return a.measured_at != hal::Timestamp{0}; });
     if (has_cells && tactile.due(now)) publish(Topic::Tactile, at, [h = hand] { return tactile_message(h); });
@@ -197,6 +206,8 @@ struct RunTelemetry::Impl {
       std::vector<NamedHealth> all = {{"arm", robot->arm->health()},
                                       {"hand", robot->hand->health()},
                                       {"camera", robot->camera->health()}};
+      for (std::size_t n = 0; n < robot->more_cameras.size(); ++n)
+        all.push_back({hal::camera_name(n + 1), robot->more_cameras[n]->health()});
       book.listens = true;
       publish(Topic::Devices, at, [all = std::move(all)] { return devices_message(all); });
     }
@@ -316,8 +327,12 @@ struct RunTelemetry::Impl {
 RunTelemetry::RunTelemetry(const Setting& setting, std::vector<TelemetrySink*> sinks, const hal::Clock& wall)
     : impl_(std::make_unique<Impl>(setting, std::move(sinks), wall)) {
   impl_->book.in_step = setting.drive == control::Drive::InStep;
-  impl_->book.on_frame = [i = impl_.get()](std::uint64_t number, const hal::DepthFrame& frame) {
-    i->on_frame(number, frame);
+  impl_->book.on_frame = [i = impl_.get()](std::size_t camera, std::uint64_t number,
+                                           const hal::DepthFrame& frame) {
+    if (camera == 0)
+      i->on_frame(number, frame);
+    else
+      i->on_other_frame(camera, number, frame);
   };
 }
 RunTelemetry::~RunTelemetry() {
@@ -330,7 +345,9 @@ void RunTelemetry::tap(hal::Robot& robot) {
   i.robot = &robot;
   robot.arm = tap_arm(std::move(robot.arm), i.owned_book, i.wall);
   robot.hand = tap_hand(std::move(robot.hand), i.owned_book);
-  robot.camera = tap_camera(std::move(robot.camera), i.owned_book);
+  robot.camera = tap_camera(std::move(robot.camera), i.owned_book, 0);
+  for (std::size_t n = 0; n < robot.more_cameras.size(); ++n)
+    robot.more_cameras[n] = tap_camera(std::move(robot.more_cameras[n]), i.owned_book, n + 1);
   robot.clock = tap_clock(std::move(robot.clock), i.owned_book);
 }
 

@@ -29,6 +29,7 @@ class RunTelemetry {
   struct Setting {
     const hal::RobotModel* model = nullptr;  ///< Borrowed.
     hal::Pose X_WC = hal::Pose::Identity();
+    std::vector<hal::Pose> X_WC_more = {};
     control::Drive drive = control::Drive::InStep;
     bool asks_devices = true;  ///< For their health; not those of a replay, whose every answer is counted.
     const planner::HandModel* hand = nullptr;  ///< Borrowed; null: the chosen gripper pose is not shown.

@@ -83,8 +83,8 @@ class TappedHand final : public hal::Hand {
 
 class TappedCamera final : public hal::DepthCamera {
  public:
-  TappedCamera(std::unique_ptr<hal::DepthCamera> camera, std::shared_ptr<TapBook> book)
-      : camera_(std::move(camera)), owned_(std::move(book)), book_(*owned_) {}
+  TappedCamera(std::unique_ptr<hal::DepthCamera> camera, std::shared_ptr<TapBook> book, std::size_t number)
+      : camera_(std::move(camera)), number_(number), owned_(std::move(book)), book_(*owned_) {}
   hal::Result<> configure() override { return noted(book_, camera_->configure()); }
   hal::Result<> activate() override { return noted(book_, camera_->activate()); }
   void deactivate() noexcept override { camera_->deactivate(); }
@@ -95,7 +95,7 @@ class TappedCamera final : public hal::DepthCamera {
     CameraReading reading;
     if (frame) {
       reading.frame = book_.frames++;
-      if (book_.on_frame) book_.on_frame(*reading.frame, *frame);
+      if (book_.on_frame) book_.on_frame(number_, *reading.frame, *frame);
     } else {
       reading.error = frame.error();
     }
@@ -105,6 +105,7 @@ class TappedCamera final : public hal::DepthCamera {
 
  private:
   std::unique_ptr<hal::DepthCamera> camera_;
+  std::size_t number_;
   std::shared_ptr<TapBook> owned_;
   TapBook& book_;
 };
@@ -140,8 +141,8 @@ std::unique_ptr<hal::Hand> tap_hand(std::unique_ptr<hal::Hand> hand, const std::
   return std::make_unique<TappedHand>(std::move(hand), book);
 }
 std::unique_ptr<hal::DepthCamera> tap_camera(std::unique_ptr<hal::DepthCamera> camera,
-                                             const std::shared_ptr<TapBook>& book) {
-  return std::make_unique<TappedCamera>(std::move(camera), book);
+                                             const std::shared_ptr<TapBook>& book, std::size_t number) {
+  return std::make_unique<TappedCamera>(std::move(camera), book, number);
 }
 std::unique_ptr<hal::Clock> tap_clock(std::unique_ptr<hal::Clock> clock,
                                       const std::shared_ptr<TapBook>& book) {

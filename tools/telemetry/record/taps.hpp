@@ -28,8 +28,8 @@ struct TapBook {
   bool in_step = true;   ///< The task runs the arm's cycle itself.
   std::uint64_t frames = 0;
   ArmRing arm;
-  /// A frame came; its number.
-  std::function<void(std::uint64_t, const hal::DepthFrame&)> on_frame;
+  /// A frame came: from which camera, its number among all, itself.
+  std::function<void(std::size_t, std::uint64_t, const hal::DepthFrame&)> on_frame;
 };
 
 [[nodiscard]] std::unique_ptr<hal::Arm> tap_arm(std::unique_ptr<hal::Arm> arm,
@@ -37,7 +37,8 @@ struct TapBook {
 [[nodiscard]] std::unique_ptr<hal::Hand> tap_hand(std::unique_ptr<hal::Hand> hand,
                                                   const std::shared_ptr<TapBook>& book);
 [[nodiscard]] std::unique_ptr<hal::DepthCamera> tap_camera(std::unique_ptr<hal::DepthCamera> camera,
-                                                           const std::shared_ptr<TapBook>& book);
+                                                           const std::shared_ptr<TapBook>& book,
+                                                           std::size_t number);
 [[nodiscard]] std::unique_ptr<hal::Clock> tap_clock(std::unique_ptr<hal::Clock> clock,
                                                     const std::shared_ptr<TapBook>& book);
 

@@ -112,7 +112,7 @@ hal::Result<ReplayReport> replay(const McapReader& file, const std::string& name
   Tape tape(file);
   if (auto begun = begin(tape, name); !begun) return tl::unexpected(begun.error());
 
-  hal::Robot robot = replayed_robot(tape);
+  hal::Robot robot = replayed_robot(tape, run.X_WC_more.size());
   const hal::SteadyClock wall;
   Listener listener(tape);
   std::vector<TelemetrySink*> sinks = {&listener};
@@ -122,7 +122,7 @@ hal::Result<ReplayReport> replay(const McapReader& file, const std::string& name
     sinks.push_back(watchers.back().get());
   }
   Playback of_then(file, setting.watchers.empty() ? std::set<Topic>() : kOfThen, setting.watchers);
-  RunTelemetry telemetry({setting.model.get(), run.X_WC, run.drive, false, &setting.hand,
+  RunTelemetry telemetry({setting.model.get(), run.X_WC, run.X_WC_more, run.drive, false, &setting.hand,
                           run.robot_urdf.empty() ? built_in_robot_urdf() : run.robot_urdf},
                          sinks, wall);
   if (!setting.watchers.empty()) telemetry.tap(robot);
@@ -151,7 +151,7 @@ hal::Result<ReplayReport> replay(const McapReader& file, const std::string& name
       if (tape.now().view) view = *tape.now().view;
       view.link_lost = view.link_lost || tape.ended();
     };
-  const control::RigView rig{*setting.model, setting.hand, setting.hand_tables, run.X_WC};
+  const control::RigView rig{*setting.model, setting.hand, setting.hand_tables, run.X_WC, run.X_WC_more};
   auto record = control::run_job(robot, rig, setting.config, options, hooks, wall);
   if (!record) return tl::unexpected(record.error());
 

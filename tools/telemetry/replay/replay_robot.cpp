@@ -76,7 +76,8 @@ class ReplayedClock final : public hal::Clock {
 Tape::Tape(const McapReader& file)
     : channels_(file.info().channels),
       cursor_(file.messages({channel_of(Topic::Inputs).topic, channel_of(Topic::Frame).topic,
-                             channel_of(Topic::Colour).topic, channel_of(Topic::Depth).topic})) {}
+                             channel_of(Topic::Colour).topic, channel_of(Topic::Depth).topic,
+                             channel_of(Topic::MoreFrame).topic, channel_of(Topic::MoreDepth).topic})) {}
 
 void Tape::note(std::string text) {
   if (notes_.size() < 20) notes_.push_back(std::move(text));
@@ -151,11 +152,14 @@ hal::DeviceHealth Tape::next_health() {
   return last_health_;
 }
 
-hal::Robot replayed_robot(Tape& tape) {
+hal::Robot replayed_robot(Tape& tape, std::size_t more_cameras) {
   hal::Robot robot;
   robot.arm = std::make_unique<ReplayedArm>(tape);
   robot.hand = std::make_unique<ReplayedHand>(tape);
   robot.camera = std::make_unique<ReplayedCamera>(tape);
+  // all of them read from the one tape, in the order in which the job asks
+  for (std::size_t n = 0; n < more_cameras; ++n)
+    robot.more_cameras.push_back(std::make_unique<ReplayedCamera>(tape));
   robot.clock = std::make_unique<ReplayedClock>(tape);
   return robot;
 }

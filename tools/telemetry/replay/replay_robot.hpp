@@ -53,6 +53,7 @@ class Tape {
   std::vector<std::string> notes_;
 };
 
-[[nodiscard]] hal::Robot replayed_robot(Tape& tape);
+/// With the first camera and `more_cameras` others.
+[[nodiscard]] hal::Robot replayed_robot(Tape& tape, std::size_t more_cameras);
 
 }  // namespace colift::telemetry

@@ -86,12 +86,12 @@ TEST_CASE("a point inside a sphere has a negative distance") {
 TEST_CASE("how high somebody was is remembered when he crouches, and unknown above the image's border") {
   BodyTracker tracker;
   Body body = at({1, 0, 1});
-  body.pixels.v_begin = 40;
+  body.top_seen = true;
   body.box = hal::Aabb(Vec3(0.8, -0.2, 0.0), Vec3(1.2, 0.2, 1.7));
   CHECK(tracker.update(0ns, {&body, 1})[0].top_m == Approx(1.7));
   body.box.max().z() = 0.9;
   body.center.z() = 0.8;
   CHECK(tracker.update(33ms, {&body, 1})[0].top_m == Approx(1.7));
-  body.pixels.v_begin = 0;
+  body.top_seen = false;
   CHECK(std::isinf(tracker.update(66ms, {&body, 1})[0].top_m));
 }

@@ -154,7 +154,7 @@ Recorded run(const sim_hal::Scenario& scenario, const std::filesystem::path* fil
     server = std::move(*opened);
     deaf.emplace(*server);
     telemetry = std::make_unique<RunTelemetry>(
-        RunTelemetry::Setting{&model, X_WC, control::Drive::InStep, true, &hand, about.robot_urdf},
+        RunTelemetry::Setting{&model, X_WC, {}, control::Drive::InStep, true, &hand, about.robot_urdf},
         std::vector<TelemetrySink*>{recorder.get(), server.get()}, wall);
     telemetry->tap(robot);
   }
