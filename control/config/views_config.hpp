@@ -14,7 +14,7 @@ struct ViewsConfig {
   double min_of_object = 0.8;
   double covered_m = 0.03;
   double min_correction_m = 0.006;
-  double min_sigmas = 3.0;
+  double min_sigmas = 6.0;
   double max_correction_m = 0.05;
   double max_rotation_deg = 2.0;
   double pushed_m = 0.025;
@@ -40,7 +40,7 @@ struct ViewsConfig {
     v("min_correction_m", min_correction_m, hal::Range{0, 1},
       "Min shift by which another camera's pose is corrected to agree with the first, root mean square (m).");
     v("min_sigmas", min_sigmas, hal::Range{0, 100},
-      "Min shift in its own standard deviations: a less certain one is neither a correction nor a push.");
+      "Min shift in its standard deviations: a less certain one is neither a correction nor a push.");
     v("max_correction_m", max_correction_m, hal::Range{0, 1},
       "Max shift of this kind; beyond, the camera is not used (m).");
     v("max_rotation_deg", max_rotation_deg, hal::Range{0, 30}, "Max rotation of this kind (deg).");

@@ -5,8 +5,6 @@
 #include <algorithm>
 
 namespace colift::control {
-namespace {}  // namespace
-
 void LetGoMonitor::start() {
   contact_W_ = c_.record.decision->partner->position;
   X_ = hal::Pose::Identity();
@@ -16,6 +14,7 @@ void LetGoMonitor::start() {
   frames_ = frames_gone_ = frames_low_ = 0;
   was_in_the_air_ = hand_leaves_ = stopped_ = false;
   hand_motion_.start();
+  camera_ = c_.session.leading();
   mean_load_n_ = load_before_n_ = c_.arm.view().load_n;
   gain_n_ = 0.0;
   mean_sideways_n_.reset();
@@ -49,6 +48,13 @@ void LetGoMonitor::update() {
 }
 
 void LetGoMonitor::update_hand() {
+  if (camera_ != c_.session.leading()) {
+    // another camera sees another side of his hand: it is learned anew
+    camera_ = c_.session.leading();
+    usual_m2_ = 0.0;
+    frames_ = frames_gone_ = 0;
+    hand_motion_.start();
+  }
   // only up and down: how far a flat or round object went sideways its picture may not show, and an estimate
   // that slides along a face would lose the hand
   hal::Pose X = hal::Pose::Identity();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -58,6 +59,7 @@ class LetGoMonitor {
   hal::Vec3 contact_W_ = hal::Vec3::Zero();
   hal::Pose X_ = hal::Pose::Identity();  ///< Last known motion of the object.
   double rise_m_ = 0.0;                  ///< Of his end, as last seen.
+  std::size_t camera_ = 0;               ///< That saw his hand so far.
   double usual_m2_ = 0.0, area_m2_ = NAN;
   perception::HandMotion hand_motion_{c_.config.presence};
   bool hand_leaves_ = false, stopped_ = false;

@@ -70,6 +70,12 @@ struct TaskContext {
   [[nodiscard]] hal::Pose palm() const { return hal::hand_pose(rig.model, readings.arm.q_rad); }
   /// The newest frame shows the object there: X takes a point of it from where the scene has it (W).
   void see_object(const hal::Pose& X_Wnow_Wscene);
+  /// A copy of this cycle's frame for pictures of the scene; nothing while another camera leads than the one
+  /// that the scene is seen by.
+  [[nodiscard]] std::optional<hal::DepthFrame> picture() const {
+    if (!readings.frame || session.leading() != session.scene_camera()) return std::nullopt;
+    return session.corrected(*readings.frame);
+  }
   /// The grasp that was decided on. There has to be one.
   [[nodiscard]] const planner::GraspCandidate& chosen() const;
 

@@ -85,7 +85,7 @@ class Alignment {
       out.reason = fmt::format("the views show {} points in common, expected {}", out.points, c_.min_points);
       return out;
     }
-    Matrix6 information = Matrix6::Zero();
+    Matrix6 information = Matrix6::Zero();  // with the prior's
     for (int n = 0; n < c_.iterations; ++n) {
       const double step_m = improve(X, information);
       gate_m = std::max(0.5 * c_.gate_m, 0.8 * gate_m);
@@ -96,6 +96,9 @@ class Alignment {
     out.after_m = median_distance();
     out.X = X;
     const Matrix6 covariance = information.inverse();
+    const Vector6 moved = motion(X);
+    information.diagonal() -= prior();
+    out.sigmas = std::sqrt(std::max(0.0, moved.dot(information * moved)));
     double shift = 0.0, rest = 0.0;
     for (const Pair& pair : pairs_) {
       const Vec3& p = samples_[pair.sample].point;
@@ -111,7 +114,7 @@ class Alignment {
         "sigma "
         "{:.1f} mm)",
         out.points, 1e3 * out.before_m, 1e3 * out.after_m, 1e3 * (X * eye_ - eye_).norm(),
-        hal::rad_to_deg(out.rotation_rad()), 1e3 * out.sigma_m);
+        hal::rad_to_deg(out.rotation_rad()), out.sigmas);
     return out;
   }
 
@@ -179,15 +182,9 @@ class Alignment {
       A += weight * j * j.transpose();
       b -= weight * pair.distance_m * j;
     }
-    Vector6 prior;
-    const double per_m = 1.0 / c_.position_sigma_m, per_rad = 1.0 / hal::deg_to_rad(c_.rotation_sigma_deg);
-    prior << Vec3::Constant(per_m * per_m), Vec3::Constant(per_rad * per_rad);
-    A += prior.asDiagonal();
+    A.diagonal() += prior();
     // the prior holds the camera where it was, not where the last step took it
-    const Eigen::AngleAxisd turned(X.linear());
-    Vector6 from_start;
-    from_start << X * eye_ - eye_, turned.angle() * turned.axis();
-    b -= prior.cwiseProduct(from_start);
+    b -= prior().cwiseProduct(motion(X));
     const Vector6 step = A.ldlt().solve(b);
     information = A;
     Pose update = Pose::Identity();
@@ -196,6 +193,22 @@ class Alignment {
     update.translation() = eye_ + step.head<3>() - update.linear() * eye_;
     X = update * X;
     return step.head<3>().norm() + 2.0 * turn.norm();
+  }
+
+  /// Inverse variances of the motion before anything was seen.
+  [[nodiscard]] Vector6 prior() const {
+    const double per_m = 1.0 / c_.position_sigma_m, per_rad = 1.0 / hal::deg_to_rad(c_.rotation_sigma_deg);
+    Vector6 out;
+    out << Vec3::Constant(per_m * per_m), Vec3::Constant(per_rad * per_rad);
+    return out;
+  }
+
+  /// Shift of the moving camera's place, and rotation vector.
+  [[nodiscard]] Vector6 motion(const Pose& X) const {
+    const Eigen::AngleAxisd turned(X.linear());
+    Vector6 out;
+    out << X * eye_ - eye_, turned.angle() * turned.axis();
+    return out;
   }
 
   [[nodiscard]] double typical_sigma() const {

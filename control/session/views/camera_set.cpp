@@ -88,12 +88,14 @@ bool CameraSet::is_same_object(const SceneAnalysis& analysis, std::string& reaso
 }
 
 void CameraSet::join_centres() {
-  std::vector<perception::Target*> targets;
-  if (auto& own = scene().analysis().scene.target) targets.push_back(&*own);
+  std::vector<ViewOfObject> views;
+  const auto add = [&](SceneAnalysis& analysis) {
+    views.push_back({&*analysis.scene.target, &analysis.cloud});
+  };
+  if (scene().analysis().scene.target) add(scene().analysis());
   for (std::size_t n = 0; n < cameras_.size(); ++n)
-    if (n != scene_of_ && cameras_[n].report.knows_object)
-      targets.push_back(&*cameras_[n].view.analysis().scene.target);
-  if (targets.size() > 1) join_cogs(targets, config_.views.covered_m);
+    if (n != scene_of_ && cameras_[n].report.knows_object) add(cameras_[n].view.analysis());
+  if (views.size() > 1) join_cogs(views, config_.views.covered_m);
 }
 
 hal::Result<> CameraSet::move_object(const hal::Pose& X) {
@@ -174,7 +176,7 @@ std::optional<PushedCamera> CameraSet::check_pose(std::size_t n, const hal::Dept
   const auto moved = camera.view.compare_with_scene(frame, robot);
   const bool elsewhere =
       moved.receded > limits.max_receded ||
-      (moved.enough && moved.shift_m > std::max(limits.pushed_m, limits.min_sigmas * moved.sigma_m));
+      (moved.enough && moved.shift_m > limits.pushed_m && moved.sigmas > limits.min_sigmas);
   camera.seen_elsewhere = elsewhere ? camera.seen_elsewhere + 1 : 0;
   if (camera.seen_elsewhere < limits.pushed_checks) return std::nullopt;
   camera.report.used = camera.report.knows_object = false;

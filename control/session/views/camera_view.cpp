@@ -235,9 +235,8 @@ hal::Result<perception::ViewAlignment> CameraView::analyse_scene_beside(const Sc
         fmt::format("it does not agree with the first camera: {}; at most {:.0f} mm and "
                     "{:.1f} deg; calibrate again",
                     alignment.reason, 1e3 * limits.max_correction_m, limits.max_rotation_deg));
-  if (alignment.enough &&
-      alignment.shift_m >= std::max(limits.min_correction_m, limits.min_sigmas * alignment.sigma_m) &&
-      alignment.after_m < alignment.before_m) {
+  if (alignment.enough && alignment.shift_m >= limits.min_correction_m &&
+      alignment.sigmas >= limits.min_sigmas && alignment.after_m < alignment.before_m) {
     i.X_WC = alignment.X * i.X_WC;
     i.filter.reset();
     i.body_filter.reset();

@@ -34,13 +34,35 @@ double average(hal::Vec3& mean, Eigen::Matrix3d& covariance, const hal::Vec3& ot
   return std::sqrt(std::max(0.0, apart.dot(solver.solve(apart))));
 }
 
-bool holds(const hal::OrientedBox& box, std::span<const Eigen::Vector3f> points, double margin_m) {
+/// Parts of another view's points that lie outside of a view's completed shape, by what that view shows
+/// there.
+struct Outside {
+  double hidden =
+      0.0;            ///< Nothing: the arm is before them, or the image ends. It misses a part of the object.
+  double seen = 0.0;  ///< Something, before, at or behind them, that it does not take for the object.
+};
+
+Outside outside_of(const ViewOfObject& view, std::span<const Eigen::Vector3f> points, double margin_m) {
+  const hal::OrientedBox& box = view.target->shape;
+  const perception::OrganisedCloud& cloud = *view.cloud;
   const hal::Vec3 half = 0.5 * box.size + hal::Vec3::Constant(margin_m);
-  const auto outside = std::ranges::count_if(points, [&](const Eigen::Vector3f& p) {
-    const hal::Vec3 in_box = box.axes.transpose() * (p.cast<double>() - box.center);
-    return (in_box.cwiseAbs().array() > half.array()).any();
-  });
-  return static_cast<double>(outside) <= kMaxOutside * static_cast<double>(points.size());
+  const hal::Pose X_CW = cloud.X_WC.inverse();
+  Outside out;
+  for (const Eigen::Vector3f& point : points) {
+    const hal::Vec3 p = point.cast<double>(), in_box = box.axes.transpose() * (p - box.center);
+    if ((in_box.cwiseAbs().array() <= half.array()).all()) continue;
+    const hal::Vec3 p_C = X_CW * p;
+    const auto& k = cloud.intrinsics;
+    const long u = std::lround(k.fx * p_C.x() / p_C.z() + k.cx),
+               v = std::lround(k.fy * p_C.y() / p_C.z() + k.cy);
+    const bool in_image = p_C.z() > 0.0 && u >= 0 && v >= 0 && u < k.width && v < k.height;
+    const auto pixel =
+        static_cast<std::size_t>(v) * static_cast<std::size_t>(k.width) + static_cast<std::size_t>(u);
+    const bool seen = in_image && cloud.seen(pixel);
+    (seen ? out.seen : out.hidden) += 1.0;
+  }
+  const double n = std::max<double>(1.0, static_cast<double>(points.size()));
+  return {out.hidden / n, out.seen / n};
 }
 
 void add(PartnerGrasp& grasp, const PartnerGrasp& other) {
@@ -127,30 +149,36 @@ std::span<const perception::Body> JoinedBodies::join(std::span<const ViewOfBodie
   return bodies_;
 }
 
-void join_cogs(std::span<perception::Target* const> targets, double covered_m) {
-  const auto whole = [&](const perception::Target* target) {
-    return std::ranges::all_of(targets, [&](const perception::Target* other) {
-      return other == target || holds(target->shape, other->points, covered_m);
-    });
-  };
-  perception::Target& first = *targets.front();
-  const auto best = std::ranges::find_if(targets, whole);
-  if (best == targets.end()) {
-    for (const perception::Target* other : targets) {
-      const hal::Vec3 apart = other->cog - first.cog;
-      first.cog_covariance += apart * apart.transpose() / static_cast<double>(targets.size() - 1);
+void join_cogs(std::span<const ViewOfObject> views, double margin_m) {
+  const ViewOfObject& first = views.front();
+  perception::Target& target = *first.target;
+  bool whole = true;
+  std::vector<const perception::Target*> usable;
+  Eigen::Matrix3d contradiction = Eigen::Matrix3d::Zero();
+  for (const ViewOfObject& other : views.subspan(1)) {
+    const Outside of_first = outside_of(first, other.target->points, margin_m),
+                  of_other = outside_of(other, target.points, margin_m);
+    if (of_first.seen > kMaxOutside || of_other.seen > kMaxOutside) {
+      const hal::Vec3 half = 0.5 * (other.target->cog - target.cog);
+      contradiction += half * half.transpose();
+    } else if (of_other.hidden <= kMaxOutside) {
+      usable.push_back(other.target);
+      whole = whole && of_first.hidden <= kMaxOutside;
     }
-    return;
   }
-  hal::Vec3 cog = (*best)->cog;
-  Eigen::Matrix3d covariance = (*best)->cog_covariance;
-  for (auto other = best + 1; other != targets.end(); ++other) {
-    if (!whole(*other)) continue;
-    const double sigmas = average(cog, covariance, (*other)->cog, (*other)->cog_covariance);
+  hal::Vec3 cog = target.cog;
+  Eigen::Matrix3d covariance = target.cog_covariance;
+  if (!whole) {
+    cog = usable.front()->cog;
+    covariance = usable.front()->cog_covariance;
+    usable.erase(usable.begin());
+  }
+  for (const perception::Target* other : usable) {
+    const double sigmas = average(cog, covariance, other->cog, other->cog_covariance);
     if (sigmas > kUsualSigmas) covariance *= sigmas * sigmas / (kUsualSigmas * kUsualSigmas);
   }
-  first.cog = cog;
-  first.cog_covariance = covariance;
+  target.cog = cog;
+  target.cog_covariance = covariance + contradiction;
 }
 
 }  // namespace colift::control

@@ -19,11 +19,18 @@ struct ViewOfPartner {
 /// object, where no view shows it. Needs at least one view.
 [[nodiscard]] PartnerSighting join_sightings(std::span<const ViewOfPartner> views, double same_hand_m);
 
-/// Centre of gravity of one object by several views, into the first: each completes the shape from its own
-/// side. Views whose shape does not hold what the others show of the object, up to `covered_m`, see a part of
-/// it (the arm is before the rest) and do not count; of the rest the mean, by how sure each is. Where they
-/// differ by more than their covariances explain, or none is whole, the covariance grows by it.
-void join_cogs(std::span<perception::Target* const> targets, double covered_m);
+/// One camera's view of the object.
+struct ViewOfObject {
+  perception::Target* target = nullptr;
+  const perception::OrganisedCloud* cloud = nullptr;
+};
+
+/// Centre of gravity of one object by several views, into the first's target: each completes the shape from
+/// its own side, and they are averaged by how sure each is. A view that misses a part which another one shows
+/// (the arm is before it, or the image ends) does not count; nor does one that takes something for the object
+/// where the first sees something else. Where views contradict each other the covariance grows by it.
+/// `margin_m`: by which points may lie outside of a completed shape.
+void join_cogs(std::span<const ViewOfObject> views, double margin_m);
 
 /// What one camera shows of the bodies in the room.
 struct ViewOfBodies {

@@ -78,8 +78,7 @@ void LiftPhase::begin_hold() {
 
 std::optional<TaskEvent> LiftPhase::hold() {
   const double hold_s = c_.config.task.hold_s;
-  if (c_.readings.frame && !c_.record.frame_lifted && c_.in_state_s() > 0.5 * hold_s)
-    c_.record.frame_lifted = c_.session.corrected(*c_.readings.frame);
+  if (!c_.record.frame_lifted && c_.in_state_s() > 0.5 * hold_s) c_.record.frame_lifted = c_.picture();
   object_.update();
   partner_.update();
   evidence_.update();

@@ -11,7 +11,7 @@
 
 namespace colift::control {
 TaskEvent PlanPhase::decide() {
-  if (c_.readings.frame) c_.record.frame_partner = c_.session.corrected(*c_.readings.frame);
+  if (auto picture = c_.picture()) c_.record.frame_partner = std::move(picture);
   const hal::Timestamp start = c_.stopwatch.now();
   const bool chosen = grasps_.choose();
   RunTiming& timing = c_.record.timing;

@@ -50,6 +50,7 @@ std::optional<TaskEvent> ScenePhase::observe() {
 void ScenePhase::note_correction() {
   const auto& correction = c_.session.camera_correction();
   const auto& noted = c_.record.camera_correction;
+  if (c_.session.scene_camera() != 0) return;  // pictures and recordings are the first camera's
   if (!correction || (noted && noted->verdict == correction->verdict)) return;
   c_.record.camera_correction = correction;
   // a camera that is used otherwise than it was calibrated is never silent

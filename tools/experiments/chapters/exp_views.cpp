@@ -44,7 +44,7 @@ sim_hal::Scenario scene_of(const Trial& trial) {
 }
 
 struct Seen {
-  double unseen = NAN, cog_error_mm = NAN, partner_error_mm = NAN, agreement_mm = NAN;
+  double unseen = NAN, cog_error_mm = NAN, cog_level_mm = NAN, partner_error_mm = NAN, agreement_mm = NAN;
   bool scene = false, partner = false;
   std::string words;
 };
@@ -63,7 +63,9 @@ Seen see(const sim_hal::Scenario& scenario, const Trial& trial) {
   control::PerceptionSession& session = (*scene)->watch();
   const perception::Target& target = *session.analysis().scene.target;
   out.unseen = session.unseen();
-  out.cog_error_mm = 1e3 * (target.cog - (*scene)->true_cog()).norm();
+  const hal::Vec3 off = target.cog - (*scene)->true_cog();
+  out.cog_error_mm = 1e3 * off.norm();
+  out.cog_level_mm = 1e3 * off.head<2>().norm();
   for (const control::ViewReport& view : session.views())
     if (std::isfinite(view.agreement_m)) out.agreement_mm = 1e3 * view.agreement_m;
   auto seen = Observation::make(scenario, trial.method, trial.own_seed(52), kLift_m);
@@ -90,6 +92,8 @@ TrialRows run(const Trial& trial) {
               cell(two.unseen),
               cell(one.cog_error_mm),
               cell(two.cog_error_mm),
+              cell(one.cog_level_mm),
+              cell(two.cog_level_mm),
               cell(one.partner),
               cell(two.partner),
               cell(one.partner_error_mm),
@@ -136,7 +140,8 @@ Estimate missed(const Results& r, const std::string& cameras) {
 }
 
 std::vector<Figure> figures(const Results& r) {
-  const auto cog = both(r, "cog_mm"), chair = both(r, "cog_mm", "chair"), partner = both(r, "partner_mm");
+  const auto cog = both(r, "cog_mm"), chair = both(r, "cog_mm", "chair"),
+             level = both(r, "level_mm", "chair"), partner = both(r, "partner_mm");
   return {{"unseen_ratio", "unseen space around the object, two cameras against one (median of ratios)",
            ratio_of_medians(both(r, "unseen")), "%", 0.5, false},
           {"missed_1", "partner not found with one camera", missed(r, "1"), "%"},
@@ -144,6 +149,9 @@ std::vector<Figure> figures(const Results& r) {
           {"chair_1", "centre of gravity of a chair, one camera (median error)",
            quantile_estimate(chair.first, 0.5), "mm"},
           {"chair_2", "the same with two", quantile_estimate(chair.second, 0.5), "mm"},
+          {"level_1", "the same across the plumb line, one camera (median)",
+           quantile_estimate(level.first, 0.5), "mm"},
+          {"level_2", "the same with two", quantile_estimate(level.second, 0.5), "mm"},
           {"cog_1", "centre of gravity of all, one camera (90 % of errors)",
            quantile_estimate(cog.first, 0.9), "mm"},
           {"cog_2", "the same with two", quantile_estimate(cog.second, 0.9), "mm"},
@@ -195,9 +203,9 @@ Experiment views_experiment() {
       "hand "
       "is found.";
   e.default_trials = 100;
-  e.columns = {"layout",       "kind",         "scene_1",      "scene_2",   "unseen_1",
-               "unseen_2",     "cog_mm_1",     "cog_mm_2",     "partner_1", "partner_2",
-               "partner_mm_1", "partner_mm_2", "agreement_mm", "because_1", "because_2"};
+  e.columns = {"layout",       "kind",         "scene_1",      "scene_2",    "unseen_1",  "unseen_2",
+               "cog_mm_1",     "cog_mm_2",     "level_mm_1",   "level_mm_2", "partner_1", "partner_2",
+               "partner_mm_1", "partner_mm_2", "agreement_mm", "because_1",  "because_2"};
   e.run = run;
   e.trials_set = "nothing";
   e.figures = figures;

@@ -1,6 +1,8 @@
 #include "control/session/views/joined_views.hpp"
 
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
 
 using namespace colift;
 using namespace colift::control;
@@ -132,47 +134,62 @@ TEST_CASE("two bodies of one view stay two, unless the other one bridges them") 
 
 namespace {
 
-/// A box of so many metres along x, seen from its left end up to `seen_to`.
-perception::Target seen_part(double seen_to, const Vec3& cog, double sigma_m) {
-  perception::Target t;
-  t.shape.center = {0.5 * seen_to, 0.0, 0.2};
-  t.shape.size = {seen_to, 0.4, 0.4};
-  for (int i = 0; i <= 100; ++i) t.points.emplace_back(static_cast<float>(0.01 * i * seen_to), 0.2F, 0.4F);
-  t.cog = cog;
-  t.cog_covariance = sigma_m * sigma_m * Eigen::Matrix3d::Identity();
-  return t;
-}
+/// A box of one metre along x on the floor, of which one view shows the part from `from` to `to`. The camera
+/// looks down on it from 3 m; what it shows beside that part is the floor, or nothing where the arm hides it.
+struct PartSeen {
+  perception::Target target;
+  perception::OrganisedCloud cloud;
+
+  PartSeen(double from, double to, double cog_x, double sigma_m, bool arm_before_the_rest) {
+    target.shape.center = {0.5 * (from + to), 0.0, 0.2};
+    target.shape.size = {to - from, 0.4, 0.4};
+    for (int i = 0; i <= 100; ++i)
+      target.points.emplace_back(static_cast<float>(from + 0.01 * i * (to - from)), 0.1F, 0.4F);
+    target.cog = {cog_x, 0.0, 0.2};
+    target.cog_covariance = sigma_m * sigma_m * Eigen::Matrix3d::Identity();
+    hal::Pose X_WC = hal::Pose::Identity();
+    X_WC.translation() = Vec3(0.5, 0.0, 3.0);
+    X_WC.linear() = Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitX()).matrix();
+    hal::DepthFrame frame;
+    const auto& k = frame.intrinsics;
+    frame.depth_m.assign(static_cast<std::size_t>(k.width * k.height), arm_before_the_rest ? NAN : 3.0F);
+    cloud = perception::deproject(frame, X_WC);
+  }
+  [[nodiscard]] ViewOfObject view() { return {&target, &cloud}; }
+};
+
+constexpr double kMargin_m = 0.03;
 
 }  // namespace
 
 TEST_CASE("two views of the whole object average their centres of gravity") {
-  perception::Target a = seen_part(1.0, {0.49, 0.0, 0.2}, 0.01), b = seen_part(1.0, {0.51, 0.0, 0.2}, 0.01);
-  join_cogs(std::vector{&a, &b}, 0.03);
-  CHECK(a.cog.x() == Approx(0.5));
-  CHECK(a.cog_covariance(0, 0) == Approx(0.5e-4));
+  PartSeen a(0.0, 1.0, 0.49, 0.01, false), b(0.0, 1.0, 0.51, 0.01, false);
+  join_cogs(std::vector{a.view(), b.view()}, kMargin_m);
+  CHECK(a.target.cog.x() == Approx(0.5));
+  CHECK(a.target.cog_covariance(0, 0) == Approx(0.5e-4));
 }
 
 TEST_CASE("a view from which the arm hides half of the object does not move its centre of gravity") {
-  perception::Target whole = seen_part(1.0, {0.5, 0.0, 0.2}, 0.01),
-                     half = seen_part(0.5, {0.25, 0.0, 0.2}, 0.005);
-  join_cogs(std::vector{&whole, &half}, 0.03);
-  CHECK(whole.cog.x() == Approx(0.5));
+  PartSeen whole(0.0, 1.0, 0.5, 0.01, false), half(0.0, 0.5, 0.25, 0.005, true);
+  join_cogs(std::vector{whole.view(), half.view()}, kMargin_m);
+  CHECK(whole.target.cog.x() == Approx(0.5));
+  CHECK(whole.target.cog_covariance(0, 0) == Approx(1e-4));
   // and when it is the first, the other one's counts
-  whole = seen_part(1.0, {0.5, 0.0, 0.2}, 0.01);
-  join_cogs(std::vector{&half, &whole}, 0.03);
-  CHECK(half.cog.x() == Approx(0.5));
+  join_cogs(std::vector{half.view(), whole.view()}, kMargin_m);
+  CHECK(half.target.cog.x() == Approx(0.5));
 }
 
-TEST_CASE("views that contradict each other are less sure together than each claims to be") {
-  perception::Target a = seen_part(1.0, {0.40, 0.0, 0.2}, 0.01), b = seen_part(1.0, {0.60, 0.0, 0.2}, 0.01);
-  join_cogs(std::vector{&a, &b}, 0.03);
-  CHECK(std::sqrt(a.cog_covariance(0, 0)) > 0.05);
-  // neither whole: what the others say is an error of the first
-  perception::Target left = seen_part(0.6, {0.3, 0.0, 0.2}, 0.01),
-                     right = seen_part(0.6, {0.9, 0.0, 0.2}, 0.01);
-  right.shape.center.x() = 0.9;
-  for (auto& p : right.points) p.x() += 0.6F;
-  join_cogs(std::vector{&left, &right}, 0.03);
-  CHECK(left.cog.x() == Approx(0.3));
-  CHECK(std::sqrt(left.cog_covariance(0, 0)) > 0.5);
+TEST_CASE("what the first view sees apart from the object is not the object, whatever another one says") {
+  PartSeen right(0.0, 1.0, 0.5, 0.01, false), merged(0.0, 1.6, 0.8, 0.01, false);
+  join_cogs(std::vector{right.view(), merged.view()}, kMargin_m);
+  CHECK(right.target.cog.x() == Approx(0.5));
+  // but nobody knows which one is right
+  CHECK(std::sqrt(right.target.cog_covariance(0, 0)) > 0.1);
+}
+
+TEST_CASE("views that differ by more than their covariances explain are less sure together") {
+  PartSeen a(0.0, 1.0, 0.40, 0.01, false), b(0.0, 1.0, 0.60, 0.01, false);
+  join_cogs(std::vector{a.view(), b.view()}, kMargin_m);
+  CHECK(a.target.cog.x() == Approx(0.5));
+  CHECK(std::sqrt(a.target.cog_covariance(0, 0)) > 0.05);
 }
