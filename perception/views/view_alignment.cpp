@@ -110,9 +110,8 @@ class Alignment {
     out.sigma_m = std::sqrt(rest / n);
     out.enough = out.points >= c_.min_points;
     out.reason = fmt::format(
-        "{} points in common, {:.1f} mm apart, {:.1f} mm after {:.0f} mm and {:.2f} deg of alignment (1 "
-        "sigma "
-        "{:.1f} mm)",
+        "{} points in common, {:.1f} mm apart, {:.1f} mm after {:.0f} mm and {:.2f} deg of alignment "
+        "({:.1f} standard deviations)",
         out.points, 1e3 * out.before_m, 1e3 * out.after_m, 1e3 * (X * eye_ - eye_).norm(),
         hal::rad_to_deg(out.rotation_rad()), out.sigmas);
     return out;

@@ -75,9 +75,10 @@ void add(PartnerGrasp& grasp, const PartnerGrasp& other) {
 PartnerSighting join_sightings(std::span<const ViewOfPartner> views, double same_hand_m) {
   const ViewOfPartner& lead = views.front();
   if (views.size() == 1) return lead.sighting;
-  // a scene that moved says nothing about hands, in any view
-  if (lead.sighting.observation.kind == PartnerKind::ObjectMoved) return lead.sighting;
   const auto found = std::ranges::find_if(views, shows_grasp);
+  // a scene that moved says nothing about hands; one that did in this view alone is a defect of this view
+  if (found == views.end() && lead.sighting.observation.kind == PartnerKind::ObjectMoved)
+    return lead.sighting;
   if (found == views.end()) {
     PartnerSighting out = lead.sighting;
     bool gone = false;

@@ -71,6 +71,8 @@ Seen see(const sim_hal::Scenario& scenario, const Trial& trial) {
   auto seen = Observation::make(scenario, trial.method, trial.own_seed(52), kLift_m);
   if (!seen) {
     out.words = seen.error().detail;
+    for (std::size_t n = 1; n < session.views().size(); ++n)
+      out.words += fmt::format("; camera {}: {}", n + 1, session.views()[n].reason);
     return out;
   }
   out.partner = true;

@@ -93,9 +93,12 @@ TEST_CASE("an edge that one camera sees is not hidden") {
   CHECK(join_sightings(views, kSame_m).observation.hidden_edge);
 }
 
-TEST_CASE("a scene that moved in the leading view says nothing of hands") {
-  const std::vector views{view(0, PartnerKind::ObjectMoved), view(1, PartnerKind::Grasp, {1.0, 0.0, 0.5})};
+TEST_CASE(
+    "a scene that moved says nothing of hands, unless another view shows one on the object where it was") {
+  std::vector views{view(0, PartnerKind::ObjectMoved), view(1, PartnerKind::Near)};
   CHECK(join_sightings(views, kSame_m).observation.kind == PartnerKind::ObjectMoved);
+  views[1] = view(1, PartnerKind::Grasp, {1.0, 0.0, 0.5});
+  CHECK(join_sightings(views, kSame_m).observation.kind == PartnerKind::Grasp);
 }
 
 TEST_CASE("front and back of a person in two views are one body with the points of both") {
