@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <type_traits>
+#include <utility>
 
 #include "perception/map/cell_tree.hpp"
 #include "perception/map/cell_view.hpp"
@@ -66,14 +68,14 @@ struct WorldMap::Impl {
       : config(settings),
         grid(lay_out(settings)),
         log_odds(grid.cells.size(), 0),
-        view(grid.cells.size(), CellView::OutOfView),
-        looked_at(grid.cells.size(), 0) {}
+        view(grid.cells.size(), CellView::OutOfView) {}
 
   WorldMapConfig config;
   CellGrid grid;
   std::vector<std::int16_t> log_odds;
-  std::vector<CellView> view;   // by the last frame
-  std::vector<char> looked_at;  // by any frame: not out of its view
+  std::vector<CellView> view;  // of the first frame; of later ones where they look
+  std::vector<CellView> later;
+  bool has_frame = false;
   std::vector<Vec3> target;
 
   std::mutex making_tree;
@@ -82,7 +84,7 @@ struct WorldMap::Impl {
   [[nodiscard]] CellState state_of(std::size_t cell) const {
     if (log_odds[cell] > 0) return CellState::Occupied;
     if (log_odds[cell] < 0) return CellState::Free;
-    return looked_at[cell] == 0 ? CellState::OutOfView : CellState::Hidden;
+    return view[cell] == CellView::OutOfView ? CellState::OutOfView : CellState::Hidden;
   }
   void set(std::size_t cell, std::int16_t odds) {
     log_odds[cell] = odds;
@@ -112,14 +114,23 @@ WorldMap& WorldMap::operator=(WorldMap&&) noexcept = default;
 void WorldMap::insert(const OrganisedCloud& cloud, std::span<const std::uint32_t> not_scene) {
   Impl& m = *impl_;
   m.tree.reset();
-  view_cells(m.grid, cloud, not_scene, m.config.max_range_m, m.view, m.config.view);
-  for (std::size_t i = 0; i < m.view.size(); ++i) {
-    int odds = m.log_odds[i];
-    if (m.view[i] != CellView::OutOfView) m.looked_at[i] = 1;
-    if (m.view[i] == CellView::Hit) odds = std::min<int>(odds + kHit, kMost);
-    if (m.view[i] == CellView::Through) odds = std::max<int>(odds + kMiss, kMin);
-    m.set(i, static_cast<std::int16_t>(odds));
-  }
+  const bool first = !std::exchange(m.has_frame, true);
+  std::vector<CellView>& view = first ? m.view : m.later;
+  view_cells(m.grid, cloud, not_scene, m.config.max_range_m, view, m.config.view);
+  const auto enter = [&](auto of_first, const std::vector<CellView>& seen) {
+    for (std::size_t i = 0; i < m.view.size(); ++i) {
+      int odds = m.log_odds[i];
+      if (seen[i] == CellView::Hit) odds = std::min<int>(odds + kHit, kMost);
+      if (seen[i] == CellView::Through) odds = std::max<int>(odds + kMiss, kMin);
+      if constexpr (!of_first)
+        if (seen[i] != CellView::OutOfView) m.view[i] = seen[i];
+      m.set(i, static_cast<std::int16_t>(odds));
+    }
+  };
+  if (first)
+    enter(std::true_type{}, m.view);
+  else
+    enter(std::false_type{}, m.later);
 }
 
 void WorldMap::carve(const hal::Aabb& box_W) {

@@ -77,7 +77,8 @@ bool CameraSet::is_same_object(const SceneAnalysis& analysis, std::string& reaso
   const auto& points = analysis.scene.target->points;
   const auto inside = std::ranges::count_if(points, [&](const Eigen::Vector3f& p) {
     const hal::Vec3 in_box = box.axes.transpose() * (p.cast<double>() - box.center);
-    return (in_box.cwiseAbs().array() <= half.array()).all();
+    // what stands beneath it is no other thing: a view may not tell an object from its stands
+    return (in_box.head<2>().cwiseAbs().array() <= half.head<2>().array()).all() && in_box.z() <= half.z();
   });
   const double part =
       static_cast<double>(inside) / static_cast<double>(std::max<std::size_t>(1, points.size()));
