@@ -59,7 +59,8 @@ struct PerceptionSession::Impl {
   }
 
   void check_pose(std::size_t camera, const hal::DepthFrame& frame, const RobotPosture& robot) {
-    if (auto found = set.check_pose(camera, frame, robot)) pushed = std::move(found);
+    // one at a time: nobody has asked about the last one yet
+    if (!pushed) pushed = set.check_pose(camera, frame, robot);
   }
 };
 

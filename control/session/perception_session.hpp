@@ -55,8 +55,8 @@ class PerceptionSession {
   [[nodiscard]] std::size_t scene_camera() const;
   /// By camera, after analyse_scene(); that of the scene's own camera says nothing.
   [[nodiscard]] const std::vector<ViewReport>& views() const;
-  /// A camera that was pushed since the scene was seen: it does not count any more. Said once. With several
-  /// cameras only.
+  /// A camera that was pushed since the scene was seen: it does not count any more. Each is said once. With
+  /// several cameras only.
   [[nodiscard]] std::optional<PushedCamera> take_pushed();
 
   /// Collects a frame of the scene before anybody comes, and those of the other cameras that came since the

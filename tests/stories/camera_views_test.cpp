@@ -74,7 +74,7 @@ TEST_CASE("a second camera halves the space around the object that nobody sees",
   CHECK(lift.record.unseen < 0.5 * lift.record.views[1].unseen_without);
 }
 
-TEST_CASE("when one of two cameras is lost the job goes on with the other", "[views]") {
+TEST_CASE("when one of two cameras is lost the job continues with the other", "[views]") {
   const std::pair<const char*, const char*> losses[] = {
       {"camera", "await-partner"}, {"camera", "lift"}, {"camera2", "approach"}};
   for (const auto& [camera, state] : losses) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "control/session/views/in_box.hpp"
 #include "perception/map/unseen_space.hpp"
 
 namespace colift::control {
@@ -49,7 +50,7 @@ void CameraSet::analyse_others() {
 ViewReport CameraSet::analyse_beside(CameraView& view) {
   ViewReport report;
   if (view.reference_frames() == 0) {
-    report.reason = "it gave no picture of the scene";
+    report.reason = "it gave no picture of the scene that counts";
     return report;
   }
   const auto alignment = view.analyse_scene_beside(scene().analysis());
@@ -76,7 +77,7 @@ bool CameraSet::is_same_object(const SceneAnalysis& analysis, std::string& reaso
   const hal::Vec3 half = 0.5 * box.size + hal::Vec3::Constant(config_.views.object_margin_m);
   const auto& points = analysis.scene.target->points;
   const auto inside = std::ranges::count_if(points, [&](const Eigen::Vector3f& p) {
-    const hal::Vec3 in_box = box.axes.transpose() * (p.cast<double>() - box.center);
+    const hal::Vec3 in_box = in_frame_of(box, p.cast<double>());
     // what stands beneath it is no other thing: a view may not tell an object from its stands
     return (in_box.head<2>().cwiseAbs().array() <= half.head<2>().array()).all() && in_box.z() <= half.z();
   });
@@ -143,18 +144,17 @@ perception::WorldMap CameraSet::make_map(const RobotPosture& robot,
                                          std::optional<std::size_t> without) const {
   perception::WorldMap map(config_.map);
   std::vector<hal::Vec3> points;
-  hal::OrientedBox box = scene().analysis().scene.target->shape;
-  box.size += hal::Vec3::Constant(2.0 * config_.map.cell_m);
-  for (std::size_t k = 0; k < cameras_.size(); ++k) {
-    // that of the scene comes first
-    const std::size_t n = k == 0 ? scene_of_ : k <= scene_of_ ? k - 1 : k;
+  const auto enter = [&](std::size_t n) {
     const Camera& camera = cameras_[n];
-    if (n == without || !camera.report.used) continue;
+    if (n == without || !camera.report.used) return;
     if (camera.report.knows_object)
       camera.view.enter(map, points);
     else
-      camera.view.enter_around(map, box);
-  }
+      camera.view.enter_around(map, scene().analysis().scene.target->shape, config_.map.cell_m);
+  };
+  enter(scene_of_);
+  for (std::size_t n = 0; n < cameras_.size(); ++n)
+    if (n != scene_of_) enter(n);
   map.carve_robot(rig_.model, robot.q_rad, robot.hand);
   map.set_target(points);
   return map;

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
+#include "control/session/views/in_box.hpp"
 #include "hal/types/units.hpp"
 #include "perception/motion/moved_object.hpp"
 #include "perception/partner/contact_cover.hpp"
@@ -313,15 +313,13 @@ void CameraView::enter(perception::WorldMap& map, std::vector<hal::Vec3>& points
   points.insert(points.end(), more.begin(), more.end());
 }
 
-void CameraView::enter_around(perception::WorldMap& map, const hal::OrientedBox& object) const {
+void CameraView::enter_around(perception::WorldMap& map, const hal::OrientedBox& object,
+                              double margin_m) const {
   const perception::OrganisedCloud& cloud = impl_->analysis.cloud;
-  const hal::Vec3 half = 0.5 * object.size;
   std::vector<std::uint32_t> of_object;
-  for (std::size_t p = 0; p < cloud.size(); ++p) {
-    if (!cloud.seen(p)) continue;
-    const hal::Vec3 in_box = object.axes.transpose() * (cloud.point(p) - object.center);
-    if ((in_box.cwiseAbs().array() <= half.array()).all()) of_object.push_back(static_cast<std::uint32_t>(p));
-  }
+  for (std::size_t p = 0; p < cloud.size(); ++p)
+    if (cloud.seen(p) && is_inside(object, cloud.point(p), margin_m))
+      of_object.push_back(static_cast<std::uint32_t>(p));
   map.insert(cloud, of_object);
 }
 

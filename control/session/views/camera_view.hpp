@@ -71,9 +71,9 @@ class CameraView {
 
   /// Enters its scene into the map and appends the object's points, slivers included (W).
   void enter(perception::WorldMap& map, std::vector<hal::Vec3>& object_points) const;
-  /// The same for a view that does not know the object: what lies in `object`, of which the others know, is
-  /// no obstacle.
-  void enter_around(perception::WorldMap& map, const hal::OrientedBox& object) const;
+  /// The same for a view that does not know the object: what lies in `object`, of which the others know,
+  /// grown by `margin_m` is no obstacle.
+  void enter_around(perception::WorldMap& map, const hal::OrientedBox& object, double margin_m) const;
 
   /// A method that is too slow for every frame looks at one of so many.
   [[nodiscard]] int frames_per_sight() const;

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/robot.hpp"
+#include "control/session/views/in_box.hpp"
+#include "hal/types/camera_name.hpp"
 
 namespace colift::control {
 namespace {
@@ -37,28 +38,23 @@ double average(hal::Vec3& mean, Eigen::Matrix3d& covariance, const hal::Vec3& ot
 /// Parts of another view's points that lie outside of a view's completed shape, by what that view shows
 /// there.
 struct Outside {
-  double hidden =
-      0.0;            ///< Nothing: the arm is before them, or the image ends. It misses a part of the object.
-  double seen = 0.0;  ///< Something, before, at or behind them, that it does not take for the object.
+  /// Nothing: the arm is before them, or the image ends. It misses a part of the object.
+  double hidden = 0.0;
+  /// Something, before, at or behind them, that it does not take for the object.
+  double seen = 0.0;
 };
 
 Outside outside_of(const ViewOfObject& view, std::span<const Eigen::Vector3f> points, double margin_m) {
-  const hal::OrientedBox& box = view.target->shape;
   const perception::OrganisedCloud& cloud = *view.cloud;
-  const hal::Vec3 half = 0.5 * box.size + hal::Vec3::Constant(margin_m);
-  const hal::Pose X_CW = cloud.X_WC.inverse();
   Outside out;
   for (const Eigen::Vector3f& point : points) {
-    const hal::Vec3 p = point.cast<double>(), in_box = box.axes.transpose() * (p - box.center);
-    if ((in_box.cwiseAbs().array() <= half.array()).all()) continue;
-    const hal::Vec3 p_C = X_CW * p;
-    const auto& k = cloud.intrinsics;
-    const long u = std::lround(k.fx * p_C.x() / p_C.z() + k.cx),
-               v = std::lround(k.fy * p_C.y() / p_C.z() + k.cy);
-    const bool in_image = p_C.z() > 0.0 && u >= 0 && v >= 0 && u < k.width && v < k.height;
-    const auto pixel =
-        static_cast<std::size_t>(v) * static_cast<std::size_t>(k.width) + static_cast<std::size_t>(u);
-    const bool seen = in_image && cloud.seen(pixel);
+    const hal::Vec3 p = point.cast<double>();
+    if (is_inside(view.target->shape, p, margin_m)) continue;
+    const auto at = cloud.project(p);
+    const bool seen =
+        at.depth_m > 0.0 && cloud.contains(at.u, at.v) &&
+        cloud.seen(static_cast<std::size_t>(std::lround(at.v)) * static_cast<std::size_t>(cloud.width()) +
+                   static_cast<std::size_t>(std::lround(at.u)));
     (seen ? out.seen : out.hidden) += 1.0;
   }
   const double n = std::max<double>(1.0, static_cast<double>(points.size()));
@@ -66,7 +62,7 @@ Outside outside_of(const ViewOfObject& view, std::span<const Eigen::Vector3f> po
 }
 
 void add(PartnerGrasp& grasp, const PartnerGrasp& other) {
-  (void)average(grasp.position, grasp.covariance, other.position, other.covariance);
+  average(grasp.position, grasp.covariance, other.position, other.covariance);
   grasp.points += other.points;
 }
 
@@ -76,10 +72,9 @@ PartnerSighting join_sightings(std::span<const ViewOfPartner> views, double same
   const ViewOfPartner& lead = views.front();
   if (views.size() == 1) return lead.sighting;
   const auto found = std::ranges::find_if(views, shows_grasp);
-  // a scene that moved says nothing about hands; one that did in this view alone is a defect of this view
-  if (found == views.end() && lead.sighting.observation.kind == PartnerKind::ObjectMoved)
-    return lead.sighting;
   if (found == views.end()) {
+    // a scene that moved says nothing about hands; where another view shows one, only this view has a defect
+    if (lead.sighting.observation.kind == PartnerKind::ObjectMoved) return lead.sighting;
     PartnerSighting out = lead.sighting;
     bool gone = false;
     for (const ViewOfPartner& view : views) {

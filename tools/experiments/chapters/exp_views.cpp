@@ -124,7 +124,7 @@ std::pair<std::vector<double>, std::vector<double>> both(const Results& r, const
   return out;
 }
 
-Estimate ratio_of_medians(const std::pair<std::vector<double>, std::vector<double>>& values) {
+Estimate median_of_ratios(const std::pair<std::vector<double>, std::vector<double>>& values) {
   std::vector<double> ratios;
   for (std::size_t i = 0; i < values.first.size(); ++i)
     if (values.first[i] > 0.0) ratios.push_back(values.second[i] / values.first[i]);
@@ -145,7 +145,7 @@ std::vector<Figure> figures(const Results& r) {
   const auto cog = both(r, "cog_mm"), chair = both(r, "cog_mm", "chair"),
              level = both(r, "level_mm", "chair"), partner = both(r, "partner_mm");
   return {{"unseen_ratio", "unseen space around the object, two cameras against one (median of ratios)",
-           ratio_of_medians(both(r, "unseen")), "%", 0.5, false},
+           median_of_ratios(both(r, "unseen")), "%", 0.5, false},
           {"missed_1", "partner not found with one camera", missed(r, "1"), "%"},
           {"missed_2", "partner not found with two", missed(r, "2"), "%", 1.0 / 500.0, false},
           {"chair_1", "centre of gravity of a chair, one camera (median error)",

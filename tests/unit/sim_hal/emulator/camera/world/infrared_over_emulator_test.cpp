@@ -51,7 +51,8 @@ TEST_CASE("a Kinect behind its guard shows the emitter on the palm where it is, 
           "[camera][emulated][calibration]") {
   Room room;
   const hal::SteadyClock clock;
-  sim_hal::CameraServer server({}, std::make_unique<sim_hal::CameraWorldSource>(*room.world, 0, room.emitter));
+  sim_hal::CameraServer server({},
+                               std::make_unique<sim_hal::CameraWorldSource>(*room.world, 0, room.emitter));
   REQUIRE(server.start());
   hal::KinectConfig config;
   config.source = "emulated:" + server.address();
