@@ -20,7 +20,7 @@ class FastSight final : public PartnerSight {
  public:
   FastSight(PartnerFinder finder, const hal::Pose& X_WC) : finder_(std::move(finder)), X_WC_(X_WC) {}
 
-  hal::Result<PartnerObservation> find(hal::DepthFrame& frame,
+  hal::Result<PartnerObservation> find(const hal::DepthFrame& frame,
                                        std::vector<Eigen::Vector3f>& points) override {
     const OrganisedCloud cloud = deproject(frame, X_WC_);
     auto observation = finder_.find(cloud);

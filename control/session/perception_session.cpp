@@ -38,9 +38,9 @@ struct PerceptionSession::Impl {
   }
 
   /// All views of the partner, joined.
-  hal::Result<PartnerSighting> see_partner(hal::DepthFrame frame, const RobotPosture& robot) {
+  hal::Result<PartnerSighting> see_partner(const hal::DepthFrame& frame, const RobotPosture& robot) {
     const hal::Timestamp at = frame.exposed_at;
-    auto seen = set.lead().find_partner(std::move(frame), robot, partner_points);
+    auto seen = set.lead().find_partner(frame, robot, partner_points);
     if (!seen || !set.several()) return seen;
     std::vector<ViewOfPartner> views{{set.leading(), std::move(*seen)}};
     set.beside(at, [&](Camera& camera, std::size_t n) {
@@ -144,7 +144,8 @@ double PerceptionSession::unseen() const {
   return impl_->set.unseen(impl_->map);
 }
 
-hal::Result<Sight> PerceptionSession::observe_partner(hal::DepthFrame frame, const RobotPosture& robot) {
+hal::Result<Sight> PerceptionSession::observe_partner(const hal::DepthFrame& frame,
+                                                      const RobotPosture& robot) {
   Impl& i = *impl_;
   Sight out;
   const hal::Timestamp start = i.stopwatch.now();
@@ -157,7 +158,7 @@ hal::Result<Sight> PerceptionSession::observe_partner(hal::DepthFrame frame, con
     return out;
   }
   const hal::Timestamp at = frame.exposed_at;
-  auto seen = i.see_partner(std::move(frame), robot);
+  auto seen = i.see_partner(frame, robot);
   if (!seen) return tl::unexpected(seen.error());
   perception::PartnerObservation& observation = seen->observation;
   if (every > 1) i.last_sight = observation;
@@ -212,11 +213,11 @@ BodySighting PerceptionSession::observe_bodies(const hal::DepthFrame& frame, con
   return {joined, i.body_tracker.update(frame.exposed_at, joined), i.joined_bodies.points()};
 }
 
-std::optional<perception::ObjectMotion> PerceptionSession::watch_object(hal::DepthFrame frame,
+std::optional<perception::ObjectMotion> PerceptionSession::watch_object(const hal::DepthFrame& frame,
                                                                         const RobotPosture& robot) {
   Impl& i = *impl_;
   const hal::Timestamp at = frame.exposed_at;
-  auto motion = i.set.lead().watch_object(std::move(frame), robot);
+  auto motion = i.set.lead().watch_object(frame, robot);
   i.set.beside(at, [&](Camera& camera, std::size_t) {
     // each follows it, to be ready to lead
     if (!camera.view.knows_object() || !std::exchange(camera.newest->for_motion, false)) return;
@@ -226,11 +227,11 @@ std::optional<perception::ObjectMotion> PerceptionSession::watch_object(hal::Dep
   return motion;
 }
 
-std::optional<perception::HandSighting> PerceptionSession::hand_at_grasp(hal::DepthFrame frame,
+std::optional<perception::HandSighting> PerceptionSession::hand_at_grasp(const hal::DepthFrame& frame,
                                                                          const RobotPosture& robot,
                                                                          const hal::Pose& X_Wnow_Wref,
                                                                          const hal::Vec3& contact_W) {
-  return impl_->set.lead().hand_at_grasp(std::move(frame), robot, X_Wnow_Wref, contact_W);
+  return impl_->set.lead().hand_at_grasp(frame, robot, X_Wnow_Wref, contact_W);
 }
 
 void PerceptionSession::object_stands_again() {

@@ -91,7 +91,7 @@ class PerceptionSession {
   /// Looks for the partner's hands; the tracker turns touches into events. A method that is too slow for
   /// every frame looks at some; in between its last sighting is returned, and the tracker hears of nothing.
   /// Errors: NotFound before there is an object, and the method's.
-  [[nodiscard]] hal::Result<Sight> observe_partner(hal::DepthFrame frame, const RobotPosture& robot);
+  [[nodiscard]] hal::Result<Sight> observe_partner(const hal::DepthFrame& frame, const RobotPosture& robot);
   /// The camera gave nothing: a silent one must not keep a grasp alive.
   std::optional<perception::PartnerEvent> no_frame(hal::Timestamp now);
   /// The robot was busy for so long, and no frame was looked at.
@@ -108,11 +108,11 @@ class PerceptionSession {
   [[nodiscard]] const std::vector<Eigen::Vector3f>& partner_points() const;
 
   /// Where the object is now against the scene; nullopt when too little of it is seen.
-  [[nodiscard]] std::optional<perception::ObjectMotion> watch_object(hal::DepthFrame frame,
+  [[nodiscard]] std::optional<perception::ObjectMotion> watch_object(const hal::DepthFrame& frame,
                                                                      const RobotPosture& robot);
   /// Visible area of the partner's hand at his contact (m^2; W, as the scene shows it), with the object moved
   /// by X; nullopt when the frame or the place shows nothing.
-  [[nodiscard]] std::optional<perception::HandSighting> hand_at_grasp(hal::DepthFrame frame,
+  [[nodiscard]] std::optional<perception::HandSighting> hand_at_grasp(const hal::DepthFrame& frame,
                                                                       const RobotPosture& robot,
                                                                       const hal::Pose& X_Wnow_Wref,
                                                                       const hal::Vec3& contact_W);

@@ -24,10 +24,10 @@ struct ReferenceView {
 class PartnerSight {
  public:
   virtual ~PartnerSight() = default;
-  /// In a frame of the same fixed camera without the robot's own pixels, which may lose more of them.
+  /// In a frame of the same fixed camera without the robot's own pixels.
   /// `points` becomes what is seen of him (W).
   [[nodiscard]] virtual hal::Result<perception::PartnerObservation> find(
-      hal::DepthFrame& frame, std::vector<Eigen::Vector3f>& points) = 0;
+      const hal::DepthFrame& frame, std::vector<Eigen::Vector3f>& points) = 0;
 };
 
 /// What each method does its own way; everything else is shared, and where it behaves differently the

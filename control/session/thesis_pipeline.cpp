@@ -46,9 +46,10 @@ class ThesisSight final : public PartnerSight {
     before_.emplace(reference.analysis.cloud, object_, reference.analysis.scene.ground, near_);
   }
 
-  hal::Result<PartnerObservation> find(hal::DepthFrame& frame,
+  hal::Result<PartnerObservation> find(const hal::DepthFrame& whole,
                                        std::vector<Eigen::Vector3f>& points) override {
     PartnerObservation observation;
+    hal::DepthFrame frame = whole;
     for (const std::uint32_t p : never_seen_)
       if (p < frame.depth_m.size()) frame.depth_m[p] = NAN;
     const auto now = thesis_cloud(deproject(frame, X_WC_), near_);

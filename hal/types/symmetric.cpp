@@ -7,9 +7,8 @@
 namespace colift::hal {
 namespace {
 
-// one decomposition for all sizes in double: each that is instantiated costs seconds
-using UpTo6 = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
-using SymmetricUpTo6 = Eigen::LDLT<UpTo6>;
+// one decomposition for all sizes in double: each that is instantiated takes ten seconds to compile
+using SymmetricSolver = Eigen::LDLT<SmallMatrix>;
 
 }  // namespace
 
@@ -17,7 +16,7 @@ template <typename Scalar, int N>
 Eigen::Matrix<Scalar, N, 1> solve_symmetric(const Eigen::Matrix<Scalar, N, N>& A,
                                             const Eigen::Matrix<Scalar, N, 1>& b) {
   if constexpr (std::is_same_v<Scalar, double>)
-    return SymmetricUpTo6(A).solve(b);
+    return SymmetricSolver(A).solve(b);
   else
     return A.ldlt().solve(b);
 }
@@ -35,7 +34,7 @@ SymmetricEigen6 symmetric_eigen(const Eigen::Matrix<double, 6, 6>& A) {
 }
 
 SmallMatrix solve_small_symmetric(const SmallMatrix& A, const SmallMatrix& B) {
-  return Eigen::LDLT<SmallMatrix>(A).solve(B);
+  return SymmetricSolver(A).solve(B);
 }
 
 SmallSymmetricEigen small_symmetric_eigen(const SmallMatrix& A) {
@@ -44,7 +43,7 @@ SmallSymmetricEigen small_symmetric_eigen(const SmallMatrix& A) {
 }
 
 double symmetric_determinant(const Eigen::Matrix<double, 6, 6>& A) {
-  return SymmetricUpTo6(A).vectorD().prod();
+  return SymmetricSolver(A).vectorD().prod();
 }
 
 }  // namespace colift::hal

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -50,20 +49,9 @@ inline Float4 sqrt(Float4 a) {
   return _mm_sqrt_ps(a.v);
 }
 
-/// Square roots of positive numbers, up to 0.2 % too small: one step of Newton's from a first guess that
-/// comes from halving the exponent (Lomont, Fast inverse square root, 2003). The same bits on every machine.
-inline Float4 rough_sqrt(Float4 a) {
-  const Float4 guess =
-      _mm_castsi128_ps(_mm_sub_epi32(_mm_set1_epi32(0x5f375a86), _mm_srli_epi32(_mm_castps_si128(a.v), 1)));
-  return a * guess * (Float4(1.5f) - Float4(0.5f) * a * guess * guess);
-}
-
 /// All bits set in a lane where the comparison holds.
 inline Float4 greater(Float4 a, Float4 b) {
   return _mm_cmpgt_ps(a.v, b.v);
-}
-inline Float4 equal(Float4 a, Float4 b) {
-  return _mm_cmpeq_ps(a.v, b.v);
 }
 inline Float4 both(Float4 a, Float4 b) {
   return _mm_and_ps(a.v, b.v);
@@ -81,14 +69,7 @@ inline Float4 select(Float4 mask, Float4 yes, Float4 no) {
 inline unsigned lanes(Float4 mask) {
   return static_cast<unsigned>(_mm_movemask_ps(mask.v));
 }
-/// Whole parts, rounded towards 0; of what fits no 32 bits, anything.
-inline void truncate(Float4 a, std::int32_t* p) {
-  _mm_storeu_si128(reinterpret_cast<__m128i*>(p), _mm_cvttps_epi32(a.v));
-}
-inline void truncate(Float4 a, std::uint32_t* p) {
-  _mm_storeu_si128(reinterpret_cast<__m128i*>(p), _mm_cvttps_epi32(a.v));
-}
-/// The same for numbers that fit 16 bits.
+/// Whole parts, rounded towards 0, of numbers that fit 16 bits.
 inline void truncate(Float4 a, std::int16_t* p) {
   const __m128i whole = _mm_cvttps_epi32(a.v);
   _mm_storel_epi64(reinterpret_cast<__m128i*>(p), _mm_packs_epi32(whole, whole));
@@ -156,17 +137,8 @@ inline Float4 max(Float4 a, Float4 b) {
 inline Float4 sqrt(Float4 a) {
   return each(a, a, [](float x, float) { return std::sqrt(x); });
 }
-inline Float4 rough_sqrt(Float4 a) {
-  return each(a, a, [](float x, float) {
-    const float guess = std::bit_cast<float>(0x5f375a86U - (std::bit_cast<std::uint32_t>(x) >> 1));
-    return x * guess * (1.5f - 0.5f * x * guess * guess);
-  });
-}
 inline Float4 greater(Float4 a, Float4 b) {
   return each(a, b, [](float x, float y) { return x > y ? 1.0f : 0.0f; });
-}
-inline Float4 equal(Float4 a, Float4 b) {
-  return each(a, b, [](float x, float y) { return x == y ? 1.0f : 0.0f; });
 }
 inline Float4 both(Float4 a, Float4 b) {
   return a * b;
@@ -186,12 +158,6 @@ inline unsigned lanes(Float4 mask) {
   unsigned bits = 0;
   for (int i = 0; i < 4; ++i) bits |= (mask.v[i] != 0.0f ? 1U : 0U) << i;
   return bits;
-}
-inline void truncate(Float4 a, std::int32_t* p) {
-  for (int i = 0; i < 4; ++i) p[i] = std::abs(a.v[i]) < 2e9f ? static_cast<std::int32_t>(a.v[i]) : 0;
-}
-inline void truncate(Float4 a, std::uint32_t* p) {
-  for (int i = 0; i < 4; ++i) p[i] = a.v[i] < 4e9f ? static_cast<std::uint32_t>(a.v[i]) : 0;
 }
 inline void truncate(Float4 a, std::int16_t* p) {
   for (int i = 0; i < 4; ++i) p[i] = static_cast<std::int16_t>(a.v[i]);

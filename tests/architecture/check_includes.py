@@ -38,7 +38,7 @@ LIBRARIES = {
     r"png\.h": ("hal/drivers/recorded/", "perception/calibration/grey_png.cpp", "tools/telemetry/replay/"),
     r"zstd\.h": ("tools/telemetry/mcap/",),
     r"zlib\.h": ("tools/telemetry/mcap/", "tools/visualization/animated_png.cpp"),
-    r"dds/dds(\.h|rt/)|(ros2|colift)_messages\.h": ("hal/dds/", "hal/drivers/ros2_camera/", "tools/dds/"),
+    r"dds/dds(\.h|rt/)|(ros2|colift)_messages\.h": ("hal/dds/", "hal/drivers/ros2_camera/", "sim_hal/emulator/ros2/", "tools/dds/"),
     r"libfreenect": ("hal/drivers/kinect/capture/", "sim_hal/emulator/camera/freenect/"),
 }
 

@@ -378,7 +378,8 @@ test("a recording is paused, searched, stepped through and played at another spe
   line(6, "/task/change", { t: 6, state: "hold", because: "up" });
   for (let i = 0; i <= 80; ++i) {
     const t = i / 10;
-    line(t, "/task/status", status(t < 2 ? "observe" : t < 6 ? "lift" : "hold", { t }));
+    // as in a run, the status says so after the change
+    line(t, "/task/status", status(t <= 2 ? "observe" : t <= 6 ? "lift" : "hold", { t }));
     line(t, "/load", load(t < 2 ? null : Math.min(0.05, 0.0125 * (t - 2)), { share: t < 2 ? null : 0.4 }));
   }
   lines.push("no line at all", "/load x {}", "/load 8000000001 {broken");

@@ -49,7 +49,8 @@ class GripWatch {
 }  // namespace
 
 SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method, std::uint64_t seed,
-                       control::Config config, const std::optional<OverWire>& over) {
+                       control::Config config, const std::optional<OverWire>& over,
+                       const ThroughCamera& through) {
   const hal::RobotModel& model = hal::built_in_robot();
   sim_hal::SimConfig sim;
   if (over) sim.arm_period = ArmWire::kCycle;
@@ -82,6 +83,7 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
     hand_device = sim_hal::make_sim_hand(*world);
   robot.hand = std::make_unique<hal::GuardedHand>(std::move(hand_device), config.guard_hand);
   robot.camera = sim_hal::make_sim_camera(*world);
+  if (through) robot.camera = through(std::move(robot.camera));
   if (wire)
     robot.clock = std::make_unique<WireClock>(wire->clock);
   else if (bus)

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -9,6 +10,7 @@
 
 #include "control/config/config.hpp"
 #include "control/task/run_record.hpp"
+#include "hal/depth_camera.hpp"
 #include "sim_hal/emulator/hand/hand_faults.hpp"
 #include "sim_hal/emulator/hand/hand_report.hpp"
 #include "sim_hal/emulator/krc/krc_faults.hpp"
@@ -64,9 +66,13 @@ struct OverWire {
   double joint_rad_s = 10.0;  ///< Faster joints it does not let pass, as in its mode T1.
 };
 
+/// What the job gets in place of the simulated camera, and from it.
+using ThroughCamera = std::function<std::unique_ptr<hal::DepthCamera>(std::unique_ptr<hal::DepthCamera>)>;
+
 [[nodiscard]] SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method,
                                      std::uint64_t seed, control::Config config = control::run_defaults(),
-                                     const std::optional<OverWire>& wire = std::nullopt);
+                                     const std::optional<OverWire>& wire = std::nullopt,
+                                     const ThroughCamera& through = {});
 
 /// Value below which the part `p` of the numbers lies; NaN of none.
 [[nodiscard]] double quantile(std::vector<double> values, double p);

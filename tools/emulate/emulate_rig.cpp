@@ -32,13 +32,13 @@ hal::Result<RobotFile> robot_of(const EmulateRigOptions& o) {
   if (!o.robot) return usual_robot();
   auto file = read_robot_file(o.robot);
   if (!file) return file;
-  if (file->arm != "fri" || file->hand != "barrett" || file->camera != "kinect")
+  if (file->arm != "fri" || file->hand != "barrett" || (file->camera != "kinect" && file->camera != "ros2"))
     return hal::failure(
         hal::ErrorCode::BadConfig, o.robot->string(),
         fmt::format("a rig is served for three real drivers; expected arm: fri, hand: barrett, camera: "
-                    "kinect, found {}, {}, {}",
+                    "kinect or ros2, found {}, {}, {}",
                     file->arm, file->hand, file->camera));
-  if (!file->kinect.source.starts_with("emulated:@"))
+  if (file->camera == "kinect" && !file->kinect.source.starts_with("emulated:@"))
     return hal::failure(hal::ErrorCode::BadConfig, o.robot->string(),
                         fmt::format("kinect.source: \"{}\" is not served here; expected emulated:@NAME",
                                     file->kinect.source));
@@ -66,6 +66,19 @@ std::uint64_t rules_broken(EmulatedRig& rig) {
   return all;
 }
 
+Json camera_json(EmulatedRig& rig) {
+  if (const sim_hal::ServedCamera* other = rig.other_camera()) {
+    const sim_hal::ServedCamera::Report r = other->report();
+    return {{"frames_sent", r.frames}, {"worst_render_ms", r.worst_render_ms}};
+  }
+  const sim_hal::CameraServerReport c = rig.camera()->report();
+  return {{"clients", c.clients},
+          {"frames_sent", c.sent},
+          {"frames_not_taken", c.not_taken},
+          {"infrared", c.infrared},
+          {"worst_render_ms", c.worst_render_ms}};
+}
+
 std::string document(const EmulateRigOptions& o, const RobotFile& file, EmulatedRig& rig, bool began,
                      const std::string& reason) {
   EmulateKrcOptions krc;
@@ -77,7 +90,6 @@ std::string document(const EmulateRigOptions& o, const RobotFile& file, Emulated
   hand.common = o.common;
   hand.bus = file.barrett.can;
   const sim_hal::HandServer& pucks = *rig.pucks();
-  const sim_hal::CameraServerReport c = rig.camera()->report();
   const Json j = {
       {"schema", "colift.emulate/1"},
       {"device", "rig"},
@@ -88,12 +100,7 @@ std::string document(const EmulateRigOptions& o, const RobotFile& file, Emulated
       {"arm", Json::parse(emulate_krc_json(krc, rig.krc().report(), rig.krc().timing(), reason))},
       {"hand",
        Json::parse(emulate_hand_json(hand, pucks.report(), pucks.timing(), pucks.elapsed_s(), reason))},
-      {"camera",
-       {{"clients", c.clients},
-        {"frames_sent", c.sent},
-        {"frames_not_taken", c.not_taken},
-        {"infrared", c.infrared},
-        {"worst_render_ms", c.worst_render_ms}}},
+      {"camera", camera_json(rig)},
   };
   return j.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -115,11 +122,12 @@ hal::Result<int> run(const CommonOptions& common, const EmulateRigOptions& o) {
   if (!rig) return tl::unexpected(rig.error());
 
   const EmulateLines lines(common);
-  lines.ready(fmt::format(
-      "rig {}: arm's controller to 127.0.0.1:{} every {:g} ms, hand on {}, camera on emulated:{}; "
-      "now colift run --robot {} in another terminal",
-      scenario->name, file->fri.port, file->fri.cycle_ms, file->barrett.can, (*rig)->camera()->address(),
-      o.robot ? o.robot->string() : "emulated"));
+  lines.ready(
+      fmt::format("rig {}: arm's controller to 127.0.0.1:{} every {:g} ms, hand on {}, camera on {}; "
+                  "now colift run --robot {} in another terminal",
+                  scenario->name, file->fri.port, file->fri.cycle_ms, file->barrett.can,
+                  (*rig)->camera() ? "emulated:" + (*rig)->camera()->address() : file->ros2.image,
+                  o.robot ? o.robot->string() : "emulated"));
   const auto print = [&](const char* device, auto& server) {
     for (const auto& e : server.take_events()) lines.event(e.t_s, fmt::format("{:6} {}", device, e.text));
   };
@@ -128,7 +136,7 @@ hal::Result<int> run(const CommonOptions& common, const EmulateRigOptions& o) {
   const auto print_all = [&] {
     print("arm", (*rig)->krc());
     print("hand", *(*rig)->pucks());
-    print("camera", *(*rig)->camera());
+    if ((*rig)->camera()) print("camera", *(*rig)->camera());
     if (began || !client_is_ready(**rig)) return;
     began = true;
     (*rig)->begin();

@@ -116,7 +116,7 @@ std::string row(const std::string& name, const Both<std::string>& value, const s
 }
 
 std::string settings_text(const Comparison& c) {
-  if (c.config.empty()) return "same configuration\n";
+  if (c.config.empty()) return "same configuration, scenario and robot\n";
   std::string out = fmt::format("{} settings differ\n", c.config.size());
   for (const ConfigDifference& d : c.config)
     out += entry(

@@ -150,10 +150,11 @@ void read_documents(const telemetry::McapReader& reader, RecordedRun& run) {
     run.outcome = entry(*m, "outcome");
     run.reason = entry(*m, "because");
   }
-  if (const auto config = reader.attachment("config.yaml")) {
-    if (const auto tree = hal::parse_yaml(config->data, "config.yaml"))
-      flatten(*tree, tree->root, "", run.config);
-  }
+  // one run is not another's equal because it had the same configuration
+  for (const auto& [name, prefix] :
+       {std::pair{"config.yaml", ""}, {"scenario.yaml", "scenario"}, {"robot.yaml", "robot"}})
+    if (const auto file = reader.attachment(name))
+      if (const auto tree = hal::parse_yaml(file->data, name)) flatten(*tree, tree->root, prefix, run.config);
 }
 
 }  // namespace

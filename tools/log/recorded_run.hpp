@@ -71,7 +71,8 @@ struct RecordedRun {
   std::filesystem::path file;
   std::string version, command, started, method, seed;
   std::string outcome, reason;                ///< Empty: the recording ends before the run.
-  std::map<std::string, std::string> config;  ///< "task.lift_height_m" to its value as written.
+  std::map<std::string, std::string> config;  ///< "task.lift_height_m" to its value as written;
+                                              ///< "scenario." and "robot." before those of their files.
   std::vector<RecordedState> states;
   std::optional<RecordedDecision> decision;
   std::map<Quantity, RecordedCurve> curves;

@@ -70,16 +70,20 @@ void require_nothing(CLI::App& app) {
   for (CLI::App* below : app.get_subcommands([](CLI::App*) { return true; })) require_nothing(*below);
 }
 
+const CLI::App& deepest(const CLI::App& app) {
+  const CLI::App* asked = &app;
+  while (!asked->get_subcommands().empty()) asked = asked->get_subcommands().front();
+  return *asked;
+}
+
 // The option that was most likely meant by the first unknown one in CLI11's message.
 std::optional<std::string> nearest_option(const CLI::App& app, std::string_view message) {
   const std::size_t at = message.find(" --");
   if (at == std::string_view::npos) return std::nullopt;
   message.remove_prefix(at + 3);
   const std::string_view unknown = message.substr(0, message.find_first_of("= "));
-  const CLI::App* asked = &app;
-  while (!asked->get_subcommands().empty()) asked = asked->get_subcommands().front();
   std::vector<std::string> known;
-  for (const CLI::Option* option : asked->get_options())
+  for (const CLI::Option* option : deepest(app).get_options())
     for (const std::string& name : option->get_lnames()) known.push_back(name);
   if (std::find(known.begin(), known.end(), unknown) != known.end()) return std::nullopt;
   const auto nearest = hal::nearest_path(unknown, known);
@@ -90,6 +94,27 @@ std::string full_name(const CLI::App& app) {
   const CLI::App* parent = app.get_parent();
   return parent == nullptr || parent->get_parent() == nullptr ? app.get_name()
                                                               : full_name(*parent) + " " + app.get_name();
+}
+
+// "\"exprt\" is no command; did you mean \"export\"?" of a command that has some, without one of them.
+std::optional<std::string> which_of(const CLI::App& app) {
+  const CLI::App& asked = deepest(app);
+  std::vector<std::string> names;
+  for (const CLI::App* below : asked.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(below->get_name());
+  if (names.empty()) return std::nullopt;
+  const std::string said = asked.get_parent() == nullptr ? "" : " " + full_name(asked);
+  const std::vector<std::string> unknown = app.remaining(true);
+  if (unknown.empty())
+    return fmt::format("colift{}: expected one of {}; see colift{} --help", said, fmt::join(names, ", "),
+                       said);
+  const std::string& word = unknown.front();
+  const bool option = word.starts_with('-');
+  const auto nearest = option ? nearest_option(app, " " + word) : hal::nearest_path(word, names);
+  return fmt::format("colift{}: \"{}\" is no {}; {}", said, word, option ? "option" : "command",
+                     nearest  ? fmt::format("did you mean \"{}\"?", *nearest)
+                     : option ? fmt::format("see colift{} --help", said)
+                              : fmt::format("there are {}", fmt::join(names, ", ")));
 }
 
 }  // namespace
@@ -168,9 +193,7 @@ int CommandLine::check_for(std::vector<std::string> words) {
   options.explain = std::erase(words, "--explain") > 0;
   require_nothing(app_);
   if (const auto ended = parse(std::move(words))) return *ended;
-  const CLI::App* asked = &app_;
-  while (!asked->get_subcommands().empty()) asked = asked->get_subcommands().front();
-  options.command = full_name(*asked);
+  options.command = full_name(deepest(app_));
   const auto found =
       std::find_if(configured_.begin(), configured_.end(), [](const auto& c) { return c.first->parsed(); });
   if (found == configured_.end()) {
@@ -187,6 +210,11 @@ int CommandLine::check_for(std::vector<std::string> words) {
 
 int CommandLine::refuse(const CLI::ParseError& error, const std::string& first) const {
   if (first[0] == '-' || find_command(first) != nullptr) {
+    if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && first != "-")
+      if (const auto which = which_of(app_)) {
+        fmt::print(stderr, "{}\n", *which);
+        return kBadInput;
+      }
     std::string next = "; see colift --help";
     if (dynamic_cast<const CLI::ValidationError*>(&error) != nullptr)
       next.clear();  // it says what would do

@@ -16,6 +16,7 @@
 #include "sim_hal/emulator/mujoco/hand_world_plant.hpp"
 #include "sim_hal/emulator/mujoco/krc_world_plant.hpp"
 #include "sim_hal/emulator/mujoco/video_world_source.hpp"
+#include "tools/rig/ros2_rig.hpp"
 
 namespace colift::tools {
 namespace {
@@ -43,6 +44,7 @@ EmulatedRigConfig emulated_rig_of(const RobotFile& file, std::uint64_t seed) {
   config.cpu = file.fri.cpu;
   if (file.hand == "barrett") config.can = file.barrett.can;
   if (file.camera == "kinect") config.camera = camera_address(file.kinect.source);
+  if (file.camera == "ros2") config.other_camera = emulated_ros2_camera(file.ros2);
   for (const MoreCamera& more : file.more_cameras)
     config.more_cameras.push_back(camera_address(more.kinect.source));
   config.seed = seed;
@@ -56,7 +58,8 @@ EmulatedRig::~EmulatedRig() {
   stop();
 }
 
-hal::Result<EmulatedRig::Faults> EmulatedRig::faults_of(const sim_hal::Scenario& scenario, bool video) {
+hal::Result<EmulatedRig::Faults> EmulatedRig::faults_of(const sim_hal::Scenario& scenario,
+                                                        const EmulatedRigConfig& config) {
   for (std::size_t i = 0; i < scenario.faults.size(); ++i)
     if (!scenario.faults[i].in_state.empty())
       return hal::failure(hal::ErrorCode::BadConfig, fmt::format("faults[{}].at", i),
@@ -66,7 +69,8 @@ hal::Result<EmulatedRig::Faults> EmulatedRig::faults_of(const sim_hal::Scenario&
   auto hand = sim_hal::faults_of("hand", scenario.faults, {}, sim_hal::hand_fault, sim_hal::parse_hand_fault);
   if (!hand) return tl::unexpected(hand.error());
   Faults faults{std::move(*arm), std::move(*hand), {}, {}};
-  if (video) {
+  if (config.other_camera) return faults;  // it has its own
+  if (config.video) {
     auto device =
         sim_hal::faults_of("camera", scenario.faults, {}, sim_hal::video_fault, sim_hal::parse_video_fault);
     if (!device) return tl::unexpected(device.error());
@@ -86,7 +90,7 @@ hal::Result<std::shared_ptr<EmulatedRig>> EmulatedRig::start(const EmulatedRigCo
                                                              const sim_hal::Scenario& scenario,
                                                              const hal::RobotModel& model,
                                                              std::shared_ptr<sim_hal::SimWorld> world) {
-  auto faults = faults_of(scenario, config.video.has_value());
+  auto faults = faults_of(scenario, config);
   if (!faults) return tl::unexpected(faults.error());
   std::shared_ptr<EmulatedRig> rig(new EmulatedRig(std::move(world), std::move(*faults)));
   sim_hal::SimWorld& w = *rig->world_;
@@ -132,6 +136,11 @@ hal::Result<std::shared_ptr<EmulatedRig>> EmulatedRig::start(const EmulatedRigCo
     rig->video_ = std::make_shared<sim_hal::EmulatedVideo>(
         config.video->first, std::make_unique<sim_hal::VideoWorldSource>(w, config.video->second),
         rig->clock_);
+  if (config.other_camera) {
+    auto camera = config.other_camera(w);
+    if (!camera) return tl::unexpected(camera.error());
+    rig->other_camera_ = std::move(*camera);
+  }
   return rig;
 }
 
@@ -144,6 +153,7 @@ void EmulatedRig::begin() {
     for (const auto& fault : faults_.cameras[n]) (n == 0 ? camera_ : more_cameras_[n - 1])->inject(fault);
   for (const auto& fault : faults_.video)
     if (video_) video_->inject(fault);
+  if (other_camera_) other_camera_->begin();
 }
 
 void EmulatedRig::stop() {
@@ -151,6 +161,7 @@ void EmulatedRig::stop() {
   if (camera_) camera_->stop();
   for (const auto& camera : more_cameras_) camera->stop();
   if (video_) video_->end();
+  if (other_camera_) other_camera_->stop();
   if (pucks_) pucks_->stop();
   if (krc_) krc_->stop();
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "sim_hal/emulator/camera/camera_server.hpp"
 #include "sim_hal/emulator/hand/hand_server.hpp"
 #include "sim_hal/emulator/krc/krc_server.hpp"
+#include "sim_hal/emulator/served_camera.hpp"
 #include "sim_hal/emulator/video/emulated_video.hpp"
 #include "sim_hal/mujoco/sim_world.hpp"
 #include "sim_hal/scenario/scenario.hpp"
@@ -30,13 +32,15 @@ struct EmulatedRigConfig {
       more_cameras;  ///< The same of the scenario's others, where it has more than these.
   /// A video device that the kernel would serve, and its camera; unset: none there.
   std::optional<std::pair<sim_hal::EmulatedVideoConfig, hal::CameraIntrinsics>> video;
+  /// Serves a camera of another kind in this world; unset: none there.
+  std::function<hal::Result<std::unique_ptr<sim_hal::ServedCamera>>(const sim_hal::SimWorld&)> other_camera;
   std::uint64_t seed = 1;
 };
 
 /// What the far ends of this robot's wires are.
 [[nodiscard]] EmulatedRigConfig emulated_rig_of(const RobotFile& file, std::uint64_t seed);
 
-/// KRC, four pucks and a Kinect or a video device on one simulated world, in real time, each in a thread of
+/// KRC, four pucks and a camera on one simulated world, in real time, each in a thread of
 /// its own. The pucks are asleep as after power-on.
 class EmulatedRig {
  public:
@@ -63,6 +67,9 @@ class EmulatedRig {
   }
   /// nullptr: not served. Lives no longer than the rig: its pictures are of the rig's world.
   [[nodiscard]] const std::shared_ptr<sim_hal::EmulatedVideo>& video() { return video_; }
+  [[nodiscard]] sim_hal::ServedCamera* other_camera() {
+    return other_camera_.get();
+  }  ///< nullptr: not served.
 
  private:
   struct Faults {
@@ -73,7 +80,7 @@ class EmulatedRig {
   };
 
   EmulatedRig(std::shared_ptr<sim_hal::SimWorld> world, Faults faults);
-  static hal::Result<Faults> faults_of(const sim_hal::Scenario& scenario, bool video);
+  static hal::Result<Faults> faults_of(const sim_hal::Scenario& scenario, const EmulatedRigConfig& config);
 
   std::shared_ptr<sim_hal::SimWorld> world_;
   Faults faults_;
@@ -83,6 +90,7 @@ class EmulatedRig {
   std::vector<std::unique_ptr<sim_hal::CameraServer>> more_cameras_;
   hal::SteadyClock clock_;
   std::shared_ptr<sim_hal::EmulatedVideo> video_;
+  std::unique_ptr<sim_hal::ServedCamera> other_camera_;
 };
 
 /// Says to other programs on this machine that a rig is served for the arm's client on `port`; gone with the

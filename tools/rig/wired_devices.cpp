@@ -6,9 +6,6 @@
 #include "hal/drivers/barrett_can/pucks/puck_codec.hpp"
 #include "hal/drivers/kinect/guarded_kinect.hpp"
 #include "hal/drivers/kuka_fri/fri_arm.hpp"
-#ifdef COLIFT_DDS
-#include "hal/drivers/ros2_camera/ros2_camera.hpp"
-#endif
 #include "hal/drivers/v4l2_camera/v4l2_camera.hpp"
 #include "hal/guards/guarded_camera.hpp"
 #include "hal/os/make_can_bus.hpp"
@@ -16,6 +13,7 @@
 #include "perception/calibration/calibration_file.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "tools/rig/emulated_rig.hpp"
+#include "tools/rig/ros2_rig.hpp"
 #include "tools/rig/video_rig.hpp"
 
 namespace colift::tools {
@@ -46,27 +44,10 @@ ArmLink link_of(const hal::FriArm& arm, EmulatedRig* emulated) {
   return link;
 }
 
-#ifdef COLIFT_DDS
-hal::Result<std::unique_ptr<hal::DepthCamera>> ros2_camera(const hal::Ros2CameraConfig& ros2,
-                                                           const control::Config& config,
-                                                           const hal::Clock& clock) {
-  return std::make_unique<hal::GuardedCamera>(std::make_unique<hal::Ros2Camera>(ros2, clock),
-                                              config.guard_camera, clock);
-}
-#else
-hal::Result<std::unique_ptr<hal::DepthCamera>> ros2_camera(const hal::Ros2CameraConfig&,
-                                                           const control::Config&, const hal::Clock&) {
-  return hal::failure(
-      hal::ErrorCode::BadConfig, "camera: ros2",
-      "this program was built without Cyclone DDS; install cyclonedds-dev and cyclonedds-tools, "
-      "then run tools/build");
-}
-#endif
-
 hal::Result<std::unique_ptr<hal::DepthCamera>> real_camera(const MoreCamera& entry, const hal::Pose& X_WC,
                                                            const control::Config& config,
                                                            const hal::Clock& clock) {
-  if (entry.camera == "ros2") return ros2_camera(entry.ros2, config, clock);
+  if (entry.camera == "ros2") return make_ros2_camera(entry.ros2, config.guard_camera, clock);
   if (entry.camera == "v4l2") {
     auto made = make_video_camera(entry.v4l2, clock);
     if (!made) return tl::unexpected(made.error());
@@ -150,15 +131,15 @@ class Wired final : public WiredDevices {
   [[nodiscard]] hal::Result<> camera(const RobotFile& file, const sim_hal::Scenario& scenario,
                                      EmulatedRig* far_ends, bool pose_known, const control::Config& config,
                                      Rig& rig) const override {
+    hal::CameraGuardConfig guard = config.guard_camera;
+    // an ideal camera shows a scene at rest alike
+    if (file.emulator != "never" && scenario.camera.noise == "none") guard.frozen_s = 0.0;
     if (file.camera == "ros2") {
-      auto made = ros2_camera(file.ros2, config, *rig.robot.clock);
+      auto made = make_ros2_camera(file.ros2, guard, *rig.robot.clock);
       if (!made) return tl::unexpected(made.error());
       rig.robot.camera = std::move(*made);
       return {};
     }
-    hal::CameraGuardConfig guard = config.guard_camera;
-    // an ideal camera shows a scene at rest alike
-    if (file.emulator != "never" && scenario.camera.noise == "none") guard.frozen_s = 0.0;
     if (file.camera == "v4l2") return v4l2_camera(file, far_ends, guard, rig);
     hal::KinectConfig kinect = file.kinect;
     if (far_ends != nullptr) {

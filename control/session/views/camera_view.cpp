@@ -22,6 +22,19 @@ bool shows_anything(const hal::DepthFrame& frame) {
   return std::any_of(frame.depth_m.begin(), frame.depth_m.end(), [](float d) { return d > 0.0f; });
 }
 
+bool same(const RobotPosture& a, const RobotPosture& b) {
+  return a.q_rad == b.q_rad && a.hand.inner_rad == b.hand.inner_rad && a.hand.outer_rad == b.hand.outer_rad &&
+         a.hand.spread_rad == b.hand.spread_rad;
+}
+
+/// A frame with the camera corrected and without the robot's own pixels.
+struct CleanFrame {
+  hal::DepthFrame frame;
+  std::vector<std::uint32_t> robot;  ///< The pixels that were its own.
+  RobotPosture posture;
+  bool made = false;
+};
+
 }  // namespace
 
 struct CameraView::Impl {
@@ -45,6 +58,7 @@ struct CameraView::Impl {
   std::vector<RobotPosture> postures;         ///< Of the robot in each of these.
   std::optional<perception::CameraCorrection> correction;
   std::optional<perception::SelfFilter> filter;
+  CleanFrame clean;  ///< Of the newest frame.
   std::optional<perception::ReferenceImage> reference;
   SceneAnalysis analysis;
   std::unique_ptr<PartnerSight> partner_sight;
@@ -100,8 +114,7 @@ struct CameraView::Impl {
                                       correction->reason));
     if (!correction->applied()) return false;
     X_WC = X_WC * correction->X_KC;
-    filter.reset();
-    body_filter.reset();
+    forget_filters();
     reference_frames.clear();
     for (std::size_t n = 0; n < frames.size(); ++n) {
       correct(frames[n]);
@@ -115,6 +128,27 @@ struct CameraView::Impl {
   const std::vector<std::uint32_t>& hide_robot(hal::DepthFrame& frame, const RobotPosture& robot) {
     if (!filter) filter.emplace(rig.model, frame.intrinsics, X_WC, config.noise, config.self_filter);
     return filter->remove(frame, robot.q_rad, robot.hand);
+  }
+
+  /// The camera is not where it was thought to be.
+  void forget_filters() {
+    filter.reset();
+    body_filter.reset();
+    clean.made = false;
+  }
+
+  /// The partner, the object and his hand are looked for in one frame: it is cleaned once. A frame is known
+  /// by its time. Valid until the next call.
+  const CleanFrame& without_robot(const hal::DepthFrame& frame, const RobotPosture& robot) {
+    if (clean.made && clean.frame.exposed_at == frame.exposed_at &&
+        clean.frame.depth_m.size() == frame.depth_m.size() && same(clean.posture, robot))
+      return clean;
+    clean.frame = frame;
+    correct(clean.frame);
+    clean.robot = hide_robot(clean.frame, robot);
+    clean.posture = robot;
+    clean.made = true;
+    return clean;
   }
 
   hal::Result<> take_look(hal::DepthFrame frame, const std::optional<hal::Vec3>& at_W) {
@@ -238,8 +272,7 @@ hal::Result<perception::ViewAlignment> CameraView::analyse_scene_beside(const Sc
   if (alignment.enough && alignment.shift_m >= limits.min_correction_m &&
       alignment.sigmas >= limits.min_sigmas && alignment.after_m < alignment.before_m) {
     i.X_WC = alignment.X * i.X_WC;
-    i.filter.reset();
-    i.body_filter.reset();
+    i.forget_filters();
     if (auto built = i.build_reference(i.reference_frames); !built) return tl::unexpected(built.error());
   }
   std::optional<hal::Vec3> at_W;
@@ -327,21 +360,20 @@ int CameraView::frames_per_sight() const {
   return impl_->pipeline->frames_per_sight(impl_->config);
 }
 
-hal::Result<PartnerSighting> CameraView::find_partner(hal::DepthFrame frame, const RobotPosture& robot,
+hal::Result<PartnerSighting> CameraView::find_partner(const hal::DepthFrame& frame, const RobotPosture& robot,
                                                       std::vector<Eigen::Vector3f>& points) {
   Impl& i = *impl_;
   if (!i.partner_sight) return hal::failure(hal::ErrorCode::NotFound, "watch", "there is no object");
-  i.correct(frame);
-  const auto& own = i.hide_robot(frame, robot);
+  const CleanFrame& clean = i.without_robot(frame, robot);
   PartnerSighting out;
   out.seen_before = i.hand_pixels.seen_before();
   out.hidden = i.config.tracker.max_hidden_s > 0.0 &&
-               i.hand_pixels.hidden(i.analysis.cloud, frame, own, i.config.noise);
-  auto observation = i.partner_sight->find(frame, points);
+               i.hand_pixels.hidden(i.analysis.cloud, clean.frame, clean.robot, i.config.noise);
+  auto observation = i.partner_sight->find(clean.frame, points);
   if (!observation) return tl::unexpected(observation.error());
   // a scene that moved says nothing about hands
   if (observation->kind != perception::PartnerKind::ObjectMoved && observation->grasp)
-    i.hand_pixels.seen(i.analysis.cloud, frame, observation->pixels, observation->grasp->position);
+    i.hand_pixels.seen(i.analysis.cloud, clean.frame, observation->pixels, observation->grasp->position);
   out.observation = std::move(*observation);
   return out;
 }
@@ -373,30 +405,26 @@ std::span<const perception::BodyPoint> CameraView::body_points() const {
   return impl_->body_finder->points();
 }
 
-std::optional<perception::ObjectMotion> CameraView::watch_object(hal::DepthFrame frame,
+std::optional<perception::ObjectMotion> CameraView::watch_object(const hal::DepthFrame& frame,
                                                                  const RobotPosture& robot) {
   Impl& i = *impl_;
   if (!i.follower || !shows_anything(frame)) return std::nullopt;
-  i.correct(frame);
-  i.hide_robot(frame, robot);
-  return i.follower->update(frame);
+  return i.follower->update(i.without_robot(frame, robot).frame);
 }
 
 hal::Pose CameraView::last_motion() const {
   return impl_->follower ? impl_->follower->last().X_WTnow_WTref : hal::Pose::Identity();
 }
 
-std::optional<perception::HandSighting> CameraView::hand_at_grasp(hal::DepthFrame frame,
+std::optional<perception::HandSighting> CameraView::hand_at_grasp(const hal::DepthFrame& frame,
                                                                   const RobotPosture& robot,
                                                                   const hal::Pose& X_Wnow_Wref,
                                                                   const hal::Vec3& contact_W) {
   Impl& i = *impl_;
   if (!i.follower || !shows_anything(frame) || i.analysis.cloud.size() != frame.depth_m.size())
     return std::nullopt;
-  i.correct(frame);
-  i.hide_robot(frame, robot);
-  return perception::hand_at_contact(i.analysis.cloud, frame, X_Wnow_Wref, contact_W, i.config.noise,
-                                     i.config.presence);
+  return perception::hand_at_contact(i.analysis.cloud, i.without_robot(frame, robot).frame, X_Wnow_Wref,
+                                     contact_W, i.config.noise, i.config.presence);
 }
 
 void CameraView::object_stands_again() {

@@ -79,7 +79,8 @@ class CameraView {
   [[nodiscard]] int frames_per_sight() const;
   /// Looks for the partner's hands; `points` becomes what is seen of him (W). Errors: NotFound where the
   /// object is not known, and the method's.
-  [[nodiscard]] hal::Result<PartnerSighting> find_partner(hal::DepthFrame frame, const RobotPosture& robot,
+  [[nodiscard]] hal::Result<PartnerSighting> find_partner(const hal::DepthFrame& frame,
+                                                          const RobotPosture& robot,
                                                           std::vector<Eigen::Vector3f>& points);
   void forget_partner();
   /// Everybody and everything that was not there in the reference; their points are those of body_points().
@@ -90,10 +91,10 @@ class CameraView {
   [[nodiscard]] std::span<const perception::BodyPoint> body_points() const;
 
   /// Where the object is now against the scene; nullopt when too little of it is seen.
-  [[nodiscard]] std::optional<perception::ObjectMotion> watch_object(hal::DepthFrame frame,
+  [[nodiscard]] std::optional<perception::ObjectMotion> watch_object(const hal::DepthFrame& frame,
                                                                      const RobotPosture& robot);
   [[nodiscard]] hal::Pose last_motion() const;
-  [[nodiscard]] std::optional<perception::HandSighting> hand_at_grasp(hal::DepthFrame frame,
+  [[nodiscard]] std::optional<perception::HandSighting> hand_at_grasp(const hal::DepthFrame& frame,
                                                                       const RobotPosture& robot,
                                                                       const hal::Pose& X_Wnow_Wref,
                                                                       const hal::Vec3& contact_W);

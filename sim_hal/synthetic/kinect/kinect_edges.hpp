@@ -22,13 +22,16 @@ class PixelSet {
   /// Runs f(u, v, index in the image) for every pixel, in image order.
   template <class F>
   void for_each(F f) const {
-    for (int v = 0; v < height_; ++v)
-      for (int w = 0; w < words_; ++w)
-        for (std::uint64_t left = row(v)[w]; left != 0; left &= left - 1) {
-          const int u = 64 * w + std::countr_zero(left);
-          f(u, v,
-            static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(u));
-        }
+    for (int v = 0; v < height_; ++v) for_each_in_row(v, f);
+  }
+  /// The same for one row.
+  template <class F>
+  void for_each_in_row(int v, F f) const {
+    for (int w = 0; w < words_; ++w)
+      for (std::uint64_t left = row(v)[w]; left != 0; left &= left - 1) {
+        const int u = 64 * w + std::countr_zero(left);
+        f(u, v, static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(u));
+      }
   }
 
  private:

@@ -1,11 +1,11 @@
 #include "sim_hal/synthetic/kinect/kinect_light.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 
 #include "sim_hal/synthetic/float4.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
+#include "sim_hal/synthetic/kinect/kinect_rows.hpp"
 
 namespace colift::sim_hal {
 namespace {
@@ -14,6 +14,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kNearest_m = 0.5f, kFarthest_m = 9.0f;
 constexpr int kPatch_px = 6;           // size of the patches that are a little better or worse seen
 constexpr double kSpeckPart = 0.0015;  // of all pixels
+constexpr std::size_t kBlock = 32;     // pixels of a row that are judged at once
 constexpr int kSpeckBlock = 64;        // pixels of a row among which there is one speck at most
 
 // Light that comes back falls with the square of the distance and with the angle. The limits are chosen so
@@ -46,38 +47,41 @@ KinectLight::KinectLight(const std::vector<float>& reflectivity, int width, std:
 }
 
 void KinectLight::punch_holes(int v, const std::int16_t* shape, const float* cosine, float* inverse_depth) {
-  const Float4 nearest(1.0f / kNearest_m), farthest(1.0f / kFarthest_m), nothing(kNan), one(1.0f);
-  const Float4 bright(kBright), facing(kFacing), dark(kDark), grazing(kGrazing), nowhere(-0.5f);
-  const Float4 to_bright(kBright - kDark), to_facing(kFacing - kGrazing);
-  const float* reflectivity = &reflectivity_[1];
-  const std::size_t whole = whole_;
-  std::uint64_t last_shapes = 0;
-  Float4 reflected(0.0f);
-  for (std::size_t u = 0; u < whole; u += 4) {
-    const Float4 w = Float4::load(inverse_depth + u), w1 = min(w, one);
-    const Float4 in_range = both(greater(nearest, w), greater(w, farthest));
-    std::uint64_t shapes = 0;
-    std::memcpy(&shapes, shape + u, sizeof shapes);
-    if (shapes != last_shapes || u == 0) reflected = gather(reflectivity, shape + u);  // mostly as before
-    last_shapes = shapes;
-    Float4 cos = Float4::load(cosine + u), light = reflected * cos * w1 * w1;
-    if (all(both(in_range, both(greater(light, bright), greater(cos, facing))))) continue;
-    if (!any(in_range)) {
-      nothing.store(inverse_depth + u);
-      continue;
-    }
-    // what flies before nothing at all turns no side to the camera
-    cos = select(greater(nowhere, Float4::load(shape + u)), one, cos);
-    light = reflected * cos * w1 * w1;
-    lay_patches(v);
-    const Float4 left = gather(knots_.data(), &knot_[u]), right = gather(knots_.data() + 1, &knot_[u]);
-    const Float4 patch = left + (right - left) * Float4::load(&part_[u]), patch2 = patch * patch;
-    const Float4 seen =
-        both(greater(light, dark + to_bright * patch2), greater(cos, grazing + to_facing * patch2));
-    select(both(in_range, seen), w, nothing).store(inverse_depth + u);
+  kinect_rows::Light light{1.0f / kNearest_m, 1.0f / kFarthest_m, 0.0f, kBright, kFacing};
+  for (std::size_t begin = 0; begin < whole_; begin += kBlock) {
+    const std::size_t size = std::min(kBlock, whole_ - begin);
+    // nearly all of a picture is one surface that is seen well
+    const bool one_surface = std::equal(shape + begin + 1, shape + begin + size, shape + begin);
+    light.reflectivity = reflectivity_[static_cast<std::size_t>(shape[begin] + 1)];
+    if (one_surface && kinect_rows::all_seen(light, inverse_depth + begin, cosine + begin, size)) continue;
+    for (std::size_t u = begin; u < begin + size; u += 4)
+      judge_four(v, shape + u, cosine + u, u, inverse_depth + u);
   }
   add_specks(v, inverse_depth);
-  std::fill(inverse_depth + seen_columns_, inverse_depth + whole, kNan);
+  std::fill(inverse_depth + seen_columns_, inverse_depth + whole_, kNan);
+}
+
+void KinectLight::judge_four(int v, const std::int16_t* shape, const float* cosine, std::size_t u,
+                             float* inverse_depth) {
+  const Float4 nearest(1.0f / kNearest_m), farthest(1.0f / kFarthest_m), nothing(kNan), one(1.0f);
+  const Float4 w = Float4::load(inverse_depth), w1 = min(w, one);
+  const Float4 in_range = both(greater(nearest, w), greater(w, farthest));
+  if (!any(in_range)) {
+    nothing.store(inverse_depth);
+    return;
+  }
+  const Float4 reflected = gather(&reflectivity_[1], shape);
+  Float4 cos = Float4::load(cosine), light = reflected * cos * w1 * w1;
+  if (all(both(in_range, both(greater(light, Float4(kBright)), greater(cos, Float4(kFacing)))))) return;
+  // what flies before nothing at all turns no side to the camera
+  cos = select(greater(Float4(-0.5f), Float4::load(shape)), one, cos);
+  light = reflected * cos * w1 * w1;
+  lay_patches(v);
+  const Float4 left = gather(knots_.data(), &knot_[u]), right = gather(knots_.data() + 1, &knot_[u]);
+  const Float4 patch = left + (right - left) * Float4::load(&part_[u]), patch2 = patch * patch;
+  const Float4 seen = both(greater(light, Float4(kDark) + Float4(kBright - kDark) * patch2),
+                           greater(cos, Float4(kGrazing) + Float4(kFacing - kGrazing) * patch2));
+  select(both(in_range, seen), w, nothing).store(inverse_depth);
 }
 
 void KinectLight::lay_patches(int v) {

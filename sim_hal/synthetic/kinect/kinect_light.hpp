@@ -19,6 +19,7 @@ class KinectLight {
   void punch_holes(int v, const std::int16_t* shape, const float* cosine, float* inverse_depth);
 
  private:
+  void judge_four(int v, const std::int16_t* shape, const float* cosine, std::size_t u, float* inverse_depth);
   void lay_patches(int v);
   void add_specks(int v, float* inverse_depth) const;
 

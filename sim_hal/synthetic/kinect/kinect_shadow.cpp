@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "sim_hal/synthetic/float4.hpp"
+#include "sim_hal/synthetic/kinect/kinect_rows.hpp"
 
 namespace colift::sim_hal {
 namespace {
@@ -43,17 +44,13 @@ void ProjectorShadow::find(const float* inverse_depth) {
 
 // disparities, 0 where there is no depth, and their range
 void ProjectorShadow::look(const float* inverse_depth) {
-  const Float4 shift(shift_), most(1.0f / kNearest_m), zero(0.0f), nothing(1e9f);
-  const Float4 middle(static_cast<float>(margin_) + 0.5f);
-  Float4 low = nothing, high = zero;
-  float* disparity = disparity_.data();
-  const float* columns = columns_.data();
-  std::int32_t* column = column_.data();
   const std::size_t whole = columns_.size();
+  kinect_rows::disparities(inverse_depth, columns_.data(), shift_, 1.0f / kNearest_m,
+                           static_cast<float>(margin_) + 0.5f, whole, disparity_.data(), column_.data());
+  const Float4 zero(0.0f), nothing(1e9f);
+  Float4 low = nothing, high = zero;
   for (std::size_t u = 0; u < whole; u += 4) {
-    const Float4 w = Float4::load(inverse_depth + u), d = select(greater(most, w), shift * w, zero);
-    d.store(disparity + u);
-    truncate(Float4::load(columns + u) + middle - d, column + u);
+    const Float4 d = Float4::load(&disparity_[u]);
     low = min(low, select(greater(d, zero), d, nothing));
     high = max(high, d);
   }

@@ -1,7 +1,7 @@
 // A whole recording in the page, so that it can be stopped, searched and stepped through. The server hands it out as lines
 // "TOPIC NANOSECONDS JSON" in the order of time (tools/log); a line is only parsed when it is shown.
 
-import type { TaskChange } from "./messages";
+import type { TaskChange, TaskStatus } from "./messages";
 
 interface Entry { topic: string; at: bigint; text: string }
 /** Of these all that were said before count, of the others the newest. */
@@ -15,7 +15,7 @@ export class Recording {
   onReset: () => void = () => {};
   readonly begins: bigint;
   readonly ends: bigint;
-  /** Beginning of each state. */
+  /** Of each state, the first moment that shows it. */
   readonly states: { at: bigint; name: string }[] = [];
   private entries: Entry[] = [];
   private next = 0; // the first one that has not been shown
@@ -32,9 +32,21 @@ export class Recording {
     this.entries.sort((a, b) => (a.at < b.at ? -1 : a.at > b.at ? 1 : 0));
     this.begins = this.now = this.entries[0]!.at;
     this.ends = this.entries[this.entries.length - 1]!.at;
-    for (const entry of this.entries)
-      if (entry.topic === "/task/change")
-        this.states.push({ at: entry.at, name: (JSON.parse(entry.text) as TaskChange).state });
+    this.entries.forEach((entry, i) => {
+      if (entry.topic !== "/task/change") return;
+      const name = (JSON.parse(entry.text) as TaskChange).state;
+      this.states.push({ at: this.shown(name, i), name });
+    });
+  }
+
+  /** When the status first says it of a state that begins with entry i: some frames after the change. */
+  private shown(state: string, i: number): bigint {
+    for (let k = i; k < this.entries.length; k++) {
+      const { topic, text, at } = this.entries[k]!;
+      if (topic === "/task/status" && (JSON.parse(text) as TaskStatus).state === state) return at;
+      if (k > i && topic === "/task/change") break;
+    }
+    return this.entries[i]!.at;
   }
 
   get at(): bigint { return this.now; }

@@ -11,7 +11,10 @@ scene = colift.synthetic_scene("table", seed=22)
 outcome = colift.decide(scene["frame"], scene["frame_with_partner"], scene["camera_pose"])
 
 # %% In words
-why = outcome.why(wanted)
+try:
+    why = outcome.why(wanted)
+except colift.Error as error:
+    sys.exit(str(error))
 print(why["text"])
 
 # %% In figures: the terms of its cost beside those of the chosen one

@@ -8,6 +8,8 @@ import sys
 import colift
 import numpy as np
 
+if len(sys.argv) < 2:
+    sys.exit(__doc__)
 recording = colift.Recording(sys.argv[1])
 for sentence in recording.damage:
     print("damaged:", sentence)

@@ -64,7 +64,7 @@ class Session {
       const control::RobotPosture posture{observation_.world().arm_state().q_rad,
                                           hal::posture_of(observation_.world().hand_state())};
       const hal::Timestamp begin = clock_.now();
-      auto sight = observation_.watch().observe_partner(std::move(*frame), posture);
+      auto sight = observation_.watch().observe_partner(*frame, posture);
       const hal::Timestamp seen = clock_.now();
       if (!sight || !sight->event || sight->event->kind != perception::PartnerEvent::Kind::Grasped) continue;
       if (hal::seconds(observation_.world().elapsed()) < at_rest_s - 0.2) continue;

@@ -103,7 +103,7 @@ struct Observation::Impl {
     while (hal::seconds(world->elapsed()) < late_s) {
       auto frame = next_frame(camera);
       if (!frame) continue;
-      auto sight = watch.observe_partner(std::move(*frame), posture());
+      auto sight = watch.observe_partner(*frame, posture());
       if (!sight) return tl::unexpected(sight.error());
       note = sight->partner.reason;
       if (!sight->event || sight->event->kind != perception::PartnerEvent::Kind::Grasped) continue;

@@ -110,7 +110,7 @@ class Search {
     tried.lift = try_grasp(*observation_, out_.scenario, choice.grasp, small_, seed_,
                            [&](hal::DepthFrame frame, const control::RobotPosture& robot, LiftPart part) {
                              const hal::Timestamp at = frame.exposed_at;
-                             const auto motion = observation_->watch().watch_object(std::move(frame), robot);
+                             const auto motion = observation_->watch().watch_object(frame, robot);
                              if (!motion) return eye.said();
                              if (part == LiftPart::Top) eye.at_top(at, *motion);
                              return part == LiftPart::Raising ? eye.rising(*motion) : eye.said();

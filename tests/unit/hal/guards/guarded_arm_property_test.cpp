@@ -8,12 +8,13 @@
 #include "hal/guards/braking_law.hpp"
 #include "hal/guards/t1_profile.hpp"
 #include "judged_arm.hpp"
+#include "tests/support/thorough.hpp"
 
 using namespace guards;
 
 namespace {
 
-constexpr int kCycles = 1'000'000;
+constexpr int kCycles = colift::tests::repetitions(1'000'000, 100'000);
 
 /// Draws from one seed; own distributions, so that every platform draws the same.
 class Dice {

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "hal/drivers/recorded/frame_file.hpp"
+#include "hal/types/symmetric.hpp"
 #include "partner_stage.hpp"
 #include "sim_hal/synthetic/scene_objects.hpp"
 
@@ -70,7 +71,8 @@ void judge(const Stage& stage, std::uint64_t seed, Tally& tally) {
     }
     used[*nearest] = true;
     const Vec3 error = seen->contacts[*nearest].position - truth;
-    tally.nees.push_back(error.dot(seen->contacts[*nearest].covariance.ldlt().solve(error)));
+    tally.nees.push_back(
+        error.dot(hal::solve_symmetric<double, 3>(seen->contacts[*nearest].covariance, error)));
   }
   tally.false_contacts += static_cast<int>(std::count(used.begin(), used.end(), false));
   if (truths.size() == 1 && !seen->pixels.empty())

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "hal/types/symmetric.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
 
 namespace colift::sim_hal {
@@ -25,7 +26,7 @@ JointVector follow(const Pose& X_WH, JointVector q, int steps) {
     const hal::ArmJacobian J = hal::jacobian(robot, q, Vec3::Zero());
     Eigen::Matrix<double, 6, 6> A = J * J.transpose();
     A.diagonal().array() += 1e-5;
-    q += J.transpose() * A.ldlt().solve(error);
+    q += J.transpose() * hal::solve_symmetric<double, 6>(A, error);
   }
   return q;
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "emulated_arm.hpp"
+#include "tests/support/thorough.hpp"
 
 namespace colift {
 namespace {
@@ -124,7 +125,7 @@ TEST_CASE("position and Cartesian impedance control by the controller's own judg
 
 TEST_CASE("faults of wire and controller at a random moment: no rule broken, no step, a way back",
           "[fri][emulated]") {
-  const int seed = GENERATE(range(1, 61));
+  const int seed = GENERATE(range(1, 1 + colift::tests::repetitions(60, 10)));
   const auto pick = static_cast<std::uint64_t>(seed);
   sim_hal::KrcConfig config;
   config.restart_s = 0.5;
