@@ -9,6 +9,13 @@ _colift() {
     --scenario) mapfile -t COMPREPLY < <(compgen -W "$(_colift_names scenarios)" -- "$word"; compgen -f -- "$word"); return ;;
     --robot) mapfile -t COMPREPLY < <(compgen -W "$(_colift_names robots)" -- "$word"; compgen -f -- "$word"); return ;;
     --method) mapfile -t COMPREPLY < <(compgen -W "fast thesis" -- "$word"); return ;;
+    --format) mapfile -t COMPREPLY < <(compgen -W "csv png fakenect ros2" -- "$word"); return ;;
+    --rig) mapfile -t COMPREPLY < <(compgen -W imperfect -- "$word"; compgen -f -- "$word"); return ;;
+    --for) mapfile -t COMPREPLY < <(compgen -W "run recover look decide experiment calibrate log hal" -- "$word"); return ;;
+    schema) mapfile -t COMPREPLY < <(compgen -W "$(colift schema 2>/dev/null | cut -d ' ' -f 1)" -- "$word"); return ;;
+    experiment)
+      mapfile -t COMPREPLY < <(compgen -W "$(colift experiment --help | sed -n 's/^  NAME TEXT.*REQUIRED *//; s/[;:].*//; s/ or / /; T; s/,/ /gp')" -- "$word")
+      return ;;
   esac
   for w in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
     case $w in -*) break ;; *) path+=("$w") ;; esac

@@ -1,18 +1,24 @@
 // Options of the experiments.
 
 #include "tools/experiments/cmd_experiment.hpp"
+#include "tools/experiments/experiment.hpp"
 #include "tools/programs/command_line.hpp"
 
 namespace colift::tools {
 namespace {
 
+std::string names_of_all() {
+  std::string names;
+  for (const experiments::Experiment& e : experiments::all_experiments()) names += e.name + ", ";
+  names.replace(names.size() - 2, 2, " or all");
+  return names;
+}
+
 void add_experiment(CLI::App& command, ExperimentOptions& o) {
   command
       .add_option("NAME", o.words,
-                  "grasps, realtime, tilt, load, complex, robust, wrong-cog, slip, tasks, agents, let-go, "
-                  "people, false-stops, faults, stalls, share, mass, lift-alone, rooms, imperfect, "
-                  "impedance, certificate or all; "
-                  "or: merge DIR...; worst NAME: a page of a campaign's worst trials (20, or --trials)")
+                  names_of_all() +
+                      "; or: merge DIR...; worst NAME: a page of a campaign's worst trials (20, or --trials)")
       ->required();
   command.add_option("--trials", o.trials, "Number of trials (default: per experiment)")->type_name("N");
   command.add_option("--seed", o.seed, "Same seed and trials: same figures (default 1)")->type_name("S");
