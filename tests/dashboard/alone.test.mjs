@@ -417,6 +417,49 @@ test("a recording is paused, searched, stepped through and played at another spe
   end();
 });
 
+test("two recordings are played side by side on one clock", async () => {
+  const recording = (lift_s, height_m) => {
+    const lines = [], line = (t, topic, message) => lines.push(`${topic} ${Math.round(1e9 * t)} ${JSON.stringify(message)}`);
+    line(0, "/scene", scene(VERDICTS));
+    [["observe", 0], ["lift", lift_s], ["hold", lift_s + 4]].forEach(([state, t]) => line(t, "/task/change", { t, state, because: "it is time" }));
+    for (let i = 0; i <= 10 * (lift_s + 6); ++i) {
+      const t = i / 10, risen = Math.min(1, Math.max(0, (t - lift_s) / 4));
+      line(t, "/task/status", status(t < lift_s ? "observe" : t < lift_s + 4 ? "lift" : "hold", { t }));
+      line(t, "/load", load(t < lift_s ? null : height_m * risen, { share: t < lift_s ? null : 0.4 }));
+    }
+    return lines.join("\n");
+  };
+  const end = await watched({ name: "CoLift, recording a.mcap",
+    documents: { ...robot, "/recording.txt": recording(2, 0.05), "/beside.txt": recording(3, 0.03) } });
+  const both = await browser.newPage();
+  both.on("pageerror", (error) => errors.push(error.message));
+  await both.setViewportSize({ width: 1400, height: 800 });
+  await both.goto(new URL("both.html", run.url).href);
+  await until(async () => (await both.textContent("#time")) === "0.0 s", "both halves", 30000);
+  assert.equal(await both.textContent("#state-a"), "lift, 2.0 s"); // time 0 is the begin of the lift in both
+  assert.equal(await both.textContent("#state-b"), "lift, 3.0 s");
+  const half = (name) => both.frames().find((frame) => frame.url().includes(`half=${name}.txt`));
+  const raised = async (name) => Number(await half(name).evaluate(() => document.getElementById("scene").dataset.raisedMm));
+  await both.locator("#place").fill("4");
+  await until(async () => Math.abs((await raised("recording")) - 50) < 1 && Math.abs((await raised("beside")) - 30) < 1, "both heights", 30000);
+  for (const name of ["recording", "beside"]) {
+    assert.equal(await half(name).textContent("#state"), "hold");
+    assert.equal(await half(name).isVisible("#stop"), false);
+  }
+  await both.screenshot({ path: `${PICTURES}/alone_both.png` });
+  await both.evaluate(AXE);
+  assert.deepEqual(await both.evaluate(async () => (await axe.run(document, { iframes: false })).violations.map((v) => v.id)), []);
+  await both.selectOption("#zero", "");
+  assert.equal(await both.textContent("#state-b"), "observe, 0.0 s");
+  await both.selectOption("#speed", "8");
+  await both.click("#play");
+  await until(async () => (await both.textContent("#time")) === "9.0 s", "the end of the longer one", 30000);
+  assert.equal(await both.textContent("#state-a"), "hold, 8.0 s"); // the shorter one stays at its end
+  assert.equal(await both.textContent("#play"), "Play");
+  await both.close();
+  end();
+});
+
 test("a recording that the server does not hand out is said to be missing, and the page follows on", async () => {
   const end = await watched({ name: "CoLift, recording a.mcap" });
   await page.click("#replay [data-do=forward]");

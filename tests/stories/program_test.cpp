@@ -169,6 +169,7 @@ TEST_CASE("what is wrong is said in one line with the place, exit code 2", "[pro
       {"frobnicate", "\"frobnicate\" is no command"},
       {"runn", "\"runn\" is no command; did you mean \"run\"?"},
       {"log exprt x", "colift log: \"exprt\" is no command; did you mean \"export\"?"},
+      {"log replay no.mcap --beside b.mcap", "no.mcap: "},
       {"hal amr state", "did you mean \"arm\"?"},
       {"hal hand", "colift hal hand: expected one of "},
       {"--verison", "\"--verison\" is no option; did you mean \"--version\"?"},

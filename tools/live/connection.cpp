@@ -126,7 +126,7 @@ class HttpConnection final : public Caller, public std::enable_shared_from_this<
     response_->set("Referrer-Policy", "no-referrer");  // the address may hold an operator's token
     response_->set("Content-Security-Policy",
                    "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
-                   "connect-src 'self' ws: wss:; frame-ancestors 'none'");
+                   "connect-src 'self' ws: wss:; frame-ancestors 'self'");
     response_->keep_alive(request.keep_alive() && status == http::status::ok);
     response_->content_length(document->body.size());
     if (request.method() != http::verb::head)

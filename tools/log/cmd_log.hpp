@@ -14,11 +14,12 @@ namespace colift::tools {
 struct LogOptions {
   std::string verb;  ///< info | compare | export | recover | replay | snapshot
   std::filesystem::path file;
-  std::filesystem::path other;               ///< compare: the second recording.
-  std::optional<std::filesystem::path> out;  ///< export: folder; recover: file; compare: page.
-  std::vector<std::string> formats;          ///< export: csv, png, fakenect, ros2.
-  std::optional<int> pid;                    ///< snapshot: which run.
-  ViewOptions live;                          ///< replay: watched on the page.
+  std::filesystem::path other;                  ///< compare: the second recording.
+  std::optional<std::filesystem::path> beside;  ///< replay: another one, for the page.
+  std::optional<std::filesystem::path> out;     ///< export: folder; recover: file; compare: page.
+  std::vector<std::string> formats;             ///< export: csv, png, fakenect, ros2.
+  std::optional<int> pid;                       ///< snapshot: which run.
+  ViewOptions live;                             ///< replay: watched on the page.
 };
 
 /// Recordings. info, compare, export, recover: 0 done, 2 no usable recording. replay: 0 the same decisions, 1

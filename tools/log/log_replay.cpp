@@ -209,8 +209,15 @@ int log_replay(const CommonOptions& common, const LogOptions& options) {
   const auto speed = speed_of(options.live, control::Drive::InStep);
   if (!speed) return report_error(kCommand, speed.error());
   std::map<std::string, live::Document> documents;
-  if (options.live.view)
-    documents["/recording.txt"] = {"text/plain; charset=utf-8", telemetry::page_recording(reader)};
+  constexpr const char* kText = "text/plain; charset=utf-8";
+  if (options.live.view) documents["/recording.txt"] = {kText, telemetry::page_recording(reader)};
+  if (options.beside) {
+    if (!options.live.view)
+      return report_error(kCommand, {hal::ErrorCode::BadInput, "--beside", "is for the page; expected --view"});
+    const auto other = open_recording(*options.beside);
+    if (!other) return report_error(kCommand, other.error());
+    documents["/beside.txt"] = {kText, telemetry::page_recording(other->reader)};
+  }
   const auto live = RunLive::open(
       options.live, fmt::format("CoLift, recording {}", options.file.filename().string()),
       run.robot_urdf.empty() ? telemetry::built_in_robot_urdf() : run.robot_urdf, std::move(documents));
@@ -220,7 +227,10 @@ int log_replay(const CommonOptions& common, const LogOptions& options) {
   setting->interrupted = enough;
   if (*live) {
     setting->watchers.push_back(&(*live)->sink());
-    std::fprintf(stderr, "live view: %s\n", (*live)->url().c_str());
+    const std::string url = (*live)->url();
+    std::fprintf(stderr, "live view: %s\n", url.c_str());
+    if (options.beside)
+      std::fprintf(stderr, "both side by side: %s/both.html\n", url.substr(0, url.find('/', 8)).c_str());
   }
   Pace pace(*speed);
   if (*speed > 0.0)

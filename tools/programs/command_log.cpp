@@ -44,6 +44,10 @@ void add_log(CommandLine& line, CLI::App& log, LogOptions& o) {
                                     "--set override the configuration",
                                     o, kRecording);
   add_view(replayed, o.live);
+  replayed
+      .add_option("--beside", o.beside,
+                  "Another recording, played side by side with this one on the page (both.html)")
+      ->type_name("FILE");
   line.add_common(replayed);
   CLI::App& snapshot = add_log_verb(log, "snapshot", "Requests the flight recording of a running colift run",
                                     o, "Output file");

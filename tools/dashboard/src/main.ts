@@ -122,7 +122,9 @@ client.onReset = () => {
   bar.forget();
 };
 
-const bar = new ReplayBar($("replay"), "recording.txt", {
+// one of two halves (both.ts): a recording by itself, without a server and without controls
+const half = /^[a-z]+\.txt$/.exec(new URLSearchParams(location.search).get("half") ?? "")?.[0];
+const bar = new ReplayBar($("replay"), half ?? "recording.txt", {
   show: (topic, text, at) => {
     try {
       client.hand(topic, text, at);
@@ -230,4 +232,7 @@ document.addEventListener("keydown", (event) => {
 
 if (matchMedia("(max-width: 44rem)").matches) $<HTMLDetailsElement>("shown").open = false;
 void scene.robot.load("robot.urdf").then(() => scene.touch());
-client.connect(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/${location.search}`);
+if (half) {
+  document.documentElement.dataset.half = half;
+  Object.assign(window, { halfReplay: bar });
+} else client.connect(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/${location.search}`);

@@ -6,6 +6,9 @@ const SPEEDS = [0.25, 0.5, 1, 2, 4, 8];
 /** A page that was not worked on for longer goes on from where it was (s). */
 const LONGEST_STEP_S = 2;
 
+/** What a recording holds: its length, and its states with their beginnings. */
+export interface Recorded { length_s: number; states: { name: string; at_s: number }[] }
+
 export class ReplayBar {
   /** The page now plays by itself (true), or follows the server again. */
   onOwn: (own: boolean) => void = () => {};
@@ -54,6 +57,26 @@ export class ReplayBar {
   }
 
   show(on: boolean): void { this.bar.hidden = !on; }
+
+  /** For a page that plays two side by side: how long it is, and when its states begin (s since its beginning). */
+  async read(): Promise<Recorded | null> {
+    const r = await this.open();
+    const since = (at: bigint) => Number(at - r!.begins) / 1e9;
+    return r && { length_s: since(r.ends), states: r.states.map(({ name, at }) => ({ name, at_s: since(at) })) };
+  }
+
+  /** Shows what was at that time (s since its beginning): plays on to it where it is little later than now. */
+  showAt(t_s: number): void {
+    const r = this.recording;
+    if (!r) return;
+    const to = r.begins + BigInt(Math.round(1e9 * t_s)), later_s = Number(to - r.at) / 1e9;
+    if (later_s >= 0 && later_s <= LONGEST_STEP_S) r.advance(to - r.at);
+    else {
+      r.seek(to);
+      this.onJump();
+    }
+    this.say();
+  }
 
   /** Another recording, or another run: what was read of the last one is over. */
   forget(): void { if (this.recording) this.follow(); }
