@@ -429,11 +429,14 @@ test("two recordings are played side by side on one clock", async () => {
     }
     return lines.join("\n");
   };
-  const end = await watched({ name: "CoLift, recording a.mcap",
+  const end = await watched({ name: "CoLift, recording a.mcap", operates: false,
     documents: { ...robot, "/recording.txt": recording(2, 0.05), "/beside.txt": recording(3, 0.03) } });
   const both = await browser.newPage();
   both.on("pageerror", (error) => errors.push(error.message));
   await both.setViewportSize({ width: 1400, height: 800 });
+  await both.goto(run.url);
+  await until(async () => (await both.textContent("#link")) === "recording", "the recording's page");
+  assert.equal(await both.isVisible("#stop"), false); // nothing to stop
   await both.goto(new URL("both.html", run.url).href);
   await until(async () => (await both.textContent("#time")) === "0.0 s", "both halves", 30000);
   assert.equal(await both.textContent("#state-a"), "lift, 2.0 s"); // time 0 is the begin of the lift in both

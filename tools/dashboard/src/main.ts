@@ -18,6 +18,7 @@ import { escaped, heightWords, leaderWords } from "./words";
 const $ = <T extends HTMLElement = HTMLElement>(id: string): T => document.getElementById(id) as T;
 const LEVELS = ["", "debug", "info", "warning", "error", "fatal"];
 const LOG_LINES = 300;
+const OVER = ["done", "aborted", "refused", "stopped"];
 
 const strip = new PipelineStrip($("strip"));
 const choice = new ChoicePanel($("because"), $("candidates"), $("reason"));
@@ -79,6 +80,8 @@ lower.onclick = () => void client.call("/operator/lower");
 
 const isRecording = () => document.title.startsWith("CoLift, recording");
 let mayOperate = new URLSearchParams(location.search).has("token"), wasLinked = false;
+/** Of a run the buttons say who may press them; a recording has nothing to stop. */
+const showActions = () => { $("actions").hidden = isRecording() && !mayOperate; };
 client.onLink = (word, operates) => {
   const chip = $("link");
   const what = isRecording() ? "recording" : "live";
@@ -87,6 +90,7 @@ client.onLink = (word, operates) => {
   mayOperate ||= operates;
   stop.disabled = word === "connected" ? !operates : !mayOperate;
   lower.disabled = !operates;
+  showActions();
   wasLinked ||= word === "connected";
   $("lost").hidden = word === "connected" || !wasLinked;
   $("lost-more").textContent = mayOperate ? "Stop is sent all the same." : "";
@@ -96,6 +100,7 @@ client.onName = (name) => {
   document.title = name;
   $("name").textContent = name.replace(/^CoLift,? ?/, "");
   bar.show(isRecording());
+  showActions();
 };
 client.onNote = (level, text) => say(level + 2, text, "page");
 client.onDamage = (topic) => say(3, `a message of ${topic} is damaged`, "page");
@@ -161,7 +166,7 @@ const vector = (p: number[] | null | undefined) => (p && p.length === 3 ? new TH
 client.on<M.TaskStatus>("/task/status", (s) => {
   $("state").textContent = s.state;
   $("waits").textContent = s.doing || s.waits_for;
-  $("note").textContent = s.partner_note;
+  $("note").textContent = OVER.includes(s.state) ? "" : s.partner_note; // nobody looks for him any more
   partner = vector(s.partner);
   strip.status(s);
   people.show(s);
