@@ -10,6 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "hal/drivers/recorded/frame_file.hpp"
+#include "tests/dds/frame_messages.hpp"
 #include "tests/dds/peer_process.hpp"
 #include "tests/dds/ros_messages.hpp"
 
@@ -244,6 +246,46 @@ TEST_CASE("a decision is asked for over ROS 2 from the program", "[dds][run]") {
   CHECK(reply.sequence_number == 9);
   CHECK_FALSE(reply.ok);
   CHECK(reply.error.find("size 0 x 0") != std::string::npos);
+  CHECK(running.get().code == 0);
+}
+
+TEST_CASE("the program decides over ROS 2, with the share that was asked for, as it does from a file",
+          "[dds][run]") {
+  const std::string file =
+      std::string(COLIFT_SOURCE_DIR) + "/tests/data/real/01_office_chair_and_bottles/depth.png";
+  const auto frame = hal::read_frame(file, {});
+  REQUIRE(frame);
+  const auto here = colift("decide " + file + " --partner=-0.45,-0.5,1.75 --share 0.35 --json 2>/dev/null");
+  REQUIRE(here.code == 0);
+  const Json decision = Json::parse(here.out).at("decision");
+
+  const int domain = test_domain();
+  auto running = std::async(std::launch::async, [&] {
+    return colift("ros2 --quiet --count 1 --ros2-domain " + std::to_string(domain) + " 2>&1");
+  });
+  FastPeer peer(domain);
+  const auto replies = peer.reader("rt/colift/decide/reply", "colift_msgs::msg::dds_::DecideReply_");
+  const auto requests = peer.writer("rt/colift/decide/request", "colift_msgs::msg::dds_::DecideRequest_");
+  RosDecideRequest request;
+  request.header = {system_stamp(), "camera"};
+  request.client = "test", request.sequence_number = 4;
+  request.depth = image_of_frame(frame->frame), request.info = info_of_frame(frame->frame);
+  request.partner = {-0.45, -0.5, 1.75};
+  request.share = 0.35;
+  std::optional<Bytes> got;
+  for (int i = 0; i < 60 && !got; ++i) {
+    (void)requests->write(bytes_of(request));
+    got = replies->next(500ms);
+  }
+  REQUIRE(got);
+  const auto reply = decide_reply_of(*got);
+  INFO(reply.error);
+  REQUIRE(reply.ok);
+  CHECK(reply.decision.decided);
+  CHECK(reply.decision.chosen == decision.at("candidate").get<int>());
+  CHECK(reply.decision.share == decision.at("share").get<double>());
+  CHECK(reply.decision.cost == decision.at("cost").get<double>());
+  CHECK(reply.decision.because == decision.at("because").get<std::string>());
   CHECK(running.get().code == 0);
 }
 
