@@ -86,12 +86,11 @@ COLIFT_ALSO_AVX2 bool all_seen(const Light& light, const float* __restrict inver
 COLIFT_ALSO_AVX2 void disparities(const float* __restrict inverse_depth, const float* __restrict columns,
                                   float shift, float most, float middle, std::size_t n,
                                   float* __restrict disparity, std::int32_t* __restrict column) {
+  for (std::size_t u = 0; u < n; ++u) disparity[u] = most > inverse_depth[u] ? inverse_depth[u] : 0.0f;
   for (std::size_t u = 0; u < n; ++u) {
-    const float w = inverse_depth[u], shifted = shift * w;
-    disparity[u] = most > w ? shifted : 0.0f;
-  }
-  for (std::size_t u = 0; u < n; ++u)
+    disparity[u] *= shift;
     column[u] = static_cast<std::int32_t>(columns[u] + middle - disparity[u]);
+  }
 }
 
 }  // namespace colift::sim_hal::kinect_rows
