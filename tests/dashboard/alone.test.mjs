@@ -382,6 +382,7 @@ test("a recording is paused, searched, stepped through and played at another spe
     line(t, "/task/status", status(t <= 2 ? "observe" : t <= 6 ? "lift" : "hold", { t }));
     line(t, "/load", load(t < 2 ? null : Math.min(0.05, 0.0125 * (t - 2)), { share: t < 2 ? null : 0.4 }));
   }
+  line(1.5, "/task/intent", { t: 1.5, motion: "lift", in_s: 0.5, says: "the arm lifts the object" });
   lines.push("no line at all", "/load x {}", "/load 8000000001 {broken");
   const end = await watched({ name: "CoLift, recording a.mcap", documents: { ...robot, "/recording.txt": lines.join("\n") } });
   const press = (what) => page.click(`#replay [data-do=${what}]`);
@@ -392,6 +393,7 @@ test("a recording is paused, searched, stepped through and played at another spe
   run.say("/task/status", status("aborted"), 9); // what the server says is not shown meanwhile
   await press("forward");
   assert.equal(await state(), "hold");
+  assert.equal(await page.isVisible("#intent"), false); // what was announced then is over
   await until(async () => Math.abs((await raised()) - 50) < 1, "the height at the end");
   await press("back");
   assert.equal(await state(), "lift");

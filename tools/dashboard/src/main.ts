@@ -116,7 +116,7 @@ const reset = () => {
   camera.reset();
   partner = grasp = null;
   leads = "";
-  $("leads").hidden = true;
+  $("leads").hidden = $("intent").hidden = true;
   $("log").innerHTML = "";
   for (const id of ["waits", "note"]) $(id).textContent = "";
   $("state").textContent = "no state yet";

@@ -6,6 +6,8 @@ import type { TaskChange, TaskStatus } from "./messages";
 interface Entry { topic: string; at: bigint; text: string }
 /** Of these all that were said before count, of the others the newest. */
 const HISTORIES = ["/task/change", "/log", "/load", "/task/status"];
+/** Of these none that was said before still holds. */
+const MOMENTARY = ["/task/intent"];
 const LOG_LINES = 300;
 
 export class Recording {
@@ -62,7 +64,7 @@ export class Recording {
       newest.set(this.entries[this.next]!.topic, this.next);
     for (let i = this.next - 1; i >= 0; i--) {
       const { topic } = this.entries[i]!;
-      if (topic === "/log" && ++logs > LOG_LINES) continue;
+      if (MOMENTARY.includes(topic) || (topic === "/log" && ++logs > LOG_LINES)) continue;
       if (HISTORIES.includes(topic) || newest.get(topic) === i) shown.push(i);
     }
     for (const i of shown.reverse()) this.show(i);
