@@ -145,13 +145,13 @@ test("an operator who has read nothing for a whole lift is still connected, and 
   const view = await startView("run", "--view", "0", "--quiet", "--speed", "6", "--seed", "1", "--allow-operator");
   const behind = new WebSocket(view.url.replace("http", "ws"), ["foxglove.sdk.v1"]);
   try {
-    let closed = false, bytes = 0, said = "";
+    let closed = false, bytes = 0, said = "", channels = [];
     behind.on("close", () => { closed = true; });
-    await new Promise((open) => behind.on("open", open));
-    let channels = [];
-    await new Promise((done) => behind.on("message", (data, binary) => {
-      if (!binary && JSON.parse(data).op === "advertise") { channels = JSON.parse(data).channels; done(); }
-    }));
+    // from the beginning: the channels may come together with the answer that opens it
+    behind.on("message", (data, binary) => {
+      if (!binary && JSON.parse(data).op === "advertise") channels = JSON.parse(data).channels;
+    });
+    await until(() => channels.length > 0, "the channels");
     behind.send(JSON.stringify({ op: "subscribe", subscriptions: channels.map(({ id }) => ({ id, channelId: id })) }));
     behind.pause();
     await until(() => /keeps the last state/.test(view.errors), "the end of the lift", 120000);
