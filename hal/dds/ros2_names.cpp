@@ -56,4 +56,8 @@ Result<int> domain_of_environment() {
   return domain;
 }
 
+Result<int> domain_or_environment(int domain) {
+  return domain < 0 ? domain_of_environment() : Result<int>(domain);
+}
+
 }  // namespace colift::hal::dds

@@ -16,6 +16,9 @@ namespace colift::hal::dds {
 /// range in which all ports lie below the ephemeral ones.
 [[nodiscard]] Result<int> domain_of_environment();
 
+/// `domain` itself, or where it is negative that of the environment.
+[[nodiscard]] Result<int> domain_or_environment(int domain);
+
 inline constexpr int kMaxDomain = 101;
 
 }  // namespace colift::hal::dds

@@ -75,6 +75,25 @@ Bytes last_of(const std::vector<Bytes>& all) {
   return all.back();
 }
 
+/// What `colift ros2` answers to one request, after which it ends.
+RosDecideReply answer_of_program(const RosDecideRequest& request) {
+  const int domain = test_domain();
+  auto running = std::async(std::launch::async, [&] {
+    return colift("ros2 --quiet --count 1 --ros2-domain " + std::to_string(domain) + " 2>&1");
+  });
+  FastPeer peer(domain);
+  const auto replies = peer.reader("rt/colift/decide/reply", "colift_msgs::msg::dds_::DecideReply_");
+  const auto requests = peer.writer("rt/colift/decide/request", "colift_msgs::msg::dds_::DecideRequest_");
+  std::optional<Bytes> got;
+  for (int i = 0; i < 60 && !got; ++i) {
+    (void)requests->write(bytes_of(request));
+    got = replies->next(500ms);
+  }
+  REQUIRE(got);
+  CHECK(running.get().code == 0);
+  return decide_reply_of(*got);
+}
+
 }  // namespace
 
 TEST_CASE("a run has no socket that other machines reach", "[dds][run]") {
@@ -227,26 +246,12 @@ TEST_CASE("a lift is seen over ROS 2 as its document has it, while hostile peers
 }
 
 TEST_CASE("a decision is asked for over ROS 2 from the program", "[dds][run]") {
-  const int domain = test_domain();
-  auto running = std::async(std::launch::async, [&] {
-    return colift("ros2 --quiet --count 1 --ros2-domain " + std::to_string(domain) + " 2>&1");
-  });
-  FastPeer peer(domain);
-  const auto replies = peer.reader("rt/colift/decide/reply", "colift_msgs::msg::dds_::DecideReply_");
-  const auto requests = peer.writer("rt/colift/decide/request", "colift_msgs::msg::dds_::DecideRequest_");
   RosDecideRequest request;  // an empty image
   request.client = "test", request.sequence_number = 9;
-  std::optional<Bytes> got;
-  for (int i = 0; i < 60 && !got; ++i) {
-    (void)requests->write(bytes_of(request));
-    got = replies->next(500ms);
-  }
-  REQUIRE(got);
-  const auto reply = decide_reply_of(*got);
+  const auto reply = answer_of_program(request);
   CHECK(reply.sequence_number == 9);
   CHECK_FALSE(reply.ok);
   CHECK(reply.error.find("size 0 x 0") != std::string::npos);
-  CHECK(running.get().code == 0);
 }
 
 TEST_CASE("the program decides over ROS 2, with the share that was asked for, as it does from a file",
@@ -259,26 +264,13 @@ TEST_CASE("the program decides over ROS 2, with the share that was asked for, as
   REQUIRE(here.code == 0);
   const Json decision = Json::parse(here.out).at("decision");
 
-  const int domain = test_domain();
-  auto running = std::async(std::launch::async, [&] {
-    return colift("ros2 --quiet --count 1 --ros2-domain " + std::to_string(domain) + " 2>&1");
-  });
-  FastPeer peer(domain);
-  const auto replies = peer.reader("rt/colift/decide/reply", "colift_msgs::msg::dds_::DecideReply_");
-  const auto requests = peer.writer("rt/colift/decide/request", "colift_msgs::msg::dds_::DecideRequest_");
   RosDecideRequest request;
   request.header = {system_stamp(), "camera"};
   request.client = "test", request.sequence_number = 4;
   request.depth = image_of_frame(frame->frame), request.info = info_of_frame(frame->frame);
   request.partner = {-0.45, -0.5, 1.75};
   request.share = 0.35;
-  std::optional<Bytes> got;
-  for (int i = 0; i < 60 && !got; ++i) {
-    (void)requests->write(bytes_of(request));
-    got = replies->next(500ms);
-  }
-  REQUIRE(got);
-  const auto reply = decide_reply_of(*got);
+  const auto reply = answer_of_program(request);
   INFO(reply.error);
   REQUIRE(reply.ok);
   CHECK(reply.decision.decided);
@@ -286,7 +278,6 @@ TEST_CASE("the program decides over ROS 2, with the share that was asked for, as
   CHECK(reply.decision.share == decision.at("share").get<double>());
   CHECK(reply.decision.cost == decision.at("cost").get<double>());
   CHECK(reply.decision.because == decision.at("because").get<std::string>());
-  CHECK(running.get().code == 0);
 }
 
 TEST_CASE("options of ROS 2 that make no sense are refused before anything starts", "[dds][run]") {

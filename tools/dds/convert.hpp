@@ -20,8 +20,6 @@ struct ChannelMessage {
   hal::Duration to_ros{0};  ///< Added to the robot's clock: ROS time, nanoseconds since 1970.
 };
 
-[[nodiscard]] builtin_interfaces_msg_dds__Time_ time_of(hal::Timestamp at);
-
 /// What is no text in CDR is false.
 [[nodiscard]] bool to_description(std_msgs_msg_dds__String_& out, const ChannelMessage& in);
 [[nodiscard]] bool to_joint_state(sensor_msgs_msg_dds__JointState_& out, const ChannelMessage& in);

@@ -64,13 +64,7 @@ bool to_camera_info(sensor_msgs_msg_dds__CameraInfo_& out, const ChannelMessage&
   out.width = j.at("width").get<std::uint32_t>(), out.height = j.at("height").get<std::uint32_t>();
   const double fx = number_of(j.at("fx")), fy = number_of(j.at("fy"));
   const double cx = number_of(j.at("cx")), cy = number_of(j.at("cy"));
-  hal::dds::set(out.distortion_model, "plumb_bob");
-  hal::dds::resize(out.d, 5);  // no distortion
-  const double k[] = {fx, 0, cx, 0, fy, cy, 0, 0, 1}, r[] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  const double p[] = {fx, 0, cx, 0, 0, fy, cy, 0, 0, 0, 1, 0};
-  std::copy(std::begin(k), std::end(k), out.k);
-  std::copy(std::begin(r), std::end(r), out.r);
-  std::copy(std::begin(p), std::end(p), out.p);
+  hal::dds::set_pinhole(out, fx, fy, cx, cy);
   return true;
 }
 

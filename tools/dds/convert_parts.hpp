@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "hal/dds/message_parts.hpp"
 #include "hal/dds/samples.hpp"
 #include "tools/dds/convert.hpp"
 
@@ -29,10 +30,7 @@ inline hal::Timestamp stamp_of(const Json& time) {
          bounded(time.at("nsec").get<std::int64_t>(), 1'000'000'000);
 }
 
-inline void set_header(std_msgs_msg_dds__Header_& out, hal::Timestamp at, std::string_view frame) {
-  out.stamp = time_of(at);
-  hal::dds::set(out.frame_id, frame);
-}
+using hal::dds::set_header;
 
 inline void set_text(char*& out, const Json& text) {
   hal::dds::set(out, text.get_ref<const std::string&>());

@@ -30,13 +30,6 @@ bool transforms(tf2_msgs_msg_dds__TFMessage_& out, const ChannelMessage& in, boo
 
 }  // namespace
 
-builtin_interfaces_msg_dds__Time_ time_of(hal::Timestamp at) {
-  constexpr std::int64_t kSecond_ns = 1'000'000'000;
-  std::int64_t seconds = at.count() / kSecond_ns, rest = at.count() % kSecond_ns;
-  if (rest < 0) --seconds, rest += kSecond_ns;
-  return {static_cast<std::int32_t>(seconds), static_cast<std::uint32_t>(rest)};
-}
-
 bool to_description(std_msgs_msg_dds__String_& out, const ChannelMessage& in) {
   const auto text = telemetry::parse_string(in.bytes);
   if (text) hal::dds::set(out.data, *text);

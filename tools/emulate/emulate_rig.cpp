@@ -67,8 +67,8 @@ std::uint64_t rules_broken(EmulatedRig& rig) {
 }
 
 Json camera_json(EmulatedRig& rig) {
-  if (const sim_hal::ServedCamera* other = rig.other_camera()) {
-    const sim_hal::ServedCamera::Report r = other->report();
+  if (const sim_hal::ServedCamera* served = rig.served_camera()) {
+    const sim_hal::ServedCamera::Report r = served->report();
     return {{"frames_sent", r.frames}, {"worst_render_ms", r.worst_render_ms}};
   }
   const sim_hal::CameraServerReport c = rig.camera()->report();

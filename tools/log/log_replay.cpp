@@ -213,7 +213,8 @@ int log_replay(const CommonOptions& common, const LogOptions& options) {
   if (options.live.view) documents["/recording.txt"] = {kText, telemetry::page_recording(reader)};
   if (options.beside) {
     if (!options.live.view)
-      return report_error(kCommand, {hal::ErrorCode::BadInput, "--beside", "is for the page; expected --view"});
+      return report_error(kCommand,
+                          {hal::ErrorCode::BadInput, "--beside", "is for the page; expected --view"});
     const auto other = open_recording(*options.beside);
     if (!other) return report_error(kCommand, other.error());
     documents["/beside.txt"] = {kText, telemetry::page_recording(other->reader)};

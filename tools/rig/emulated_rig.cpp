@@ -44,7 +44,7 @@ EmulatedRigConfig emulated_rig_of(const RobotFile& file, std::uint64_t seed) {
   config.cpu = file.fri.cpu;
   if (file.hand == "barrett") config.can = file.barrett.can;
   if (file.camera == "kinect") config.camera = camera_address(file.kinect.source);
-  if (file.camera == "ros2") config.other_camera = emulated_ros2_camera(file.ros2);
+  if (file.camera == "ros2") config.serve_camera = emulated_ros2_camera(file.ros2);
   for (const MoreCamera& more : file.more_cameras)
     config.more_cameras.push_back(camera_address(more.kinect.source));
   config.seed = seed;
@@ -69,7 +69,7 @@ hal::Result<EmulatedRig::Faults> EmulatedRig::faults_of(const sim_hal::Scenario&
   auto hand = sim_hal::faults_of("hand", scenario.faults, {}, sim_hal::hand_fault, sim_hal::parse_hand_fault);
   if (!hand) return tl::unexpected(hand.error());
   Faults faults{std::move(*arm), std::move(*hand), {}, {}};
-  if (config.other_camera) return faults;  // it has its own
+  if (config.serve_camera) return faults;  // it has its own
   if (config.video) {
     auto device =
         sim_hal::faults_of("camera", scenario.faults, {}, sim_hal::video_fault, sim_hal::parse_video_fault);
@@ -136,10 +136,10 @@ hal::Result<std::shared_ptr<EmulatedRig>> EmulatedRig::start(const EmulatedRigCo
     rig->video_ = std::make_shared<sim_hal::EmulatedVideo>(
         config.video->first, std::make_unique<sim_hal::VideoWorldSource>(w, config.video->second),
         rig->clock_);
-  if (config.other_camera) {
-    auto camera = config.other_camera(w);
+  if (config.serve_camera) {
+    auto camera = config.serve_camera(w);
     if (!camera) return tl::unexpected(camera.error());
-    rig->other_camera_ = std::move(*camera);
+    rig->served_camera_ = std::move(*camera);
   }
   return rig;
 }
@@ -153,7 +153,7 @@ void EmulatedRig::begin() {
     for (const auto& fault : faults_.cameras[n]) (n == 0 ? camera_ : more_cameras_[n - 1])->inject(fault);
   for (const auto& fault : faults_.video)
     if (video_) video_->inject(fault);
-  if (other_camera_) other_camera_->begin();
+  if (served_camera_) served_camera_->begin();
 }
 
 void EmulatedRig::stop() {
@@ -161,7 +161,7 @@ void EmulatedRig::stop() {
   if (camera_) camera_->stop();
   for (const auto& camera : more_cameras_) camera->stop();
   if (video_) video_->end();
-  if (other_camera_) other_camera_->stop();
+  if (served_camera_) served_camera_->stop();
   if (pucks_) pucks_->stop();
   if (krc_) krc_->stop();
 }

@@ -33,15 +33,15 @@ struct EmulatedRigConfig {
   /// A video device that the kernel would serve, and its camera; unset: none there.
   std::optional<std::pair<sim_hal::EmulatedVideoConfig, hal::CameraIntrinsics>> video;
   /// Serves a camera of another kind in this world; unset: none there.
-  std::function<hal::Result<std::unique_ptr<sim_hal::ServedCamera>>(const sim_hal::SimWorld&)> other_camera;
+  std::function<hal::Result<std::unique_ptr<sim_hal::ServedCamera>>(const sim_hal::SimWorld&)> serve_camera;
   std::uint64_t seed = 1;
 };
 
 /// What the far ends of this robot's wires are.
 [[nodiscard]] EmulatedRigConfig emulated_rig_of(const RobotFile& file, std::uint64_t seed);
 
-/// KRC, four pucks and a camera on one simulated world, in real time, each in a thread of
-/// its own. The pucks are asleep as after power-on.
+/// KRC, four pucks and a camera on one simulated world, in real time, each in a thread of its own. The pucks
+/// are asleep as after power-on.
 class EmulatedRig {
  public:
   /// Errors: BadConfig (a fault of the scenario that is none, an address that is taken), what the servers
@@ -67,9 +67,8 @@ class EmulatedRig {
   }
   /// nullptr: not served. Lives no longer than the rig: its pictures are of the rig's world.
   [[nodiscard]] const std::shared_ptr<sim_hal::EmulatedVideo>& video() { return video_; }
-  [[nodiscard]] sim_hal::ServedCamera* other_camera() {
-    return other_camera_.get();
-  }  ///< nullptr: not served.
+  /// nullptr: not served.
+  [[nodiscard]] sim_hal::ServedCamera* served_camera() { return served_camera_.get(); }
 
  private:
   struct Faults {
@@ -90,7 +89,7 @@ class EmulatedRig {
   std::vector<std::unique_ptr<sim_hal::CameraServer>> more_cameras_;
   hal::SteadyClock clock_;
   std::shared_ptr<sim_hal::EmulatedVideo> video_;
-  std::unique_ptr<sim_hal::ServedCamera> other_camera_;
+  std::unique_ptr<sim_hal::ServedCamera> served_camera_;
 };
 
 /// Says to other programs on this machine that a rig is served for the arm's client on `port`; gone with the

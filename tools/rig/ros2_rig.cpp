@@ -23,12 +23,9 @@ hal::Result<std::unique_ptr<sim_hal::ServedCamera>> serve(const hal::Ros2CameraC
                                    sim_hal::parse_ros2_camera_fault);
   if (!faults) return tl::unexpected(faults.error());
   sim_hal::Ros2CameraServerConfig config;
-  config.domain = ros2.domain;
-  if (config.domain < 0) {
-    const auto domain = hal::dds::domain_of_environment();
-    if (!domain) return tl::unexpected(domain.error());
-    config.domain = *domain;
-  }
+  const auto domain = hal::dds::domain_or_environment(ros2.domain);
+  if (!domain) return tl::unexpected(domain.error());
+  config.domain = *domain;
   config.interface = ros2.interface;
   config.image = ros2.image;
   config.info = ros2.info;

@@ -79,12 +79,9 @@ struct Ros2Camera::Impl {
 
   Result<> open() {
     dds::DdsConfig d;
-    d.domain = config.domain;
-    if (config.domain < 0) {
-      const auto domain = dds::domain_of_environment();
-      if (!domain) return tl::unexpected(domain.error());
-      d.domain = *domain;
-    }
+    const auto domain = dds::domain_or_environment(config.domain);
+    if (!domain) return tl::unexpected(domain.error());
+    d.domain = *domain;
     d.interface = config.interface;
     d.node = "colift_camera";
     auto made = dds::Participant::open(d);

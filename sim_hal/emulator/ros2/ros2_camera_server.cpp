@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "hal/dds/message_parts.hpp"
 #include "hal/dds/participant.hpp"
 #include "hal/dds/samples.hpp"
 #include "hal/types/time.hpp"
@@ -29,13 +30,6 @@ constexpr double kMax_mm = 65535.0;
 
 hal::Duration system_time() {
   return std::chrono::duration_cast<hal::Duration>(std::chrono::system_clock::now().time_since_epoch());
-}
-
-void set_stamp(std_msgs_msg_dds__Header_& header, hal::Duration at, const std::string& frame_id) {
-  const auto whole = std::chrono::floor<std::chrono::seconds>(at);
-  header.stamp.sec = static_cast<std::int32_t>(whole.count());
-  header.stamp.nanosec = static_cast<std::uint32_t>(std::chrono::nanoseconds(at - whole).count());
-  hal::dds::set(header.frame_id, frame_id);
 }
 
 /// The node, its publishers and what they need.
@@ -146,21 +140,14 @@ struct Ros2CameraServer::Impl {
 
     const hal::CameraIntrinsics& k = source->camera();
     Sample<Info> info(sensor_msgs_msg_dds__CameraInfo__desc);
-    set_stamp(info->header, stamp, config.frame_id);
+    hal::dds::set_header(info->header, stamp, config.frame_id);
     info->width = static_cast<std::uint32_t>(k.width) / (active(Kind::Resized) ? 2U : 1U);
     info->height = static_cast<std::uint32_t>(k.height);
-    hal::dds::set(info->distortion_model, "plumb_bob");
-    hal::dds::resize(info->d, 5);  // no distortion
-    const double matrix[] = {k.fx, 0, k.cx, 0, k.fy, k.cy, 0, 0, 1};
-    const double rotation[] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    const double projection[] = {k.fx, 0, k.cx, 0, 0, k.fy, k.cy, 0, 0, 0, 1, 0};
-    std::copy(std::begin(matrix), std::end(matrix), std::begin(info->k));
-    std::copy(std::begin(rotation), std::end(rotation), std::begin(info->r));
-    std::copy(std::begin(projection), std::end(projection), std::begin(info->p));
+    hal::dds::set_pinhole(*info, k.fx, k.fy, k.cx, k.cy);
     (void)dds_write(node->info, &*info);
 
     Sample<Image> image(sensor_msgs_msg_dds__Image__desc);
-    set_stamp(image->header, stamp, config.frame_id);
+    hal::dds::set_header(image->header, stamp, config.frame_id);
     image->width = static_cast<std::uint32_t>(k.width);
     image->height = static_cast<std::uint32_t>(k.height);
     image->step = 2 * image->width;

@@ -1,9 +1,8 @@
 // Two recordings side by side, on one clock: each half is the page itself (main.ts, ?half=) and shows what was at its own time.
 
-import type { Recorded, ReplayBar } from "./replay_bar";
+import { type Recorded, type ReplayBar, SPEEDS } from "./replay_bar";
 
 const $ = <T extends HTMLElement = HTMLElement>(id: string): T => document.getElementById(id) as T;
-const SPEEDS = [0.25, 0.5, 1, 2, 4, 8];
 /** A page that was not worked on for longer goes on from where it was (s). */
 const LONGEST_STEP_S = 1;
 

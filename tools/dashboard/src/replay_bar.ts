@@ -2,7 +2,7 @@
 
 import { Recording } from "./recording";
 
-const SPEEDS = [0.25, 0.5, 1, 2, 4, 8];
+export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8];
 /** A page that was not worked on for longer goes on from where it was (s). */
 const LONGEST_STEP_S = 2;
 
