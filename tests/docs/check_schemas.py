@@ -141,12 +141,13 @@ def main():
     for name in ("no_partner", "wrong_cog", "person_in_the_path", "partner_lets_go"):
         c.command("run", "run", "--scenario", scenarios / f"{name}.yaml", "--seed", "3", "--set", "task.partner_timeout_s=5")
     c.command("check", "check")
-    for kind in ("scenarios", "robots"):
+    for kind in ("scenarios", "robots", "scenes"):
         listed = c.command("shipped", kind)
-        files = (scenarios if kind == "scenarios" else root / "config").glob("*.yaml")
-        if listed and [f["name"] for f in listed["files"]] != sorted(f.stem for f in files):
+        names_there = {"scenarios": [f.stem for f in scenarios.glob("*.yaml")], "robots": [f.stem for f in (root / "config").glob("*.yaml")],
+                       "scenes": [f.parent.name for f in real.glob("*/depth.png")]}[kind]
+        if listed and [f["name"] for f in listed["files"]] != sorted(names_there):
             c.wrong.append(f"colift {kind} lists others than the folder has")
-        c.wrong += [f"{f['file']} begins with no comment that says what it is for" for f in (listed or {"files": []})["files"] if not f["about"]]
+        c.wrong += [f"{f['file']} does not say what it is for" for f in (listed or {"files": []})["files"] if not f["about"]]
     c.command("doctor", "doctor")
     with tempfile.TemporaryDirectory() as folder:
         for problem in (PROBLEM, TIGHT):

@@ -52,6 +52,20 @@ def test_a_frame_keeps_what_it_is_made_of():
     assert frame.intrinsics == (10, 10, 2, 1.5) and frame.rgb.shape == (3, 4, 3)
 
 
+def test_a_written_frame_reads_back_to_the_millimetre(tmp_path, scene):
+    scene["frame"].write(str(tmp_path / "frame.png"))
+    back = colift.Frame.read(str(tmp_path / "frame.png"))
+    assert back.intrinsics == pytest.approx(scene["frame"].intrinsics)
+    assert np.array_equal(np.isnan(back.depth), np.isnan(scene["frame"].depth))
+    assert np.nanmax(np.abs(back.depth - scene["frame"].depth)) <= 0.000501
+
+
+def test_a_shipped_frame_is_found_by_its_name():
+    assert np.isfinite(colift.Frame.read("01_office_chair_and_bottles").depth).mean() > 0.5
+    with pytest.raises(colift.Error, match="did you mean"):
+        colift.Frame.read("01_office_chair")
+
+
 @pytest.mark.parametrize("make, where", [
     (lambda: colift.Frame(depth().astype(np.uint16)), "depth"),
     (lambda: colift.Frame(depth().astype(complex)), "depth"),

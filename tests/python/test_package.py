@@ -39,6 +39,12 @@ def test_everything_public_has_help():
                 assert inspect.getdoc(inspect.getattr_static(thing, member)), f"{name}.{member}"
 
 
+def test_help_names_what_people_import():
+    for thing in (colift.Frame.read, colift.Frame.write, colift.PartnerGrasp.__init__, colift.Candidate.__init__):
+        assert "_colift" not in thing.__doc__, thing.__doc__
+    assert colift.Frame.__module__ == "colift"
+
+
 def test_an_error_says_code_place_and_finding():
     with pytest.raises(colift.Error) as refused:
         colift.Setup(settings={"decision.mass_kg": -1})
@@ -141,4 +147,4 @@ def test_a_plot_is_written_and_bad_numbers_are_refused(tmp_path):
         with pytest.raises(colift.Error):
             colift.write_plot(file, "t (s)", panels)
     with pytest.raises(colift.Error):
-        colift.write_plot("/nowhere/plot.png", "t (s)", {"a": {"b": ([0, 1], [0, 1])}})
+        colift.write_plot("/no/where/plot.png", "t (s)", {"a": {"b": ([0, 1], [0, 1])}})

@@ -208,7 +208,8 @@ TEST_CASE("what is wrong is said in one line with the place, exit code 2", "[pro
 }
 
 TEST_CASE(
-    "shipped scenarios and robots are found by name from any folder, and a file of that name goes first",
+    "shipped scenarios, robots and frames are found by name from any folder, and a file of that name goes "
+    "first",
     "[program]") {
   const auto here = std::filesystem::current_path();
   std::filesystem::create_directories(scratch() / "elsewhere");
@@ -217,13 +218,18 @@ TEST_CASE(
   std::ofstream("pipe") << "schema: colift.scenario/1\nobject: {kind: anvil}\n";
   const Run own = colift("run --scenario pipe --dry-run --json --quiet");
   const Run robot = colift("check --for run --robot emulated --json");
+  const Run frame = colift("look 01_office_chair_and_bottles --json");
+  const Run no_frame = colift("look 01_office_chair --json");
   std::filesystem::current_path(here);
-  INFO(pipe.err << own.err << robot.err);
+  INFO(pipe.err << own.err << robot.err << frame.err << no_frame.err);
   CHECK(pipe.code == 0);
   CHECK(Json::parse(pipe.out)["scenario"].get<std::string>().find("pipe") != std::string::npos);
   CHECK(own.code == 2);
   CHECK(own.err.find("anvil") != std::string::npos);
   CHECK(robot.code == 0);
+  CHECK(frame.code == 0);
+  CHECK(no_frame.code == 2);
+  CHECK(no_frame.err.find("did you mean \"01_office_chair_and_bottles\"?") != std::string::npos);
 }
 
 TEST_CASE("a run whose hand has no bus is denied at its start: nothing is guessed, nothing moves (row 35)",

@@ -22,6 +22,7 @@
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/session.hpp"
 #include "tools/rig/video_rig.hpp"
+#include "tools/scenes/depth_file.hpp"
 #include "tools/visualization/file_output.hpp"
 
 namespace colift::tools {

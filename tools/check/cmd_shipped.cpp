@@ -37,13 +37,12 @@ std::string wrapped(const std::string& text, std::size_t indent) {
 int cmd_shipped(ShippedKind kind, bool json) {
   const auto files = shipped_files(kind);
   if (files.empty()) {
-    fmt::print(stderr, "colift: the folder \"config\" is not beside this program; install CoLift anew\n");
+    fmt::print(stderr, "colift: no {} is beside this program; install CoLift anew\n", word_of(kind));
     return kBadInput;
   }
   if (json) {
-    nlohmann::ordered_json out = {{"schema", "colift.shipped/1"},
-                                  {"kind", kind == ShippedKind::Scenario ? "scenario" : "robot"},
-                                  {"files", nlohmann::ordered_json::array()}};
+    nlohmann::ordered_json out = {
+        {"schema", "colift.shipped/1"}, {"kind", word_of(kind)}, {"files", nlohmann::ordered_json::array()}};
     for (const ShippedFile& f : files)
       out["files"].push_back({{"name", f.name}, {"file", f.file.string()}, {"about", f.about}});
     fmt::print("{}\n", out.dump());

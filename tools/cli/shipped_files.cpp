@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string_view>
 #include <system_error>
 
@@ -14,10 +16,6 @@ namespace colift::tools {
 namespace {
 
 namespace fs = std::filesystem;
-
-const char* word(ShippedKind kind) {
-  return kind == ShippedKind::Scenario ? "scenario" : "robot";
-}
 
 /// The first paragraph of the comment at the top of a YAML file, its lines joined; an indented line is a
 /// command and ends it.
@@ -31,7 +29,49 @@ std::string leading_comment(const fs::path& file) {
   return about;
 }
 
+constexpr const char* kFrame = "depth.png";
+
+/// The folder that holds all of one kind; of a checkout or of an installation.
+fs::path folder_of(ShippedKind kind) {
+  const fs::path config = shipped_folder();
+  if (config.empty() || kind == ShippedKind::Robot) return config;
+  if (kind == ShippedKind::Scenario) return config / "scenario";
+  const fs::path installed = config.parent_path() / "scene";
+  std::error_code error;
+  return fs::is_directory(installed, error) ? installed : config.parent_path() / "tests" / "data" / "real";
+}
+
+/// What a scene shows, as its truth says; empty without.
+std::string summary_of(const fs::path& scene) {
+  std::ifstream in(scene / "truth.json");
+  const auto truth = nlohmann::json::parse(in, nullptr, false);
+  return truth.is_object() ? truth.value("summary", "") : "";
+}
+
+/// The file of a kind that an entry of its folder stands for; nothing when it is something else.
+std::optional<ShippedFile> shipped_file(ShippedKind kind, const fs::path& entry) {
+  std::error_code error;
+  if (kind != ShippedKind::Scene)
+    return entry.extension() != ".yaml"
+               ? std::nullopt
+               : std::optional(ShippedFile{entry.stem().string(), entry, leading_comment(entry)});
+  if (!fs::exists(entry / kFrame, error)) return std::nullopt;
+  return ShippedFile{entry.filename().string(), entry / kFrame, summary_of(entry)};
+}
+
 }  // namespace
+
+const char* word_of(ShippedKind kind) {
+  switch (kind) {
+    case ShippedKind::Scenario:
+      return "scenario";
+    case ShippedKind::Robot:
+      return "robot";
+    case ShippedKind::Scene:
+      return "scene";
+  }
+  return "";
+}
 
 fs::path shipped_folder() {
   std::error_code error;
@@ -53,13 +93,11 @@ fs::path shipped_folder() {
 
 std::vector<ShippedFile> shipped_files(ShippedKind kind) {
   std::vector<ShippedFile> files;
-  fs::path folder = shipped_folder();
+  const fs::path folder = folder_of(kind);
   if (folder.empty()) return files;
-  if (kind == ShippedKind::Scenario) folder /= "scenario";
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
-    if (entry.path().extension() == ".yaml")
-      files.push_back({entry.path().stem().string(), entry.path(), leading_comment(entry.path())});
+    if (auto file = shipped_file(kind, entry.path())) files.push_back(std::move(*file));
   std::sort(files.begin(), files.end(),
             [](const ShippedFile& a, const ShippedFile& b) { return a.name < b.name; });
   return files;
@@ -67,7 +105,10 @@ std::vector<ShippedFile> shipped_files(ShippedKind kind) {
 
 hal::Result<fs::path> file_or_shipped(ShippedKind kind, const std::string& text) {
   std::error_code error;
-  if (text.find_first_of("/.") != std::string::npos || fs::exists(text, error)) return fs::path(text);
+  if (text.find_first_of("/.") != std::string::npos || fs::exists(text, error)) {
+    const bool folder = kind == ShippedKind::Scene && fs::is_directory(text, error);
+    return folder ? fs::path(text) / kFrame : fs::path(text);
+  }
   std::vector<std::string> names;
   for (const ShippedFile& each : shipped_files(kind)) {
     if (each.name == text) return each.file;
@@ -76,9 +117,9 @@ hal::Result<fs::path> file_or_shipped(ShippedKind kind, const std::string& text)
   const auto nearest = hal::nearest_path(text, names);
   return hal::failure(
       hal::ErrorCode::NotFound, text,
-      fmt::format("there is no such file, and no {0} of that name is shipped; {1}", word(kind),
+      fmt::format("there is no such file, and no {0} of that name is shipped; {1}", word_of(kind),
                   nearest ? fmt::format("did you mean \"{}\"?", *nearest)
-                          : fmt::format("\"colift {}s\" lists those that are", word(kind))));
+                          : fmt::format("\"colift {}s\" lists those that are", word_of(kind))));
 }
 
 }  // namespace colift::tools

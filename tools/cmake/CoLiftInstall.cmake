@@ -20,6 +20,11 @@ list(TRANSFORM COLIFT_CONTRACT_HEADERS PREPEND ${contract_include}/colift/contra
 install(FILES ${contract_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/colift/contract COMPONENT libcolift-dev)
 
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/config/ DESTINATION ${CMAKE_INSTALL_DATADIR}/colift/config COMPONENT colift)
+# recorded frames that look and decide take by name: one of a Kinect, one of a RealSense
+set(scenes ${PROJECT_SOURCE_DIR}/tests/data/real)
+install(DIRECTORY ${scenes}/01_office_chair_and_bottles ${scenes}/07_carton_before_wall
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/colift/scene COMPONENT colift)
+install(FILES ${scenes}/LICENSES.txt DESTINATION ${CMAKE_INSTALL_DATADIR}/colift/scene COMPONENT colift)
 install(EXPORT CoLiftTargets NAMESPACE CoLift:: DESTINATION ${package_dir} COMPONENT libcolift-dev)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/CoLiftConfig.cmake.in
                               ${CMAKE_BINARY_DIR}/CoLiftConfig.cmake INSTALL_DESTINATION ${package_dir})

@@ -64,6 +64,9 @@ class CommandLine {
 CLI::Option* add_scenario(CLI::App& parser, std::optional<std::filesystem::path>& file,
                           const std::string& help);
 CLI::Option* add_robot(CLI::App& parser, std::optional<std::filesystem::path>& file, const std::string& help);
+/// A recorded frame: a path, the folder of a scene, or the name of a shipped one.
+CLI::Option* add_frame(CLI::App& parser, const char* option, std::filesystem::path& file,
+                       const std::string& help);
 
 /// --view and what belongs to it, for `run` and `log replay`.
 void add_view(CLI::App& parser, ViewOptions& options);

@@ -1,4 +1,4 @@
-// --scenario and --robot, for every command that has them.
+// --scenario, --robot and recorded frames: a path, or the name of what is shipped.
 
 #include "tools/cli/shipped_files.hpp"
 #include "tools/programs/command_line.hpp"
@@ -6,8 +6,9 @@
 namespace colift::tools {
 namespace {
 
-CLI::Option* add_shipped(CLI::App& parser, const char* option, std::optional<std::filesystem::path>& file,
-                         const std::string& help, ShippedKind kind) {
+template <class Path>
+CLI::Option* add_shipped(CLI::App& parser, const char* option, Path& file, const std::string& help,
+                         ShippedKind kind) {
   return parser.add_option(option, file, help)
       ->type_name("NAME|FILE")
       ->transform([=](const std::string& text) {
@@ -27,6 +28,11 @@ CLI::Option* add_scenario(CLI::App& parser, std::optional<std::filesystem::path>
 CLI::Option* add_robot(CLI::App& parser, std::optional<std::filesystem::path>& file,
                        const std::string& help) {
   return add_shipped(parser, "--robot", file, help, ShippedKind::Robot);
+}
+
+CLI::Option* add_frame(CLI::App& parser, const char* option, std::filesystem::path& file,
+                       const std::string& help) {
+  return add_shipped(parser, option, file, help, ShippedKind::Scene);
 }
 
 }  // namespace colift::tools

@@ -13,7 +13,8 @@ namespace colift::tools {
 namespace {
 
 void add_look(CLI::App& command, LookOptions& o) {
-  command.add_option("CLOUD", o.cloud, "Recorded frame: .pcd, .ply, or a 16-bit .png depth image")
+  add_frame(command, "FRAME", o.cloud,
+            "Recorded frame: .pcd, .ply, a 16-bit .png depth image, or one that is shipped (colift scenes)")
       ->required();
   command.add_option("--method", o.method, "fast (default) or thesis");
   command.add_option("--camera", o.camera, "Intrinsics of a .png (default: camera.json beside it)")
@@ -130,6 +131,9 @@ void add_sight_commands(CommandLine& line) {
   CLI::App& robots_command = line.command("robots");
   line.add_output(robots_command);
   line.when(robots_command, [&common] { return cmd_shipped(ShippedKind::Robot, common.json); });
+  CLI::App& scenes_command = line.command("scenes");
+  line.add_output(scenes_command);
+  line.when(scenes_command, [&common] { return cmd_shipped(ShippedKind::Scene, common.json); });
 
   CLI::App& schema_command = line.command("schema");
   const auto name = std::make_shared<std::string>();

@@ -31,6 +31,7 @@ constexpr CommandEntry kCommands[] = {
     {"check", "colift-analyse", "Prints the configuration that a command would use; touches no device"},
     {"scenarios", "colift-analyse", "The scenarios that --scenario takes by name"},
     {"robots", "colift-analyse", "The robot files that --robot takes by name"},
+    {"scenes", "colift-analyse", "The recorded frames that look and decide take by name"},
     {"schema", "colift-analyse", "The JSON Schema of a document that --json prints, or that a command reads"},
     {"hal", "colift-bring-up", "Bring-up of one device at a time"},
     {"calibrate", "colift-bring-up",

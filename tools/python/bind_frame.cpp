@@ -2,7 +2,9 @@
 #include <cmath>
 
 #include "sim_hal/synthetic/scenes.hpp"
+#include "tools/cli/shipped_files.hpp"
 #include "tools/python/bindings.hpp"
+#include "tools/scenes/depth_file.hpp"
 
 namespace colift::python {
 namespace {
@@ -141,12 +143,25 @@ Raises Error (bad-input) for another type, shape, unit or range.)")
             const Unlocked other_threads_run;
             std::optional<std::filesystem::path> camera_json;
             if (camera) camera_json = *camera;
-            return std::make_shared<Frame>(value_of(hal::read_frame(file, camera_json)));
+            const auto path = value_of(tools::file_or_shipped(tools::ShippedKind::Scene, file));
+            return std::make_shared<Frame>(value_of(hal::read_frame(path, camera_json)));
           },
           py::arg("file"), py::arg("camera") = py::none(),
-          "Reads a 16-bit depth PNG (with `camera`, or camera.json beside it), a PCD or a PLY file. Raises "
+          "Reads a 16-bit depth PNG (with `camera`, or camera.json beside it), a PCD or a PLY file, or a "
+          "frame "
+          "that is shipped, by its name (`colift scenes`). Raises "
           "Error "
           "(bad-input) with the place in the file.")
+      .def(
+          "write",
+          [](const Frame& self, const std::string& png) {
+            const Unlocked other_threads_run;
+            value_of(tools::write_depth(png, self.frame));
+          },
+          py::arg("png"),
+          "Writes the depth as a 16-bit PNG in millimetres, with camera.json beside it, as Frame.read and "
+          "the program read them; without "
+          "colour. Raises Error (bad-input) where that cannot be.")
       .def_property_readonly(
           "depth",
           [](const std::shared_ptr<Frame>& self) {

@@ -65,6 +65,8 @@ std::string rank(const std::string& problem) {
 
 PYBIND11_MODULE(_colift, m) {
   using namespace colift::python;
+  // what help() shows is where people find it, not the file that it was compiled into
+  m.attr("__name__") = "colift";
   m.attr("__version__") = COLIFT_VERSION;
   bind_errors(m);
   bind_frame(m);

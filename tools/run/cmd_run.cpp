@@ -16,6 +16,7 @@
 #include "tools/run/run_parts.hpp"
 #include "tools/run/run_progress.hpp"
 #include "tools/run/run_session.hpp"
+#include "tools/visualization/file_output.hpp"
 
 namespace colift::tools {
 namespace {
@@ -59,6 +60,9 @@ int exit_code(const control::RunRecord& record, const RunOptions& options) {
 
 int cmd_run(const CommonOptions& common, const RunOptions& options, const RunParts& parts) {
   const InterruptGuard signals;
+  for (const auto* file : {&options.record, &options.report, &options.png})
+    if (*file)
+      if (auto ready = picture::prepare_output(**file); !ready) return report_error("run", ready.error());
   auto opened = RunSession::open(common, options, parts.wired);
   if (!opened) return report_error("run", opened.error());
   RunSession& session = **opened;

@@ -1,6 +1,7 @@
 #include "tools/visualization/file_output.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
@@ -37,14 +38,23 @@ hal::Result<> write_bytes(const fs::path& to, const fs::path& named, std::span<c
 
 }  // namespace
 
-hal::Result<> write_file(const fs::path& file, std::span<const std::uint8_t> bytes) {
+hal::Result<> prepare_output(const fs::path& file) {
   if (file.empty()) return refused(file, "no file name is given");
   std::error_code ignored;
   const fs::file_status status = fs::status(file, ignored);
   if (fs::is_directory(status)) return refused(file, "it is a directory");
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  if (!fs::is_directory(folder, ignored))
+  if (!fs::is_directory(folder, ignored) && !fs::create_directory(folder, ignored))
     return refused(file, fmt::format("the directory '{}' does not exist", folder.string()));
+  if (!fs::exists(status) && access(folder.c_str(), W_OK) != 0)
+    return refused(file, fmt::format("the directory '{}' allows no new files", folder.string()));
+  return {};
+}
+
+hal::Result<> write_file(const fs::path& file, std::span<const std::uint8_t> bytes) {
+  if (auto ready = prepare_output(file); !ready) return ready;
+  std::error_code ignored;
+  const fs::file_status status = fs::status(file, ignored);
   if (fs::exists(status) && !fs::is_regular_file(status)) return write_bytes(file, file, bytes);
 
   // a link keeps pointing where it did, and its target is replaced

@@ -16,6 +16,7 @@
 #include "tools/bring_up/camera/camera_files.hpp"
 #include "tools/bring_up/hal_camera_view.hpp"
 #include "tools/cli/interrupt.hpp"
+#include "tools/scenes/depth_file.hpp"
 
 namespace colift::tools {
 namespace {

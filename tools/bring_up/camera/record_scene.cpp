@@ -8,11 +8,11 @@
 #include <thread>
 
 #include "tools/bring_up/bring_up.hpp"
-#include "tools/bring_up/camera/camera_files.hpp"
 #include "tools/cli/interrupt.hpp"
 #include "tools/cli/session.hpp"
 #include "tools/cli/wait_for_person.hpp"
 #include "tools/scenes/cmd_scene.hpp"
+#include "tools/scenes/depth_file.hpp"
 
 namespace colift::tools {
 namespace {

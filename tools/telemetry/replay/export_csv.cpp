@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "tools/telemetry/channels/json_parts.hpp"
@@ -55,60 +56,79 @@ std::string file_name(const std::string& topic) {
   return (name.empty() ? "messages" : name.substr(0, 100)) + ".csv";
 }
 
-hal::Result<> write_table(const McapReader& file, const Channel& channel, const std::filesystem::path& to,
-                          bool& any) {
-  // twice over the messages: first which columns there are
+/// The table of one topic: the first pass over the recording finds its columns, the second writes its rows.
+struct Table {
+  std::filesystem::path file;
   std::vector<std::string> columns;
-  std::map<std::string, bool> seen;
-  any = false;
-  for (const bool writing : {false, true}) {
-    std::ofstream out;
-    if (writing) {
-      if (!any) return {};
-      out.open(to, std::ios::binary | std::ios::trunc);
-      out << "log_time_s";
-      for (const std::string& c : columns)
-        out << ',' << (c.find_first_of(",\"\r\n") == std::string::npos ? c : quoted(c));
-      out << '\n';
-    }
-    auto cursor = file.messages({channel.topic});
-    while (const auto message = cursor.next()) {
-      const Json j = Json::parse(message->data, nullptr, false);
-      if (j.is_discarded()) continue;
-      Row row;
-      flatten(j, "", row);
-      if (row.empty()) continue;
-      any = true;
-      if (!writing) {
-        for (const auto& [name, value] : row)
-          if (columns.size() < kMostColumns && !std::exchange(seen[name], true)) columns.push_back(name);
-        continue;
-      }
-      out << fmt::format("{}.{:09}", message->log_time / 1'000'000'000, message->log_time % 1'000'000'000);
-      for (const std::string& c : columns) {
-        const auto cell = row.find(c);
-        out << ',';
-        if (cell != row.end()) out << cell->second;
-      }
-      out << '\n';
-    }
-    if (writing && !out.flush()) return cannot_write(to);
+  std::set<std::string> seen;
+  std::ofstream out;
+
+  void find_columns(const Row& row) {
+    for (const auto& [name, value] : row)
+      if (columns.size() < kMostColumns && seen.insert(name).second) columns.push_back(name);
   }
-  return {};
+  void begin() {
+    out.open(file, std::ios::binary | std::ios::trunc);
+    out << "log_time_s";
+    for (const std::string& c : columns)
+      out << ',' << (c.find_first_of(",\"\r\n") == std::string::npos ? c : quoted(c));
+    out << '\n';
+  }
+  void add(std::uint64_t log_time_ns, const Row& row) {
+    out << fmt::format("{}.{:09}", log_time_ns / 1'000'000'000, log_time_ns % 1'000'000'000);
+    for (const std::string& c : columns) {
+      const auto cell = row.find(c);
+      out << ',';
+      if (cell != row.end()) out << cell->second;
+    }
+    out << '\n';
+  }
+};
+
+/// Calls `use` with the table and the row of each message that has one, in the order of the recording.
+template <class Use>
+void for_each_row(const McapReader& file, std::map<std::uint16_t, Table>& tables,
+                  const std::set<std::string>& topics, Use&& use) {
+  auto cursor = file.messages(topics);
+  while (const auto message = cursor.next()) {
+    const auto table = tables.find(message->channel_id);
+    if (table == tables.end()) continue;
+    const Json j = Json::parse(message->data, nullptr, false);
+    if (j.is_discarded()) continue;
+    Row row;
+    flatten(j, "", row);
+    if (!row.empty()) use(table->second, *message, row);
+  }
 }
 
 }  // namespace
 
 hal::Result<Exported> export_csv(const McapReader& file, const std::filesystem::path& folder) {
   if (auto made = make_folder(folder); !made) return tl::unexpected(made.error());
-  Exported out;
+  // twice over the recording, not over each topic: most of its bytes are depth images, which every pass
+  // decompresses
+  std::map<std::uint16_t, Table> tables;
+  std::set<std::string> topics, names;
   for (const auto& [id, channel] : file.info().channels) {
     if (channel.message_encoding != "json") continue;
-    const std::filesystem::path to = folder / file_name(channel.topic);
-    bool any = false;
-    if (auto done = write_table(file, channel, to, any); !done) return tl::unexpected(done.error());
-    if (!any) continue;
-    out.files.push_back(to);
+    // topics of a stranger may differ in what a file's name cannot have
+    std::string name = file_name(channel.topic);
+    for (int n = 2; !names.insert(name).second; ++n) name = fmt::format("{}_{}", n, file_name(channel.topic));
+    tables[id].file = folder / name;
+    topics.insert(channel.topic);
+  }
+  if (!topics.empty())
+    for_each_row(file, tables, topics,
+                 [](Table& table, const Message&, const Row& row) { table.find_columns(row); });
+  std::erase_if(tables, [](const auto& table) { return table.second.columns.empty(); });
+  for (auto& [id, table] : tables) table.begin();
+  for_each_row(file, tables, topics, [](Table& table, const Message& message, const Row& row) {
+    table.add(message.log_time, row);
+  });
+  Exported out;
+  for (auto& [id, table] : tables) {
+    if (!table.out.flush()) return cannot_write(table.file);
+    out.files.push_back(table.file);
     ++out.count;
   }
   if (out.count == 0)

@@ -210,6 +210,10 @@ TEST_CASE("a path that cannot be written is refused with what is in the way") {
   CHECK(nowhere.error().code == hal::ErrorCode::BadInput);
   CHECK(nowhere.error().text() ==
         "/no/such/folder/picture.png: cannot be written: the directory '/no/such/folder' does not exist");
+  const auto out = std::filesystem::temp_directory_path() / "colift_picture_test_out";
+  std::filesystem::remove_all(out);
+  CHECK(canvas.write_png(out / "picture.png"));  // the last folder alone is made
+  std::filesystem::remove_all(out);
   const auto folder = canvas.write_png(std::filesystem::temp_directory_path());
   REQUIRE_FALSE(folder);
   CHECK(folder.error().detail == "cannot be written: it is a directory");
