@@ -5,7 +5,9 @@ pairs: with nobody, and with 20 viewers. One of them never reads, one floods; bo
 Prints for both how long the arm's answers took, how many were missed while the emulated controller took commands, and
 how many of these are the program's own: `standstill` watches the processors meanwhile (tests/support/standstill.py).
 Means something only on a machine with nothing else to do. A minute a pair.
-Usage: viewers.py COLIFT [--cpu N] [--viewers N] [--seed N] [--pairs N]
+With --ros2 the watchers are nodes of ROS 2 instead (`run --ros2`): a flood of garbage on a topic of the run, damaged packets to its ports,
+and a subscriber that is stopped and never acknowledges (build/dds_peer of tests/dds).
+Usage: viewers.py COLIFT [--cpu N] [--viewers N] [--ros2] [--seed N] [--pairs N]
 Exit: 0 in all no more missed with viewers than without, the machine's own ones not counted; 1 more; 2 a run failed or
 was no whole lift.
 """
@@ -163,6 +165,23 @@ class Viewers(threading.Thread):
             s.close()
 
 
+class HostileNodes:
+    """Processes of another implementation of DDS that lie, flood, and fall silent."""
+
+    def __init__(self, peer, domain):
+        hostile = (["flood", str(domain), "rt/tf", "tf2_msgs::msg::dds_::TFMessage_"], ["packets", str(domain)])
+        dead = ["read", str(domain), "rt/colift/task_status", "colift_msgs::msg::dds_::TaskStatus_"]
+        self.nodes = [subprocess.Popen([peer, *words], stdout=subprocess.DEVNULL) for words in (*hostile, dead)]
+        self.silence = threading.Timer(8.0, lambda: self.nodes[-1].send_signal(signal.SIGSTOP))
+        self.silence.start()
+
+    def end(self):
+        self.silence.cancel()
+        for node in self.nodes:
+            node.kill()
+            node.wait()
+
+
 def run(options, seed, viewers):
     """The document of one run, who watched, and who watched the machine."""
     with standstill.Witness(standstill.beside(options.colift)) as witness:
@@ -171,14 +190,19 @@ def run(options, seed, viewers):
 
 
 def watched_run(options, seed, viewers):
-    child = subprocess.Popen([options.colift, "run", "--robot", options.robot, "--seed", str(seed), "--view",
-                              "0", "--json", "--quiet"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    command = [options.colift, "run", "--robot", options.robot, "--seed", str(seed), "--view", "0", "--json", "--quiet"]
+    nodes = None
+    if options.ros2 and viewers:
+        domain = 1 + os.getpid() % 100
+        command += ["--ros2", "--ros2-domain", str(domain)]
+        nodes = HostileNodes(pathlib.Path(options.colift).resolve().parent / "dds_peer", domain)
+    child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     crowd, said = None, ""
     for line in child.stderr:
         said += line
         found = re.search(r"live view: http://127\.0\.0\.1:(\d+)/", line)
         if found:
-            if viewers:
+            if viewers and not nodes:
                 crowd = Viewers(int(found.group(1)), viewers)
                 crowd.start()
             break
@@ -187,6 +211,8 @@ def watched_run(options, seed, viewers):
     reader = threading.Thread(target=lambda: rest.append(child.stderr.read()), daemon=True)
     reader.start()
     document = child.stdout.readline()
+    if nodes:
+        nodes.end()
     if crowd:
         crowd.going = False
         crowd.join()
@@ -220,6 +246,7 @@ def main():
     parser.add_argument("colift")
     parser.add_argument("--cpu", type=int, default=-1, help="of the driver and the emulated controller")
     parser.add_argument("--viewers", type=int, default=20)
+    parser.add_argument("--ros2", action="store_true", help="hostile nodes of ROS 2 instead of viewers")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--pairs", type=int, default=1)
     options = parser.parse_args()
@@ -236,7 +263,8 @@ def main():
     for seed in range(options.seed, options.seed + options.pairs):
         for who, count in (("nobody", 0), ("viewers", options.viewers)):
             document, crowd, witness = run(options, seed, count)
-            print(line(f"{count} viewers" if count else "nobody", document, witness), flush=True)
+            watchers = "hostile nodes" if options.ros2 else f"{count} viewers"
+            print(line(watchers if count else "nobody", document, witness), flush=True)
             if crowd:
                 print(f"{'':<14}they got {crowd.bytes / 1e6:.0f} MB; closed: {crowd.closed['flood']} times who floods, "
                       f"{crowd.closed['deaf']} times who never reads, {crowd.closed['reader']} others", flush=True)

@@ -197,7 +197,8 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             work = pathlib.Path(folder)
             for link in ("tests", "config"):  # the paths that samples name
-                (work / link).symlink_to(root / link)
+                if (root / link).exists():  # an installation has neither
+                    (work / link).symlink_to(root / link)
             reader = Reader(name, work, program, args.python.resolve() if args.python else None)
             for start, lines, language in blocks((root / name).read_text(encoding="utf-8")):
                 if lines:

@@ -3,6 +3,7 @@ set(debian ${PROJECT_SOURCE_DIR}/tools/debian)
 install(FILES ${debian}/colift.conf DESTINATION /etc/security/limits.d COMPONENT colift EXCLUDE_FROM_ALL)
 install(FILES ${debian}/colift-can@.service ${debian}/colift-run@.service DESTINATION /lib/systemd/system
         COMPONENT colift EXCLUDE_FROM_ALL)
+install(FILES ${debian}/60-colift.rules DESTINATION /lib/udev/rules.d COMPONENT colift EXCLUDE_FROM_ALL)
 install(FILES ${debian}/completion.bash DESTINATION share/bash-completion/completions RENAME colift COMPONENT colift)
 install(FILES ${debian}/completion.zsh DESTINATION share/zsh/vendor-completions RENAME _colift COMPONENT colift)
 # made by tools/package
@@ -32,6 +33,7 @@ set(CPACK_PACKAGE_NAME colift)
 set(CPACK_PACKAGE_CONTACT "the CoLift authors <authors@colift.example>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
+set(CPACK_THREADS 0)  # as many as there are processors
 set(CPACK_COMPONENTS_ALL ${packages})
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
