@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
 """Documents that the program prints are what `colift schema` publishes, key by key.
 
-    tests/docs/check_schemas.py PROGRAM ROOT
+    tests/docs/check_schemas.py PROGRAM ROOT [SCHEMAS]
 
-Carries commands out on inputs of the repository and validates each document against the program's own schema, made strict: a key that
-the schema does not name fails too, though a reader has to expect new keys. Also each schema against the meta-schema, and documents
-with a wrong value or a missing key, which have to fail. Ends with 0 when all agree, 1 with what does not, 77 (skipped) without
-Debian's python3-jsonschema.
+Carries commands out on inputs of the repository and on emulated devices, and validates each document against the program's own schema,
+made strict: a key that the schema does not name fails too, though a reader has to expect new keys. Files that it reads likewise. Also
+each schema against the meta-schema, and documents with a wrong value or a missing key, which have to fail; of a file the program has
+to refuse the same. SCHEMAS: a folder, config/schema, whose files count instead of those compiled in. Ends with 0 when all agree,
+1 with what does not, 77 (skipped) without Debian's python3-jsonschema and python3-yaml.
 """
 
-import copy
+import concurrent.futures
 import json
 import pathlib
 import subprocess
@@ -17,58 +18,20 @@ import sys
 import tempfile
 import time
 
+sys.dont_write_bytecode = True  # leaves nothing in the source tree
 try:
     import jsonschema
-except ImportError:
-    print("skipped: there is no python3-jsonschema (tools/setup --dev installs it)")
+
+    import schema_devices
+    import schema_files
+    from schema_checker import Checker
+except ImportError as missing:
+    print(f"skipped: there is no {missing.name} (tools/setup --dev installs python3-jsonschema and python3-yaml)")
     sys.exit(77)
 
 PROBLEM = {"cog": [0, 0, 0], "partner": [-0.4, 0, 0], "candidates": [[0.4, 0, 0], [0.2, 0, 0]], "wrenches": [[0, 0, 40, 0, 0, 0]],
            "weights": {"epsilon": 1, "omega1": 1, "omega2": 1}}
 TIGHT = dict(PROBLEM, limits={"partner": {"force": 1, "torque": 0.1}, "robot": {"force": 1}})
-
-
-def strict(schema):
-    """The schema with no other keys than those it names."""
-    if isinstance(schema, dict):
-        schema = {k: strict(v) for k, v in schema.items()}
-        if "properties" in schema:
-            schema.setdefault("additionalProperties", False)
-    elif isinstance(schema, list):
-        schema = [strict(v) for v in schema]
-    return schema
-
-
-class Checker:
-    def __init__(self, program):
-        self.program, self.wrong, self.valid = program, [], 0
-
-    def run(self, *words):
-        return subprocess.run([self.program, *map(str, words)], capture_output=True, text=True, check=False)
-
-    def schema(self, name):
-        return json.loads(self.run("schema", name).stdout)
-
-    def validate(self, name, document, what):
-        errors = list(jsonschema.Draft202012Validator(strict(self.schema(name))).iter_errors(document))
-        self.wrong += [f"{what}: {'.'.join(map(str, e.absolute_path)) or 'document'}: {e.message[:200]}" for e in errors[:5]]
-        self.valid += not errors
-
-    def command(self, name, *words):
-        done = self.run(*words, "--json", "--quiet")
-        try:
-            document = json.loads(done.stdout)
-        except json.JSONDecodeError:
-            self.wrong.append(f"colift {' '.join(map(str, words))}: no document, exit {done.returncode}: {done.stderr[-200:]}")
-            return None
-        self.validate(name, document, "colift " + " ".join(map(str, words)))
-        return document
-
-    def has_to_fail(self, name, document, change, what):
-        broken = copy.deepcopy(document)
-        change(broken)
-        if jsonschema.Draft202012Validator(self.schema(name)).is_valid(broken):
-            self.wrong.append(f"the schema {name} accepts {what}")
 
 
 def recordings(c, folder):
@@ -118,11 +81,42 @@ def snapshot(c, file):
         run.wait()
 
 
+def devices(c, root):
+    """All that waits for devices, side by side: they are emulated in real time."""
+    with tempfile.TemporaryDirectory() as name, concurrent.futures.ThreadPoolExecutor(4) as pool:
+        folder = pathlib.Path(name)
+        arm, camera = pool.submit(schema_devices.arm, c, folder), pool.submit(schema_devices.camera, c, folder)
+        hand = pool.submit(schema_devices.hand, c, folder)
+        rest = pool.submit(lambda: (schema_devices.recovery(c), schema_files.robots(c, folder, root)))
+        calibrations(c, folder)
+        schema_files.scenarios(c, folder, root)
+        schema_files.rigs(c, folder, root)
+        for done in (arm, camera, rest):
+            done.result()
+        schema_files.hand_calibrations(c, folder, hand.result())
+
+
+def calibrations(c, folder):
+    """Accepted and refused."""
+    few = ("calibrate", "--sim", "--seed", "1", "--out", folder / "camera.yaml")
+    good = c.command("calibrate", *few, "--poses", "8", "--set", "calibration.min_inliers=8")
+    c.command("calibrate", *few, "--poses", "5")
+    if good:
+        c.has_to_fail("calibrate", good, lambda d: d.update(refused="bad-luck"), "a refusal that does not exist")
+        c.has_to_fail("calibrate", good, lambda d: d["camera"]["position"].pop(), "a camera at two numbers")
+        c.has_to_fail("calibrate", good, lambda d: d.pop("poses"), "a calibration without its poses")
+        if not good["accepted"]:
+            c.wrong.append("a simulated calibration of eight poses was refused: " + good["because"])
+
+
 def main():
     program, root = sys.argv[1], pathlib.Path(sys.argv[2])
-    c = Checker(program)
+    c = Checker(program, pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None)
     names = json.loads(c.run("schema", "--json").stdout)
-    if sorted(names) != sorted(p.stem for p in (root / "config/schema").glob("*.json")):
+    shipped = sorted(p.stem for p in (root / "config/schema").glob("*.json"))
+    if c.schemas:
+        names = shipped
+    if sorted(names) != shipped:
         c.wrong.append(f"colift schema names {names}; config/schema has others")
     for name in names:
         jsonschema.Draft202012Validator.check_schema(c.schema(name))
@@ -141,6 +135,10 @@ def main():
     for name in ("no_partner", "wrong_cog", "person_in_the_path", "partner_lets_go"):
         c.command("run", "run", "--scenario", scenarios / f"{name}.yaml", "--seed", "3", "--set", "task.partner_timeout_s=5")
     c.command("check", "check")
+    rules = c.command("rules", "check", "--graph")
+    if rules:
+        c.has_to_fail("rules", rules, lambda r: r["states"].clear(), "a job without states")
+        c.has_to_fail("rules", rules, lambda r: r["rules"][0].pop("on"), "a rule without its event")
     for kind in ("scenarios", "robots", "scenes"):
         listed = c.command("shipped", kind)
         names_there = {"scenarios": [f.stem for f in scenarios.glob("*.yaml")], "robots": [f.stem for f in (root / "config").glob("*.yaml")],
@@ -157,6 +155,7 @@ def main():
             c.command("rank", "rank", file)
         c.command("experiment", "experiment", "grasps", "--trials", "1", "--out", folder)
         recordings(c, pathlib.Path(folder))
+    devices(c, root)
 
     if run:
         c.has_to_fail("run", run, lambda r: r.update(outcome="carried"), "an outcome that does not exist")
@@ -165,7 +164,8 @@ def main():
         c.has_to_fail("run", run, lambda r: r["decision"]["position"].pop(), "a position of two numbers")
     c.has_to_fail("rank-problem", PROBLEM, lambda p: p["weights"].update(epsilon=0), "epsilon = 0")
     c.has_to_fail("rank-problem", PROBLEM, lambda p: p.update(candidates=[]), "a problem without candidates")
-    print("\n".join(c.wrong) or f"{c.valid} documents agree with {len(names)} schemas")
+    c.wrong += [f"no document was checked against the schema {name}" for name in set(names) - {name for name, _ in c.agreed}]
+    print("\n".join(c.wrong) or f"{len(c.agreed)} documents agree with {len(names)} schemas")
     return 1 if c.wrong else 0
 
 

@@ -77,6 +77,7 @@ TEST_CASE("who stands in the path stops the arm; when he has gone, the lift cont
 TEST_CASE("who stays in the path: the lift ends safely, with the reason, and nobody is touched") {
   control::Config config = control::run_defaults();
   config.task.attempts.max_approaches = 2;
+  config.monitor.max_wait_s = 10.0;  // he does not go
   const auto lift = lift_with(somebody(3.5, {{0.3, -2.4}, {0.3, -0.95}}, "stand", std::nullopt), config);
   INFO(told(lift));
   CHECK(lift.record.outcome == Result::Aborted);

@@ -35,7 +35,7 @@ int cmd_schema(const std::string& name, bool json) {
     if (json)
       std::puts(names.dump().c_str());
     else
-      for (const Schema& s : kSchemas) fmt::print("{:<14} {}\n", s.name, title(s));
+      for (const Schema& s : kSchemas) fmt::print("{:<16} {}\n", s.name, title(s));
     return kDone;
   }
   const auto* found =
