@@ -59,6 +59,8 @@ def hand(c, folder):
         state = hal("state")
         motion = hal("finger", "F1", 20)
         hal("torque", "F1", 0.3, "--for", 0.2, "--yes")
+        hal("velocity", "F2", 20, "--for", 0.3)
+        hal("doctor", "--out", folder / "hand.tar")
         for _ in range(TRIES):
             hal("open", "--yes")
             if calibrate(c, file, calibration, lambda nm: hal("close", "--torque", nm, "--bus-log", bus_log)):
@@ -106,6 +108,7 @@ def camera(c, folder):
     hal = lambda *words: c.command("hal-camera", "hal", "camera", *words, tries=TRIES)
     with Emulator(c, "camera", "--address", address) as kinect:
         info = hal("info", "--source", f"emulated:{address}", "--for", 0.5)
+        noise = hal("noise", "--source", f"emulated:{address}", "--for", 0.7)
         hal("tilt", 3, "--yes", "--source", f"emulated:{address}", "--for", 0.5)
         live = ended(c, kinect, "camera")
     hal("watch", "--source", f"emulated:{address}-nobody", "--for", 0.2)
@@ -116,6 +119,8 @@ def camera(c, folder):
     (folder / "camera.json").write_text(json.dumps(intrinsics))
     video = robot(folder, "video", camera="v4l2", v4l2={"device": str(folder / "none"), "intrinsics": str(folder / "camera.json")})
     hal("info", "--robot", video, "--for", 0.2)
+    if noise and noise["end"] == "done" and "noise" not in noise:
+        c.wrong.append("colift hal camera noise: a document without what was measured")
     if info:
         c.has_to_fail("hal-camera", info, lambda d: d.update(state="fine"), "a state that does not exist")
         c.has_to_fail("hal-camera", info, lambda d: d["depth_m"].pop(), "two depths")

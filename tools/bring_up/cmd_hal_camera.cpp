@@ -239,12 +239,15 @@ int cmd_hal_camera(const CommonOptions& common, const HalCameraOptions& options)
     if (!common.quiet)
       std::fprintf(stderr, "depth image: %s, camera.json beside it\n", options.depth->c_str());
   }
-  if (options.hal.verb == "noise" && end.code == kDone)
-    if (const int code = say_noise(common, options.out, session.noise(), resolved->config.noise);
-        code != kDone)
+  hal::Result<perception::MeasuredNoise> measured =
+      hal::failure(hal::ErrorCode::NotFound, "noise", "not asked for");
+  if (options.hal.verb == "noise" && end.code == kDone) {
+    measured = session.noise();
+    if (const int code = say_noise(common, options.out, measured, resolved->config.noise); code != kDone)
       return code;
+  }
   if (common.json)
-    std::puts(camera_document(options.hal.verb, view, end.word, end.reason).c_str());
+    std::puts(with_noise(camera_document(options.hal.verb, view, end.word, end.reason), measured).c_str());
   else if (session.last() && options.hal.verb != "noise")
     std::fputs(camera_screen(view).c_str(), stdout);
   if (!session.recorded().empty() && !common.json) std::printf("recorded   %s\n", session.recorded().c_str());

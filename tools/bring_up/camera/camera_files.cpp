@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,21 @@ int say_noise(const CommonOptions& common, const std::optional<std::filesystem::
     return report_error(where, written.error());
   if (!common.quiet) std::fprintf(stderr, "noise model: %s, for --config\n", out->c_str());
   return kDone;
+}
+
+std::string with_noise(const std::string& document, const hal::Result<perception::MeasuredNoise>& noise) {
+  if (!noise) return document;
+  auto j = nlohmann::ordered_json::parse(document);
+  j["noise"] = {{"sigma0_m", noise->model.sigma0_m},
+                {"sigma2_per_m", noise->model.sigma2_per_m},
+                {"step2_per_m", noise->model.step2_per_m},
+                {"frames", noise->frames},
+                {"blocks", noise->blocks},
+                {"nearest_m", noise->nearest_m},
+                {"farthest_m", noise->farthest_m},
+                {"misfit", noise->misfit},
+                {"doubts", noise->doubts}};
+  return j.dump();
 }
 
 }  // namespace colift::tools

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "hal/depth_camera.hpp"
 #include "hal/types/result.hpp"
@@ -15,5 +16,10 @@ namespace colift::tools {
 [[nodiscard]] int say_noise(const CommonOptions& common, const std::optional<std::filesystem::path>& out,
                             const hal::Result<perception::MeasuredNoise>& noise,
                             const perception::NoiseModel& configured);
+
+/// The document colift.hal.camera/1 with what was measured as its entry "noise"; as it was when there is
+/// nothing.
+[[nodiscard]] std::string with_noise(const std::string& document,
+                                     const hal::Result<perception::MeasuredNoise>& noise);
 
 }  // namespace colift::tools

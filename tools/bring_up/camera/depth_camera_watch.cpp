@@ -188,11 +188,14 @@ int watch_depth_camera(const CommonOptions& common, const HalCameraOptions& opti
     if (!common.quiet)
       std::fprintf(stderr, "depth image: %s, camera.json beside it\n", options.depth->c_str());
   }
-  if (options.hal.verb == "noise" && end.code == kDone)
-    if (const int code = say_noise(common, options.out, watch.noise(), configured); code != kDone)
-      return code;
+  hal::Result<perception::MeasuredNoise> measured =
+      hal::failure(hal::ErrorCode::NotFound, "noise", "not asked for");
+  if (options.hal.verb == "noise" && end.code == kDone) {
+    measured = watch.noise();
+    if (const int code = say_noise(common, options.out, measured, configured); code != kDone) return code;
+  }
   if (common.json)
-    std::puts(watch.document(options.hal.verb, end).c_str());
+    std::puts(with_noise(watch.document(options.hal.verb, end), measured).c_str());
   else if (watch.last() && options.hal.verb != "noise")
     std::fputs(watch.screen().c_str(), stdout);
   std::fflush(stdout);

@@ -163,7 +163,7 @@ std::string link_text(const std::string& can) {
 }
 
 /// All that is known of the hand without moving it, as one file that a person can send.
-int make_bundle(const HalOptions& options, Bench bench) {
+int make_bundle(const HalOptions& options, Bench bench, bool json) {
   const std::filesystem::path out = options.out.value_or("hand-doctor.tar");
   if (auto free = check_new_bundle(out); !free) return report_error("hal hand doctor", free.error());
   if (bench.barrett.bus_log.empty()) bench.barrett.bus_log = out.string() + ".log";
@@ -198,11 +198,13 @@ int make_bundle(const HalOptions& options, Bench bench) {
   parts.push_back({"bus.log", {std::istreambuf_iterator<char>(log), {}}});
   if (!options.bus_log) std::filesystem::remove(log_file);
   if (auto done = write_bundle(out, parts); !done) return report_error("hal hand doctor", done.error());
-  std::fputs(
-      fmt::format("{}: what the hand answered, its bus, settings, the log of both: send this file\n{}{}",
-                  out.string(), fault, fault.empty() ? "" : "\n")
-          .c_str(),
-      stdout);
+  std::fputs(json
+                 ? (bundle_document(out.string(), fault) + "\n").c_str()
+                 : fmt::format(
+                       "{}: what the hand answered, its bus, settings, the log of both: send this file\n{}{}",
+                       out.string(), fault, fault.empty() ? "" : "\n")
+                       .c_str(),
+             stdout);
   return fault.empty() ? kDone : kDeviceFailed;
 }
 
@@ -356,7 +358,7 @@ int cmd_hal_hand(const CommonOptions& common, const HalOptions& options) {
   if (!bench) return report_error("hal hand", bench.error());
   if (options.verb == "emergency-open") return open_at_once(common, options, *bench);
   if (options.verb == "state") return read_state(common, options, *bench);
-  if (options.verb == "doctor") return make_bundle(options, *bench);
+  if (options.verb == "doctor") return make_bundle(options, *bench, common.json);
   if (options.verb == "calibrate") return cmd_calibrate_finger(common, options, bench->barrett);
   if (finger_motion_of(options.verb, hal::barrett::Puck::F1, 0.0))
     return move_one_finger(common, options, *bench);

@@ -83,6 +83,8 @@ struct HandView {
 [[nodiscard]] std::string hand_reading_fault(const hal::HandReading& reading);
 /// Document colift.hal.hand/1 of it.
 [[nodiscard]] std::string hand_reading_document(const std::string& bus, const hal::HandReading& reading);
+/// Document colift.hal.hand/1 of a bundle that was written; `fault`: why there is no state in it, or empty.
+[[nodiscard]] std::string bundle_document(const std::string& file, const std::string& fault);
 /// Document colift.hal.hand/1 of an emergency opening.
 [[nodiscard]] std::string hand_emergency_document(const std::array<hal::FingerOpening, 3>& fingers);
 /// Document colift.hal.hand/1.

@@ -174,6 +174,12 @@ std::string tactile_text(const HandView& v) {
   return t;
 }
 
+std::string bundle_document(const std::string& file, const std::string& fault) {
+  Json j = {{"schema", "colift.hal.hand/1"}, {"verb", "doctor"}, {"file", file}, {"fault", nullptr}};
+  if (!fault.empty()) j["fault"] = fault;
+  return j.dump();
+}
+
 std::string hand_emergency_document(const std::array<hal::FingerOpening, 3>& fingers) {
   Json j = {{"schema", "colift.hal.hand/1"}, {"verb", "emergency-open"}, {"fingers", Json::array()}};
   for (std::size_t i = 0; i < fingers.size(); ++i)

@@ -169,7 +169,8 @@ class Mover {
     int strain_limit = 0;
     if (strain_start_ && !opens())
       strain_limit = std::min(strain_counts(*strain_start_, limit_nm).value_or(kStrainMost), kStrainMost);
-    const bool on_time = motion_.kind == Kind::Torque;
+    // a puck would end these by itself where the finger rests; here the program does
+    const bool on_time = motion_.kind == Kind::Torque || motion_.kind == Kind::Velocity;
     link_.set(finger_, Property::Mode, kModeIdle, true);
     link_.set(finger_, Property::Mt, units(limit_nm), true);
     link_.set(finger_, Property::Tstop, on_time ? 0 : static_cast<std::int32_t>(config_.stopped_ms), true);

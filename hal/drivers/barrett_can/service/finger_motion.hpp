@@ -45,8 +45,8 @@ inline constexpr double kMaxFor_s = 10.0;
 /// Moves one finger without configuring the hand, for bring-up. The hand has to be awake, its zero known
 /// (colift hal hand init) and its motors off: nothing else may drive it. Torque control has no limits of its
 /// own in the puck: position, strain and time are judged here every millisecond, and the torque is renewed.
-/// A program that dies leaves a finger to TSTOP and its stops, in torque control to its stops alone. Waits
-/// for the end. Errors: LimitExceeded, NotReady, DeviceFault (too hot, an error), LinkLost.
+/// A program that dies leaves a finger to TSTOP and its stops, with a velocity or a torque to its stops
+/// alone. Waits for the end. Errors: LimitExceeded, NotReady, DeviceFault (too hot, an error), LinkLost.
 [[nodiscard]] Result<FingerMotionEnd> move_finger(
     CanBus& bus, const Clock& clock, const BarrettHandConfig& config, const FingerMotion& motion,
     const std::function<bool()>& interrupted = [] { return false; });

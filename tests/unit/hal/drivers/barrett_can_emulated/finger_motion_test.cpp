@@ -40,6 +40,10 @@ struct Bench : BarrettRig {
     INFO(end->how);
     CHECK(end->rests);
     CHECK(pucks.puck(1).value(8) == 0);  // MODE
+    for (std::size_t r = 0; r < sim_hal::kHandRules; ++r) {
+      INFO(pucks.report().first[r]);
+      CHECK(pucks.report().broken[r] == 0);
+    }
     return *end;
   }
   double rad(std::size_t finger) { return plant.joint(finger).motor / 81487.33; }
