@@ -25,11 +25,18 @@ try {
   await page.waitForSelector("#replay:not([hidden])");
   await page.click("#replay [data-do=play]");
   await page.click("#replay ol button:has-text('lower')");
-  const drawn = () => page.evaluate(() => {
+  const at = () => page.evaluate(() => {
     const { touches, drawn } = document.getElementById("scene").dataset;
-    return Number(drawn) >= Number(touches) && document.getElementById("state").textContent === "lower";
+    return { state: document.getElementById("state").textContent, drawn: Number(drawn) >= Number(touches) };
   });
-  for (let still = 0; still < 10; await new Promise((later) => setTimeout(later, 500))) still = (await drawn()) ? still + 1 : 0;
+  // the page has to get the recording before it can go anywhere in it
+  const until = Date.now() + 120_000;
+  for (let still = 0; still < 10; await new Promise((later) => setTimeout(later, 500))) {
+    if (Date.now() > until) throw new Error(`the page did not come to rest in two minutes: ${JSON.stringify(await at())}`);
+    const { state, drawn } = await at();
+    if (state !== "lower") await page.click("#replay ol button:has-text('lower')");
+    still = state === "lower" && drawn ? still + 1 : 0;
+  }
   await page.screenshot({ path: picture });
 } finally {
   await browser.close();
