@@ -34,6 +34,8 @@ def shape(schema, root, side):
     """A document with every key of a schema of plain entries: lowest values and first words, or highest and last."""
     if "$ref" in schema:
         schema = root["$defs"][schema["$ref"].rsplit("/", 1)[1]]
+    if "anyOf" in schema:
+        return shape(schema["anyOf"][0], root, side)
     if "properties" in schema:
         return {k: shape(v, root, side) for k, v in schema["properties"].items() if not v.get("deprecated")}
     if "enum" in schema:
@@ -74,6 +76,8 @@ def robots(c, folder, root):
     for side, what in ((0, "every key at its lowest"), (-1, "every key at its highest")):
         robot.good({**shape(schema, schema, side), "calibration": ""}, what)
     real = read_yaml(root / "config/real.yaml")
+    robot.good({**real, "camera": {"driver": "ros2", "image": "/depth", "info": "/info"}}, "a camera in one group")
+    robot.bad(real, put({"driver": "ros3"}, "camera"), "a driver that does not exist")
     robot.bad(real, put("fri", "hand"), "a hand over FRI")
     robot.bad(real, put(1, "fri", "adress"), "a misspelled key")
     robot.bad(real, put("yes", "kinect", "motor"), "a motor in words")

@@ -59,7 +59,7 @@ void add_emulate_hand(CLI::App& command, EmulateHandOptions& o) {
       ->type_name("BUS");
   command.add_option("--width", o.width_m, "Width of an object between the fingers of the light plant (m)")
       ->type_name("M");
-  command.add_flag("--awake", o.awake, "The pucks were woken before and know their zero");
+  command.add_flag("--awake", o.awake, "The pucks were woken before, and initialised by another program");
   command.add_option("--firmware", o.firmware, "Firmware version of the pucks (default 200)")->type_name("N");
   command
       .add_option("--gauges", o.gauges, "Scales of the strain gauges of F1 to F3 against the maker's curve")
