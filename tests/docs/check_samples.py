@@ -44,6 +44,7 @@ scene["frame"].write("before.png"), scene["frame_with_partner"].write("with_part
 SERVES = r"--view\b|\bcolift emulate\b|\bcolift ros2\b"
 NUMBER = r"[-+]?\d+(?:\.\d+)?"
 LIMIT_S = 600
+TRIES = 30
 
 
 def blocks(text):
@@ -110,8 +111,13 @@ class Reader:
     def serve(self, number, command):
         """Starts a command that serves, waits for its first line, and ends it by SIGINT."""
         words, environment = self.words_of(command)
-        said = subprocess.Popen(words, cwd=self.work, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        first = said.stdout.readline()
+        for _ in range(TRIES):  # another test of this machine may have the port that a page shows
+            said = subprocess.Popen(words, cwd=self.work, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+            first = said.stdout.readline()
+            if "in use" not in first:
+                break
+            said.wait()
+            time.sleep(1)
         said.send_signal(signal.SIGINT)
         try:
             said.communicate(timeout=LIMIT_S)
