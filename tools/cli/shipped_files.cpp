@@ -106,8 +106,8 @@ std::vector<ShippedFile> shipped_files(ShippedKind kind) {
 hal::Result<fs::path> file_or_shipped(ShippedKind kind, const std::string& text) {
   std::error_code error;
   if (text.find_first_of("/.") != std::string::npos || fs::exists(text, error)) {
-    const bool folder = kind == ShippedKind::Scene && fs::is_directory(text, error);
-    return folder ? fs::path(text) / kFrame : fs::path(text);
+    const bool scene = kind == ShippedKind::Scene && fs::exists(fs::path(text) / kFrame, error);
+    return scene ? fs::path(text) / kFrame : fs::path(text);
   }
   std::vector<std::string> names;
   for (const ShippedFile& each : shipped_files(kind)) {

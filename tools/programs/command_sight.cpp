@@ -13,7 +13,7 @@ namespace colift::tools {
 namespace {
 
 void add_look(CLI::App& command, LookOptions& o) {
-  add_frame(command, "FRAME", o.cloud,
+  add_frame(command, "CLOUD", o.cloud,
             "Recorded frame: .pcd, .ply, a 16-bit .png depth image, or one that is shipped (colift scenes)")
       ->required();
   command.add_option("--method", o.method, "fast (default) or thesis");
