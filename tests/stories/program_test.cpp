@@ -1,5 +1,10 @@
 // The program as a user starts it: exit codes, one JSON document on stdout, one sentence on stderr.
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -205,6 +210,24 @@ TEST_CASE("what is wrong is said in one line with the place, exit code 2", "[pro
   CHECK(r.code == 2);
   CHECK(r.err.find(words) != std::string::npos);
   CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
+}
+
+TEST_CASE("a page on a port that somebody else has is refused before the run, with what to do", "[program]") {
+  const int taken = ::socket(AF_INET, SOCK_STREAM, 0);
+  REQUIRE(taken >= 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  REQUIRE(::bind(taken, reinterpret_cast<const sockaddr*>(&address), size) == 0);
+  REQUIRE(::listen(taken, 1) == 0);
+  REQUIRE(::getsockname(taken, reinterpret_cast<sockaddr*>(&address), &size) == 0);
+  const Run r = colift("run --view " + std::to_string(ntohs(address.sin_port)));
+  ::close(taken);
+  INFO(r.err);
+  CHECK(r.code == 2);
+  CHECK(r.err.find("choose another port with --view PORT") != std::string::npos);
+  CHECK(r.out.empty());
 }
 
 TEST_CASE(

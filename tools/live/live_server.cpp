@@ -35,7 +35,7 @@ struct LiveServer::Impl {
     const auto check = [&](const char* what) -> hal::Result<void> {
       if (!error) return {};
       return hal::failure(
-          hal::ErrorCode::NotReady, where,
+          hal::ErrorCode::BadConfig, where,
           fmt::format("cannot {}: {}; choose another port with --view PORT", what, error.message()));
     };
     acceptor.open(endpoint.protocol(), error);
