@@ -75,6 +75,17 @@ Bytes last_of(const std::vector<Bytes>& all) {
   return all.back();
 }
 
+/// Garbage on a topic of a run and on its ports, and a subscriber that can be stopped, so that it never
+/// acknowledges.
+struct HostileNodes {
+  explicit HostileNodes(const std::string& domain)
+      : flood({"flood", domain, "rt/tf", "tf2_msgs::msg::dds_::TFMessage_"}),
+        packets({"packets", domain}),
+        subscriber({"read", domain, "rt/colift/task_status", "colift_msgs::msg::dds_::TaskStatus_"}) {}
+
+  PeerProcess flood, packets, subscriber;
+};
+
 /// What `colift ros2` answers to one request, after which it ends.
 RosDecideReply answer_of_program(const RosDecideRequest& request) {
   const int domain = test_domain();
@@ -139,17 +150,13 @@ TEST_CASE("a lift is seen over ROS 2 as its document has it, while hostile peers
   const auto info = peer.reader("rt/colift/depth/camera_info", "sensor_msgs::msg::dds_::CameraInfo_");
   const auto cloud = peer.reader("rt/colift/cloud", "sensor_msgs::msg::dds_::PointCloud2_");
   const auto devices = peer.reader("rt/diagnostics", "diagnostic_msgs::msg::dds_::DiagnosticArray_");
-  // garbage on a topic of the run and on its ports, and a subscriber that never acknowledges
-  std::optional<PeerProcess> flood(
-      std::vector<std::string>{"flood", number, "rt/tf", "tf2_msgs::msg::dds_::TFMessage_"});
-  std::optional<PeerProcess> packets(std::vector<std::string>{"packets", number});
-  const PeerProcess dead({"read", number, "rt/colift/task_status", "colift_msgs::msg::dds_::TaskStatus_"});
+  std::optional<HostileNodes> hostile(number);
 
   auto running = std::async(std::launch::async, [&] {
     return colift("run --json --seed 1 --ros2 --speed 4 --ros2-domain " + number + " 2>dds_run.err");
   });
   const auto first_joints = joints->next(120'000ms);
-  dead.signal(SIGSTOP);
+  hostile->subscriber.signal(SIGSTOP);
   std::vector<Bytes> all_joints, all_status, all_images, all_infos, all_clouds, all_scenes;
   std::vector<std::pair<FastPeer::Reader*, std::vector<Bytes>*>> followed = {{status.get(), &all_status},
                                                                              {image.get(), &all_images},
@@ -159,8 +166,7 @@ TEST_CASE("a lift is seen over ROS 2 as its document has it, while hostile peers
     for (auto& [reader, to] : followed)
       if (auto got = reader->next(10ms); got && to->size() < 5000) to->push_back(std::move(*got));
   auto ended = running.get();
-  flood.reset();
-  packets.reset();
+  hostile.reset();
   std::promise<void> done;
   auto ready = done.get_future();
   done.set_value();
@@ -251,13 +257,11 @@ TEST_CASE("hostile nodes do not reach the arm's cycle of a lift in real time ove
   constexpr int kAttempts = 3;
   for (int attempt = 1;; ++attempt) {
     const std::string number = std::to_string(test_domain());
-    const PeerProcess flood({"flood", number, "rt/tf", "tf2_msgs::msg::dds_::TFMessage_"});
-    const PeerProcess packets({"packets", number});
-    const PeerProcess dead({"read", number, "rt/colift/task_status", "colift_msgs::msg::dds_::TaskStatus_"});
+    const HostileNodes hostile(number);
     auto running = std::async(std::launch::async, [&] {
       return colift("run --robot emulated --seed 1 --json --ros2 --ros2-domain " + number + " 2>/dev/null");
     });
-    if (running.wait_for(8s) == std::future_status::timeout) dead.signal(SIGSTOP);
+    if (running.wait_for(8s) == std::future_status::timeout) hostile.subscriber.signal(SIGSTOP);
     const auto ended = running.get();
     REQUIRE_FALSE(ended.out.empty());
     const Json document = Json::parse(ended.out);

@@ -31,11 +31,11 @@ import time
 NOT_HERE = [  # of a command's text; the reason
     (r"--robot (rig|my_robot)\.yaml|--samples", "needs a robot, or what was recorded on one"),
     (r"\bhal camera record\b|\bhal arm state\b", "needs a device"),
-    (r"\bFRAME\b|\bNAME\b|\[--|\$e", "stands for others of its kind"),
+    (r"\bFRAME\b|\bNAME\b|\[--", "stands for others of its kind"),
     (r"\bcolift experiment\b", "a campaign: the test experiments_small runs each of them with few trials"),
-    (r"--robot emulated", "in real time: the test wire_lifts does it on a machine that has nothing else to do"),
-    (r"\blog snapshot\b", "needs a run at its side: the test unit_tools_run makes one"),
-    (r"now\.mcap", "as log snapshot"),
+    (r"\bcalibrate --robot emulated\b", "minutes of real time"),
+    (r"--robot emulated", "in real time, alone: the test dds_arm runs it so"),
+    (r"\blog snapshot\b", "needs a run at its side: the test docs_schemas has one"),
 ]
 SYNTHETIC = """import colift
 scene = colift.synthetic_scene()

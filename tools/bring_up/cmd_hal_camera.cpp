@@ -239,15 +239,15 @@ int cmd_hal_camera(const CommonOptions& common, const HalCameraOptions& options)
     if (!common.quiet)
       std::fprintf(stderr, "depth image: %s, camera.json beside it\n", options.depth->c_str());
   }
-  hal::Result<perception::MeasuredNoise> measured =
-      hal::failure(hal::ErrorCode::NotFound, "noise", "not asked for");
+  std::optional<perception::MeasuredNoise> noise;
   if (options.hal.verb == "noise" && end.code == kDone) {
-    measured = session.noise();
+    const auto measured = session.noise();
     if (const int code = say_noise(common, options.out, measured, resolved->config.noise); code != kDone)
       return code;
+    noise = *measured;
   }
   if (common.json)
-    std::puts(with_noise(camera_document(options.hal.verb, view, end.word, end.reason), measured).c_str());
+    std::puts(with_noise(camera_document(options.hal.verb, view, end.word, end.reason), noise).c_str());
   else if (session.last() && options.hal.verb != "noise")
     std::fputs(camera_screen(view).c_str(), stdout);
   if (!session.recorded().empty() && !common.json) std::printf("recorded   %s\n", session.recorded().c_str());

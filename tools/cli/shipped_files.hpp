@@ -18,8 +18,8 @@ enum class ShippedKind {
 struct ShippedFile {
   std::string name;  ///< "pipe".
   std::filesystem::path file;
-  std::string
-      about;  ///< First paragraph of the comment at the file's top, in one line; of a scene its "summary".
+  /// First paragraph of the comment at the file's top, in one line; of a scene the summary of its truth.json.
+  std::string about;
 };
 
 /// The folder config/ beside the program: of the checkout that it was built in, or share/colift/config of an

@@ -72,8 +72,9 @@ struct RobotFile {
   }
 };
 
-/// Reads the file; none: the simulated rig. A device may name its back end and how it is reached in one group,
-/// `camera: {driver: ros2, image: /depth}` for `camera: ros2` and `ros2: {image: /depth}`. Errors: BadConfig with the place.
+/// Reads the file; none: the simulated rig. A device may name its back end and how it is reached in one
+/// group, `camera: {driver: ros2, image: /depth}` for `camera: ros2` and `ros2: {image: /depth}`. Errors:
+/// BadConfig with the place.
 [[nodiscard]] hal::Result<RobotFile> read_robot_file(const std::optional<std::filesystem::path>& file);
 
 }  // namespace colift::tools

@@ -49,7 +49,7 @@ int say_noise(const CommonOptions& common, const std::optional<std::filesystem::
   return kDone;
 }
 
-std::string with_noise(const std::string& document, const hal::Result<perception::MeasuredNoise>& noise) {
+std::string with_noise(const std::string& document, const std::optional<perception::MeasuredNoise>& noise) {
   if (!noise) return document;
   auto j = nlohmann::ordered_json::parse(document);
   j["noise"] = {{"sigma0_m", noise->model.sigma0_m},

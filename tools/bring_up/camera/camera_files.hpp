@@ -20,6 +20,6 @@ namespace colift::tools {
 /// The document colift.hal.camera/1 with what was measured as its entry "noise"; as it was when there is
 /// nothing.
 [[nodiscard]] std::string with_noise(const std::string& document,
-                                     const hal::Result<perception::MeasuredNoise>& noise);
+                                     const std::optional<perception::MeasuredNoise>& noise);
 
 }  // namespace colift::tools

@@ -188,14 +188,14 @@ int watch_depth_camera(const CommonOptions& common, const HalCameraOptions& opti
     if (!common.quiet)
       std::fprintf(stderr, "depth image: %s, camera.json beside it\n", options.depth->c_str());
   }
-  hal::Result<perception::MeasuredNoise> measured =
-      hal::failure(hal::ErrorCode::NotFound, "noise", "not asked for");
+  std::optional<perception::MeasuredNoise> noise;
   if (options.hal.verb == "noise" && end.code == kDone) {
-    measured = watch.noise();
+    const auto measured = watch.noise();
     if (const int code = say_noise(common, options.out, measured, configured); code != kDone) return code;
+    noise = *measured;
   }
   if (common.json)
-    std::puts(with_noise(watch.document(options.hal.verb, end), measured).c_str());
+    std::puts(with_noise(watch.document(options.hal.verb, end), noise).c_str());
   else if (watch.last() && options.hal.verb != "noise")
     std::fputs(watch.screen().c_str(), stdout);
   std::fflush(stdout);

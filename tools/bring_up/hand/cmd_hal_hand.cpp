@@ -198,13 +198,11 @@ int make_bundle(const HalOptions& options, Bench bench, bool json) {
   parts.push_back({"bus.log", {std::istreambuf_iterator<char>(log), {}}});
   if (!options.bus_log) std::filesystem::remove(log_file);
   if (auto done = write_bundle(out, parts); !done) return report_error("hal hand doctor", done.error());
-  std::fputs(json
-                 ? (bundle_document(out.string(), fault) + "\n").c_str()
-                 : fmt::format(
-                       "{}: what the hand answered, its bus, settings, the log of both: send this file\n{}{}",
-                       out.string(), fault, fault.empty() ? "" : "\n")
-                       .c_str(),
-             stdout);
+  const std::string said =
+      json ? bundle_document(out.string(), fault)
+           : fmt::format("{}: what the hand answered, its bus, settings, the log of both: send this file{}{}",
+                         out.string(), fault.empty() ? "" : "\n", fault);
+  std::puts(said.c_str());
   return fault.empty() ? kDone : kDeviceFailed;
 }
 

@@ -56,32 +56,43 @@ std::string file_name(const std::string& topic) {
   return (name.empty() ? "messages" : name.substr(0, 100)) + ".csv";
 }
 
+constexpr std::size_t kBuffer = 1 << 16;
+
 /// The table of one topic: the first pass over the recording finds its columns, the second writes its rows.
+/// Its file is open only while it is written to: a stranger's recording may have more topics than a program
+/// may open files.
 struct Table {
   std::filesystem::path file;
   std::vector<std::string> columns;
   std::set<std::string> seen;
-  std::ofstream out;
+  std::string text;  ///< Not written yet.
+  bool good = true;
 
   void find_columns(const Row& row) {
     for (const auto& [name, value] : row)
       if (columns.size() < kMostColumns && seen.insert(name).second) columns.push_back(name);
   }
   void begin() {
-    out.open(file, std::ios::binary | std::ios::trunc);
-    out << "log_time_s";
+    good = std::ofstream(file, std::ios::binary | std::ios::trunc).good();
+    text = "log_time_s";
     for (const std::string& c : columns)
-      out << ',' << (c.find_first_of(",\"\r\n") == std::string::npos ? c : quoted(c));
-    out << '\n';
+      text += ',' + (c.find_first_of(",\"\r\n") == std::string::npos ? c : quoted(c));
+    text += '\n';
   }
   void add(std::uint64_t log_time_ns, const Row& row) {
-    out << fmt::format("{}.{:09}", log_time_ns / 1'000'000'000, log_time_ns % 1'000'000'000);
+    text += fmt::format("{}.{:09}", log_time_ns / 1'000'000'000, log_time_ns % 1'000'000'000);
     for (const std::string& c : columns) {
       const auto cell = row.find(c);
-      out << ',';
-      if (cell != row.end()) out << cell->second;
+      text += ',';
+      if (cell != row.end()) text += cell->second;
     }
-    out << '\n';
+    text += '\n';
+    if (text.size() > kBuffer) write();
+  }
+  void write() {
+    std::ofstream out(file, std::ios::binary | std::ios::app);
+    good = good && (out << text).flush().good();
+    text.clear();
   }
 };
 
@@ -117,17 +128,20 @@ hal::Result<Exported> export_csv(const McapReader& file, const std::filesystem::
     tables[id].file = folder / name;
     topics.insert(channel.topic);
   }
+  // without a topic all of them would be read
   if (!topics.empty())
     for_each_row(file, tables, topics,
                  [](Table& table, const Message&, const Row& row) { table.find_columns(row); });
   std::erase_if(tables, [](const auto& table) { return table.second.columns.empty(); });
   for (auto& [id, table] : tables) table.begin();
-  for_each_row(file, tables, topics, [](Table& table, const Message& message, const Row& row) {
-    table.add(message.log_time, row);
-  });
+  if (!tables.empty())
+    for_each_row(file, tables, topics, [](Table& table, const Message& message, const Row& row) {
+      table.add(message.log_time, row);
+    });
   Exported out;
   for (auto& [id, table] : tables) {
-    if (!table.out.flush()) return cannot_write(table.file);
+    table.write();
+    if (!table.good) return cannot_write(table.file);
     out.files.push_back(table.file);
     ++out.count;
   }
