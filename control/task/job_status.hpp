@@ -73,6 +73,12 @@ struct TrackedPoses {
   std::optional<hal::Vec3> partner_W;  ///< Contact of his hand, seen in this frame.
 };
 
+/// What is asked of the partner; one of both is set. The sentence goes out as an intent.
+struct PartnerAsk {
+  std::optional<hal::Vec3> grasp_W;  ///< To grasp the object there (W).
+  std::optional<hal::Vec3> aside_W;  ///< To step aside, that way (W, horizontal, length 1).
+};
+
 /// What the job calls while it runs; each may be empty.
 struct JobHooks {
   std::function<void()> started;      ///< All devices are active: the job begins.
@@ -83,9 +89,8 @@ struct JobHooks {
       status;  ///< Every 33 ms of the robot's time, and at each change of state.
   std::function<void(const TrackedPoses&)> tracked;  ///< A frame shows the object, the partner, or both.
   std::function<void(Task, Task)> changed;           ///< From, to: the moment for whoever keeps a diary.
-  /// The partner is asked to grasp there (W).
-  std::function<void(const hal::Vec3&)> asked;
-  std::function<void(const ArmView&)> cycle;  ///< A cycle of the task is over; the arm as it left it.
+  std::function<void(const PartnerAsk&)> asked;      ///< Something is asked of the partner.
+  std::function<void(const ArmView&)> cycle;         ///< A cycle of the task is over; the arm as it left it.
 };
 
 /// What a job is asked to do beyond its configuration.

@@ -35,6 +35,9 @@ std::optional<HiddenEdge> find_hidden_edge(std::span<const Eigen::Vector3f> edge
                  right = *(last - 1) % static_cast<std::uint32_t>(width);
     out.to_right = u - left < right - u;
   }
+  hal::Vec3 aside = (out.to_right ? 1.0 : -1.0) * current.X_WC.linear().col(0);
+  aside.z() = 0.0;
+  if (aside.norm() > 1e-3) out.aside_W = aside.normalized();
   return out;
 }
 

@@ -13,6 +13,8 @@ namespace colift::perception {
 struct HiddenEdge {
   double fraction = 0.0;  ///< Of the object's visible edge, 0 to 1.
   bool to_right = false;  ///< The shorter way out of the view is to the right in the image, else to the left.
+  hal::Vec3 aside_W =
+      hal::Vec3::Zero();  ///< That way, horizontal, length 1; zero: the camera looks along it.
 };
 
 /// Unset where no part of the edge is hidden.

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
@@ -27,7 +28,7 @@ std::string group_of(const GraspCandidate& c) {
     case Verdict::TooWide:
       return "too wide for the hand";
     case Verdict::Unstable:
-      return "the grip would slip";
+      return "would slip or tip";
     case Verdict::Unreachable:
       return "out of the arm's reach";
     case Verdict::OverLimit:
@@ -45,11 +46,31 @@ std::string group_of(const GraspCandidate& c) {
 
 }  // namespace
 
+std::vector<Refusals> refusals(const std::vector<GraspCandidate>& candidates) {
+  const auto miss = [](const GraspCandidate& c) {
+    return c.miss_m.value_or(std::numeric_limits<double>::infinity());
+  };
+  std::map<std::string, Refusals> of_group;
+  for (const GraspCandidate& c : candidates) {
+    if (c.verdict == Verdict::Ok || c.verdict == Verdict::Chosen) continue;
+    Refusals& group = of_group[group_of(c)];
+    if (group.count++ == 0 || miss(c) < miss(*group.nearest)) group.nearest = &c;
+  }
+  std::vector<Refusals> out;
+  for (auto& [why, group] : of_group) {
+    group.why = why;
+    out.push_back(std::move(group));
+  }
+  // names break ties, so the sentence is the same every time
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Refusals& a, const Refusals& b) { return a.count > b.count; });
+  return out;
+}
+
 std::string explain(const std::vector<GraspCandidate>& candidates) {
   if (candidates.empty())
     return "0 candidates: no surface of the object is narrow enough, and no rim or cylinder was seen";
   std::size_t free = 0;
-  std::map<std::string, int> fallen;
   const GraspCandidate* nearest = nullptr;
   const GraspCandidate* firmest = nullptr;
   for (const GraspCandidate& c : candidates) {
@@ -57,7 +78,6 @@ std::string explain(const std::vector<GraspCandidate>& candidates) {
       ++free;
       continue;
     }
-    ++fallen[group_of(c)];
     if (c.miss_m && (nearest == nullptr || *c.miss_m < *nearest->miss_m)) nearest = &c;
     if (c.verdict == Verdict::Unstable && c.stability &&
         (firmest == nullptr || *c.stability > *firmest->stability)) {
@@ -65,15 +85,9 @@ std::string explain(const std::vector<GraspCandidate>& candidates) {
     }
   }
   std::string text = fmt::format("{} of {} candidates are free", free, candidates.size());
-  if (fallen.empty()) return text;
-
-  // most frequent first; names break ties, so the sentence is the same every time
-  std::vector<std::pair<int, std::string>> groups;
-  for (const auto& [group, count] : fallen) groups.emplace_back(-count, group);
-  std::sort(groups.begin(), groups.end());
   const char* separator = ": ";
-  for (const auto& [count, group] : groups) {
-    text += fmt::format("{}{} {}", separator, -count, group);
+  for (const Refusals& group : refusals(candidates)) {
+    text += fmt::format("{}{} {}", separator, group.count, group.why);
     separator = ", ";
   }
   if (free > 0) return text;

@@ -188,6 +188,16 @@ class CandidateFinder {
     const perception::Scene& scene, const HandModel& hand, const CandidateConfig& config,
     const perception::OrganisedCloud* cloud = nullptr);
 
+/// Candidates that were refused for one kind of reason.
+struct Refusals {
+  std::string why;  ///< "out of the arm's reach", "would move through unobserved space", ...
+  int count = 0;
+  const GraspCandidate* nearest = nullptr;  ///< Of them the one that was least short of it; never null.
+};
+
+/// Why candidates were refused, the most frequent reason first. Points into `candidates`.
+[[nodiscard]] std::vector<Refusals> refusals(const std::vector<GraspCandidate>& candidates);
+
 /// One sentence on what became of the candidates; when none is free, how many fell to what and which came
 /// nearest.
 [[nodiscard]] std::string explain(const std::vector<GraspCandidate>& candidates);

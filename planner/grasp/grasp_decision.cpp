@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 
+#include "planner/grasp/grasp_candidates.hpp"
 #include "planner/grasp/share_choice.hpp"
 
 namespace colift::planner {
@@ -91,30 +91,11 @@ std::string reason(const std::vector<GraspCandidate>& candidates, const Decision
 std::string why_none(const std::vector<GraspCandidate>& candidates, const Vec3& optimum,
                      const DecisionInput& in, const DecisionConfig& config) {
   if (candidates.empty()) return "no grasp: the object offers no candidate";
-  struct Count {
-    Verdict verdict;
-    const char* words;
-    int n = 0;
-    const GraspCandidate* nearest = nullptr;
-  };
-  Count counts[] = {{Verdict::Collision, "would collide"},
-                    {Verdict::TooWide, "are too wide for the hand"},
-                    {Verdict::Unreachable, "are out of reach"},
-                    {Verdict::Unstable, "would slip or tip"},
-                    {Verdict::OverLimit, "ask too much of an agent"},
-                    {Verdict::NearPartner, "are too near the partner"}};
-  const auto miss = [](const GraspCandidate& c) {
-    return c.miss_m.value_or(std::numeric_limits<double>::infinity());
-  };
-  for (const GraspCandidate& c : candidates)
-    for (Count& k : counts)
-      if (k.verdict == c.verdict && (k.n++ == 0 || miss(c) < miss(*k.nearest))) k.nearest = &c;
   std::string text = fmt::format("no grasp: of {} candidates", candidates.size());
   const char* separator = " ";
-  for (const Count& k : counts) {
-    if (k.n == 0) continue;
-    text +=
-        fmt::format("{}{} {} (candidate {}: {})", separator, k.n, k.words, k.nearest->id, k.nearest->reason);
+  for (const Refusals& group : refusals(candidates)) {
+    text += fmt::format("{}{} {} (candidate {}: {})", separator, group.count, group.why, group.nearest->id,
+                        group.nearest->reason);
     separator = ", ";
   }
   if (!in.base_frame_known || !config.check_reach) return text;

@@ -12,6 +12,7 @@ namespace {
 constexpr double kShoulders_m = 0.36;  // from joint to joint
 constexpr double kHand_m = 0.16;       // what lies nearer to the contact than this is the hand
 constexpr double kWithdrawn_m = 0.25, kStepBack_m = 0.30, kWalk_m = 1.6;
+constexpr double kClear_m = 0.03;  // of body and arm from anything else
 constexpr double kWalkUp_s = 1.0, kLetGo_s = 0.4, kStoodBack = 0.5;
 
 Vec3 horizontal(const Vec3& v) {
@@ -63,7 +64,6 @@ double clearance(const World& world, const PartnerFigure& figure) {
 }  // namespace
 
 PartnerFigure place_partner(const World& world, const Vec3& contact_W, const Vec3& outward_W) {
-  constexpr double kClear_m = 0.03;
   PartnerFigure best;
   double best_clearance = -std::numeric_limits<double>::infinity();
   const Vec3 outward = horizontal(outward_W);
@@ -78,6 +78,26 @@ PartnerFigure place_partner(const World& world, const Vec3& contact_W, const Vec
       if (clear > best_clearance) best = figure, best_clearance = clear;
     }
   return best;
+}
+
+std::optional<Vec3> step_aside(const World& world, const PartnerFigure& figure, const Vec3& direction_W) {
+  if (!figure.shoulder_W) return std::nullopt;
+  const Vec3 from = *figure.shoulder_W;
+  const double side = from.cross(direction_W).z();
+  if (std::abs(side) < 1e-6) return std::nullopt;
+  const double clear_now = clearance(world, figure);
+  for (const double turn : {1.0, 0.8, 0.6, 0.4}) {
+    PartnerFigure there = figure;
+    there.shoulder_W = Eigen::AngleAxisd(std::copysign(turn, side), Vec3::UnitZ()) * from;
+    if (clearance(world, there) >= std::min(kClear_m, clear_now)) return there.shoulder_W;
+  }
+  return std::nullopt;
+}
+
+Vec3 turned(const Vec3& from, const Vec3& to, double part) {
+  const double angle =
+      std::atan2(from.x() * to.y() - from.y() * to.x(), from.x() * to.x() + from.y() * to.y());
+  return Eigen::AngleAxisd(smooth(part) * angle, Vec3::UnitZ()) * from;
 }
 
 void add_partner(World& world, const PartnerFigure& figure) {

@@ -27,6 +27,14 @@ struct PartnerFigure {
 /// can without standing in object, clutter or wall. `world` holds those and nothing of him.
 [[nodiscard]] PartnerFigure place_partner(const World& world, const Vec3& contact_W, const Vec3& outward_W);
 
+/// Where his shoulder is, from the contact (W), when he has stepped aside that way as far as he can without
+/// letting go and without standing in something: up to a radian around his hand. Unset: he cannot.
+[[nodiscard]] std::optional<Vec3> step_aside(const World& world, const PartnerFigure& figure,
+                                             const Vec3& direction_W);
+
+/// Between two places of a shoulder, on a circle around the contact; `part` from 0 to 1.
+[[nodiscard]] Vec3 turned(const Vec3& from, const Vec3& to, double part);
+
 /// Adds hand, arm and body, Label::Partner. `world` holds the object (Label::Target), which decides how the
 /// hand grips.
 void add_partner(World& world, const PartnerFigure& figure);

@@ -82,9 +82,11 @@ bool SimWorld::take_lower_confirmed() {
   return impl_->partner.take_lower_confirmed();
 }
 
-bool SimWorld::ask_partner(const Vec3& place_W) {
+bool SimWorld::ask_partner(const std::optional<Vec3>& grasp_W, const std::optional<Vec3>& aside_W) {
   const std::scoped_lock lock(impl_->mutex);
-  const Vec3 place_T = impl_->physics->object_pose().inverse() * place_W;
+  if (aside_W) return impl_->partner_steps_aside(*aside_W);
+  if (!grasp_W) return false;
+  const Vec3 place_T = impl_->physics->object_pose().inverse() * *grasp_W;
   if (!on_surface(impl_->object, place_T)) return false;
   if (!impl_->partner.ask(place_T, impl_->now_s())) return false;
   impl_->place_partners();

@@ -107,9 +107,10 @@ class SimWorld {
   void open_hand(const std::array<bool, hal::kFingers>& which);
   void stop_hand();
 
-  /// The partner is asked to take hold of the object there (W). Whether he goes: not where there is nothing
-  /// to hold, and only if he is obliging (ScenarioPartner).
-  bool ask_partner(const Vec3& place_W);
+  /// The partner is asked to take hold of the object at a place (W), or to step aside that way (W,
+  /// horizontal) without letting go. Whether he does: only if he is obliging (ScenarioPartner), and not where
+  /// there is nothing to hold or no room to stand.
+  bool ask_partner(const std::optional<Vec3>& grasp_W, const std::optional<Vec3>& aside_W = {});
 
   /// The partner confirmed since the last call that a paused object may be lowered (do: confirm-lower).
   bool take_lower_confirmed();

@@ -46,6 +46,11 @@ struct SimWorld::Impl {
   WorldClock clock = {};
   std::atomic<hal::Timestamp::rep> start{0};
   std::vector<PartnerFigure> figures = {};  // one for each of the partner's holds
+  struct Aside {
+    Vec3 shoulder_W = Vec3::Zero();  // from the contact, when he has stepped aside
+    double from_s = 0.0;
+  };
+  std::vector<std::optional<Aside>> aside = {};  // of each figure
   std::vector<Shape> clutter;
   SimPeople people;
   bool clutter_moves = false;
@@ -73,6 +78,8 @@ struct SimWorld::Impl {
   [[nodiscard]] Pose palm() const { return physics->link_pose(model.palm); }
   [[nodiscard]] double now_s() const { return hal::seconds(clock.now() - hal::Timestamp(start.load())); }
   void place_partners();
+  [[nodiscard]] World around_partner() const;  ///< Where he cannot stand.
+  bool partner_steps_aside(const Vec3& direction_W);
   void report();
   [[nodiscard]] SimTruth truth() const;
   [[nodiscard]] hal::HandState hand_state() const;

@@ -8,7 +8,8 @@ namespace colift::sim_hal {
 namespace {
 
 constexpr double kTick_s = 0.001;
-constexpr double kObserver_s = 0.005;  // time constant of the external torque's observer
+constexpr double kListens_s = 1.0, kStepAside_s = 1.0;  // until somebody who is asked starts, and is there
+constexpr double kObserver_s = 0.005;                   // time constant of the external torque's observer
 
 double tilt(const Pose& X_WT0, const Pose& X_WT, bool may_roll) {
   if (!may_roll) {
@@ -102,7 +103,7 @@ void SimWorld::Impl::move_clutter() {
     if (!scenario.clutter[i].moves.empty()) physics->place_clutter(i, clutter[i].X_WS.translation());
 }
 
-void SimWorld::Impl::place_partners() {
+World SimWorld::Impl::around_partner() const {
   World around;
   around.shapes = object_shapes(X_WT0);
   around.shapes.insert(around.shapes.end(), clutter.begin(), clutter.end());
@@ -110,12 +111,29 @@ void SimWorld::Impl::place_partners() {
   for (int link = 0; link < static_cast<int>(model.links.size()); ++link)
     for (const hal::LinkShape& shape : model.links[static_cast<std::size_t>(link)].shapes)
       around.shapes.push_back(link_shape(shape, physics->link_pose(link)));
+  return around;
+}
+
+void SimWorld::Impl::place_partners() {
+  const World around = around_partner();
   const Vec3 middle_W = X_WT0 * object.cog_T;
   figures.clear();
   for (const PartnerHold& hold : partner.holds()) {
     const Vec3 contact_W = X_WT0 * hold.grasp_T;
     figures.push_back(place_partner(around, contact_W, contact_W - middle_W));
   }
+  aside.resize(figures.size());
+}
+
+// his hand stays where it is
+bool SimWorld::Impl::partner_steps_aside(const Vec3& direction_W) {
+  const PartnerHold* hold = partner.hold_to_show(now_s());
+  if (!scenario.partner.obliging || hold == nullptr || figures.empty()) return false;
+  const auto index = static_cast<std::size_t>(hold - partner.holds().data());
+  const auto shoulder_W = step_aside(around_partner(), figures[index], direction_W);
+  if (!shoulder_W) return false;
+  aside[index] = Aside{*shoulder_W, now_s() + kListens_s};
+  return true;
 }
 
 SimTruth SimWorld::Impl::truth() const {
@@ -171,6 +189,10 @@ SimPeople::Figure SimWorld::Impl::partner_figure() const {
   const auto index = static_cast<std::size_t>(hold - partner.holds().data());
   PartnerFigure figure = figures[index];
   figure.contact_W = physics->object_pose() * hold->grasp_T;
+  if (const auto& stepped = aside[index]; stepped && figure.shoulder_W) {
+    const double there = std::clamp((t - stepped->from_s) / kStepAside_s, 0.0, 1.0);
+    figure.shoulder_W = turned(*figure.shoulder_W, stepped->shoulder_W, there);
+  }
   std::optional<double> since_let_go;
   if (hold->until_s) since_let_go = t - *hold->until_s;
   figure.presence = presence_at(t - hold->from_s, since_let_go, hold->leaves);

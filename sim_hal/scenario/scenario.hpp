@@ -85,7 +85,7 @@ struct ScenarioPartner {
   std::string kind = "compliant";  ///< compliant | leader | support | none
   Vec3 grasp = Vec3::Zero();       ///< In T, on the surface.
   double arrives_s = 3.0;
-  bool obliging = false;  ///< Takes hold elsewhere when he is asked to.
+  bool obliging = false;  ///< Takes hold elsewhere, or steps aside, when he is asked to.
   std::vector<PartnerScriptEvent> events;
 };
 

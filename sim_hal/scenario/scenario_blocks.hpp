@@ -153,7 +153,7 @@ struct PartnerBlock {
     v("kind", kind, hal::Choices{"compliant", "leader", "support", "none"}, "How the partner lifts.");
     v("grasp", grasp, kPlace_m, "Where he grasps, in the object frame (m).");
     v("arrives_s", arrives_s, kTime_s, "When his hand is on the object (s).");
-    v("obliging", obliging, "Whether he grasps elsewhere when the robot asks him to.");
+    v("obliging", obliging, "Whether he grasps elsewhere, or steps aside, when the robot asks him to.");
     v("events", events, "What he does later.");
   }
 };

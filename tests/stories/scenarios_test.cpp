@@ -143,6 +143,14 @@ TEST_CASE("who stands before the object is asked to step aside, and nothing move
   CHECK(lift.record.reason.find("of the object's edge from the camera") != std::string::npos);
 }
 
+TEST_CASE("who steps aside when he is asked to is seen, and the object is lifted with him", "[scenario]") {
+  const auto lift = run("steps_aside");
+  INFO(tests::line("steps_aside", lift));
+  CHECK(lift.record.outcome == Result::Lifted);
+  REQUIRE(!lift.record.intents.empty());
+  CHECK(lift.record.intents[0].says.find("please step to the left, as the camera sees it") == 0);
+}
+
 TEST_CASE("where the best place is out of reach, the next best is taken", "[scenario]") {
   check_lifted("unreachable_optimum", 3.0);
 }
@@ -213,7 +221,7 @@ TEST_CASE("opposite to the robot the thesis's method sees no face within reach",
     const auto lift = run(name, control::Method::Thesis);
     INFO(tests::line(name, lift));
     CHECK(lift.record.outcome == Result::Refused);
-    CHECK(lift.record.reason.find("are out of reach") != std::string::npos);
+    CHECK(lift.record.reason.find("out of the arm's reach") != std::string::npos);
     CHECK_FALSE(passed(lift, Task::Approach));
   }
 }

@@ -132,7 +132,7 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
   };
   hooks.lower_confirmed = [&] { return world->take_lower_confirmed(); };
   GripWatch grip;
-  hooks.asked = [&](const hal::Vec3& place) { world->ask_partner(place); };
+  hooks.asked = [&](const control::PartnerAsk& ask) { world->ask_partner(ask.grasp_W, ask.aside_W); };
   if (!scenario.people.empty())
     hooks.cycle = [&](const control::ArmView&) {
       for (const sim_hal::BodyContact& c : world->body_contacts())

@@ -6,8 +6,11 @@
 #include <cstdio>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <string_view>
+#include <vector>
 
+#include "hal/config/nearest_name.hpp"
 #include "tools/cli/options.hpp"
 
 namespace colift::tools {
@@ -41,9 +44,11 @@ int cmd_schema(const std::string& name, bool json) {
   const auto* found =
       std::find_if(std::begin(kSchemas), std::end(kSchemas), [&](const Schema& s) { return s.name == name; });
   if (found == std::end(kSchemas)) {
-    std::string known;
-    for (const Schema& s : kSchemas) known += fmt::format("{}{}", known.empty() ? "" : ", ", s.name);
-    fmt::print(stderr, "colift schema: there is no schema \"{}\"; expected one of {}\n", name, known);
+    std::vector<std::string> names;
+    for (const Schema& s : kSchemas) names.emplace_back(s.name);
+    const auto meant = hal::nearest_path(name, names);
+    fmt::print(stderr, "colift schema: there is no schema \"{}\"; {}\n", name,
+               meant ? fmt::format("did you mean {}?", *meant) : "colift schema lists them");
     return kBadInput;
   }
   std::fwrite(found->text.data(), 1, found->text.size(), stdout);

@@ -26,7 +26,9 @@ struct RigTruth {
   std::function<TruthSample(hal::Timestamp began)> sample;
   std::function<picture::SolidScene()> scene;         ///< Everything, where it is now.
   std::function<std::optional<hal::Vec3>()> partner;  ///< Where he holds the object.
-  std::function<void(const hal::Vec3&)> ask_partner;  ///< To grasp there (W).
+  /// The partner is asked to grasp somewhere, or to step aside that way (W).
+  std::function<void(const std::optional<hal::Vec3>& grasp_W, const std::optional<hal::Vec3>& aside_W)>
+      ask_partner;
   /// A scenario's person confirmed lowering since the last call.
   std::function<bool()> take_lower_confirmed;
   std::function<void(const std::string&)> task_state;  ///< The job has entered a state.

@@ -28,7 +28,10 @@ RigTruth truth_of(const std::shared_ptr<sim_hal::SimWorld>& world,
                        t.slip_m};
   };
   truth.partner = [world] { return world->truth().partner_W; };
-  truth.ask_partner = [world](const hal::Vec3& place_W) { world->ask_partner(place_W); };
+  truth.ask_partner = [world](const std::optional<hal::Vec3>& grasp_W,
+                              const std::optional<hal::Vec3>& aside_W) {
+    world->ask_partner(grasp_W, aside_W);
+  };
   truth.take_lower_confirmed = [world] { return world->take_lower_confirmed(); };
   truth.scene = [world, model] {
     picture::SolidScene scene;

@@ -111,9 +111,9 @@ control::JobHooks RunSession::hooks(control::JobHooks yours,
     if (filming_) film(status);
     if (mine->status) mine->status(status);
   };
-  hooks.asked = [this, mine](const hal::Vec3& place) {
-    if (rig_->truth) rig_->truth->ask_partner(place);
-    if (mine->asked) mine->asked(place);
+  hooks.asked = [this, mine](const control::PartnerAsk& ask) {
+    if (rig_->truth) rig_->truth->ask_partner(ask.grasp_W, ask.aside_W);
+    if (mine->asked) mine->asked(ask);
   };
   hooks.changed = [this, mine](Task from, Task to) {
     if (rig_->truth) {

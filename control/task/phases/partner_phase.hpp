@@ -1,6 +1,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "control/task/grasp_selector.hpp"
 #include "control/task/partner_monitor.hpp"
@@ -18,6 +20,8 @@ class PartnerPhase {
 
   void begin(Task from);
   [[nodiscard]] std::optional<TaskEvent> await_partner();
+  /// Which way he was asked to step aside since the last call (HiddenEdge::aside_W).
+  [[nodiscard]] std::optional<hal::Vec3> take_aside() { return std::exchange(aside_W_, std::nullopt); }
 
  private:
   /// Who stands so that his body hides where his hand may be is asked to step aside, once.
@@ -29,6 +33,7 @@ class PartnerPhase {
   GraspSelector& grasps_;
   std::optional<hal::Timestamp> hidden_since_;
   std::string asked_;  ///< What he was asked.
+  std::optional<hal::Vec3> aside_W_;
 };
 
 }  // namespace colift::control

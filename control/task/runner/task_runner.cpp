@@ -123,6 +123,8 @@ bool TaskRunner::cycle(const JobHooks& hooks) {
   } else {
     if (arm_.take_restart() | stall_.take_recovery()) resume_after_restart();
     if (const auto event = work()) apply(*event, hooks);
+    if (const auto aside = partner_phase_.take_aside(); aside && hooks.asked)
+      hooks.asked({std::nullopt, aside});
   }
   c_.arm.end_cycle();
   if (c_.arm.view().refused_commands > 0 && !refusal_noted_ && !is_end(c_.state)) {
@@ -320,7 +322,7 @@ void TaskRunner::apply(const TaskEvent& event, const JobHooks& hooks) {
 void TaskRunner::ask_partner(const hal::Vec3& place, const JobHooks& hooks) {
   c_.request(
       fmt::format("please grasp the object at ({:.2f}, {:.2f}, {:.2f}) m", place.x(), place.y(), place.z()));
-  if (hooks.asked) hooks.asked(place);
+  if (hooks.asked) hooks.asked({place, std::nullopt});
 }
 
 void TaskRunner::report(const JobHooks& hooks) {

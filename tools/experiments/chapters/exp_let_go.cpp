@@ -21,6 +21,7 @@ constexpr double kHeight_m = 0.05, kHold_s = 1.0;
 constexpr double kSoon_ms = 150.0;
 constexpr double kPaused_s = 3.0;    // who grasps again does so for half a second
 constexpr double kStands_m = 0.001;  // of the object over where it stood
+constexpr const char* kEarly = "though nobody had let go, ";
 constexpr Task kLoaded[] = {Task::Close, Task::Verify, Task::AwaitReady, Task::Lift, Task::Hold, Task::Lower};
 
 control::TaskSaid task() {
@@ -88,7 +89,14 @@ TrialRows run(const Trial& trial) {
       at_s = hal::seconds(s.at) + event.at_s;
       break;
     }
-  if (std::isnan(at_s)) return without("never in " + event.in_state + ": " + lift->record.reason);
+  if (std::isnan(at_s)) {
+    // whoever was believed to let go before he did, did not come that far
+    const Reaction early = reaction(lift->record, 0.0);
+    return without("never in " + event.in_state + ": " +
+                   (early.state.empty() ? lift->record.reason
+                                        : fmt::format("{}{} at {:.2f} s: {}", kEarly, early.state,
+                                                      1e-3 * early.after_ms, early.why)));
+  }
   std::string in;
   for (const control::StateChange& s : lift->record.states)
     if (hal::seconds(s.at) <= at_s) in = word(s.state);
@@ -124,8 +132,9 @@ std::vector<double> times(const Results& r, const std::string& state) {
 }
 
 std::vector<Figure> figures(const Results& r) {
-  int lifted = 0, n = 0;
+  int lifted = 0, n = 0, early = 0;
   for (const Row& row : r.trials.rows()) {
+    early += r.trials.text(row, "because").find(kEarly) != std::string::npos;
     if (r.trials.text(row, "state").empty()) continue;
     ++n;
     lifted += r.trials.number(row, "lifted") > 0.5;
@@ -136,6 +145,7 @@ std::vector<Figure> figures(const Results& r) {
   std::vector<Figure> out{
       {"lifted", "reported as lifted", rate(lifted, n), "%", 0.0, false},
       {"soon", "noticed within 150 ms", rate(soon, n), "%", 0.99, true},
+      {"early", "stopped though nobody had let go yet", rate(early, n + early), "%"},
       {"p50", "time to notice, median", quantile_estimate(all, 0.5), "ms"},
       {"p99", "time to notice, 99 % below", quantile_estimate(all, 0.99), "ms", kSoon_ms, false}};
   for (const Task t : kLoaded) {

@@ -166,7 +166,7 @@ hal::Result<FaultyLift> run_faulty_lift(const FaultyScene& scene, const control:
     enter(control::Task::Observe);
   };
   hooks.changed = [&](control::Task, control::Task to) { enter(to); };
-  hooks.asked = [&](const hal::Vec3& place_W) { world.ask_partner(place_W); };
+  hooks.asked = [&](const control::PartnerAsk& ask) { world.ask_partner(ask.grasp_W, ask.aside_W); };
   bool endless = false;
   hooks.interrupted = [&] {
     const double t_s = hal::seconds(world.elapsed());

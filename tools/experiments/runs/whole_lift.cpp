@@ -70,7 +70,7 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
     enough = enough || (with.cut.at_release_before_lift && to == control::Task::Release && !lifted);
   };
   hooks.interrupted = [&] { return enough; };
-  hooks.asked = [&](const hal::Vec3& place) { (*world)->ask_partner(place); };
+  hooks.asked = [&](const control::PartnerAsk& ask) { (*world)->ask_partner(ask.grasp_W, ask.aside_W); };
   hooks.status = [&](const control::JobStatus& status) {
     if (with.each_frame) with.each_frame(**world, status.state);
     const sim_hal::SimTruth truth = (*world)->truth();

@@ -383,8 +383,8 @@ control::JobHooks RunTelemetry::hooks(control::JobHooks yours) {
     i.on_tracked(tracked);
     if (yours.tracked) aside([&] { yours.tracked(tracked); });
   };
-  out.asked = [aside, yours](const hal::Vec3& place) {
-    if (yours.asked) aside([&] { yours.asked(place); });
+  out.asked = [aside, yours](const control::PartnerAsk& ask) {
+    if (yours.asked) aside([&] { yours.asked(ask); });
   };
   out.changed = [aside, yours](control::Task from, control::Task to) {
     if (yours.changed) aside([&] { yours.changed(from, to); });

@@ -40,10 +40,12 @@ TEST_CASE("a body before the object hides a part of its edge, and has a shorter 
   REQUIRE(left);
   CHECK(left->fraction == Approx(0.5).margin(0.02));
   CHECK_FALSE(left->to_right);
+  CHECK(left->aside_W.isApprox(-hal::Vec3::UnitX()));  // of a camera whose image's right is W's x
   const auto right = View(50, 95).find();
   REQUIRE(right);
   CHECK(right->fraction == Approx(0.5).margin(0.02));
   CHECK(right->to_right);
+  CHECK(right->aside_W.isApprox(hal::Vec3::UnitX()));
 }
 
 TEST_CASE("who stands beside the object or behind it hides nothing", "[partner][hidden]") {

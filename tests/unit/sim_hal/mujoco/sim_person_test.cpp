@@ -121,6 +121,35 @@ TEST_CASE("he comes without a leap from frame to frame, and rises with the objec
   CHECK(nearest(person(lifted, figure), figure.contact_W) < 0.03);
 }
 
+TEST_CASE("who steps aside goes the way that he was asked to, around his hand and not into the object",
+          "[sim][person]") {
+  for (const auto& [name, g] : shipped()) {
+    for (const double side : {1.0, -1.0}) {
+      CAPTURE(name, side);
+      PartnerFigure figure = place_partner(g.world, g.contact, g.contact - g.middle);
+      const Vec3 from = *figure.shoulder_W;
+      const Vec3 direction_W = side * Vec3::UnitZ().cross(from).normalized();
+      const auto to = step_aside(g.world, figure, direction_W);
+      if (!to) continue;  // no room on that side
+      CHECK((*to - from).dot(direction_W) > 0.1);
+      CHECK(to->norm() == Approx(from.norm()));
+      CHECK(turned(from, *to, 0.0).isApprox(from));
+      CHECK(turned(from, *to, 1.0).isApprox(*to));
+      const double before = gap(person(g.world, figure), g);
+      figure.shoulder_W = to;
+      CHECK(gap(person(g.world, figure), g) > std::min(before, 0.0) - 1e-9);
+      CHECK(nearest(person(g.world, figure), g.contact) < 0.03);
+    }
+  }
+}
+
+TEST_CASE("whoever is asked to step aside towards himself stays", "[sim][person]") {
+  const auto all = shipped();
+  const Grasp& g = all.front().second;
+  const PartnerFigure figure = place_partner(g.world, g.contact, g.contact - g.middle);
+  CHECK_FALSE(step_aside(g.world, figure, *figure.shoulder_W));
+}
+
 TEST_CASE("presence follows arrival and letting go", "[sim][person]") {
   CHECK(presence_at(-5.0) == 0.0);
   CHECK(presence_at(-0.5) == Approx(0.5));
