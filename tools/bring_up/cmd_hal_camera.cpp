@@ -88,10 +88,10 @@ class Session {
       auto writer = hal::kinect::FakenectWriter::open(o_.folder);
       if (!writer) return {kBadInput, "bad-request", writer.error().text()};
       writer_.emplace(std::move(*writer));
-      camera_.on_raw = [this](const hal::kinect::RawFrame& raw, hal::Timestamp at) {
+      camera_.on_raw([this](const hal::capture::RawFrame& raw, hal::Timestamp at) {
         if (!disk_) return;
         disk_ = writer_->write(raw, at);
-      };
+      });
     }
     if (o_.hal.verb == "tilt")
       if (auto done = camera_.tilt(o_.tilt_deg); !done) return failed(done.error());

@@ -37,6 +37,7 @@ set(COLIFT_PUBLIC_HEADERS
   hal/config/range.hpp
   hal/config/yaml_tree.hpp
   hal/drivers/barrett_can/hand_config.hpp
+  hal/drivers/capture_link/capture_times.hpp
   hal/drivers/kinect/kinect_config.hpp
   hal/drivers/kuka_fri/fri_config.hpp
   hal/drivers/recorded/cloud_files/point_file.hpp

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "hal/drivers/kinect/kinect_source.hpp"
+#include "hal/drivers/capture_link/beside_program.hpp"
 #include "tools/bring_up/cmd_hal.hpp"
 #include "tools/cli/session.hpp"
 #include "tools/doctor/doctor_can.hpp"
@@ -58,7 +58,7 @@ int cmd_doctor(const CommonOptions& common, const DoctorOptions& options) {
   for (DoctorRow& row : video ? video_rows(options.root, robot->v4l2.device) : usb_rows(options.root))
     rows.push_back(std::move(row));
   const fs::path capture = robot->kinect.program.empty()
-                               ? fs::path(hal::kinect::own_folder()) / "colift-kinect"
+                               ? fs::path(hal::capture::own_folder()) / "colift-kinect"
                                : fs::path(robot->kinect.program);
   for (DoctorRow& row : capture_rows(capture, robot->camera == "kinect", ask_capture))
     rows.push_back(std::move(row));

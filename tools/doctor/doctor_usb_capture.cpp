@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "hal/drivers/kinect/capture_link/capture_process.hpp"
+#include "hal/drivers/capture_link/capture_process.hpp"
 #include "hal/types/time.hpp"
 
 namespace colift::tools {
@@ -19,10 +19,10 @@ constexpr auto kTimeout = 2s;
 
 CaptureAnswer ask_capture(const std::filesystem::path& program) {
   const int nothing = ::open("/dev/null", O_RDWR | O_CLOEXEC);  // in place of the frames' memory
-  auto process = hal::kinect::CaptureProcess::start({program.string(), {"--probe"}, {}}, nothing);
+  auto process = hal::capture::CaptureProcess::start({program.string(), {"--probe"}, {}}, nothing);
   if (nothing >= 0) ::close(nothing);
   if (!process) return {false, process.error().detail};
-  hal::kinect::CaptureNews news;
+  hal::capture::CaptureNews news;
   const hal::SteadyClock clock;
   const hal::Timestamp end = clock.now() + kTimeout;
   while (process->exists()) {

@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "hal/drivers/capture_link/beside_program.hpp"
 #include "hal/drivers/kinect/fakenect_writer.hpp"
-#include "hal/drivers/kinect/kinect_source.hpp"
 #include "sim_hal/emulator/camera/camera_server.hpp"
 #include "sim_hal/emulator/mujoco/camera_world_source.hpp"
 #include "tools/cli/session.hpp"
@@ -44,7 +44,7 @@ hal::Result<int> record(const CommonOptions& common, const EmulateCameraOptions&
   if (!writer) return tl::unexpected(writer.error());
   sim_hal::CameraWorldSource eye(world);
   const double for_s = o.common.for_s.value_or(kRecord_s);
-  hal::kinect::RawFrame raw;
+  hal::capture::RawFrame raw;
   for (std::uint64_t n = 0; static_cast<double>(n) / 30.0 < for_s && !InterruptGuard::asked(); ++n) {
     const auto due = std::chrono::milliseconds((1000 * n + 29) / 30);
     if (due > world.elapsed()) world.advance(due - world.elapsed());
@@ -138,7 +138,7 @@ hal::Result<int> serve(const CommonOptions& common, const EmulateCameraOptions& 
   lines.ready(
       fmt::format("camera on emulated:{}; any program for libfreenect: COLIFT_KINECT_EMULATOR={} "
                   "LD_PRELOAD={}/libcolift-freenect.so PROGRAM",
-                  o.address, o.address, hal::kinect::own_folder()));
+                  o.address, o.address, hal::capture::own_folder()));
   const std::string reason = run_server(server, o.common, lines, [&] { return server.elapsed_s(); });
   const CameraServerReport r = server.report();
   lines.result(

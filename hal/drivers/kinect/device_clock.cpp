@@ -8,7 +8,6 @@
 namespace colift::hal::kinect {
 namespace {
 
-constexpr Duration kWindow = std::chrono::seconds(5);
 constexpr double kWrap = 4294967296.0;
 
 Duration of_ticks(std::int64_t ticks) {
@@ -29,21 +28,7 @@ DeviceClock::Times DeviceClock::note(std::uint32_t ticks, Timestamp arrived) {
   }
   last_ticks_ = ticks;
   arrived_ = arrived;
-
-  Times t;
-  t.device = of_ticks(ticks_);
-  const Duration offset = arrived - t.device;
-  if (!now_) {
-    now_ = Min{offset, arrived};
-  } else if (arrived - now_->since > kWindow) {
-    before_ = now_;
-    now_ = Min{offset, arrived};
-  }
-  now_->offset = std::min(now_->offset, offset);
-  const Duration least = before_ ? std::min(now_->offset, before_->offset) : now_->offset;
-  t.exposed = t.device + least;
-  t.late = offset - least;
-  return t;
+  return delay_.note(of_ticks(ticks_), arrived);
 }
 
 }  // namespace colift::hal::kinect

@@ -34,7 +34,7 @@ Result<FakenectWriter> FakenectWriter::open(const fs::path& folder) {
   return FakenectWriter(folder);
 }
 
-Result<> FakenectWriter::write(const RawFrame& depth, Timestamp at) {
+Result<> FakenectWriter::write(const capture::RawFrame& depth, Timestamp at) {
   const std::string stem = fmt::format("{:.6f}-{}", seconds(at), depth.stamp.ticks);
   std::string image = "P5 640 480 65535\n";
   image.append(reinterpret_cast<const char*>(depth.pixels.data()), 2 * depth.pixels.size());

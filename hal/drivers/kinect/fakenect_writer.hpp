@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "hal/drivers/kinect/capture_link/frame_ring.hpp"
+#include "hal/drivers/capture_link/frame_ring.hpp"
 #include "hal/types/time.hpp"
 
 namespace colift::hal::kinect {
@@ -16,7 +16,7 @@ class FakenectWriter {
   [[nodiscard]] static Result<FakenectWriter> open(const std::filesystem::path& folder);
 
   /// `at` counts from anywhere, and not backwards. Errors: BadInput (the disk is full).
-  [[nodiscard]] Result<> write(const RawFrame& depth, Timestamp at);
+  [[nodiscard]] Result<> write(const capture::RawFrame& depth, Timestamp at);
 
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }

@@ -5,12 +5,15 @@
 #include <string>
 
 #include "hal/depth_camera.hpp"
-#include "hal/drivers/kinect/capture_link/frame_ring.hpp"
+#include "hal/drivers/capture_link/frame_ring.hpp"
 #include "hal/drivers/kinect/kinect_config.hpp"
 #include "hal/drivers/kinect/kinect_report.hpp"
 #include "hal/infrared_camera.hpp"
 
 namespace colift::hal {
+namespace kinect {
+class KinectStream;
+}
 
 /// A Kinect v1 as a DepthCamera. libfreenect runs in a process of its own, which is watched, killed when it
 /// hangs, and started anew with growing pauses; nothing of that blocks the caller. One thread.
@@ -42,12 +45,12 @@ class KinectCamera final : public DepthCamera, public InfraredCamera {
 
   [[nodiscard]] KinectReport report() const;
 
-  /// Called with every depth frame that is handed out, as it came from the device: for recordings.
-  std::function<void(const kinect::RawFrame&, Timestamp exposed_at)> on_raw;
+  /// Is called with every depth frame that is handed out, as it came from the device: for recordings.
+  void on_raw(std::function<void(const capture::RawFrame&, Timestamp exposed_at)> call);
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::unique_ptr<kinect::KinectStream> stream_;
+  const Clock& clock_;
 };
 
 }  // namespace colift::hal

@@ -1,11 +1,12 @@
 #include "hal/drivers/kinect/kinect_source.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <optional>
 #include <vector>
+
+#include "hal/drivers/capture_link/beside_program.hpp"
 
 #ifndef COLIFT_FAKENECT_LIBRARY
 #define COLIFT_FAKENECT_LIBRARY ""
@@ -39,13 +40,13 @@ std::vector<fs::path> fakenect_places() {
   return places;
 }
 
-Result<CaptureCall> call_of(const KinectConfig& config) {
-  CaptureCall call;
+Result<capture::CaptureCall> call_of(const KinectConfig& config) {
+  capture::CaptureCall call;
   if (config.program.empty()) {
-    const auto found = first_of({fs::path(own_folder()) / kProgram});
+    const auto found = first_of({fs::path(capture::own_folder()) / kProgram});
     if (!found)
       return bad(fmt::format("{} is not beside this program ({}): was it built with -DCOLIFT_KINECT=OFF?",
-                             kProgram, own_folder()));
+                             kProgram, capture::own_folder()));
     call.program = *found;
   } else {
     if (!first_of({config.program})) return bad(fmt::format("program {} is not there", config.program));
@@ -56,12 +57,6 @@ Result<CaptureCall> call_of(const KinectConfig& config) {
 }
 
 }  // namespace
-
-std::string own_folder() {
-  std::error_code none;
-  const fs::path self = fs::read_symlink("/proc/self/exe", none);
-  return none ? std::string(".") : self.parent_path().string();
-}
 
 Result<KinectSource> kinect_source(const KinectConfig& config) {
   auto call = call_of(config);
@@ -92,7 +87,7 @@ Result<KinectSource> kinect_source(const KinectConfig& config) {
   }
   if (kind == "emulated" && !source.what.empty()) {
     source.kind = KinectSource::Kind::Emulated;
-    const fs::path here = own_folder();
+    const fs::path here = capture::own_folder();
     const auto library = first_of({here / kEmulated, here / "../lib/colift" / kEmulated});
     if (!library)
       return bad(fmt::format("{} is neither in {} nor in ../lib/colift", kEmulated, here.string()));

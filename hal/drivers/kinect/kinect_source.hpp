@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "hal/drivers/kinect/capture_link/capture_process.hpp"
+#include "hal/drivers/capture_link/capture_process.hpp"
 #include "hal/drivers/kinect/kinect_config.hpp"
 
 namespace colift::hal::kinect {
@@ -12,14 +12,11 @@ struct KinectSource {
   enum class Kind { Usb, Fakenect, Emulated };
   Kind kind = Kind::Usb;
   std::string what;  ///< Serial number, folder, address.
-  CaptureCall call;
+  capture::CaptureCall call;
 };
 
 /// Reads `source` and finds what it needs: the capture process, Debian's fakenect library, the emulator's
 /// library. Errors: BadConfig, with what was looked for and where.
 [[nodiscard]] Result<KinectSource> kinect_source(const KinectConfig& config);
-
-/// Folder of the running program.
-[[nodiscard]] std::string own_folder();
 
 }  // namespace colift::hal::kinect

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <ctime>
 #include <utility>
 
 #include "hal/drivers/kinect/lost_packets.hpp"
@@ -11,9 +10,9 @@
 namespace colift::hal::kinect {
 namespace {
 
-using namespace std::chrono_literals;
-
-constexpr auto kLongestWait = 20ms;  // between two looks at the process
+using capture::FrameStamp;
+using capture::RawFrame;
+using capture::Stream;
 
 /// Against gravity, from the accelerometer: y is up, x right, z backwards on a level device. The sign of x
 /// and z has not been tried on a device.
@@ -25,138 +24,64 @@ std::optional<Vec3> up_of(const FrameStamp& s) {
   return a.normalized();
 }
 
-void sleep_for(Duration d) {
-  const timespec t{0, std::clamp<long>(d.count(), 0, 999'999'999)};
-  (void)::nanosleep(&t, nullptr);
+/// What the device says of its geometry; nothing when no Kinect is like that.
+std::optional<DepthConstants> constants_of(const std::vector<double>& said) {
+  if (said.size() != 4) return std::nullopt;
+  const DepthConstants c{said[0], said[1], said[2], said[3]};
+  return plausible(c) ? std::optional(c) : std::nullopt;
 }
 
 }  // namespace
 
-void KinectStream::start() {
-  process.reset();
-  news = {};
+Result<> KinectStream::find_source() {
+  if (source_) return {};
+  auto found = kinect_source(config);
+  if (!found) return tl::unexpected(found.error());
+  source_ = std::move(*found);
+  call_ = source_->call;
+  return {};
+}
+
+void KinectStream::started() {
   times_.forget();
   before_.pixels.clear();
   device_at_ = infrared_at_ = Timestamp::min();
-  auto made = FrameRing::make();
-  if (!made) {
-    report.error = made.error().text();
-    return;
-  }
-  ring.emplace(std::move(*made));
-  auto started = CaptureProcess::start(source->call, ring->fd());
-  if (!started) {
-    report.error = started.error().text();
-    return;
-  }
-  process.emplace(std::move(*started));
   if (infrared) ask_for_infrared();
 }
 
-void KinectStream::ask_for_infrared() const {
-  if (!process) return;
-  process->send_line("infrared on");
-  if (config.infrared_brightness > 0)
-    process->send_line(fmt::format("brightness {}", config.infrared_brightness));
-}
-
-std::string KinectStream::words_of_end() const {
-  if (news.end) return news.reason;
-  if (!process) return report.error.empty() ? "the capture process is not there" : report.error;
-  const std::string& how = process->ended();
-  const std::string last =
-      news.last_words.empty() ? "" : fmt::format("; its last words: {}", news.last_words);
-  return fmt::format("the capture process ended with {}{}", how.empty() ? "no word" : how, last);
-}
-
-void KinectStream::look_after() {
-  const bool exists = process && process->exists();
-  if (process) process->listen(news);
-  if (news.constants && !report.own_constants) {
-    table = DepthTable(*news.constants);
+void KinectStream::heard() {
+  if (report.own_constants) return;
+  if (const auto c = constants_of(news().constants)) {
+    table = DepthTable(*c);
     report.own_constants = true;
   }
-  if (is_recording() && watch.running() && !exists && news.end == CaptureEnd::DeviceLost) {
-    watch.rest();  // a recording does not come back by itself
-    note_device("the recording is over");
-    return;
-  }
-  CaptureMonitor::Sight sight;
-  sight.exists = exists;
-  if (ring) sight.heartbeat = ring->heartbeat(), sight.frames = ring->newest(Stream::Depth);
-  if (!exists) {
-    sight.ended = words_of_end();
-    sight.no_device = news.end == CaptureEnd::NoDevice;
-  }
-  const bool ran = watch.running();
-  switch (watch.look(sight, clock.now())) {
-    case CaptureMonitor::Do::Nothing:
-      break;
-    case CaptureMonitor::Do::Start:
-      start();
-      break;
-    case CaptureMonitor::Do::Kill:
-      if (process) process->kill();
-      break;
-    case CaptureMonitor::Do::Abandon:
-      if (process) process->abandon();
-      break;
-  }
-  if (ran && !watch.running()) note_device(watch.why());
 }
 
-void KinectStream::note_device(const std::string& why) {
-  report.error = why;
-  last_error = why;
-}
-
-bool KinectStream::lost() const {
-  return !watch.running() || seconds(clock.now() - frame_at) > config.silent_s;
-}
-
-std::string KinectStream::words_of_loss() const {
-  if (!watch.running()) return report.error.empty() ? "the capture process is not there" : report.error;
-  return fmt::format("no frame for {:.1f} s{}", seconds(clock.now() - frame_at),
-                     report.error.empty() ? "" : fmt::format(" (before: {})", report.error));
-}
-
-void KinectStream::wait(Duration timeout) const {
-  if (process)
-    process->wait(std::min<Duration>(timeout, kLongestWait));
-  else
-    sleep_for(std::min<Duration>(timeout, kLongestWait));
-}
-
-Timestamp KinectStream::arrival(const FrameStamp& s) const {
-  // the process's word, kept within reason
-  const Duration age = std::clamp<Duration>(machine_.now() - Timestamp(s.arrived_ns), 0ns, 10s);
-  return clock.now() - age;
+void KinectStream::ask_for_infrared() const {
+  send_line("infrared on");
+  if (config.infrared_brightness > 0) send_line(fmt::format("brightness {}", config.infrared_brightness));
 }
 
 Timestamp KinectStream::exposed(Timestamp measured) const {
-  return measured -
-         std::chrono::duration_cast<Duration>(std::chrono::duration<double>(config.latency_ms / 1e3));
+  return measured - duration_of(1e-3 * config.latency_ms);
 }
 
-void KinectStream::reject(std::string why) {
-  ++rejected;
-  last_error = std::move(why);
+bool KinectStream::is_size(const RawFrame& raw, int height) {
+  if (raw.stamp.width == static_cast<std::uint32_t>(kWidth) &&
+      raw.stamp.height == static_cast<std::uint32_t>(height))
+    return true;
+  reject(fmt::format("a frame of {} x {} pixels, expected {} x {}", raw.stamp.width, raw.stamp.height, kWidth,
+                     height));
+  return false;
 }
 
-std::optional<DepthFrame> KinectStream::take(const std::function<void(const RawFrame&, Timestamp)>& on_raw) {
-  if (!ring) return std::nullopt;
+std::optional<DepthFrame> KinectStream::take() {
   std::swap(raw_, before_);
-  const auto got = ring->read(Stream::Depth, raw_);
-  if (!got || !*got) {
+  if (!read(Stream::Depth, raw_) || !is_size(raw_, kHeight)) {
     std::swap(raw_, before_);
-    if (!got) {
-      ++report.broken;
-      reject(got.error().detail);
-    }
     return std::nullopt;
   }
-  report.missed = ring->missed(Stream::Depth);
-  const auto t = times_.note(raw_.stamp.ticks, arrival(raw_.stamp));
+  const auto t = times_.note(static_cast<std::uint32_t>(raw_.stamp.ticks), arrival(raw_.stamp));
   if (t.device <= device_at_) {
     ++report.old;
     reject(fmt::format("a frame {:.1f} ms older than the one before", 1e3 * seconds(device_at_ - t.device)));
@@ -193,20 +118,11 @@ DepthFrame KinectStream::convert(const DeviceClock::Times& t) {
       std::count_if(frame.depth_m.begin(), frame.depth_m.end(), [](float z) { return z > 0.0f; });
   report.seen = static_cast<double>(seen) / static_cast<double>(kPixels);
   report.tilt_deg = raw_.stamp.has_accel != 0 ? std::optional(raw_.stamp.tilt_half_deg / 2.0) : std::nullopt;
-  report.error.clear();
-  ++report.frames;
-  frame_at = clock.now();
   return frame;
 }
 
 std::optional<InfraredFrame> KinectStream::take_infrared() {
-  if (!ring) return std::nullopt;
-  const auto got = ring->read(Stream::Infrared, infrared_raw_);
-  if (!got) {
-    ++report.broken;
-    reject(got.error().detail);
-  }
-  if (!got || !*got) return std::nullopt;
+  if (!read(Stream::Infrared, infrared_raw_) || !is_size(infrared_raw_, kInfraredHeight)) return std::nullopt;
   InfraredFrame frame;
   // the same counter as the depth's; its own frames are not older than the counter's last wrap
   frame.exposed_at = exposed(arrival(infrared_raw_.stamp));
@@ -221,29 +137,6 @@ std::optional<InfraredFrame> KinectStream::take_infrared() {
   frame.brightness = infrared_raw_.pixels;
   for (std::uint16_t& b : frame.brightness) b = std::min(b, kMostInfrared);
   return frame;
-}
-
-Result<> KinectStream::first_frame() {
-  const Timestamp deadline =
-      clock.now() + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(config.open_s));
-  watch.want();
-  for (;;) {
-    look_after();
-    if (ring && watch.running() && ring->newest(Stream::Depth) > 0) break;
-    const bool ended = !watch.running();
-    if (ended || clock.now() >= deadline) {
-      const std::string why = ended ? report.error : fmt::format("no frame within {:.1f} s", config.open_s);
-      const bool gone = news.end == CaptureEnd::NoDevice || news.end == CaptureEnd::DeviceLost;
-      last_error = why;
-      watch.rest();
-      process.reset();
-      return failure(gone ? ErrorCode::LinkLost : ErrorCode::DeviceFault, "kinect.configure", why);
-    }
-    wait(kLongestWait);
-  }
-  frame_at = clock.now();
-  report.error.clear();
-  return {};
 }
 
 }  // namespace colift::hal::kinect

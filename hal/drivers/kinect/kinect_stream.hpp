@@ -4,9 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "hal/drivers/kinect/capture_link/capture_monitor.hpp"
-#include "hal/drivers/kinect/capture_link/capture_process.hpp"
-#include "hal/drivers/kinect/capture_link/frame_ring.hpp"
+#include "hal/drivers/capture_link/capture_supervisor.hpp"
 #include "hal/drivers/kinect/depth_table.hpp"
 #include "hal/drivers/kinect/device_clock.hpp"
 #include "hal/drivers/kinect/kinect_facts.hpp"
@@ -16,58 +14,47 @@
 
 namespace colift::hal::kinect {
 
-/// The capture process and what comes out of it: started, watched, ended and started anew; its images taken
-/// out of the ring, checked, and turned into frames. KinectCamera adds the life of a device. One thread.
-struct KinectStream {
+/// What comes out of the capture process: its images taken out of the ring, checked, and turned into frames.
+/// KinectCamera adds what a caller asks for. One thread.
+class KinectStream final : public capture::CaptureSupervisor {
+ public:
   /// The clock has to outlive the stream; it is the one of the frames' time stamps.
-  KinectStream(KinectConfig c, const Clock& k) : config(std::move(c)), clock(k), watch(config) {}
+  KinectStream(KinectConfig c, const Clock& k)
+      : CaptureSupervisor("kinect", c, {2, static_cast<std::uint32_t>(kInfraredPixels)}, k),
+        config(std::move(c)) {}
 
-  KinectConfig config;
-  const Clock& clock;
-  std::optional<KinectSource> source;  ///< Set before first_frame().
-  CaptureMonitor watch;
-  std::optional<FrameRing> ring;
-  std::optional<CaptureProcess> process;
-  CaptureNews news;
-  DepthTable table;
-  bool infrared = false;  ///< Asked for, of every process that is started.
-  std::uint64_t rejected = 0;
-  KinectReport report;
-  std::string last_error;
-  Timestamp frame_at{0};  ///< When the last depth frame was handed out.
-
-  /// Waits for the process's first image, up to config.open_s. Errors: LinkLost (no device), DeviceFault.
-  [[nodiscard]] Result<> first_frame();
-  /// Everything that is due: the process's words, its deadlines.
-  void look_after();
-  /// Until the process says or shows something, at most 20 ms.
-  void wait(Duration timeout) const;
+  /// Finds what the configuration names, once. Errors: BadConfig.
+  [[nodiscard]] Result<> find_source();
   void ask_for_infrared() const;
-
-  /// A new depth image of the ring, if there is one that is good; `on_raw` gets it as it came.
-  [[nodiscard]] std::optional<DepthFrame> take(const std::function<void(const RawFrame&, Timestamp)>& on_raw);
-  /// The same for infrared.
+  /// A new infrared image of the ring, if there is one that is good.
   [[nodiscard]] std::optional<InfraredFrame> take_infrared();
 
-  [[nodiscard]] bool lost() const;
-  [[nodiscard]] std::string words_of_loss() const;
+  KinectConfig config;
+  DepthTable table;
+  bool infrared = false;  ///< Asked for, of every process that is started.
+  KinectReport report;
+  /// Gets every depth image that is handed out, as it came.
+  std::function<void(const capture::RawFrame&, Timestamp exposed_at)> on_raw;
+
+ protected:
+  [[nodiscard]] std::optional<DepthFrame> take() override;
+  void started() override;
+  void heard() override;
+  [[nodiscard]] bool is_recording() const override {
+    return source_ && source_->kind == KinectSource::Kind::Fakenect;
+  }
 
  private:
-  void start();
-  void note_device(const std::string& why);
-  void reject(std::string why);
-  [[nodiscard]] std::string words_of_end() const;
-  [[nodiscard]] bool is_recording() const { return source && source->kind == KinectSource::Kind::Fakenect; }
-  [[nodiscard]] Timestamp arrival(const FrameStamp& stamp) const;
+  [[nodiscard]] bool is_size(const capture::RawFrame& raw, int height);
   [[nodiscard]] Timestamp exposed(Timestamp measured) const;
   [[nodiscard]] CameraIntrinsics intrinsics() const {
     return {kWidth, kHeight, config.fx, config.fy, config.cx, config.cy};
   }
   [[nodiscard]] DepthFrame convert(const DeviceClock::Times& times);
 
-  SteadyClock machine_;  // that of the capture process
+  std::optional<KinectSource> source_;
   DeviceClock times_;
-  RawFrame raw_, before_, infrared_raw_;
+  capture::RawFrame raw_, before_, infrared_raw_;
   Timestamp device_at_{Timestamp::min()}, infrared_at_{Timestamp::min()};
 };
 

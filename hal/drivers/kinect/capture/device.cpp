@@ -6,7 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "hal/drivers/kinect/capture/words_out.hpp"
+#include "hal/drivers/capture_link/process/words_out.hpp"
+#include "hal/drivers/kinect/kinect_facts.hpp"
 #include "hal/drivers/kinect/lost_packets.hpp"
 
 namespace colift::capture {
@@ -14,8 +15,10 @@ namespace {
 
 using namespace std::chrono_literals;
 namespace kinect = hal::kinect;
-using kinect::CaptureState;
-using kinect::Stream;
+using hal::capture::CaptureState;
+using hal::capture::FrameRingWriter;
+using hal::capture::FrameStamp;
+using hal::capture::Stream;
 
 constexpr int kErrors = 3;        // in a row: one alone may be got over
 constexpr auto kRestart = 500ms;  // without a frame: the stream is stopped and started
@@ -27,7 +30,7 @@ Device* logs_to = nullptr;  // the library's log knows the context only
 
 }  // namespace
 
-Device::Device(kinect::FrameRingWriter& ring, std::string serial, bool motor)
+Device::Device(FrameRingWriter& ring, std::string serial, bool motor)
     : ring_(ring),
       serial_(std::move(serial)),
       motor_(motor),
@@ -176,8 +179,8 @@ void Device::close() {
   logs_to = nullptr;
 }
 
-kinect::FrameStamp Device::stamp(std::uint32_t ticks, int height) const {
-  kinect::FrameStamp s = motion_;
+FrameStamp Device::stamp(std::uint32_t ticks, int height) const {
+  FrameStamp s = motion_;
   s.ticks = ticks;
   s.width = kinect::kWidth;
   s.height = static_cast<std::uint32_t>(height);
@@ -187,9 +190,9 @@ kinect::FrameStamp Device::stamp(std::uint32_t ticks, int height) const {
 
 void Device::on_depth(freenect_device* device, void* pixels, std::uint32_t ticks) {
   auto& self = *static_cast<Device*>(freenect_get_user(device));
-  kinect::FrameStamp s = self.stamp(ticks, kinect::kHeight);
+  FrameStamp s = self.stamp(ticks, kinect::kHeight);
   s.lost_packets = std::exchange(self.lost_, 0);
-  self.ring_.write(Stream::Depth, s, static_cast<const std::uint16_t*>(pixels));
+  (void)self.ring_.write(Stream::Depth, s, static_cast<const std::uint16_t*>(pixels));
   ++self.frames_;
   self.frame_at_ = Clock::now();
 }
@@ -197,8 +200,8 @@ void Device::on_depth(freenect_device* device, void* pixels, std::uint32_t ticks
 void Device::on_video(freenect_device* device, void* pixels, std::uint32_t ticks) {
   auto& self = *static_cast<Device*>(freenect_get_user(device));
   if (!self.infrared_on_) return;
-  self.ring_.write(Stream::Infrared, self.stamp(ticks, kinect::kInfraredHeight),
-                   static_cast<const std::uint16_t*>(pixels));
+  (void)self.ring_.write(Stream::Infrared, self.stamp(ticks, kinect::kInfraredHeight),
+                         static_cast<const std::uint16_t*>(pixels));
 }
 
 void Device::on_log(freenect_context*, freenect_loglevel level, const char* text) {

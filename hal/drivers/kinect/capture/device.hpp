@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "hal/drivers/capture_link/capture_words.hpp"
+#include "hal/drivers/capture_link/frame_ring.hpp"
 #include "hal/drivers/kinect/capture/library.hpp"
-#include "hal/drivers/kinect/capture_link/capture_words.hpp"
-#include "hal/drivers/kinect/capture_link/frame_ring.hpp"
 
 namespace colift::capture {
 
 using Clock = std::chrono::steady_clock;
-using hal::kinect::CaptureEnd;
+using hal::capture::CaptureEnd;
 
 /// How a session ended.
 struct End {
@@ -25,7 +25,7 @@ struct End {
 /// the process again. One thread; the library calls back in it.
 class Device {
  public:
-  Device(hal::kinect::FrameRingWriter& ring, std::string serial, bool motor);
+  Device(hal::capture::FrameRingWriter& ring, std::string serial, bool motor);
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
@@ -46,12 +46,12 @@ class Device {
   static void on_depth(freenect_device* device, void* pixels, std::uint32_t ticks);
   static void on_video(freenect_device* device, void* pixels, std::uint32_t ticks);
   static void on_log(freenect_context* context, freenect_loglevel level, const char* text);
-  [[nodiscard]] hal::kinect::FrameStamp stamp(std::uint32_t ticks, int height) const;
+  [[nodiscard]] hal::capture::FrameStamp stamp(std::uint32_t ticks, int height) const;
   [[nodiscard]] std::optional<End> watch_frames(Clock::time_point now);
   void read_accelerometer(Clock::time_point now);
   void log(int level, const char* text);
 
-  hal::kinect::FrameRingWriter& ring_;
+  hal::capture::FrameRingWriter& ring_;
   std::string serial_;
   bool motor_ = false;
   freenect_context* context_ = nullptr;
@@ -62,7 +62,7 @@ class Device {
   int errors_in_a_row_ = 0;
   std::uint32_t lost_ = 0;
   Clock::time_point frame_at_{}, restarted_at_{}, accel_at_{};
-  hal::kinect::FrameStamp motion_;  ///< Of it only accelerometer and tilt.
+  hal::capture::FrameStamp motion_;  ///< Of it only accelerometer and tilt.
   std::string last_log_;
 };
 

@@ -13,7 +13,7 @@
 #include <cstring>
 #include <thread>
 
-#include "sim_hal/emulator/camera/freenect/socket.hpp"
+#include "sim_hal/emulator/camera/client/camera_socket.hpp"
 
 using colift::sim_hal::CameraHead;
 using colift::sim_hal::CameraMessage;

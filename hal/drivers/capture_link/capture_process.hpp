@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "hal/drivers/kinect/capture_link/capture_words.hpp"
+#include "hal/drivers/capture_link/capture_words.hpp"
 #include "hal/types/result.hpp"
 #include "hal/types/time.hpp"
 
-namespace colift::hal::kinect {
+namespace colift::hal::capture {
 
 /// What is started: program and arguments, and what its environment has beyond ours ("KEY=VALUE").
 struct CaptureCall {
@@ -54,4 +54,4 @@ class CaptureProcess {
   CaptureLines lines_;
 };
 
-}  // namespace colift::hal::kinect
+}  // namespace colift::hal::capture

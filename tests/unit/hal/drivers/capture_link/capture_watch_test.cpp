@@ -2,11 +2,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "hal/drivers/kinect/capture_link/capture_monitor.hpp"
-#include "hal/drivers/kinect/capture_link/capture_words.hpp"
+#include "hal/drivers/capture_link/capture_monitor.hpp"
+#include "hal/drivers/capture_link/capture_words.hpp"
 
 using namespace colift::hal;
-using namespace colift::hal::kinect;
+using namespace colift::hal::capture;
 using namespace std::chrono_literals;
 using Do = CaptureMonitor::Do;
 
@@ -14,8 +14,8 @@ namespace {
 
 /// A process as the watch sees it: it does what it is told, unless it hangs.
 struct Story {
-  KinectConfig config;
-  CaptureMonitor watch{config};
+  CaptureTimes times;
+  CaptureMonitor watch{times};
   Timestamp now{0};
   CaptureMonitor::Sight sight;
   bool beats = true, gives_frames = true, dies_when_killed = true;
@@ -54,7 +54,7 @@ struct Story {
 
 }  // namespace
 
-TEST_CASE("nothing is started before it is wanted, and one that works is left alone", "[kinect]") {
+TEST_CASE("nothing is started before it is wanted, and one that works is left alone", "[capture]") {
   Story s;
   s.run(1s);
   CHECK(s.starts == 0);
@@ -64,7 +64,7 @@ TEST_CASE("nothing is started before it is wanted, and one that works is left al
   CHECK(s.kills == 0);
 }
 
-TEST_CASE("a process without sign of life is killed within its deadline and started anew", "[kinect]") {
+TEST_CASE("a process without sign of life is killed within its deadline and started anew", "[capture]") {
   Story s;
   s.watch.want();
   s.run(5s);
@@ -80,7 +80,7 @@ TEST_CASE("a process without sign of life is killed within its deadline and star
   CHECK(s.watch.running());
 }
 
-TEST_CASE("a process that lives without frames is ended later than one that hangs", "[kinect]") {
+TEST_CASE("a process that lives without frames is ended later than one that hangs", "[capture]") {
   Story s;
   s.watch.want();
   s.run(5s);
@@ -91,7 +91,7 @@ TEST_CASE("a process that lives without frames is ended later than one that hang
   CHECK(s.kills == 1);
 }
 
-TEST_CASE("opening may take its time, but not for ever", "[kinect]") {
+TEST_CASE("opening may take its time, but not for ever", "[capture]") {
   Story s;
   s.beats = s.gives_frames = false;
   s.watch.want();
@@ -102,7 +102,7 @@ TEST_CASE("opening may take its time, but not for ever", "[kinect]") {
   CHECK_THAT(s.watch.why(), Catch::Contains("first frame"));
 }
 
-TEST_CASE("pauses between starts grow up to two seconds, and begin short after a good time", "[kinect]") {
+TEST_CASE("pauses between starts grow up to two seconds, and begin short after a good time", "[capture]") {
   Story s;
   s.watch.want();
   for (int i = 0; i < 12; ++i) {
@@ -123,7 +123,7 @@ TEST_CASE("pauses between starts grow up to two seconds, and begin short after a
   CHECK(s.started_at.back() - died < 0.4);
 }
 
-TEST_CASE("without a device it is tried no more often than every two seconds, without end", "[kinect]") {
+TEST_CASE("without a device it is tried no more often than every two seconds, without end", "[capture]") {
   Story s;
   s.watch.want();
   s.run(20ms);
@@ -135,7 +135,7 @@ TEST_CASE("without a device it is tried no more often than every two seconds, wi
   CHECK(s.starts == 101);
 }
 
-TEST_CASE("a process that even SIGKILL does not end is left alone after a while", "[kinect]") {
+TEST_CASE("a process that even SIGKILL does not end is left alone after a while", "[capture]") {
   Story s;
   s.watch.want();
   s.run(5s);
@@ -150,9 +150,10 @@ TEST_CASE("a process that even SIGKILL does not end is left alone after a while"
   CHECK(s.starts == 2);
 }
 
-TEST_CASE("what the process says is understood line by line, in any pieces", "[kinect]") {
+TEST_CASE("what the process says is understood line by line, in any pieces", "[capture]") {
   const std::string all =
-      "\n@state opening\n\n@serial A00367\n@constants 7.5 120 0.1042 200\n@features infrared motor\nlibusb: "
+      "\n@state opening\n\n@serial A00367\n@name PrimeSense PS1080\n@constants 7.5 120 0.1042 200\n@features "
+      "infrared motor\nlibusb: "
       "hm\n"
       "@frame\n@frame\n@error request the motor refuses\n@error device-lost the device is gone\n";
   for (std::size_t piece = 1; piece < 40; ++piece) {
@@ -162,7 +163,8 @@ TEST_CASE("what the process says is understood line by line, in any pieces", "[k
       lines.take(std::string_view(all).substr(i, piece), news);
     CHECK(news.frames == 2);
     CHECK(news.serial == "A00367");
-    CHECK(news.constants.has_value());
+    CHECK(news.constants == std::vector{7.5, 120.0, 0.1042, 200.0});
+    CHECK(news.name == "PrimeSense PS1080");
     CHECK(news.infrared);
     CHECK(news.motor);
     CHECK(news.end == CaptureEnd::DeviceLost);
@@ -173,15 +175,16 @@ TEST_CASE("what the process says is understood line by line, in any pieces", "[k
   }
 }
 
-TEST_CASE("nonsense from the process is counted and bounded", "[kinect]") {
+TEST_CASE("nonsense from the process is counted and bounded", "[capture]") {
   CaptureLines lines;
   CaptureNews news;
-  lines.take("@constants 1 2 3 4\n@constants a b\n@error nonsense x\n@what\n@\n", news);
-  CHECK(news.garbage == 5);
-  CHECK_FALSE(news.constants);
+  lines.take("@constants 1 2 3 4 5 6 7 8 9\n@constants a b\n@constants 1 nan\n@error nonsense x\n@what\n@\n",
+             news);
+  CHECK(news.garbage == 6);
+  CHECK(news.constants.empty());
   CHECK_FALSE(news.end);
   lines.take(std::string(1'000'000, '@') + "\n", news);
-  CHECK(news.garbage == 6);
+  CHECK(news.garbage == 7);
   lines.take("text \x1b[2J with \x01 control\n", news);
   CHECK(news.last_words == "text [2J with  control");
 }

@@ -1,4 +1,4 @@
-#include "sim_hal/emulator/camera/freenect/socket.hpp"
+#include "sim_hal/emulator/camera/client/camera_socket.hpp"
 
 #include <poll.h>
 #include <sys/socket.h>

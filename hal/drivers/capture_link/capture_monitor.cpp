@@ -1,10 +1,10 @@
-#include "hal/drivers/kinect/capture_link/capture_monitor.hpp"
+#include "hal/drivers/capture_link/capture_monitor.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-namespace colift::hal::kinect {
+namespace colift::hal::capture {
 namespace {
 
 constexpr double kGrowth = 1.5;
@@ -30,20 +30,20 @@ void CaptureMonitor::rest() {
 std::string CaptureMonitor::overdue(Timestamp now) const {
   if (frames_ == 0) {
     const double opens_s = seconds(now - since_);
-    if (opens_s > config_.open_s) return fmt::format("no first frame within {:.1f} s", config_.open_s);
+    if (opens_s > times_.open_s) return fmt::format("no first frame within {:.1f} s", times_.open_s);
     return "";
   }
-  if (const double silent_s = seconds(now - beat_at_); silent_s > config_.heartbeat_s)
+  if (const double silent_s = seconds(now - beat_at_); silent_s > times_.heartbeat_s)
     return fmt::format("no sign of life for {:.1f} s", silent_s);
-  if (const double dark_s = seconds(now - frame_at_); dark_s > config_.frames_s)
+  if (const double dark_s = seconds(now - frame_at_); dark_s > times_.frames_s)
     return fmt::format("alive, but no frame for {:.1f} s", dark_s);
   return "";
 }
 
 void CaptureMonitor::pause(const Sight& sight, Timestamp now) {
   if (frames_ >= kSteady) pause_s_ = 0.0;
-  pause_s_ = pause_s_ == 0.0 ? config_.first_pause_s : std::min(kGrowth * pause_s_, config_.max_pause_s);
-  if (sight.no_device) pause_s_ = config_.max_pause_s;
+  pause_s_ = pause_s_ == 0.0 ? times_.first_pause_s : std::min(kGrowth * pause_s_, times_.max_pause_s);
+  if (sight.no_device) pause_s_ = times_.max_pause_s;
   phase_ = Phase::Pausing;
   until_ = now + of_seconds(pause_s_);
 }
@@ -80,11 +80,11 @@ CaptureMonitor::Do CaptureMonitor::look(const Sight& sight, Timestamp now) {
         pause(sight, now);
         return Do::Nothing;
       }
-      if (seconds(now - since_) < config_.kill_s) return Do::Nothing;
+      if (seconds(now - since_) < times_.kill_s) return Do::Nothing;
       pause(sight, now);
       return Do::Abandon;
   }
   return Do::Nothing;
 }
 
-}  // namespace colift::hal::kinect
+}  // namespace colift::hal::capture

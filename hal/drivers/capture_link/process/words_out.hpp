@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "hal/drivers/kinect/capture_link/capture_words.hpp"
+#include "hal/drivers/capture_link/capture_words.hpp"
 
 namespace colift::capture {
 
@@ -21,8 +21,8 @@ inline void say(std::string_view text) {
 }
 
 /// The last words.
-inline void say_end(hal::kinect::CaptureEnd end, std::string_view reason) {
-  say("error " + std::string(hal::kinect::word(end)) + " " + std::string(reason));
+inline void say_end(hal::capture::CaptureEnd end, std::string_view reason) {
+  say("error " + std::string(hal::capture::word(end)) + " " + std::string(reason));
 }
 
 }  // namespace colift::capture

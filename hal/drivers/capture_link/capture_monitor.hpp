@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <string>
 
-#include "hal/drivers/kinect/kinect_config.hpp"
+#include "hal/drivers/capture_link/capture_times.hpp"
 #include "hal/types/time.hpp"
 
-namespace colift::hal::kinect {
+namespace colift::hal::capture {
 
 /// When a capture process is started, killed and started again: time and what is seen go in, what is to be
 /// done comes out.
@@ -26,7 +26,7 @@ class CaptureMonitor {
     std::string ended;         ///< How it ended; empty while it exists.
   };
 
-  explicit CaptureMonitor(const KinectConfig& config) : config_(config) {}
+  explicit CaptureMonitor(const CaptureTimes& times) : times_(times) {}
 
   [[nodiscard]] Do look(const Sight& sight, Timestamp now);
 
@@ -49,7 +49,7 @@ class CaptureMonitor {
   [[nodiscard]] std::string overdue(Timestamp now) const;
   void pause(const Sight& sight, Timestamp now);
 
-  KinectConfig config_;
+  CaptureTimes times_;
   Phase phase_ = Phase::Resting;
   Timestamp since_{0}, beat_at_{0}, frame_at_{0}, until_{0};
   std::uint64_t heartbeat_ = 0, frames_ = 0, starts_ = 0, kills_ = 0;
@@ -57,4 +57,4 @@ class CaptureMonitor {
   std::string why_;
 };
 
-}  // namespace colift::hal::kinect
+}  // namespace colift::hal::capture

@@ -5,21 +5,22 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "hal/drivers/kinect/depth_table.hpp"
-
-namespace colift::hal::kinect {
+namespace colift::hal::capture {
 
 // What the capture process says on its standard output, a line each that begins with '@':
 //   @frame                        a frame is in the ring
 //   @state WORD                   opening, streaming
 //   @serial TEXT
-//   @constants E R P C            of the device (depth_table.hpp)
+//   @name TEXT                    maker and model
+//   @constants NUMBER...          of the device; what they are is for its driver to know
 //   @features WORD...             of: infrared, motor
 //   @error WORD TEXT              and ends, unless the word is "request"
+//   @finished                     the recording that was asked for is whole
 //   @note TEXT
 // Anything else is what the library printed. And what it is told on its standard input:
-//   infrared on|off, brightness N, tilt DEG, quit; the end of the input is the same as quit.
+//   infrared on|off, brightness N, tilt DEG, finish, quit; the end of the input is the same as quit.
 
 /// Why the process ended, as it says itself.
 enum class CaptureEnd : std::uint8_t {
@@ -41,9 +42,10 @@ inline constexpr std::array<std::string_view, 8> kCaptureEndWords{
 /// What a process has said so far, put together from any bytes it may send.
 struct CaptureNews {
   std::uint64_t frames = 0;  ///< Lines that told of one.
-  std::string serial;
-  std::optional<DepthConstants> constants;  ///< Plausible ones only.
+  std::string serial, name;
+  std::vector<double> constants;  ///< Finite, eight at most; empty: not said, or not to be read.
   bool infrared = false, motor = false;
+  bool finished = false;
   std::optional<CaptureEnd> end;  ///< Never Request.
   std::string reason;             ///< Of the end.
   std::string refused;            ///< Of the last request that could not be met; empty: none.
@@ -63,4 +65,4 @@ class CaptureLines {
   bool too_long_ = false;
 };
 
-}  // namespace colift::hal::kinect
+}  // namespace colift::hal::capture

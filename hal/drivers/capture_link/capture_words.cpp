@@ -1,12 +1,14 @@
-#include "hal/drivers/kinect/capture_link/capture_words.hpp"
+#include "hal/drivers/capture_link/capture_words.hpp"
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
-namespace colift::hal::kinect {
+namespace colift::hal::capture {
 namespace {
 
 constexpr std::size_t kLongest = 400;
+constexpr std::size_t kLongestName = 40, kMostNumbers = 8;
 
 /// Printable ASCII only: it goes to a terminal.
 std::string clean(std::string_view text) {
@@ -22,15 +24,18 @@ std::string_view first_word(std::string_view& text) {
   return w;
 }
 
-std::optional<DepthConstants> read_constants(std::string_view text) {
-  DepthConstants c;
-  for (double* value : {&c.emitter_cm, &c.reference_cm, &c.pixel_cm, &c.shift}) {
+/// Empty: not numbers, or too many.
+std::vector<double> read_numbers(std::string_view text) {
+  std::vector<double> numbers;
+  while (!text.empty()) {
     const std::string_view w = first_word(text);
-    const auto [end, error] = std::from_chars(w.data(), w.data() + w.size(), *value);
-    if (error != std::errc{} || end != w.data() + w.size()) return std::nullopt;
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(w.data(), w.data() + w.size(), value);
+    if (error != std::errc{} || end != w.data() + w.size() || !std::isfinite(value)) return {};
+    if (numbers.size() == kMostNumbers) return {};
+    numbers.push_back(value);
   }
-  if (!text.empty() || !plausible(c)) return std::nullopt;
-  return c;
+  return numbers;
 }
 
 }  // namespace
@@ -63,18 +68,20 @@ void CaptureLines::line(std::string_view text, CaptureNews& news) const {
   } else if (what == "state") {
     // the ring says it too
   } else if (what == "serial") {
-    news.serial = clean(text.substr(0, 40));
+    news.serial = clean(text.substr(0, kLongestName));
+  } else if (what == "name") {
+    news.name = clean(text.substr(0, kLongestName));
   } else if (what == "constants") {
-    if (const auto c = read_constants(text))
-      news.constants = c;
-    else
-      ++news.garbage;
+    news.constants = read_numbers(text);
+    if (news.constants.empty()) ++news.garbage;
   } else if (what == "features") {
     while (!text.empty()) {
       const std::string_view w = first_word(text);
       news.infrared = news.infrared || w == "infrared";
       news.motor = news.motor || w == "motor";
     }
+  } else if (what == "finished") {
+    news.finished = true;
   } else if (what == "note") {
     news.last_words = clean(text);
   } else if (what == "error") {
@@ -96,4 +103,4 @@ void CaptureLines::line(std::string_view text, CaptureNews& news) const {
   }
 }
 
-}  // namespace colift::hal::kinect
+}  // namespace colift::hal::capture

@@ -1,4 +1,4 @@
-#include "hal/drivers/kinect/capture_link/capture_process.hpp"
+#include "hal/drivers/capture_link/capture_process.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -17,7 +17,7 @@
 
 extern char** environ;  // NOLINT: POSIX's own
 
-namespace colift::hal::kinect {
+namespace colift::hal::capture {
 namespace {
 
 constexpr int kRingFd = 3;
@@ -62,7 +62,7 @@ struct Actions {
 }  // namespace
 
 Result<CaptureProcess> CaptureProcess::start(const CaptureCall& call, int ring_fd) {
-  constexpr auto kWhere = "kinect.start";
+  constexpr auto kWhere = "capture.start";
   std::array<int, 2> in{-1, -1}, out{-1, -1};
   if (::pipe2(in.data(), O_CLOEXEC) != 0 || ::pipe2(out.data(), O_CLOEXEC) != 0) {
     for (const int fd : {in[0], in[1], out[0], out[1]})
@@ -202,4 +202,4 @@ void CaptureProcess::kill() const {
   if (pid_ > 0) (void)::kill(pid_, SIGKILL);
 }
 
-}  // namespace colift::hal::kinect
+}  // namespace colift::hal::capture
