@@ -1,5 +1,7 @@
 #include "hal/lens.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +12,8 @@ namespace {
 // Four pixels lie on one surface when their depths differ by less than this fraction: a plane seen at 80
 // degrees changes by 1 % over a pixel of a usual depth camera.
 constexpr float kSameSurface = 0.02f;
+constexpr int kMinSide = 16, kMaxSide = 4096;  // pixels
+constexpr double kMinFocal_px = 10.0, kMaxFocal_px = 20000.0;
 
 // What the lens does to a ray (x, y, 1), as OpenCV's rational model has it.
 struct Terms {
@@ -25,6 +29,18 @@ Terms terms_at(const LensDistortion& lens, double x, double y) {
 }
 
 }  // namespace
+
+std::string impossible(const CameraIntrinsics& k, const LensDistortion& lens) {
+  if (k.width < kMinSide || k.width > kMaxSide || k.height < kMinSide || k.height > kMaxSide)
+    return fmt::format("a size of {} x {} pixels; expected {} to {}", k.width, k.height, kMinSide, kMaxSide);
+  if (!(k.fx > kMinFocal_px && k.fx < kMaxFocal_px && k.fy > kMinFocal_px && k.fy < kMaxFocal_px))
+    return fmt::format("focal lengths {} and {} px; expected {} to {}", k.fx, k.fy, kMinFocal_px,
+                       kMaxFocal_px);
+  if (!(k.cx >= 0.0 && k.cx <= k.width && k.cy >= 0.0 && k.cy <= k.height))
+    return fmt::format("the principal point ({}, {}) lies outside the image", k.cx, k.cy);
+  if (!lens.none() && !lens.unique_within(k)) return "the distortion maps two rays to one pixel";
+  return "";
+}
 
 bool LensDistortion::none() const {
   return k1 == 0 && k2 == 0 && p1 == 0 && p2 == 0 && k3 == 0 && k4 == 0 && k5 == 0 && k6 == 0;

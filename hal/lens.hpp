@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "hal/depth_camera.hpp"
@@ -21,6 +22,10 @@ struct LensDistortion {
   /// Whether no two rays inside the image share a pixel along a line from its centre.
   [[nodiscard]] bool unique_within(const CameraIntrinsics& camera) const;
 };
+
+/// What no depth camera is like: a size, focal lengths, a principal point, a distortion that maps two rays to
+/// one pixel. One sentence with the figure; empty: it may be one.
+[[nodiscard]] std::string impossible(const CameraIntrinsics& camera, const LensDistortion& lens);
 
 /// The depth image that a pinhole camera of the same intrinsics would have taken: each of its rays is looked
 /// up in the distorted image, between four pixels where they lie on one surface, else in the nearest. Rays

@@ -39,6 +39,7 @@ LIBRARIES = {
     r"zstd\.h": ("tools/telemetry/mcap/",),
     r"zlib\.h": ("tools/telemetry/mcap/", "tools/visualization/animated_png.cpp"),
     r"dds/dds(\.h|rt/)|(ros2|colift)_messages\.h": ("hal/dds/", "hal/drivers/ros2_camera/", "sim_hal/emulator/ros2/", "tools/dds/"),
+    r"OniCAPI|OpenNI\.h|Driver/Oni": ("hal/drivers/openni2_camera/capture/", "sim_hal/emulator/camera/openni2/"),
     r"libfreenect": ("hal/drivers/kinect/capture/", "sim_hal/emulator/camera/freenect/"),
 }
 

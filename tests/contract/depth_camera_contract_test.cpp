@@ -9,6 +9,9 @@
 #ifdef COLIFT_KINECT
 #include "tests/support/camera_rig.hpp"
 #endif
+#ifdef COLIFT_OPENNI2
+#include "tests/support/openni2_rig.hpp"
+#endif
 
 namespace colift {
 namespace {
@@ -50,10 +53,18 @@ using tests::VideoRig;
 // in real time, through the capture process
 #ifdef COLIFT_KINECT
 using tests::CameraRig;
-#define COLIFT_CAMERAS RecordedRig, MockRig, SimRig, VideoRig, CameraRig
+#define COLIFT_KINECTS , CameraRig
 #else
-#define COLIFT_CAMERAS RecordedRig, MockRig, SimRig, VideoRig
+#define COLIFT_KINECTS
 #endif
+// the same, and OpenNI2's own library in it
+#ifdef COLIFT_OPENNI2
+using tests::Openni2Rig;
+#define COLIFT_OPENNI2_CAMERAS , Openni2Rig
+#else
+#define COLIFT_OPENNI2_CAMERAS
+#endif
+#define COLIFT_CAMERAS RecordedRig, MockRig, SimRig, VideoRig COLIFT_KINECTS COLIFT_OPENNI2_CAMERAS
 
 }  // namespace
 

@@ -42,6 +42,16 @@ if(COLIFT_KINECT)
   file(GLOB COLIFT_FAKENECT_LIBRARY /usr/lib/*/fakenect/libfreenect.so.0.5)
 endif()
 
+if(COLIFT_OPENNI2)
+  # linked into its capture process alone
+  pkg_check_modules(OPENNI2 IMPORTED_TARGET libopenni2>=2.2)
+  if(NOT OPENNI2_FOUND)
+    message(FATAL_ERROR "OpenNI2 is missing: run tools/setup (Debian: libopenni2-dev), or configure with "
+                        "-DCOLIFT_OPENNI2=OFF for a CoLift without its cameras")
+  endif()
+  find_library(COLIFT_OPENNI2_LIBRARY libOpenNI2.so.0 REQUIRED)  # as the programs of a distribution load it
+endif()
+
 if(COLIFT_DDS)
   # optional: without it `colift run --ros2` says what is missing
   find_package(CycloneDDS 0.10 QUIET)

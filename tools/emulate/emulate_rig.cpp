@@ -32,16 +32,18 @@ hal::Result<RobotFile> robot_of(const EmulateRigOptions& o) {
   if (!o.robot) return usual_robot();
   auto file = read_robot_file(o.robot);
   if (!file) return file;
-  if (file->arm != "fri" || file->hand != "barrett" || (file->camera != "kinect" && file->camera != "ros2"))
+  if (file->arm != "fri" || file->hand != "barrett" ||
+      (file->camera != "kinect" && file->camera != "openni2" && file->camera != "ros2"))
     return hal::failure(
         hal::ErrorCode::BadConfig, o.robot->string(),
         fmt::format("a rig is served for three real drivers; expected arm: fri, hand: barrett, camera: "
-                    "kinect or ros2, found {}, {}, {}",
+                    "kinect, openni2 or ros2, found {}, {}, {}",
                     file->arm, file->hand, file->camera));
-  if (file->camera == "kinect" && !file->kinect.source.starts_with("emulated:@"))
-    return hal::failure(hal::ErrorCode::BadConfig, o.robot->string(),
-                        fmt::format("kinect.source: \"{}\" is not served here; expected emulated:@NAME",
-                                    file->kinect.source));
+  const std::string& source = file->camera == "openni2" ? file->openni2.source : file->kinect.source;
+  if (file->camera != "ros2" && !source.starts_with("emulated:@"))
+    return hal::failure(
+        hal::ErrorCode::BadConfig, o.robot->string(),
+        fmt::format("{}.source: \"{}\" is not served here; expected emulated:@NAME", file->camera, source));
   return file;
 }
 

@@ -40,6 +40,8 @@ hal::Result<> check_together(const RobotFile& file, bool emulated, const std::st
       return refuse("camera: ros2 lives in real time, and arm: simulated does not; expected arm: fri");
     if (file.camera == "v4l2")
       return refuse("camera: v4l2 lives in real time, and arm: simulated does not; expected arm: fri");
+    if (file.camera == "openni2")
+      return refuse("camera: openni2 lives in real time, and arm: simulated does not; expected arm: fri");
     return {};
   }
   if (emulated) return {};
@@ -51,7 +53,7 @@ hal::Result<> check_together(const RobotFile& file, bool emulated, const std::st
   if (file.camera == "simulated")
     return refuse(
         "camera: simulated observes a simulation that is not stepped beside a real arm; expected camera: "
-        "kinect, ros2 or v4l2, or emulator: always");
+        "kinect, ros2, v4l2 or openni2, or emulator: always");
   return {};
 }
 

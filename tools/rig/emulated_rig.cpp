@@ -44,9 +44,11 @@ EmulatedRigConfig emulated_rig_of(const RobotFile& file, std::uint64_t seed) {
   config.cpu = file.fri.cpu;
   if (file.hand == "barrett") config.can = file.barrett.can;
   if (file.camera == "kinect") config.camera = camera_address(file.kinect.source);
+  if (file.camera == "openni2") config.camera = camera_address(file.openni2.source);
   if (file.camera == "ros2") config.serve_camera = emulated_ros2_camera(file.ros2);
   for (const MoreCamera& more : file.more_cameras)
-    config.more_cameras.push_back(camera_address(more.kinect.source));
+    config.more_cameras.push_back(
+        camera_address(more.camera == "openni2" ? more.openni2.source : more.kinect.source));
   config.seed = seed;
   return config;
 }

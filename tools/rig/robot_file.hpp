@@ -9,6 +9,7 @@
 #include "hal/drivers/barrett_can/hand_config.hpp"
 #include "hal/drivers/kinect/kinect_config.hpp"
 #include "hal/drivers/kuka_fri/fri_config.hpp"
+#include "hal/drivers/openni2_camera/openni2_config.hpp"
 #include "hal/drivers/ros2_camera/ros2_camera_config.hpp"
 #include "hal/drivers/v4l2_camera/v4l2_camera_config.hpp"
 #include "hal/types/result.hpp"
@@ -22,14 +23,16 @@ struct MoreCamera {
   hal::KinectConfig kinect;
   hal::Ros2CameraConfig ros2;
   hal::V4l2CameraConfig v4l2;
+  hal::Openni2CameraConfig openni2;
 
   template <class Visitor>
   void visit(Visitor& v) {
-    v("camera", camera, hal::Choices{"kinect", "ros2", "v4l2"}, "Back end of the camera.");
+    v("camera", camera, hal::Choices{"kinect", "ros2", "v4l2", "openni2"}, "Back end of the camera.");
     v("calibration", calibration, "Result of colift calibrate for this camera: where it is.");
     v("kinect", kinect, "How the Kinect is reached and treated; several on USB need their serial numbers.");
     v("ros2", ros2, "Where a camera with a driver for ROS 2 is found.");
     v("v4l2", v4l2, "The video device of a depth camera that the kernel serves.");
+    v("openni2", openni2, "How a depth camera with a driver for OpenNI2 is reached and treated.");
   }
 };
 
@@ -44,6 +47,7 @@ struct RobotFile {
   hal::KinectConfig kinect;
   hal::Ros2CameraConfig ros2;
   hal::V4l2CameraConfig v4l2;
+  hal::Openni2CameraConfig openni2;
   std::vector<MoreCamera> more_cameras;
   std::string emulator = "never";
 
@@ -51,7 +55,8 @@ struct RobotFile {
   void visit(Visitor& v) {
     v("arm", arm, hal::Choices{"simulated", "fri"}, "Back end of the arm.");
     v("hand", hand, hal::Choices{"simulated", "barrett"}, "Back end of the hand.");
-    v("camera", camera, hal::Choices{"simulated", "kinect", "ros2", "v4l2"}, "Back end of the camera.");
+    v("camera", camera, hal::Choices{"simulated", "kinect", "ros2", "v4l2", "openni2"},
+      "Back end of the camera.");
     v("model", model, "URDF of arm and hand; empty: the built-in LWR 4+ with BarrettHand.");
     v("calibration", calibration,
       "Result of colift calibrate: where the camera is; empty: as the configuration or the scenario says.");
@@ -62,6 +67,7 @@ struct RobotFile {
     v("kinect", kinect, "How the Kinect is reached and treated.");
     v("ros2", ros2, "Where a camera with a driver for ROS 2 is found.");
     v("v4l2", v4l2, "The video device of a depth camera that the kernel serves.");
+    v("openni2", openni2, "How a depth camera with a driver for OpenNI2 is reached and treated.");
     v("more_cameras", more_cameras,
       "Other cameras that look at the same scene, up to three; those of a simulated or emulated rig stand in "
       "the scenario.");

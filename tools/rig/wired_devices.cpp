@@ -13,6 +13,7 @@
 #include "perception/calibration/calibration_file.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "tools/rig/emulated_rig.hpp"
+#include "tools/rig/openni2_rig.hpp"
 #include "tools/rig/ros2_rig.hpp"
 #include "tools/rig/video_rig.hpp"
 
@@ -44,6 +45,14 @@ ArmLink link_of(const hal::FriArm& arm, EmulatedRig* emulated) {
   return link;
 }
 
+hal::Result<std::unique_ptr<hal::DepthCamera>> guarded_openni2(const hal::Openni2CameraConfig& config,
+                                                               const hal::CameraGuardConfig& guard,
+                                                               const hal::Clock& clock) {
+  auto made = make_openni2_camera(config, clock);
+  if (!made) return tl::unexpected(made.error());
+  return std::make_unique<hal::GuardedCamera>(std::move(*made), guard, clock);
+}
+
 hal::Result<std::unique_ptr<hal::DepthCamera>> real_camera(const MoreCamera& entry, const hal::Pose& X_WC,
                                                            const control::Config& config,
                                                            const hal::Clock& clock) {
@@ -53,6 +62,7 @@ hal::Result<std::unique_ptr<hal::DepthCamera>> real_camera(const MoreCamera& ent
     if (!made) return tl::unexpected(made.error());
     return std::make_unique<hal::GuardedCamera>(std::move(*made), config.guard_camera, clock);
   }
+  if (entry.camera == "openni2") return guarded_openni2(entry.openni2, config.guard_camera, clock);
   const hal::Vec3 up_C = X_WC.linear().transpose() * hal::Vec3::UnitZ();
   return hal::make_guarded_kinect(entry.kinect, config.guard_camera, clock, up_C).camera;
 }
@@ -141,6 +151,14 @@ class Wired final : public WiredDevices {
       return {};
     }
     if (file.camera == "v4l2") return v4l2_camera(file, far_ends, guard, rig);
+    if (file.camera == "openni2") {
+      hal::Openni2CameraConfig openni2 = file.openni2;
+      if (far_ends != nullptr) openni2.source = "emulated:" + far_ends->camera()->address();
+      auto made = guarded_openni2(openni2, guard, *rig.robot.clock);
+      if (!made) return tl::unexpected(made.error());
+      rig.robot.camera = std::move(*made);
+      return {};
+    }
     hal::KinectConfig kinect = file.kinect;
     if (far_ends != nullptr) {
       kinect.source = "emulated:" + far_ends->camera()->address();
@@ -161,12 +179,13 @@ class Wired final : public WiredDevices {
     if (rig.simulated) rig.X_WC_more = sim_hal::more_camera_poses(scenario);
     if (far_ends != nullptr && far_ends->camera() == nullptr && !scenario.more_cameras.empty())
       return hal::failure(hal::ErrorCode::BadConfig, rig.name,
-                          "more_cameras of a scenario are emulated beside camera: kinect alone");
+                          "more_cameras of a scenario are emulated beside camera: kinect or openni2 alone");
     if (far_ends != nullptr) {
       entries.resize(far_ends->more_cameras().size());
       for (std::size_t n = 0; n < entries.size(); ++n) {
-        entries[n].camera = "kinect";
+        entries[n].camera = file.camera;
         entries[n].kinect.source = "emulated:" + far_ends->more_cameras()[n]->address();
+        entries[n].openni2.source = entries[n].kinect.source;
         entries[n].kinect.motor = true;
       }
     }

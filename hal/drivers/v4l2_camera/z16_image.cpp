@@ -9,8 +9,6 @@
 namespace colift::hal::v4l2 {
 namespace {
 
-constexpr int kMinSide = 16, kMaxSide = 4096;  // pixels
-constexpr double kMinFocal_px = 10.0, kMaxFocal_px = 20000.0;
 constexpr double kMinUnit_m = 1e-6, kMaxUnit_m = 0.1;
 constexpr unsigned kSaturated = 0xffff;
 
@@ -20,20 +18,10 @@ Result<> check(const DepthModel& model) {
   const auto wrong = [](std::string what) {
     return failure(ErrorCode::BadConfig, "v4l2.intrinsics", std::move(what));
   };
-  const CameraIntrinsics& k = model.intrinsics;
-  if (k.width < kMinSide || k.width > kMaxSide || k.height < kMinSide || k.height > kMaxSide)
-    return wrong(
-        fmt::format("a size of {} x {} pixels; expected {} to {}", k.width, k.height, kMinSide, kMaxSide));
-  if (!(k.fx > kMinFocal_px && k.fx < kMaxFocal_px && k.fy > kMinFocal_px && k.fy < kMaxFocal_px))
-    return wrong(
-        fmt::format("focal lengths {} and {} px; expected {} to {}", k.fx, k.fy, kMinFocal_px, kMaxFocal_px));
-  if (!(k.cx >= 0.0 && k.cx <= k.width && k.cy >= 0.0 && k.cy <= k.height))
-    return wrong(fmt::format("the principal point ({}, {}) lies outside the image", k.cx, k.cy));
+  if (std::string why = impossible(model.intrinsics, model.lens); !why.empty()) return wrong(std::move(why));
   if (!(model.unit_m >= kMinUnit_m && model.unit_m <= kMaxUnit_m))
     return wrong(
         fmt::format("a depth unit of {} m; expected {} to {}", model.unit_m, kMinUnit_m, kMaxUnit_m));
-  if (!model.lens.none() && !model.lens.unique_within(k))
-    return wrong("the distortion maps two rays to one pixel");
   return {};
 }
 

@@ -18,6 +18,8 @@ constexpr std::array kKinds{
     Row{"double", Kind::Double},
     Row{"swap", Kind::Swap},
     Row{"packets", Kind::Packets, 3, 1, 5},
+    Row{"short", Kind::Short},
+    Row{"clock", Kind::Clock, 20, -30, 30},
     Row{"blind", Kind::Blind},
     Row{"zeros", Kind::Zeros},
     Row{"half", Kind::Half, 50, 1, 100},

@@ -19,6 +19,8 @@ struct CameraFault : TimedFault {
     Double,   ///< Each comes twice.
     Swap,     ///< Neighbours change places.
     Packets,  ///< `value` USB packets of each frame are lost.
+    Short,    ///< Frames end after half of their rows; libfreenect hands out none of these.
+    Clock,    ///< The device's counter is set by `value` s, and stays so.
     // of the picture
     Blind,    ///< No pixel sees anything.
     Zeros,    ///< All codes are 0.

@@ -218,6 +218,7 @@ void CameraServer::follow_faults() {
       turned_deg_ = f.value;
     }
     if (!active) continue;
+    if (f.kind == Kind::Clock) clock_set_s_ += f.value;
     const hal::Timestamp now = clock_.now();
     if (f.kind == Kind::Unplug && client_ >= 0) {
       put(CameraMessage::Unplug, 0, nullptr, 0, now);
@@ -232,7 +233,8 @@ void CameraServer::follow_faults() {
 
 std::uint32_t CameraServer::ticks_at(hal::Timestamp at) const {
   const auto since = at - first_at_.value_or(at);
-  return config_.first_ticks + static_cast<std::uint32_t>(since.count() * 3 / 50);  // 60 MHz; wraps
+  const std::int64_t ticks = since.count() * 3 / 50 + std::llround(60e6 * clock_set_s_);  // 60 MHz
+  return config_.first_ticks + static_cast<std::uint32_t>(ticks);                         // wraps
 }
 
 void CameraServer::frame_due(hal::Timestamp now) {
@@ -304,9 +306,9 @@ void CameraServer::send_exposure(const CameraExposure& e, hal::Timestamp now) {
   const CameraTilt tilt = tilt_of(e.up_C);
   put(CameraMessage::Tilt, 0, &tilt, sizeof tilt, due);
   const int copies = now_active(Kind::Double) != nullptr ? 2 : 1;
+  const std::size_t pixels = now_active(Kind::Short) != nullptr ? e.codes.size() / 2 : e.codes.size();
   if ((wants_ & 1U) != 0)
-    for (int i = 0; i < copies; ++i)
-      put(CameraMessage::Depth, ticks, e.codes.data(), 2 * e.codes.size(), due);
+    for (int i = 0; i < copies; ++i) put(CameraMessage::Depth, ticks, e.codes.data(), 2 * pixels, due);
   if ((wants_ & 2U) != 0) {
     const auto image = eye_->infrared(e);
     put(CameraMessage::Infrared, ticks, image.data(), 2 * image.size(), due);
@@ -341,7 +343,7 @@ void CameraServer::flush(hal::Timestamp now) {
     }
     written_ += static_cast<std::size_t>(n);
     if (written_ < bytes.size()) return;
-    if (bytes.size() > kPixels) {
+    if (bytes.size() >= kPixels) {
       const std::lock_guard lock(mutex_);
       ++report_.sent;
     }

@@ -101,7 +101,7 @@ class CameraServer {
   std::vector<std::uint16_t> last_codes_, frozen_;
   std::optional<CameraExposure> held_back_;
   std::optional<std::uint32_t> same_ticks_;
-  double turned_deg_ = 0.0;
+  double turned_deg_ = 0.0, clock_set_s_ = 0.0;
 
   mutable std::mutex mutex_;
   std::vector<CameraFault> wished_;
