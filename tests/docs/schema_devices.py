@@ -108,6 +108,7 @@ def camera(c, folder):
     hal = lambda *words: c.command("hal-camera", "hal", "camera", *words, tries=TRIES)
     with Emulator(c, "camera", "--address", address) as kinect:
         info = hal("info", "--source", f"emulated:{address}", "--for", 0.5)
+        openni2 = hal("info", "--source", f"openni2:emulated:{address}", "--for", 0.5)
         noise = hal("noise", "--source", f"emulated:{address}", "--for", 0.7)
         hal("tilt", 3, "--yes", "--source", f"emulated:{address}", "--for", 0.5)
         live = ended(c, kinect, "camera")
@@ -125,6 +126,9 @@ def camera(c, folder):
         c.has_to_fail("hal-camera", info, lambda d: d.update(state="fine"), "a state that does not exist")
         c.has_to_fail("hal-camera", info, lambda d: d["depth_m"].pop(), "two depths")
         c.has_to_fail("hal-camera", info, lambda d: d["frames"].pop("missed"), "a Kinect that does not say what it missed")
+    if openni2:
+        c.has_to_fail("hal-camera", openni2, lambda d: d["dropped"].update(old=-1), "fewer than no old frames")
+        c.has_to_fail("hal-camera", openni2, lambda d: d["process"].pop("pid"), "a process without a number")
     c.has_to_fail("emulate", live, lambda d: d.update(frames=3), "a live camera with frames as a number")
     wires = robot(folder, "rig", arm="fri", hand="barrett", camera="kinect", kinect={"source": f"emulated:{address}-rig"},
                   fri={"address": "127.0.0.1", "krc": "127.0.0.1", "port": free_port(socket.SOCK_DGRAM)},

@@ -1,4 +1,4 @@
-// colift-kinect under AddressSanitizer: it ends as it does without. Its driver reads how the process ended,
+// colift-kinect and colift-openni2 under AddressSanitizer: they end as without. A driver reads how its process ended,
 // and when, from its exit: a report in place of signal 11, or a leak check of a second at the end, would be
 // another ending.
 

@@ -16,6 +16,7 @@
 #include "tools/bring_up/bring_up.hpp"
 #include "tools/bring_up/camera/camera_files.hpp"
 #include "tools/bring_up/camera/depth_camera_watch.hpp"
+#include "tools/bring_up/camera/openni2_command.hpp"
 #include "tools/bring_up/camera/record_scene.hpp"
 #include "tools/bring_up/hal_camera_view.hpp"
 #include "tools/cli/config_of.hpp"
@@ -179,14 +180,21 @@ hal::Result<> write_infrared(const std::filesystem::path& png, const hal::Infrar
   return perception::write_grey_png(png, frame.width, frame.height, bright);
 }
 
-int watch_video(const CommonOptions& common, const HalCameraOptions& o, const hal::V4l2CameraConfig& config,
-                const std::string& where) {
-  if (auto ok = check_depth_camera_request(o); !ok) return report_error(where.c_str(), ok.error());
+/// A depth camera that is no Kinect: what all of them need before they are opened; then `carry_out`.
+template <class Do>
+int other_camera(const CommonOptions& common, const HalCameraOptions& o, const std::string& where,
+                 bool openni2, const Do& carry_out) {
+  if (auto ok = check_depth_camera_request(o, openni2); !ok) return report_error(where.c_str(), ok.error());
   const auto for_s = time_of(o);
   if (!for_s) return report_error(where.c_str(), for_s.error());
   const auto resolved = config_of(common, control::Command::Hal);
   if (!resolved) return report_error(where.c_str(), resolved.error());
   show_warnings(where.c_str(), common, *resolved);
+  return carry_out(*for_s, resolved->config.noise);
+}
+
+int watch_video(const CommonOptions& common, const HalCameraOptions& o, const hal::V4l2CameraConfig& config,
+                const std::string& where, double for_s, const perception::NoiseModel& configured) {
   const hal::SteadyClock clock;
   auto camera = make_video_camera(config, clock);
   if (!camera) return report_error(where.c_str(), camera.error());
@@ -196,14 +204,22 @@ int watch_video(const CommonOptions& common, const HalCameraOptions& o, const ha
       "--list-formats-ext what this one gives",
       config.device);
   if (o.scene) return cmd_record_scene(common, o, source, advice, **camera, clock);
-  return watch_depth_camera(common, o, source, advice, **camera, clock, *for_s, resolved->config.noise);
+  return watch_depth_camera(common, o, {**camera, source, advice, {}}, clock, for_s, configured);
 }
 
 }  // namespace
 
 int cmd_hal_camera(const CommonOptions& common, const HalCameraOptions& options) {
   const std::string where = fmt::format("hal camera {}", options.hal.verb);
-  if (const auto video = video_device(options)) return watch_video(common, options, *video, where);
+  if (const auto openni2 = openni2_of(options))
+    return other_camera(common, options, where, true, [&](double for_s, const perception::NoiseModel& noise) {
+      return openni2_command(common, options, *openni2, for_s, noise);
+    });
+  if (const auto video = video_device(options))
+    return other_camera(common, options, where, false,
+                        [&](double for_s, const perception::NoiseModel& noise) {
+                          return watch_video(common, options, *video, where, for_s, noise);
+                        });
   const auto kinect = load_kinect(options);
   if (!kinect) return report_error(where.c_str(), kinect.error());
   const auto for_s = time_of(options);

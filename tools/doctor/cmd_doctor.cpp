@@ -54,9 +54,12 @@ int cmd_doctor(const CommonOptions& common, const DoctorOptions& options) {
   for (DoctorRow& row : network_rows(options.root, robot->fri.port)) rows.push_back(std::move(row));
   for (DoctorRow& row : can_rows(options.root, robot->barrett.can, hal::read_can_link))
     rows.push_back(std::move(row));
-  const bool video = robot->camera == "v4l2";
-  for (DoctorRow& row : video ? video_rows(options.root, robot->v4l2.device) : usb_rows(options.root))
-    rows.push_back(std::move(row));
+  DoctorRows camera;
+  if (robot->camera == "v4l2")
+    camera = video_rows(options.root, robot->v4l2.device);
+  else
+    camera = robot->camera == "openni2" ? openni2_rows(robot->openni2) : usb_rows(options.root);
+  for (DoctorRow& row : camera) rows.push_back(std::move(row));
   const fs::path capture = robot->kinect.program.empty()
                                ? fs::path(hal::capture::own_folder()) / "colift-kinect"
                                : fs::path(robot->kinect.program);

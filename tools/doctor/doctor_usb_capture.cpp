@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "hal/drivers/capture_link/capture_process.hpp"
+#include "hal/drivers/openni2_camera/openni2_source.hpp"
 #include "hal/types/time.hpp"
 
 namespace colift::tools {
@@ -15,11 +16,9 @@ using Verdict = DoctorRow::Verdict;
 
 constexpr auto kTimeout = 2s;
 
-}  // namespace
-
-CaptureAnswer ask_capture(const std::filesystem::path& program) {
+CaptureAnswer ask(const hal::capture::CaptureCall& call) {
   const int nothing = ::open("/dev/null", O_RDWR | O_CLOEXEC);  // in place of the frames' memory
-  auto process = hal::capture::CaptureProcess::start({program.string(), {"--probe"}, {}}, nothing);
+  auto process = hal::capture::CaptureProcess::start(call, nothing);
   if (nothing >= 0) ::close(nothing);
   if (!process) return {false, process.error().detail};
   hal::capture::CaptureNews news;
@@ -35,6 +34,12 @@ CaptureAnswer ask_capture(const std::filesystem::path& program) {
   return {fine, news.last_words.empty() ? "it ended with " + process->ended() : news.last_words};
 }
 
+}  // namespace
+
+CaptureAnswer ask_capture(const std::filesystem::path& program) {
+  return ask({program.string(), {"--probe"}, {}});
+}
+
 DoctorRows capture_rows(const std::filesystem::path& program, bool wanted, const AskCapture& ask) {
   const Verdict without = wanted ? Verdict::Bad : Verdict::Warn;
   const std::string name = program.filename().string();
@@ -48,6 +53,31 @@ DoctorRows capture_rows(const std::filesystem::path& program, bool wanted, const
   if (answer.fine) return {{"capture process", fmt::format("{}, libfreenect: {}", name, answer.words)}};
   return {{"capture process", fmt::format("{} does not start: {}", name, answer.words), without,
            fmt::format("sudo apt install libfreenect0.5; ldd {}", program.string())}};
+}
+
+DoctorRows openni2_rows(const hal::Openni2CameraConfig& config) {
+  constexpr auto kWhat = "OpenNI2";
+  const auto source = hal::openni2::find_source(config);
+  if (!source)
+    return {
+        {kWhat, source.error().detail, Verdict::Bad,
+         "sudo apt install libopenni2-dev, then build with -DCOLIFT_OPENNI2=ON; or look at openni2 in the "
+         "robot file"}};
+  hal::capture::CaptureCall call = source->call;
+  call.arguments = {"--probe"};
+  const CaptureAnswer answer = ask(call);
+  const std::string name = std::filesystem::path(call.program).filename().string();
+  if (!answer.fine)
+    return {{kWhat, fmt::format("{} does not start: {}", name, answer.words), Verdict::Bad,
+             fmt::format("sudo apt install libopenni2-0; ldd {}", call.program)}};
+  // of a recording only the library is asked for
+  const bool missing = source->kind != hal::openni2::Source::Kind::File &&
+                       answer.words.find(", 0 devices") != std::string::npos;
+  if (missing)
+    return {{kWhat, fmt::format("{}: {}", name, answer.words), Verdict::Warn,
+             "plug it in; lsusb; a maker's driver belongs into OpenNI2/Drivers beside libOpenNI2.so.0, as "
+             "lib*.so.0"}};
+  return {{kWhat, fmt::format("{}: {}", name, answer.words)}};
 }
 
 }  // namespace colift::tools

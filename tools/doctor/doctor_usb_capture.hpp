@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "hal/drivers/openni2_camera/openni2_config.hpp"
 #include "tools/doctor/doctor_row.hpp"
 
 namespace colift::tools {
@@ -22,5 +23,8 @@ using AskCapture = std::function<CaptureAnswer(const std::filesystem::path& prog
 /// robot has a Kinect, so that it is bad without.
 [[nodiscard]] DoctorRows capture_rows(const std::filesystem::path& program, bool wanted,
                                       const AskCapture& ask);
+
+/// The same for a camera of OpenNI2 with the devices that OpenNI2 finds, as this robot reaches it.
+[[nodiscard]] DoctorRows openni2_rows(const hal::Openni2CameraConfig& config);
 
 }  // namespace colift::tools

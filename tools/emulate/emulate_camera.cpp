@@ -135,10 +135,10 @@ hal::Result<int> serve(const CommonOptions& common, const EmulateCameraOptions& 
     return hal::failure(hal::ErrorCode::DeviceFault, "--address", done.error().detail);
   const WorldPace pace(world);
   const EmulateLines lines(common);
-  lines.ready(
-      fmt::format("camera on emulated:{}; any program for libfreenect: COLIFT_KINECT_EMULATOR={} "
-                  "LD_PRELOAD={}/libcolift-freenect.so PROGRAM",
-                  o.address, o.address, hal::capture::own_folder()));
+  lines.ready(fmt::format(
+      "camera on emulated:{}; any program for libfreenect: COLIFT_KINECT_EMULATOR={} "
+      "LD_PRELOAD={}/libcolift-freenect.so PROGRAM; for OpenNI2: LD_LIBRARY_PATH={}/openni2-emulated",
+      o.address, o.address, hal::capture::own_folder(), hal::capture::own_folder()));
   const std::string reason = run_server(server, o.common, lines, [&] { return server.elapsed_s(); });
   const CameraServerReport r = server.report();
   lines.result(

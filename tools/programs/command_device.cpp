@@ -163,8 +163,10 @@ void add_hal_camera(CommandLine& line, CLI::App& camera, HalCameraOptions& o) {
   camera.require_subcommand(1);
   const auto add = [&](const char* name, const char* help) -> CLI::App& {
     CLI::App& verb = add_verb(camera, name, help, o.hal, line);
-    verb.add_option("--source", o.source,
-                    "usb, usb:SERIAL, fakenect:DIR or emulated:ADDRESS (default: the file's)");
+    verb.add_option(
+        "--source", o.source,
+        "usb, usb:SERIAL, fakenect:DIR or emulated:ADDRESS; of OpenNI2 openni2:any, "
+        "openni2:uri:URI, openni2:file:NAME.oni or openni2:emulated:ADDRESS (default: the file's)");
     verb.add_option("--for", o.hal.for_s, "Duration")->type_name("S");
     return verb;
   };
@@ -181,7 +183,8 @@ void add_hal_camera(CommandLine& line, CLI::App& camera, HalCameraOptions& o) {
   png(add("watch", "Statistics continuously (with --png: for one second)"));
   CLI::App& record =
       add("record", "Records raw depth for fakenect, 18 MB a second, until interrupted; or a scene");
-  record.add_option("FOLDER", o.folder, "New or empty folder")->required();
+  record.add_option("FOLDER", o.folder, "New or empty folder; of a camera of OpenNI2 a new file NAME.oni")
+      ->required();
   CLI::Option* const scene = record.add_flag("--scene", o.scene,
                                              "Records empty place, object, hand and lift, as colift scene "
                                              "checks them; --for is the lift's duration");
@@ -243,7 +246,8 @@ void add_device_commands(CommandLine& line) {
   add_hal_hand(line, hand_command, *hand);
   line.when(hand_command, [&common, hand] { return cmd_hal_hand(common, *hand); });
   line.configured(hand_command, {hal_config});
-  CLI::App& camera_command = *hal.add_subcommand("camera", "The Kinect v1 over libfreenect");
+  CLI::App& camera_command =
+      *hal.add_subcommand("camera", "The Kinect v1 over libfreenect, or the depth camera of the robot file");
   const auto camera = std::make_shared<HalCameraOptions>();
   add_hal_camera(line, camera_command, *camera);
   line.when(camera_command, [&common, camera] { return cmd_hal_camera(common, *camera); });

@@ -53,7 +53,7 @@ void CaptureSupervisor::start() {
 void CaptureSupervisor::look_after() {
   const bool exists = process_ && process_->exists();
   listen();
-  if (is_recording() && watch_.running() && !exists && news_.end == CaptureEnd::DeviceLost) {
+  if (is_recording() && watch_.running() && news_.end == CaptureEnd::DeviceLost) {
     watch_.rest();  // a recording does not come back by itself
     note_loss("the recording is over");
     return;
@@ -113,11 +113,12 @@ void CaptureSupervisor::note_loss(const std::string& why) {
 }
 
 bool CaptureSupervisor::lost() const {
-  return !watch_.running() || seconds(clock_.now() - frame_at_) > times_.silent_s;
+  return !watch_.running() || news_.end || seconds(clock_.now() - frame_at_) > times_.silent_s;
 }
 
 std::string CaptureSupervisor::words_of_loss() const {
   if (!watch_.running()) return error_.empty() ? "the capture process is not there" : error_;
+  if (news_.end) return news_.reason;  // it closes its device meanwhile, which may take its time
   return fmt::format("no frame for {:.1f} s{}", seconds(clock_.now() - frame_at_),
                      error_.empty() ? "" : fmt::format(" (before: {})", error_));
 }
@@ -157,7 +158,7 @@ Result<> CaptureSupervisor::configure() {
     // it is being looked after already; nobody waits for it in the middle of a job
     look_after();
     if (!lost()) return {};
-    const bool fresh = watch_.running() && ring_ && ring_->newest(Stream::Depth) > 0 &&
+    const bool fresh = watch_.running() && !news_.end && ring_ && ring_->newest(Stream::Depth) > 0 &&
                        seconds(clock_.now() - watch_.frame_seen_at()) < times_.silent_s;
     if (fresh) return {};
     return tl::unexpected(wrong(ErrorCode::LinkLost, ".configure", words_of_loss()));

@@ -28,17 +28,29 @@ struct End {
   std::string word = "done", reason;
 };
 
+std::string text_of(const hal::Openni2Report& r) {
+  const auto& d = r.dropped;
+  return fmt::format(
+      "device     {}, serial {}; {}\n"
+      "process    {}, started {} times, killed {} times\n"
+      "dropped    {} twice, {} old, {} misdated, {} broken; {} never came, {} not asked for; clock set {} "
+      "times\n",
+      r.name.empty() ? "?" : r.name, r.serial.empty() ? "?" : r.serial, r.last_words, r.pid, r.starts,
+      r.kills, d.duplicate, d.old, d.misdated, r.broken, d.skipped, r.missed, d.clock_set);
+}
+
 /// Frames until the time is over or somebody ends it.
 class Watch {
  public:
-  Watch(const CommonOptions& common, const HalCameraOptions& o, std::string source, hal::DepthCamera& camera,
+  Watch(const CommonOptions& common, const HalCameraOptions& o, const WatchedCamera& watched,
         const hal::Clock& clock)
       : noise_wanted_(o.hal.verb == "noise"),
-        camera_(camera),
+        camera_(watched.camera),
+        report_(watched.report),
         clock_(clock),
         began_(clock.now()),
         screen_(progress_screen(common, o.hal, "info")) {
-    view_.source = std::move(source);
+    view_.source = watched.source;
   }
 
   End run(double for_s) {
@@ -62,6 +74,7 @@ class Watch {
         why = frame.error().detail;
         if (!lost) screen_.line(fmt::format("{:8.1f} s  lost: {}", at_s(), why));
         lost = true;
+        if (report_ && why.find("recording is over") != std::string::npos) return {kDone, "done", why};
         std::this_thread::sleep_for(20ms);
       }
       if (screen_.live())
@@ -92,6 +105,7 @@ class Watch {
                      rate_hz_, h.rejected, 1e3 * age_s_);
     t += fmt::format("depth      {:.1f} % of the pixels: {:.2f} m, {:.2f} m in the middle, up to {:.2f} m\n",
                      1e2 * seen_, view_.near_m, view_.middle_m, view_.far_m);
+    if (report_) t += text_of(report_());
     if (!h.last_error.empty()) t += fmt::format("last       {}\n", h.last_error);
     return t;
   }
@@ -101,20 +115,31 @@ class Watch {
     const hal::DeviceHealth h = camera_.health();
     // before the first frame nothing of it is known
     const auto number = [&](double x) { return last_ && std::isfinite(x) ? Json(x) : Json(nullptr); };
-    const Json j = {{"schema", "colift.hal.camera/1"},
-                    {"verb", verb},
-                    {"end", end.word},
-                    {"because", end.reason},
-                    {"source", view_.source},
-                    {"state", to_string(h.state)},
-                    {"frames",
-                     {{"handed_out", h.accepted},
-                      {"rate_hz", number(rate_hz_)},
-                      {"rejected", h.rejected},
-                      {"late_ms", number(1e3 * age_s_)}}},
-                    {"seen", number(seen_)},
-                    {"depth_m", {number(view_.near_m), number(view_.middle_m), number(view_.far_m)}},
-                    {"last_error", h.last_error}};
+    Json j = {{"schema", "colift.hal.camera/1"},
+              {"verb", verb},
+              {"end", end.word},
+              {"because", end.reason},
+              {"source", view_.source},
+              {"state", to_string(h.state)},
+              {"frames",
+               {{"handed_out", h.accepted},
+                {"rate_hz", number(rate_hz_)},
+                {"rejected", h.rejected},
+                {"late_ms", number(1e3 * age_s_)}}},
+              {"seen", number(seen_)},
+              {"depth_m", {number(view_.near_m), number(view_.middle_m), number(view_.far_m)}},
+              {"last_error", h.last_error}};
+    if (report_) {
+      const hal::Openni2Report r = report_();
+      const auto& d = r.dropped;
+      j["name"] = r.name;
+      j["serial"] = r.serial;
+      j["process"] = {{"pid", r.pid}, {"starts", r.starts}, {"kills", r.kills}};
+      j["dropped"] = {{"missed", r.missed},     {"duplicate", d.duplicate}, {"old", d.old},
+                      {"misdated", d.misdated}, {"skipped", d.skipped},     {"clock_set", d.clock_set},
+                      {"broken", r.broken}};
+      j["library"] = r.last_words;
+    }
     return j.dump(-1, ' ', false, Json::error_handler_t::replace);
   }
 
@@ -143,6 +168,7 @@ class Watch {
 
   bool noise_wanted_;
   hal::DepthCamera& camera_;
+  std::function<hal::Openni2Report()> report_;
   const hal::Clock& clock_;
   hal::Timestamp began_;
   LiveScreen screen_;
@@ -154,28 +180,28 @@ class Watch {
 
 }  // namespace
 
-hal::Result<> check_depth_camera_request(const HalCameraOptions& o) {
+hal::Result<> check_depth_camera_request(const HalCameraOptions& o, bool openni2) {
   const auto refuse = [](const char* where, const char* why) {
     return hal::failure(hal::ErrorCode::BadInput, where, why);
   };
   if (o.hal.verb == "tilt") return refuse("tilt", "only a Kinect has a motor");
-  if (o.hal.verb == "record" && !o.scene)
+  if (o.hal.verb == "record" && !o.scene && !openni2)
     return refuse(
         "record",
         "records for fakenect, which plays a Kinect; expected record --scene FOLDER for the steps of "
         "a lift, info --depth FILE.png for one frame");
   if (o.infrared) return refuse("--infrared", "only a Kinect's infrared images are read");
-  if (!o.source.empty())
+  if (!o.source.empty() && !openni2)
     return refuse("--source", "is for a Kinect; expected v4l2: {device: ...} in the robot file");
   return {};
 }
 
 int watch_depth_camera(const CommonOptions& common, const HalCameraOptions& options,
-                       const std::string& source, const std::string& advice, hal::DepthCamera& camera,
-                       const hal::Clock& clock, double for_s, const perception::NoiseModel& configured) {
+                       const WatchedCamera& watched, const hal::Clock& clock, double for_s,
+                       const perception::NoiseModel& configured) {
   const std::string where = fmt::format("hal camera {}", options.hal.verb);
   const InterruptGuard signals;
-  Watch watch(common, options, source, camera, clock);
+  Watch watch(common, options, watched, clock);
   const End end = watch.run(for_s);
   if (options.png && watch.last()) {
     if (auto written = write_camera_picture(*options.png, *watch.last(), watch.view()); !written)
@@ -200,7 +226,7 @@ int watch_depth_camera(const CommonOptions& common, const HalCameraOptions& opti
     std::fputs(watch.screen().c_str(), stdout);
   std::fflush(stdout);
   if (end.code != kDone && end.code != kInterrupted)
-    report_failure("camera", options.hal.verb, end.reason, fmt::format("next: {}\n", advice));
+    report_failure("camera", options.hal.verb, end.reason, fmt::format("next: {}\n", watched.advice));
   return end.code;
 }
 

@@ -7,6 +7,8 @@
 #include "sim_hal/mock/mock_camera.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tools/bring_up/camera/depth_camera_watch.hpp"
+#include "tools/bring_up/camera/openni2_command.hpp"
+#include "tools/rig/openni2_rig.hpp"
 #include "tools/rig/video_rig.hpp"
 
 namespace colift {
@@ -96,6 +98,72 @@ TEST_CASE("intrinsics of a V4L2 camera come from its file, or it is refused", "[
   CHECK_THAT(depth_model(config).error().detail, Catch::Contains("names no file"));
 }
 
+TEST_CASE("a camera of OpenNI2 is named by the robot file, or by --source alone", "[program]") {
+  const tests::TemporaryFolder scratch;
+  HalCameraOptions o = asks("info");
+  CHECK_FALSE(openni2_of(o));
+  o.source = "usb";
+  CHECK_FALSE(openni2_of(o));
+  o.source = "openni2:file:a.oni";
+  REQUIRE(openni2_of(o));
+  CHECK(openni2_of(o)->source == "file:a.oni");
+  o.hal.robot = scratch.write("rig.yaml", "camera: {driver: openni2, source: 'uri:x', unit: 100um}\n");
+  CHECK(openni2_of(o)->source == "file:a.oni");
+  o.source = "any";
+  CHECK(openni2_of(o)->source == "any");
+  o.source.clear();
+  CHECK(openni2_of(o)->source == "uri:x");
+  CHECK(openni2_of(o)->unit == "100um");
+  o.hal.robot = scratch.write("other.yaml", "camera: kinect\n");
+  CHECK_FALSE(openni2_of(o));
+}
+
+TEST_CASE("a camera of OpenNI2 is asked with words that help for what it has not", "[program]") {
+  const tests::TemporaryFolder scratch;
+  HalCameraOptions o = asks("info");
+  for (const char* source : {"openni2:", "openni2:usb", "openni2:file:/no/such.oni"}) {
+    o.source = source;
+    CHECK(cmd_hal_camera(silently(), o) == kBadInput);
+  }
+  o = asks("record");
+  o.source = "openni2:any";
+  for (const char* name : {"folder", "rig.yaml"}) {
+    o.folder = scratch.path() / name;
+    CHECK(cmd_hal_camera(silently(), o) == kBadInput);
+  }
+  o.folder = scratch.write("there.oni", "x");
+  CHECK(cmd_hal_camera(silently(), o) == kBadInput);
+  o = asks("tilt");
+  o.source = "openni2:any";
+  o.hal.yes = true;
+  CHECK(cmd_hal_camera(silently(), o) == kBadInput);
+}
+
+TEST_CASE("intrinsics of a camera of OpenNI2 come from its file where one is named", "[program]") {
+  const tests::TemporaryFolder scratch;
+  const hal::ManualClock clock;
+  hal::Openni2CameraConfig config;
+  CHECK(make_openni2_camera(config, clock));
+  config.intrinsics = scratch.write("camera.json", kIntrinsics);
+  CHECK(make_openni2_camera(config, clock));
+  config.height = 120;
+  CHECK(make_openni2_camera(config, clock));
+  const auto refused = [&](const char* expected) {
+    const auto wrong = make_openni2_camera(config, clock);
+    REQUIRE_FALSE(wrong);
+    CHECK(wrong.error().code == hal::ErrorCode::BadConfig);
+    CHECK_THAT(wrong.error().detail, Catch::Contains(expected));
+  };
+  config.width = 640;
+  refused("160 x 120");
+  config.width = 0;
+  config.intrinsics =
+      scratch.write("wrong.json", R"({"fx": 150, "fy": 150, "cx": 80, "cy": 60, "depth_scale_m": 0.001})");
+  refused("no width and height");
+  config.intrinsics = scratch.path() / "missing.json";
+  refused("missing.json");
+}
+
 TEST_CASE("what a depth camera shows can be kept and read again; its noise too", "[program]") {
   const tests::TemporaryFolder scratch;
   hal::ManualClock clock;
@@ -103,7 +171,7 @@ TEST_CASE("what a depth camera shows can be kept and read again; its noise too",
   HalCameraOptions o = asks("info");
   o.depth = scratch.path() / "depth.png";
   o.png = scratch.path() / "picture.png";
-  CHECK(watch_depth_camera(silently(), o, "mock", "nothing", camera, clock, 0.5, {}) == kDone);
+  CHECK(watch_depth_camera(silently(), o, {camera, "mock", "nothing", {}}, clock, 0.5, {}) == kDone);
   CHECK(fs::exists(*o.png));
   hal::RecordedCamera kept(hal::RecordedCameraConfig{scratch.path().string(), 0.25, true});
   REQUIRE(kept.configure());
@@ -116,7 +184,7 @@ TEST_CASE("what a depth camera shows can be kept and read again; its noise too",
   o = asks("noise");
   o.out = scratch.path() / "noise.yaml";
   sim_hal::MockCamera floor(floor_and_box(), clock);
-  CHECK(watch_depth_camera(silently(), o, "mock", "nothing", floor, clock, 1.0, {}) == kDone);
+  CHECK(watch_depth_camera(silently(), o, {floor, "mock", "nothing", {}}, clock, 1.0, {}) == kDone);
   CHECK(fs::file_size(*o.out) > 50);
 }
 
