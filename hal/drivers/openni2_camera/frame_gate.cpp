@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace colift::hal::openni2 {
@@ -16,21 +17,27 @@ constexpr std::uint64_t kLargest_us = 3'000'000'000'000'000;  // 95 years: a sum
 
 void FrameGate::forget() {
   delay_ = {};
+  index_.reset();
   last_.reset();
   set_since_.reset();
 }
 
 FrameGate::Times FrameGate::accept(const Seen& frame) {
   last_ = frame;
+  index_ = frame.index;  // also one that counts from the beginning again
   set_since_.reset();
   return delay_.note(frame.stamp, frame.arrived);
 }
 
-Result<FrameGate::Times> FrameGate::pass(std::uint64_t index, std::uint64_t stamp_us, Timestamp arrived) {
+Result<FrameGate::Times> FrameGate::pass(std::uint64_t index, std::uint64_t stamp_us, Timestamp arrived,
+                                         std::uint64_t unread) {
   const auto refuse = [](std::uint64_t& count, std::string why) {
     ++count;
     return failure(ErrorCode::BadReply, "openni2.stamp", std::move(why));
   };
+  const std::uint64_t gap = index_ && index > *index_ ? index - *index_ - 1 : 0;
+  if (gap > unread) counts_.skipped += gap - unread;
+  index_ = std::max(index_.value_or(0), index);
   if (stamp_us > kLargest_us)
     return refuse(counts_.misdated, fmt::format("a time stamp of {} us, which no device reaches", stamp_us));
   const Seen frame{index, Timestamp(static_cast<std::int64_t>(stamp_us) * 1000), arrived};
@@ -47,7 +54,6 @@ Result<FrameGate::Times> FrameGate::pass(std::uint64_t index, std::uint64_t stam
     if (frame.stamp <= last_->stamp)
       return refuse(counts_.old, fmt::format("a frame {:.1f} ms older than the one before",
                                              1e3 * seconds(last_->stamp - frame.stamp)));
-    if (frame.index > last_->index + 1) counts_.skipped += frame.index - last_->index - 1;
     times = accept(frame);
   } else {
     if (!set_since_ || std::abs(ahead_s(*set_since_)) > kAgree_s) set_since_ = frame;

@@ -23,13 +23,15 @@ class FrameGate {
     std::uint64_t duplicate = 0;  ///< Had the number of the frame before.
     std::uint64_t old = 0;        ///< Not newer than the frame before.
     std::uint64_t misdated = 0;   ///< A stamp that does not fit the time at which it came.
-    std::uint64_t skipped = 0;    ///< Numbers that never came.
+    std::uint64_t skipped = 0;    ///< Numbers that the device never gave.
     std::uint64_t clock_set = 0;  ///< How often the device's clock was set.
   };
 
   /// `index` counts the device's frames, `stamp_us` is its clock, `arrived` the robot's time at which the
-  /// frame came. Errors: BadReply, with the figure.
-  [[nodiscard]] Result<Times> pass(std::uint64_t index, std::uint64_t stamp_us, Timestamp arrived);
+  /// frame came, `unread` how many came since the call before and were not read. Errors: BadReply, with the
+  /// figure.
+  [[nodiscard]] Result<Times> pass(std::uint64_t index, std::uint64_t stamp_us, Timestamp arrived,
+                                   std::uint64_t unread = 0);
 
   /// For a device that was opened anew. The counts stay.
   void forget();
@@ -44,8 +46,9 @@ class FrameGate {
 
   Counts counts_;
   capture::TransportDelay delay_;
-  std::optional<Seen> last_;       ///< That was let through.
-  std::optional<Seen> set_since_;  ///< The first of those that agree on another time.
+  std::optional<std::uint64_t> index_;  ///< The largest since the last that was let through.
+  std::optional<Seen> last_;            ///< That was let through.
+  std::optional<Seen> set_since_;       ///< The first of those that agree on another time.
   std::optional<Timestamp> exposed_;
 };
 

@@ -26,6 +26,7 @@ Result<> Openni2Stream::find() {
 
 void Openni2Stream::started() {
   gate_.forget();
+  number_ = 0;
   view_.reset();
 }
 
@@ -51,7 +52,10 @@ std::optional<DepthFrame> Openni2Stream::take() {
     reject(depth.error().detail);
     return std::nullopt;
   }
-  const auto times = gate_.pass(s.index, s.ticks, arrival(s) - duration_of(1e-3 * config_.latency_ms));
+  const std::uint64_t unread = number_ > 0 ? s.number - number_ - 1 : 0;
+  number_ = s.number;
+  const auto times =
+      gate_.pass(s.index, s.ticks, arrival(s) - duration_of(1e-3 * config_.latency_ms), unread);
   if (!times) {
     reject(times.error().detail);
     return std::nullopt;

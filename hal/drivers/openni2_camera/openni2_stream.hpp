@@ -36,6 +36,7 @@ class Openni2Stream final : public capture::CaptureSupervisor {
   std::optional<Source> source_;
   FrameGate gate_;
   capture::RawFrame raw_;
+  std::uint64_t number_ = 0;  ///< Of the raw frame before.
   double late_ms_ = 0.0;
 };
 
