@@ -1,6 +1,7 @@
 #pragma once
 
 #include <catch2/catch.hpp>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,9 +24,10 @@ struct Openni2Rig {
   explicit Openni2Rig(std::optional<sim_hal::KinectNoise> noise = sim_hal::KinectNoise{},
                       const std::vector<std::string>& faults = {},
                       const hal::Openni2CameraConfig& config = camera_config(),
-                      std::optional<hal::openni2::PinholeModel> model = std::nullopt)
+                      std::optional<hal::openni2::PinholeModel> model = std::nullopt,
+                      std::function<sim_hal::World(double)> in_front = world)
       : server(server_config(faults),
-               std::make_unique<sim_hal::ScriptedCameraSource>(world, X_WC, noise, 1, clock)),
+               std::make_unique<sim_hal::ScriptedCameraSource>(std::move(in_front), X_WC, noise, 1, clock)),
         camera(with_address(config, server.address()), model, clock) {
     if (auto started = server.start(); !started) FAIL(started.error().text());
   }
