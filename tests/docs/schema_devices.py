@@ -60,6 +60,7 @@ def hand(c, folder):
         motion = hal("finger", "F1", 20)
         hal("torque", "F1", 0.3, "--for", 0.2, "--yes")
         hal("velocity", "F2", 20, "--for", 0.3)
+        hal("preshape", 10, "--fingers", 15)
         hal("doctor", "--out", folder / "hand.tar")
         for _ in range(TRIES):
             hal("open", "--yes")

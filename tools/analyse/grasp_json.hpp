@@ -21,7 +21,8 @@ namespace colift::tools {
 
 /// Wanted, reachable and predicted share with its interval, where the partner would have to grasp for the
 /// wanted one, and the partner's load beside its limit.
-/// The bounds of a lift by the chosen grasp, and whether they are within the limits; null where nothing was chosen.
+/// The bounds of a lift by the chosen grasp, and whether they are within the limits; null where nothing was
+/// chosen.
 [[nodiscard]] nlohmann::ordered_json certificate_json(const control::ShareContract& share);
 [[nodiscard]] nlohmann::ordered_json share_json(const control::ShareContract& share);
 

@@ -24,8 +24,8 @@ struct HalCameraOptions {
 };
 
 /// Bring-up of the Kinect: info, watch, record, noise, tilt; of a camera of OpenNI2 all but tilt, of a video
-/// device (`camera: v4l2`) info, watch, record --scene and noise. 0 done, 2 bad request or file, 3 the camera is not there or went away, 130
-/// interrupted.
+/// device (`camera: v4l2`) info, watch, record --scene and noise. 0 done, 2 bad request or file, 3 the camera
+/// is not there or went away, 130 interrupted.
 [[nodiscard]] int cmd_hal_camera(const CommonOptions& common, const HalCameraOptions& options);
 
 }  // namespace colift::tools

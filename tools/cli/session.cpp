@@ -36,9 +36,9 @@ int report_error(const char* command, const hal::Error& error) {
     case ErrorCode::LinkLost:
     case ErrorCode::BadReply:
     case ErrorCode::DeviceFault:
+    case ErrorCode::NotReady:
       return kDeviceFailed;
     case ErrorCode::LimitExceeded:
-    case ErrorCode::NotReady:
       return kInternal;
   }
   return kInternal;

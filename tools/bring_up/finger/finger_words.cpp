@@ -61,4 +61,12 @@ std::string finger_document(const std::string& verb, hal::barrett::Puck finger,
   return j.dump();
 }
 
+std::string with_fingers(const std::string& hand, const std::vector<std::string>& fingers) {
+  using Json = nlohmann::ordered_json;
+  Json j = Json::parse(hand);
+  j["fingers"] = Json::array();
+  for (const std::string& finger : fingers) j["fingers"].push_back(Json::parse(finger));
+  return j.dump();
+}
+
 }  // namespace colift::tools

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hal/drivers/barrett_can/service/finger_motion.hpp"
 
@@ -19,5 +20,7 @@ namespace colift::tools {
 /// Document colift.hal.hand/1.
 [[nodiscard]] std::string finger_document(const std::string& verb, hal::barrett::Puck finger,
                                           const hal::FingerMotionEnd& end);
+/// The document of a hand's motion with those of its fingers after it, as `fingers`.
+[[nodiscard]] std::string with_fingers(const std::string& hand, const std::vector<std::string>& fingers);
 
 }  // namespace colift::tools

@@ -6,7 +6,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "hal/config/config_file.hpp"
 #include "hal/drivers/barrett_can/calibration/hand_calibration.hpp"
@@ -35,6 +38,13 @@ using How = HandTaskEnd::How;
 
 constexpr auto kPause = std::chrono::milliseconds(2);
 constexpr int kPriority = 70;  // as HandThread's
+
+void emit(const std::string& json, std::string* document) {
+  if (document != nullptr)
+    *document = json;
+  else
+    std::puts(json.c_str());
+}
 
 struct Bench {
   hal::BarrettHandConfig barrett;
@@ -206,8 +216,10 @@ int make_bundle(const HalOptions& options, Bench bench, bool json) {
   return fault.empty() ? kDone : kDeviceFailed;
 }
 
-/// One finger alone, with the pucks' own modes. 0 as asked, 1 stopped before.
-int move_one_finger(const CommonOptions& common, const HalOptions& options, const Bench& bench) {
+/// One finger alone, with the pucks' own modes. 0 as asked, 1 stopped before. `document`: where its JSON goes
+/// instead of stdout.
+int move_one_finger(const CommonOptions& common, const HalOptions& options, const Bench& bench,
+                    std::string* document = nullptr) {
   const std::string where = fmt::format("hal hand {}", options.verb);
   const auto finger = parse_finger(options.finger);
   if (!finger)
@@ -242,9 +254,10 @@ int move_one_finger(const CommonOptions& common, const HalOptions& options, cons
                    fmt::format("next: {}\n", hand_advice(end.error().code, bench.barrett.can)));
     return kDeviceFailed;
   }
-  std::fputs((common.json ? finger_document(options.verb, *finger, *end) + "\n" : finger_text(*finger, *end))
-                 .c_str(),
-             stdout);
+  if (common.json)
+    emit(finger_document(options.verb, *finger, *end), document);
+  else
+    std::fputs(finger_text(*finger, *end).c_str(), stdout);
   if (!end->rests) return kDeviceFailed;
   return end->as_asked ? kDone : InterruptGuard::asked() ? 130 : kNoGoal;
 }
@@ -269,7 +282,9 @@ int replay(const CommonOptions& common, const HalOptions& options) {
   return (!driver || driver->equal()) && emulator.equal() ? kDone : kNoGoal;
 }
 
-int run(const CommonOptions& common, const HalOptions& options, const Bench& bench, const HandTask& task) {
+/// `document`: where its JSON goes instead of stdout.
+int run(const CommonOptions& common, const HalOptions& options, const Bench& bench, const HandTask& task,
+        std::string* document = nullptr) {
   const hal::SteadyClock clock;
   auto bus = make_bus(bench.barrett, clock);
   if (!bus) return report_error("hal hand", bus.error());
@@ -328,7 +343,7 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
   look(end.states > 0 ? std::optional(end.after) : std::nullopt);
 
   if (common.json) {
-    std::puts(hand_document(options.verb, view, task, end).c_str());
+    emit(hand_document(options.verb, view, task, end), document);
   } else {
     std::string text;
     if (task.kind != HandTask::Kind::Watch)
@@ -348,6 +363,31 @@ int run(const CommonOptions& common, const HalOptions& options, const Bench& ben
   return exit_code(end.how);
 }
 
+/// The spread as asked, then all fingers to one angle: closed fingers would meet each other while it turns.
+int preshape_with_fingers(const CommonOptions& common, const HalOptions& options, const Bench& bench,
+                          const HandTask& task) {
+  if (!(*options.fingers_deg >= 0.0 && *options.fingers_deg <= hal::rad_to_deg(hal::kMaxFinger_rad)))
+    return report_error("hal hand preshape",
+                        hal::Error{hal::ErrorCode::BadInput, "--fingers",
+                                   fmt::format("{} degrees, expected 0 to {:.0f}", *options.fingers_deg,
+                                               hal::rad_to_deg(hal::kMaxFinger_rad))});
+  std::string hand;
+  int code = run(common, options, bench, task, &hand);
+  std::vector<std::string> fingers;
+  for (const char* finger : {"F1", "F2", "F3"}) {
+    if (code != kDone) break;
+    HalOptions one = options;
+    one.verb = "finger";
+    one.finger = finger;
+    one.value = *options.fingers_deg;
+    std::string document;
+    code = move_one_finger(common, one, bench, &document);
+    if (!document.empty()) fingers.push_back(std::move(document));
+  }
+  if (common.json && !hand.empty()) std::puts(with_fingers(hand, fingers).c_str());
+  return code;
+}
+
 }  // namespace
 
 int cmd_hal_hand(const CommonOptions& common, const HalOptions& options) {
@@ -365,23 +405,9 @@ int cmd_hal_hand(const CommonOptions& common, const HalOptions& options) {
     const std::string where = fmt::format("hal hand {}", options.verb);
     return report_error(where.c_str(), task.error());
   }
-  if (options.verb != "preshape" || !options.fingers_deg) return run(common, options, *bench, *task);
-  if (!(*options.fingers_deg >= 0.0 && *options.fingers_deg <= hal::rad_to_deg(hal::kMaxFinger_rad)))
-    return report_error("hal hand preshape",
-                        hal::Error{hal::ErrorCode::BadInput, "--fingers",
-                                   fmt::format("{} degrees, expected 0 to {:.0f}", *options.fingers_deg,
-                                               hal::rad_to_deg(hal::kMaxFinger_rad))});
-  // the spread first: closed fingers would meet each other
-  int code = run(common, options, *bench, *task);
-  for (const char* finger : {"F1", "F2", "F3"}) {
-    if (code != kDone) break;
-    HalOptions one = options;
-    one.verb = "finger";
-    one.finger = finger;
-    one.value = *options.fingers_deg;
-    code = move_one_finger(common, one, *bench);
-  }
-  return code;
+  if (options.verb == "preshape" && options.fingers_deg)
+    return preshape_with_fingers(common, options, *bench, *task);
+  return run(common, options, *bench, *task);
 }
 
 }  // namespace colift::tools
