@@ -34,10 +34,13 @@ struct Reaction {
   std::string state, why;
 };
 
+bool speaks_of_let_go(const control::StateChange& s) {
+  return s.state == Task::Pause || s.reason.find("let go") != std::string::npos;
+}
+
 // a state that the lift without the event would have entered anyway is none
 bool is_reaction(const control::StateChange& s) {
-  return s.state == Task::Pause || s.state == Task::Stopped || s.state == Task::Yield ||
-         s.reason.find("let go") != std::string::npos;
+  return speaks_of_let_go(s) || s.state == Task::Stopped || s.state == Task::Yield;
 }
 
 Reaction reaction(const control::RunRecord& record, double at_s) {
@@ -46,6 +49,14 @@ Reaction reaction(const control::RunRecord& record, double at_s) {
     if (t >= at_s && is_reaction(s)) return {1e3 * (t - at_s), std::string(word(s.state)), s.reason};
   }
   return {};
+}
+
+/// Of a job that did not come to the state in which he lets go: whether he was believed to have done it.
+std::string believed_let_go(const control::RunRecord& record) {
+  for (const control::StateChange& s : record.states)
+    if (speaks_of_let_go(s))
+      return fmt::format("{}{} at {:.2f} s: {}", kEarly, word(s.state), hal::seconds(s.at), s.reason);
+  return record.reason;
 }
 
 // An instant from the first closing to the end of lowering, as a state and a time in it. Where a state is
@@ -89,14 +100,7 @@ TrialRows run(const Trial& trial) {
       at_s = hal::seconds(s.at) + event.at_s;
       break;
     }
-  if (std::isnan(at_s)) {
-    // whoever was believed to let go before he did, did not come that far
-    const Reaction early = reaction(lift->record, 0.0);
-    return without("never in " + event.in_state + ": " +
-                   (early.state.empty() ? lift->record.reason
-                                        : fmt::format("{}{} at {:.2f} s: {}", kEarly, early.state,
-                                                      1e-3 * early.after_ms, early.why)));
-  }
+  if (std::isnan(at_s)) return without("never in " + event.in_state + ": " + believed_let_go(lift->record));
   std::string in;
   for (const control::StateChange& s : lift->record.states)
     if (hal::seconds(s.at) <= at_s) in = word(s.state);

@@ -67,7 +67,8 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
   hooks.changed = [&](control::Task from, control::Task to) {
     entered(to);
     const bool lifted = from == control::Task::Lower;
-    enough = enough || (with.cut.at_release_before_lift && to == control::Task::Release && !lifted);
+    const bool let_go = !std::isnan(lift.let_go_s);
+    enough = enough || (with.cut.at_release_before_lift && to == control::Task::Release && !lifted && let_go);
   };
   hooks.interrupted = [&] { return enough; };
   hooks.asked = [&](const control::PartnerAsk& ask) { (*world)->ask_partner(ask.grasp_W, ask.aside_W); };

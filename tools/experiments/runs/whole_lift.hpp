@@ -29,8 +29,9 @@ struct WholeLift {
 
 /// How a run is cut short, where the rest of it says nothing new.
 struct CutShort {
-  bool at_release_before_lift = false;  ///< When the hand opens without having lifted.
-  double paused_s = INFINITY;           ///< After this time in Pause.
+  /// When the hand opens without having lifted, after the partner has let go.
+  bool at_release_before_lift = false;
+  double paused_s = INFINITY;  ///< After this time in Pause.
 };
 
 /// What a trial changes and observes. All of it may be empty.
