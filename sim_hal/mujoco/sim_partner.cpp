@@ -17,7 +17,6 @@ constexpr double kSeenTilt_rad = 0.009;                    // half a degree: a s
 constexpr double kOnGround_m = 0.001, kRelax_per_s = 1.0;  // what rests on the ground he does not strain at
 constexpr double kOffGround_m = 0.01;  // below that he lets it down instead of levelling it
 constexpr double kRegrasp_s = 1.0, kSeenBefore_s = 0.6;
-constexpr double kHears_s = 1.0;  // until somebody who is asked lets go
 constexpr double kLeadAfter_s = 1.0, kLead_s = 2.0;
 constexpr double kTremor_m = 0.0005;
 constexpr std::uint64_t kTremorStream = 0x7e3;

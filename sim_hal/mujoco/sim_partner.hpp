@@ -40,6 +40,8 @@ struct PartnerHold {
 /// none apply no force here.
 class SimPartner {
  public:
+  static constexpr double kHears_s = 1.0;  ///< Until somebody who is asked for something begins to do it.
+
   SimPartner(const ScenarioPartner& partner, const ScenarioTask& task, std::uint64_t seed);
 
   /// One step of 1 ms: force on the object at `at_W`, torque beside it. nullopt while he does not hold.

@@ -8,8 +8,8 @@ namespace colift::sim_hal {
 namespace {
 
 constexpr double kTick_s = 0.001;
-constexpr double kListens_s = 1.0, kStepAside_s = 1.0;  // until somebody who is asked starts, and is there
-constexpr double kObserver_s = 0.005;                   // time constant of the external torque's observer
+constexpr double kStepAside_s = 1.0;   // until somebody who is asked to is there
+constexpr double kObserver_s = 0.005;  // time constant of the external torque's observer
 
 double tilt(const Pose& X_WT0, const Pose& X_WT, bool may_roll) {
   if (!may_roll) {
@@ -132,7 +132,7 @@ bool SimWorld::Impl::partner_steps_aside(const Vec3& direction_W) {
   const auto index = static_cast<std::size_t>(hold - partner.holds().data());
   const auto shoulder_W = step_aside(around_partner(), figures[index], direction_W);
   if (!shoulder_W) return false;
-  aside[index] = Aside{*shoulder_W, now_s() + kListens_s};
+  aside[index] = Aside{*shoulder_W, now_s() + SimPartner::kHears_s};
   return true;
 }
 

@@ -33,7 +33,7 @@ void PartnerPhase::ask_to_show_hand() {
       "please step to the {}, as the camera sees it: your body hides {:.0f} % of the object's "
       "edge, and your hand if it is there",
       edge->to_right ? "right" : "left", 100.0 * edge->fraction);
-  aside_W_ = edge->aside_W;
+  if (!edge->aside_W.isZero()) aside_W_ = edge->aside_W;
   c_.request(asked_);
 }
 

@@ -3,20 +3,16 @@
 
 #include <cstdio>
 
-#include "hal/drivers/capture_link/process/commands.hpp"
-#include "hal/drivers/capture_link/process/words_out.hpp"
+#include "hal/drivers/capture_link/process/capture_loop.hpp"
 #include "hal/drivers/kinect/capture/device.hpp"
 
 namespace {
 
-using colift::capture::Commands;
 using colift::capture::Device;
-using colift::capture::End;
 using colift::capture::number_after;
 using colift::capture::say;
 using colift::capture::say_end;
 using colift::hal::capture::CaptureEnd;
-using colift::hal::capture::CaptureState;
 
 /// False: quit.
 bool obey(const std::string& line, Device& device) {
@@ -76,20 +72,6 @@ int main(int argc, char** argv) {
   }
   auto ring = colift::capture::begin_capture(ring_fd);
   if (!ring) return 2;
-  Commands commands;
-  commands.listen();
-
   Device device(*ring, serial, motor);
-  std::optional<End> end = device.open();
-  bool quit = false;
-  while (!end && !quit) {
-    ring->beat();
-    end = device.turn();
-    for (const std::string& line : commands.take()) quit = quit || !obey(line, device);
-  }
-  // the words first: closing a device that is gone may take for ever
-  if (end) say_end(end->why, end->reason);
-  ring->set_state(CaptureState::Ended);
-  device.close();
-  return end ? 1 : 0;
+  return colift::capture::run_capture(*ring, device, obey);
 }
