@@ -98,6 +98,7 @@ void ArmController::take(const ArmRequest& request) {
       break;
     case Kind::Unload:
       setpoints_.superpose(hal::JointVector::Zero());
+      compensation_.drop();
       // soft sideways, the palm may stand beside its set point: stiff springs would throw the empty hand
       // there
       if (palm_.weight() > 0.0 && view_.state.q_rad.allFinite())
@@ -203,6 +204,7 @@ void ArmController::start_yield() {
   if (force_.load() == HandLoad::Lowering) {
     setpoints_.hold();
     setpoints_.set_stiffness(yield_stiffness_nm_rad_);
+    start_compensation();
     return;
   }
   const bool rests = setpoints_.at_rest();
@@ -211,23 +213,43 @@ void ArmController::start_yield() {
   if (rests) setpoints_.superpose(superposed_nm_ + yield_.held_nm());
   yield_superposed_nm_ = setpoints_.superposed();
   setpoints_.set_stiffness(yield_stiffness_nm_rad_, yield_slope_nm_rad_s_);
+  start_compensation();
+}
+
+void ArmController::start_compensation() {
+  const hal::JointVector& q_rad = view_.state.q_rad;
+  compensation_.start(yield_superposed_nm_,
+                      q_rad.allFinite() ? palm_wrench(*model_, q_rad, yield_superposed_nm_).force.z() : 0.0);
 }
 
 void ArmController::end_yield() {
   if (!yielding_) return;
   yielding_ = false;
   force_.clear();
-  if (setpoints_.superposed() == yield_superposed_nm_) setpoints_.superpose(superposed_nm_);
+  if (setpoints_.superposed() == yield_superposed_nm_)
+    setpoints_.superpose(compensation_.part() * superposed_nm_);
+  compensation_.drop();
   setpoints_.set_stiffness(stiffness_nm_rad_);
   setpoints_.end_urgency();
 }
 
 void ArmController::serve_yield() {
   if (!yielding_ || !setpoints_.running() || !view_.state.q_rad.allFinite()) return;
+  const double dt_s = monitor_time_.step_s();
+  const hal::JointVector held_nm = compensation_.step(load_.load_n(), force_.quiet(), dt_s);
+  // whoever unloads the arm meanwhile superposes something else
+  if (setpoints_.superposed() == yield_superposed_nm_) {
+    setpoints_.superpose(held_nm);
+    yield_superposed_nm_ = setpoints_.superposed();
+  }
   const hal::JointVector goal =
       yield_.step(view_.state.q_rad, setpoints_.commanded(), palm_.stiffness_nm_rad(setpoints_.stiffness()),
-                  !force_.quiet(), monitor_time_.step_s());
-  if ((goal - setpoints_.commanded()).isZero()) return;
+                  !force_.quiet(), dt_s);
+  if ((goal - setpoints_.commanded()).isZero()) {
+    // what has followed somebody brakes where it is; it does not return to where it was to stop
+    if (!setpoints_.at_rest()) setpoints_.hold();
+    return;
+  }
   setpoints_.servo(goal, setpoints_.superposed());
 }
 
@@ -290,6 +312,7 @@ const ArmView& ArmController::view() {
   view_.felt_W = force_.felt();
   view_.force = force_.finding();
   view_.force_quiet = force_.quiet();
+  view_.load_lost = yielding_ && compensation_.lost();
   view_.height_m = lift_.height_m();
   view_.lift_at_rest = lift_.at_rest();
   view_.role = lift_.role();

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "control/arm/setpoint_generator.hpp"
+#include "control/arm/yield_compensation.hpp"
 #include "control/arm/yield_law.hpp"
 #include "control/lift/cartesian_impedance.hpp"
 #include "control/lift/energy_tank.hpp"
@@ -77,6 +78,7 @@ struct ArmView {
   hal::Wrench felt_W;       ///< Against the zero of the force monitor.
   ForceFinding force;       ///< That the arm has stopped for, and yields to.
   bool force_quiet = true;  ///< Nothing above a limit is felt now.
+  bool load_lost = false;   ///< An arm that yields bore a load, and bears none any more.
 
   // of the lift
   double height_m = 0.0;
@@ -130,6 +132,7 @@ class ArmController {
   /// Makes the palm's springs of the joints', and counts what the arm gives.
   [[nodiscard]] hal::ImpedanceCommand with_palm_springs(const hal::ImpedanceCommand& joints);
   void start_yield();
+  void start_compensation();
   void end_yield();
   /// An arm that is pushed farther than the band follows: it does not spring back.
   void serve_yield();
@@ -147,6 +150,7 @@ class ArmController {
   YieldLaw yield_;
   double stiffness_nm_rad_, yield_stiffness_nm_rad_, yield_slope_nm_rad_s_;
   bool yielding_ = false;
+  YieldCompensation compensation_;
   hal::JointVector superposed_nm_ = hal::JointVector::Zero();        ///< Before it yielded ...
   hal::JointVector yield_superposed_nm_ = hal::JointVector::Zero();  ///< ... and while it does.
   hal::CycleTime monitor_time_;

@@ -207,7 +207,8 @@ void SetpointGenerator::start_from(const hal::ArmState& state, bool usable) {
 
 void SetpointGenerator::set_pace(bool slow, double dt_s) {
   slow_left_s_ = slow ? limits_.slow_hold_s : std::max(0.0, slow_left_s_ - dt_s);
-  pace_ = towards(pace_, speed_goal(), limits_.slow_slope_1_s * dt_s);
+  const double goal = speed_goal();
+  pace_ = towards(pace_, goal, (goal < pace_ ? limits_.stop_slope_1_s : limits_.slow_slope_1_s) * dt_s);
 }
 
 void SetpointGenerator::step_hold(double dt_s) {

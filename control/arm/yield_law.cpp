@@ -17,7 +17,8 @@ YieldLaw::YieldLaw(const ForceMonitorConfig& config)
       relax_s_(config.yield_relax_s),
       rest_s_(config.yield_rest_filter_s),
       max_held_nm_(config.yield_max_held_nm),
-      still_rad_s_(config.yield_still_rad_s) {}
+      still_rad_s_(config.yield_still_rad_s),
+      swing_s_(config.yield_swing_s) {}
 
 void YieldLaw::rest(const hal::JointVector& spring_nm, double dt_s) {
   if (!spring_nm.allFinite() || dt_s <= 0.0) return;
@@ -28,6 +29,7 @@ void YieldLaw::rest(const hal::JointVector& spring_nm, double dt_s) {
 hal::JointVector YieldLaw::step(const hal::JointVector& q_rad, const hal::JointVector& commanded_rad,
                                 const hal::JointVector& stiffness_nm_rad, bool pressed, double dt_s) {
   const double part = pressed && dt_s > 0.0 && relax_s_ > 0.0 ? 1.0 - std::exp(-dt_s / relax_s_) : 0.0;
+  left_alone_s_ = pressed ? 0.0 : left_alone_s_ + std::max(dt_s, 0.0);
   hal::JointVector goal = commanded_rad;
   for (int i = 0; i < hal::kArmJoints; ++i) {
     // what counts is the torque: a stiff joint has the narrower band, one that is soft already the wider
@@ -35,7 +37,8 @@ hal::JointVector YieldLaw::step(const hal::JointVector& q_rad, const hal::JointV
     const double band = soft * band_rad_, relaxed = soft * relaxed_band_rad_;
     const double away = q_rad[i] - commanded_rad[i];
     const double moved = last_known_ ? q_rad[i] - last_rad_[i] : 0.0;
-    const bool swings_out = std::copysign(1.0, away) * moved > still_rad_s_ * dt_s;
+    const bool swings_out =
+        left_alone_s_ <= swing_s_ && std::copysign(1.0, away) * moved > still_rad_s_ * dt_s;
     if (pressed || swings_out) goal[i] += away - std::clamp(away, -band, band);
     const double left = q_rad[i] - goal[i];
     goal[i] += part * (left - std::clamp(left, -relaxed, relaxed));

@@ -39,6 +39,7 @@ struct ForceMonitorConfig {
   double yield_rest_filter_s = 0.2;
   double yield_max_held_nm = 10.0;
   double yield_still_rad_s = 0.1;
+  double yield_swing_s = 0.5;
   double settle_s = 0.5;
   double rearm_fraction = 0.8;
   double yield_s = 3.0;
@@ -72,6 +73,8 @@ struct ForceMonitorConfig {
       "Max of that in a joint: more is no error of a load's estimate (N m).");
     v("yield_still_rad_s", yield_still_rad_s, hal::Range{0, 5},
       "A joint that swings out more slowly is not followed (rad/s).");
+    v("yield_swing_s", yield_swing_s, hal::Range{0, 10},
+      "Nor one that swings out for longer after the last push: what still moves it is no push (s).");
     v("settle_s", settle_s, hal::Range{0, 10},
       "Time after an own motion until an arm at rest takes what it feels as its zero (s).");
     v("rearm_fraction", rearm_fraction, hal::kFraction,

@@ -30,6 +30,7 @@ struct SetpointLimits {
   double gap_s = 0.05;
   double slow_hold_s = 0.5;
   double slow_slope_1_s = 2.0;
+  double stop_slope_1_s = 8.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -67,7 +68,10 @@ struct SetpointLimits {
     v("gap_s", gap_s, hal::Range{0.005, 1}, "A longer time between two states starts from rest again (s).");
     v("slow_hold_s", slow_hold_s, hal::Range{0, 60},
       "The arm stays slow for this time after the controller's last warning (s).");
-    v("slow_slope_1_s", slow_slope_1_s, hal::Range{0.1, 100}, "Change of the speed scale in a second (1/s).");
+    v("slow_slope_1_s", slow_slope_1_s, hal::Range{0.1, 100},
+      "How fast the speed scale of a lift rises (1/s) ...");
+    v("stop_slope_1_s", stop_slope_1_s, hal::Range{0.1, 100},
+      "... and falls: whoever comes near is to find the arm at rest (1/s).");
   }
 
   /// The same below the velocity limit of the last gate.

@@ -25,17 +25,18 @@ bool opposes(const BodyContact& a, const BodyContact& b) {
 
 }  // namespace
 
-void ContactLog::tick(double t_s, const std::vector<BodyContact>& contacts, RobotMotion motion,
+void ContactLog::tick(double t_s, const std::vector<BodyContact>& contacts, RobotMotion motion, bool stood,
                       double commanded_j) {
   for (const BodyContact& c : contacts) {
     if (c.by == BodyContact::By::Static) continue;
     const bool opposed =
         std::any_of(contacts.begin(), contacts.end(), [&](const BodyContact& o) { return opposes(c, o); });
-    add(t_s, c, opposed, motion, commanded_j);
+    add(t_s, c, opposed, motion, stood, commanded_j);
   }
 }
 
-void ContactLog::add(double t_s, const BodyContact& c, bool opposed, RobotMotion motion, double commanded_j) {
+void ContactLog::add(double t_s, const BodyContact& c, bool opposed, RobotMotion motion, bool stood,
+                     double commanded_j) {
   const auto same = std::find_if(touches_.rbegin(), touches_.rend(), [&](const Touch& t) {
     return t.judged.person == c.person && t.region == c.region && t.left == c.left && t.by == c.by &&
            t_s - t.last_s < kPause_s;
@@ -50,6 +51,7 @@ void ContactLog::add(double t_s, const BodyContact& c, bool opposed, RobotMotion
     touch.judged.closing_m_s = c.closing_m_s;
     touch.by = c.by;
     touch.motion = motion;
+    touch.stood = stood;
     touch.region = c.region;
     touch.left = c.left;
     touches_.push_back(touch);
@@ -59,7 +61,6 @@ void ContactLog::add(double t_s, const BodyContact& c, bool opposed, RobotMotion
   // a hand that bounces between fingers is hit again and again, and not held
   if (t_s - touch.last_s > kFree_s) touch.pressed_s = t_s;
   touch.last_s = t_s;
-  touch.opposed |= opposed;
   const bool lasts = t_s - touch.pressed_s > kTransient_s && c.force_n > kPressed_n;
   if ((opposed || lasts) && new_tick) touch.judged.clamped_s += kTick_s;
   double& peak = opposed || lasts ? touch.clamped_n : touch.transient_n;
@@ -83,12 +84,15 @@ void ContactLog::add_to(Verdict& verdict) const {
     judged.limit_n = clamped_is_worse ? limit.quasi_static_n : limit.transient_n;
     const double counts_n = judged.counts_n = clamped_is_worse ? touch.clamped_n : touch.transient_n;
     // who runs into a robot that has long been at rest is hurt by nothing that a program does, nor is he by
-    // what swings back from his own push, as long as no command puts energy into it: all of it was his. What
-    // an object does that is let go is not, nor is it of one that keeps him pressed, however that began
+    // what swings back from his own push, as long as no command puts energy into it: all of it was his. An
+    // object that is lowered onto him needs no energy of any command: of what the robot holds that is said
+    // only where the robot stood. What keeps him pressed or clamped is the robot's, however that began
     const bool came_not = touch.motion == RobotMotion::AtRest && judged.robot_m_s < kAtRest_m_s;
-    const bool gives_way = touch.motion != RobotMotion::Driven && touch.peak_motion == RobotMotion::Pushed &&
-                           touch.by == BodyContact::By::Robot && judged.commanded_j <= kGivesWay_j;
-    judged.his_own = (came_not || gives_way) && !touch.opposed && touch.clamped_n <= limit.quasi_static_n;
+    const bool pushed = touch.by == BodyContact::By::Robot
+                            ? touch.motion != RobotMotion::Driven && touch.peak_motion == RobotMotion::Pushed
+                            : touch.stood && touch.peak_motion != RobotMotion::Driven;
+    const bool gives_way = pushed && judged.commanded_j <= kGivesWay_j;
+    judged.his_own = (came_not || gives_way) && touch.clamped_n <= limit.quasi_static_n;
     if (counts_n > judged.limit_n && !judged.his_own)
       verdict.breaches.push_back(fmt::format("{}: {:.0f} N {} by the {} at {:.3f} s (limit {:.0f} N)",
                                              judged.region, counts_n, clamped_is_worse ? "clamped" : "hit",

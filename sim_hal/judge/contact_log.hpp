@@ -18,8 +18,10 @@ enum class RobotMotion {
 /// Contacts of every millisecond as touches, each judged against its region's limits.
 class ContactLog {
  public:
-  /// `motion`: up to this millisecond. `commanded_j`: CommandedEnergy::put_in_j().
-  void tick(double t_s, const std::vector<BodyContact>& contacts, RobotMotion motion, double commanded_j);
+  /// `motion`: up to this millisecond. `stood`: the robot stood until somebody pushed it. `commanded_j`:
+  /// CommandedEnergy::put_in_j().
+  void tick(double t_s, const std::vector<BodyContact>& contacts, RobotMotion motion, bool stood,
+            double commanded_j);
   void add_to(Verdict& verdict) const;
   /// Peak of what the robot itself did to anybody (N).
   [[nodiscard]] double robot_peak_n() const { return robot_peak_n_; }
@@ -34,10 +36,11 @@ class ContactLog {
     double transient_n = 0.0, clamped_n = 0.0;
     RobotMotion motion = RobotMotion::Driven;       // when it began
     RobotMotion peak_motion = RobotMotion::Driven;  // when it was hardest
-    bool opposed = false;                           // pressed against something else at least once
+    bool stood = false;                             // the robot, until somebody pushed it
   };
 
-  void add(double t_s, const BodyContact& contact, bool opposed, RobotMotion motion, double commanded_j);
+  void add(double t_s, const BodyContact& contact, bool opposed, RobotMotion motion, bool stood,
+           double commanded_j);
 
   std::vector<Touch> touches_;
   double robot_peak_n_ = 0.0;

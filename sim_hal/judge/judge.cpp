@@ -20,6 +20,8 @@ constexpr double kNoticed_n = 45.0;  // a touch that nobody can overlook
 constexpr double kAtRest_rad_s = 0.02, kRested_s = 0.05;
 // or no command has moved it for so long: what swings then was moved by somebody else
 constexpr double kStill_rad_s = 0.01, kStill_s = 0.5;
+// or commands have ended, and what it holds sways a little
+constexpr double kSways_rad_s = 0.05, kEnded_s = 0.1;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 std::optional<double> seen(double distance_m) {
@@ -40,9 +42,10 @@ struct Judge::Impl {
   bool stopped = false;
   std::vector<std::string> breaches;
   std::vector<BodyContact> touched;  // of one millisecond
-  double last_s = 0.0, moved_s = 0.0, driven_s = 0.0;
+  double last_s = 0.0, moved_s = 0.0, swift_s = 0.0, driven_s = 0.0;
   hal::JointVector set_point_rad = hal::JointVector::Zero();
   bool pushed = false;  // moves since somebody pushed it at rest
+  bool stood = true;    // it stands, or did until somebody pushed it
 
   [[nodiscard]] bool rests() const;
   [[nodiscard]] RobotMotion robot_motion() const;
@@ -50,7 +53,8 @@ struct Judge::Impl {
 };
 
 bool Judge::Impl::rests() const {
-  return last_s - moved_s > kRested_s || last_s - driven_s > kStill_s;
+  const bool sways = last_s - driven_s > kEnded_s && last_s - swift_s > kRested_s;
+  return last_s - moved_s > kRested_s || sways || last_s - driven_s > kStill_s;
 }
 
 RobotMotion Judge::Impl::robot_motion() const {
@@ -70,15 +74,18 @@ void Judge::tick(const TickReport& report) {
     if (c.by == BodyContact::By::Object && !report.truth.robot_touches_object) c.by = BodyContact::By::Static;
   // of the millisecond before: the touch itself sets joints in motion
   const RobotMotion motion = impl_->robot_motion();
+  if (!impl_->pushed) impl_->stood = impl_->rests();
   // or through what it holds
   const bool by_robot = std::any_of(impl_->touched.begin(), impl_->touched.end(),
                                     [](const BodyContact& c) { return c.by != BodyContact::By::Static; });
   impl_->energy.tick(report, impl_->rests() && !impl_->pushed && !by_robot);
   const double commanded_j = impl_->energy.put_in_j();
-  impl_->contacts.tick(report.t_s, impl_->touched, motion, commanded_j);
+  impl_->contacts.tick(report.t_s, impl_->touched, motion, impl_->stood, commanded_j);
   const double dt_s = report.t_s - impl_->last_s;
   impl_->last_s = report.t_s;
-  if (report.dq_rad_s.cwiseAbs().maxCoeff() > kAtRest_rad_s) impl_->moved_s = report.t_s;
+  const double fastest_rad_s = report.dq_rad_s.cwiseAbs().maxCoeff();
+  if (fastest_rad_s > kAtRest_rad_s) impl_->moved_s = report.t_s;
+  if (fastest_rad_s > kSways_rad_s) impl_->swift_s = report.t_s;
   if ((report.set_point_rad - impl_->set_point_rad).cwiseAbs().maxCoeff() > kStill_rad_s * dt_s)
     impl_->driven_s = report.t_s;
   impl_->set_point_rad = report.set_point_rad;

@@ -19,8 +19,9 @@ struct JudgedContact {
   double closing_m_s = 0.0;             ///< How fast they came together, the person's own motion in it.
   double commanded_j = 0.0;  ///< What commands had put into the arm since it last rested, at the peak (J).
   double robot_m_s = 0.0;    ///< How fast the robot's (the object's) surface came towards him, at most.
-  /// He ran into a robot that had been at rest, whose surface did not come towards him or whose commands put
-  /// no energy into what then did, and was not clamped: reported, no breach.
+  /// He ran into a robot, or into what it held, that had been at rest, whose surface did not come towards him
+  /// or whose commands put no energy into what then did; and what clamped him stayed within its own limit:
+  /// reported, no breach.
   bool his_own = false;
 };
 

@@ -185,6 +185,13 @@ hal::Result<Campaign> run_campaign(const Experiment& e, const CampaignOptions& o
         if (!words.empty()) words += "; ";
         words += o.methods == Methods::Both ? fmt::format("{}: {}", control::to_string(method), result.words)
                                             : result.words;
+        if (!result.kept) continue;
+        const auto kept_as = keep_lift(
+            *result.kept, method, o.out,
+            fmt::format(
+                "{}_trial_{}{}", e.name, to_do[mine],
+                method == control::Method::Fast ? "" : fmt::format("_{}", control::to_string(method))));
+        words += kept_as ? "; kept as " + kept_as->string() : "; not kept: " + kept_as.error().text();
       }
       const std::lock_guard lock(mutex);
       if (!file.add(rows, details)) disk_full = stop = true;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "control/config/resolve_config.hpp"
+#include "tools/experiments/kept_lift.hpp"
 #include "tools/experiments/statistics.hpp"
 #include "tools/experiments/trial_table.hpp"
 #include "tools/visualization/canvas.hpp"
@@ -42,6 +43,8 @@ struct TrialRows {
   Row row;
   std::vector<Row> details;  ///< One per grasp that was tried.
   std::string words;         ///< For the screen.
+  /// The lift of a trial that missed a requirement; the campaign keeps it beside the table.
+  std::optional<KeptLift> kept = {};
 };
 
 /// A figure of a whole campaign.

@@ -20,6 +20,8 @@ constexpr std::string_view kAsked = "interrupted before the arm moved";
 constexpr std::string_view kAskedInTransit = "interrupted; the arm comes to rest and holds";
 constexpr std::string_view kAskedLoaded = "interrupted; the arm holds and the grip stays closed";
 constexpr std::string_view kPushed = "unexpected force; stops and yields, the grip stays closed";
+constexpr std::string_view kPushedAtGrasp =
+    "unexpected force; stops, yields and opens the hand: the object is on the ground";
 constexpr std::string_view kHit = "unexpected contact; stops and yields, returns only on request";
 constexpr std::string_view kPushedAtRest = "unexpected force on the arm at rest; yields";
 constexpr std::string_view kFell = "load lost from the hand; holds";
@@ -114,11 +116,11 @@ constexpr auto kRules = std::to_array<Rule>({
     {BackOff, HandLost, Stopped, kHandGone},
     {BackOff, Interrupted, Stopped, kAskedInTransit},
 
-    // the hand is at the object, which stands on the ground: only Release opens it
+    // the hand is at the object, which stands on the ground: Release opens it, and Yield at once
     {Close, HandHeld, Verify, "every finger is in contact"},
     {Close, HandEmpty, Release, "the hand closed on nothing: opens it again"},
     {Close, PartnerLetGo, Release, "the partner let go before the lift: opens, the object is on the ground"},
-    {Close, Blocked, Yield, kPushed},
+    {Close, Blocked, Yield, kPushedAtGrasp},
     {Close, TimeOut, Release, "the hand did not finish closing: opens it again"},
     {Close, ArmLost, Stopped, kArmGone},
     {Close, HandLost, Stopped, kHandGone},
@@ -129,7 +131,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Verify, GripBad, Release, "the grip is not good enough to lift: opens, the object is on the ground"},
     {Verify, HandEmpty, Release, "the grip is lost: opens, the object is on the ground"},
     {Verify, PartnerLetGo, Release, "the partner let go before the lift: opens, the object is on the ground"},
-    {Verify, Blocked, Yield, kPushed},
+    {Verify, Blocked, Yield, kPushedAtGrasp},
     {Verify, TimeOut, Release, "the grip could not be checked in time: opens, the object is on the ground"},
     {Verify, ArmLost, Stopped, kArmGone},
     {Verify, HandLost, Stopped, kHandGone},
@@ -141,7 +143,7 @@ constexpr auto kRules = std::to_array<Rule>({
      "the partner let go before the lift: opens, the object is on the ground"},
     {AwaitReady, HandEmpty, Release, "the grip is lost: opens, the object is on the ground"},
     {AwaitReady, GripBad, Release, "the grip is not good enough to lift: opens, the object is on the ground"},
-    {AwaitReady, Blocked, Yield, kPushed},
+    {AwaitReady, Blocked, Yield, kPushedAtGrasp},
     {AwaitReady, TimeOut, Release, "the partner was never ready: opens, the object is on the ground"},
     {AwaitReady, ArmLost, Stopped, kArmGone},
     {AwaitReady, HandLost, Stopped, kHandGone},

@@ -28,7 +28,7 @@ bool is_before_motion(Task t) {
 constexpr std::array<Group, 3> kGroups = {{
     {"looks", "looks and decides: nothing moves", "#e8f1fb", is_before_motion},
     {"motion", "in motion: hand empty", "#fdf3dc", is_empty_handed_in_motion},
-    {"loaded", "hand at the object: only release opens it", "#e6f4e6", is_loaded},
+    {"loaded", "hand at the object: once something is raised, only release opens it", "#e6f4e6", is_loaded},
 }};
 
 /// Events that end every state alike: one line in the legend instead of a label at each arrow.

@@ -8,12 +8,13 @@
 namespace colift::control {
 
 /// Yield: the arm was stopped by force that nobody expected. It stays soft, its load compensated, until the
-/// force has been gone for a while; what comes then, a person decides.
+/// force has been gone for a while; what comes then, a person decides. A hand that has raised nothing yet
+/// opens: whoever is between it and the object is not to be held there.
 class YieldPhase {
  public:
   explicit YieldPhase(TaskContext& context) : c_(context) {}
 
-  void begin(const std::string& why);
+  void begin(Task from, const std::string& why);
   [[nodiscard]] std::optional<TaskEvent> yield();
 
  private:

@@ -271,7 +271,7 @@ void TaskRunner::begin_state(Task from, Event event) {
     case Task::Pause:
       return pause_phase_.begin(from, event);
     case Task::Yield:
-      return yield_phase_.begin(detail_);
+      return yield_phase_.begin(from, detail_);
     case Task::Release:
       return retreat_phase_.begin_release();
     case Task::Retreat:

@@ -61,12 +61,15 @@ TrialRows run(const Trial& trial) {
   const std::string stopped = stop(lift->record);
   const double s = took_s(lift->record), bare_s = took_s(bare->record);
   const bool both = lift->record.outcome == Lifted::Lifted && bare->record.outcome == Lifted::Lifted;
-  return {{object, word(bare->record.outcome), word(lift->record.outcome), cell(!stopped.empty()), cell(s),
-           cell(bare_s), both ? cell(s / bare_s) : "", cell(static_cast<int>(lift->verdict.breaches.size())),
-           stopped.empty() ? slowed(lift->record) : stopped},
-          {},
-          fmt::format("{}: {} in {:.1f} s, {:.1f} s without monitors{}", object, word(lift->record.outcome),
-                      s, bare_s, stopped.empty() ? "" : "; STOPPED " + stopped)};
+  TrialRows rows{
+      {object, word(bare->record.outcome), word(lift->record.outcome), cell(!stopped.empty()), cell(s),
+       cell(bare_s), both ? cell(s / bare_s) : "", cell(static_cast<int>(lift->verdict.breaches.size())),
+       stopped.empty() ? slowed(lift->record) : stopped},
+      {},
+      fmt::format("{}: {} in {:.1f} s, {:.1f} s without monitors{}", object, word(lift->record.outcome), s,
+                  bare_s, stopped.empty() ? "" : "; STOPPED " + stopped)};
+  if (!stopped.empty()) rows.kept = KeptLift{scenario, trial.own_seed(41)};
+  return rows;
 }
 
 std::vector<Figure> figures(const Results& r) {

@@ -116,6 +116,7 @@ TrialRows run(const Trial& trial) {
               cell(at_s),       cell(1e3 * lift->height_at_let_go_m),
               cell(r.after_ms), r.state + ": " + r.why,
               cell(lifted),     lift->record.reason};
+  if (lifted || !(r.after_ms <= kSoon_ms)) rows.kept = KeptLift{scenario, seed};
   rows.words =
       fmt::format("{}, {} at {:.2f} s: {}{}", scenario.name, in, at_s,
                   std::isnan(r.after_ms) ? "not noticed"

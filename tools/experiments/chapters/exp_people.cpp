@@ -17,7 +17,6 @@ namespace people_trials {
 namespace {
 
 constexpr double kSeenBefore_s = 0.5;  // in view so long before: the arm has to be at rest when he is touched
-constexpr double kAtRest_rad_s = 0.02;
 
 /// What the robot did to people in one lift.
 struct Touches {
@@ -64,7 +63,7 @@ TrialRows run(const Trial& trial) {
   hooks.each_tick = [&](const sim_hal::TickReport& report) { view->tick(report); };
   const auto lift = run_whole_lift(scene.scenario, trial.method, trial.own_seed(32), hooks);
   if (!lift) {
-    rows.row.resize(rows.row.size() + 18);
+    rows.row.resize(rows.row.size() + 19);
     rows.row.push_back(lift.error().text());
     rows.words = name + ": " + lift.error().text();
     return rows;
@@ -74,7 +73,7 @@ TrialRows run(const Trial& trial) {
   const bool touched = view->touched_s().has_value();
   const bool in_view =
       touched && view->pixels_at(*view->touched_s() - kSeenBefore_s) >= BodyInView::kMinPixels;
-  const bool rested = touched && view->joint_rad_s() < kAtRest_rad_s;
+  const bool rested = touched && view->rested();
   std::vector<std::string> missed = v.breaches;
   if (in_view && !rested)
     missed.push_back(fmt::format("touched at {:.2f} s by an arm at {:.2f} rad/s", *view->touched_s(),
@@ -94,15 +93,28 @@ TrialRows run(const Trial& trial) {
              : in_view ? "the arm still moved"
                        : "not in view 0.5 s before, the arm moved";
   const bool came = v.min_distance_m.has_value();
-  for (const std::string& text :
-       {std::string(word(lift->record.outcome)), cell(came), cell(t.count),
-        touched ? cell(*view->touched_s()) : std::string(), t.region, cell(t.peak_n), cell(t.of_limit),
-        std::string(t.forces()), cell(t.clamped_s), cell(t.robot_m_s), cell(t.commanded_j),
-        touched ? cell(view->joint_rad_s()) : std::string(), touched ? cell(in_view) : std::string(),
-        cell(v.min_distance_m.value_or(NAN)), cell(v.stop_latency_s.value_or(NAN)),
-        cell(static_cast<int>(v.breaches.size())), fmt::format("{}", fmt::join(missed, "; ")), reason,
-        lift->record.reason})
+  for (const std::string& text : {std::string(word(lift->record.outcome)),
+                                  cell(came),
+                                  cell(t.count),
+                                  touched ? cell(*view->touched_s()) : std::string(),
+                                  t.region,
+                                  cell(t.peak_n),
+                                  cell(t.of_limit),
+                                  std::string(t.forces()),
+                                  cell(t.clamped_s),
+                                  cell(t.robot_m_s),
+                                  cell(t.commanded_j),
+                                  touched ? cell(view->joint_rad_s()) : std::string(),
+                                  touched ? cell(in_view) : std::string(),
+                                  touched ? cell(rested) : std::string(),
+                                  cell(v.min_distance_m.value_or(NAN)),
+                                  cell(v.stop_latency_s.value_or(NAN)),
+                                  cell(static_cast<int>(v.breaches.size())),
+                                  fmt::format("{}", fmt::join(missed, "; ")),
+                                  reason,
+                                  lift->record.reason})
     rows.row.push_back(text);
+  if (!missed.empty() || t.worst == 1) rows.kept = KeptLift{scene.scenario, trial.own_seed(32)};
   rows.words = fmt::format("{}, {}, {}+{:.1f}: {}{}{}", name, scene.scenario.object.kind, person.in_state,
                            person.enters_s, word(lift->record.outcome),
                            missed.empty() ? "" : "; MISSED (" + reason + ") ", fmt::join(missed, "; "));
@@ -127,7 +139,7 @@ std::vector<Figure> figures(const Results& r) {
     ++touched;
     if (r.trials.number(row, "in_view") == 0.0) continue;
     ++seen;
-    rested += r.trials.number(row, "joint_rad_s") < kAtRest_rad_s;
+    rested += r.trials.number(row, "rested") != 0.0;
   }
   return {{"came", "trials in which somebody came", rate(came, n), "%"},
           {"touched", "of them: robot and he touched", rate(touched, came), "%"},
@@ -176,10 +188,11 @@ Experiment people_experiment() {
       "those "
       "of the simulation's judge. In view: at least 10 of 160 x 120 rays of the camera meet him first.";
   e.default_trials = 1000;
-  e.columns = {"scene",          "object",         "state",     "enters_s",    "speed",       "outcome",
-               "came",           "touches",        "touched_s", "region",      "peak_n",      "of_limit",
-               "forces",         "clamped_s",      "robot_m_s", "commanded_j", "joint_rad_s", "in_view",
-               "min_distance_m", "stop_latency_s", "breaches",  "missed",      "reason",      "because"};
+  e.columns = {"scene",          "object",      "state",   "enters_s",  "speed",
+               "outcome",        "came",        "touches", "touched_s", "region",
+               "peak_n",         "of_limit",    "forces",  "clamped_s", "robot_m_s",
+               "commanded_j",    "joint_rad_s", "in_view", "rested",    "min_distance_m",
+               "stop_latency_s", "breaches",    "missed",  "reason",    "because"};
   e.run = run;
   e.figures = figures;
   e.plot = plot;

@@ -9,6 +9,9 @@ namespace colift::experiments {
 namespace {
 
 constexpr int kCoarse = 4;  // of the camera's pixels in a row and column: one is cast
+constexpr double kOnePush_s = 0.5;
+// as the judge has it: slow, or, where commands have ended, swaying with what it holds
+constexpr double kAtRest_rad_s = 0.02, kSways_rad_s = 0.05, kEnded_s = 0.1, kStill_rad = 1e-5;
 
 hal::CameraIntrinsics coarse() {
   hal::CameraIntrinsics k;
@@ -47,14 +50,28 @@ void BodyInView::frame(const sim_hal::SimWorld& world) {
 
 void BodyInView::tick(const sim_hal::TickReport& report) {
   if (touched_s_) return;
-  const bool touched = std::any_of(
-      report.contacts.begin(), report.contacts.end(),
-      [](const sim_hal::BodyContact& c) { return c.person >= 0 && c.by == sim_hal::BodyContact::By::Robot; });
-  if (touched) {
+  using By = sim_hal::BodyContact::By;
+  const auto touches = [&](By what) {
+    return std::any_of(report.contacts.begin(), report.contacts.end(),
+                       [&](const sim_hal::BodyContact& c) { return c.person >= 0 && c.by == what; });
+  };
+  const bool robot = touches(By::Robot), held = report.truth.robot_touches_object && touches(By::Object);
+  const bool ended = report.t_s - driven_s_ > kEnded_s;
+  if (robot || held) {
+    if (!(report.t_s - pushed_s_ < kOnePush_s)) {
+      before_rad_s_ = last_rad_s_;
+      rested_ = last_rad_s_ < (ended ? kSways_rad_s : kAtRest_rad_s);
+    }
+    pushed_s_ = report.t_s;
+  }
+  if (robot) {
     touched_s_ = report.t_s;
-    joint_rad_s_ = last_rad_s_;
+    joint_rad_s_ = before_rad_s_;
   }
   last_rad_s_ = report.dq_rad_s.cwiseAbs().maxCoeff();
+  const bool driven = (report.set_point_rad - set_point_rad_).cwiseAbs().maxCoeff() > kStill_rad;
+  if (driven) driven_s_ = report.t_s;
+  set_point_rad_ = report.set_point_rad;
 }
 
 int BodyInView::pixels_at(double t_s) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -25,8 +26,11 @@ class BodyInView {
 
   /// Of the robot with one of the scenario's people (s of the scenario); unset: none.
   [[nodiscard]] std::optional<double> touched_s() const { return touched_s_; }
-  /// Fastest joint of the arm (rad/s) just before that.
+  /// Fastest joint of the arm (rad/s) just before that, or before he pushed it through what it holds.
   [[nodiscard]] double joint_rad_s() const { return joint_rad_s_; }
+  /// The arm was at rest then: slower than 0.02 rad/s; or than 0.05 rad/s, and its set point had been still
+  /// for 0.1 s, so that it only swayed with what it holds.
+  [[nodiscard]] bool rested() const { return rested_; }
   /// Pixels that showed him in the frame at or before a time; 0 without one.
   [[nodiscard]] int pixels_at(double t_s) const;
 
@@ -39,6 +43,10 @@ class BodyInView {
   std::vector<Count> counts_;
   std::optional<double> touched_s_;
   double joint_rad_s_ = 0.0, last_rad_s_ = 0.0;
+  double pushed_s_ = -INFINITY, before_rad_s_ = 0.0;  // last touch of robot or held object; speed before it
+  bool rested_ = false;
+  double driven_s_ = 0.0;  // its set point moved last
+  hal::JointVector set_point_rad_ = hal::JointVector::Zero();
 };
 
 }  // namespace colift::experiments

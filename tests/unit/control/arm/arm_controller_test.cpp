@@ -76,6 +76,36 @@ struct Rig {
 
 }  // namespace
 
+TEST_CASE("what has followed a push brakes where it is, and does not return") {
+  const planner::ArmGeometry arm = planner::arm_geometry(robot()).value();
+  ForceMonitorConfig force;
+  ArmController motion(robot(), arm, TaskConfig{}, LoadConfig{}, {}, force);
+  hal::ArmState state;
+  state.q_rad << 0.0, 0.35, 0.0, 1.75, 0.0, -0.9, 0.0;
+  state.may_command = true;
+  double commanded = state.q_rad[1], least_step = 0.0;
+  const auto cycles = [&](int n, double push_nm, double rad_s) {
+    for (int i = 0; i < n; ++i) {
+      state.measured_at += 2ms;
+      state.q_rad[1] += 0.002 * rad_s;
+      state.tau_external_nm[1] = push_nm;
+      motion.measured(state);
+      const auto command = motion.command();
+      REQUIRE(command);
+      least_step = std::min(least_step, command->q_rad[1] - commanded);
+      commanded = command->q_rad[1];
+    }
+  };
+  cycles(300, 0.0, 0.0);
+  const double from = commanded;
+  cycles(100, 80.0, 2.5);
+  REQUIRE(motion.view().force);
+  CHECK(commanded > from + 0.05);
+  cycles(500, 0.0, 0.0);
+  CHECK(least_step > -1e-6);
+  CHECK(motion.view().at_rest);
+}
+
 TEST_CASE("a lift that is cut off stands, and goes on to its height from where the arm came to rest") {
   const int after = GENERATE(100, 400, 700, 1200);
   CAPTURE(after);

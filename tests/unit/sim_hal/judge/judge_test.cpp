@@ -126,6 +126,7 @@ TEST_CASE("a short hit counts against the transient limit, a long or clamped one
     CHECK_FALSE(room.judge.verdict(false).contacts.at(1).his_own);
   }
   SECTION("an object counts while the robot touches it") {
+    room.drive(200, -0.2);
     room.touch(BodyRegion::LowerLeg, 600.0, 0.25, BodyContact::By::Object);
     room.ms(30);
     CHECK(breaches(room).empty());
@@ -154,6 +155,37 @@ TEST_CASE("what springs back from his own push is his, what commands drive at hi
   CHECK(back.his_own != driven);
   CHECK(breaches(room).empty() != driven);
   CHECK(back.commanded_j == Approx(driven ? 0.95 : 0.0).margin(0.15));
+}
+
+TEST_CASE("who runs into what a standing robot holds does it himself, whom a moving one meets with it not") {
+  Room room;
+  room.truth.robot_touches_object = true;
+  const bool moves = GENERATE(false, true);
+  if (moves)
+    room.drive(600, -0.1);  // lowered: no command puts energy into that
+  else
+    room.ms(600);
+  room.touch(BodyRegion::LowerLeg, 600.0, 0.1, BodyContact::By::Object);  // it swings back once
+  room.ms(20);
+  const JudgedContact hit = room.judge.verdict(false).contacts.at(0);
+  CHECK(hit.his_own != moves);
+  CHECK(breaches(room).empty() != moves);
+}
+
+TEST_CASE("a hand thrust between a standing robot and its object is clamped as far as it is pressed") {
+  Room room;
+  room.truth.robot_touches_object = true;
+  room.ms(600);
+  room.touch(BodyRegion::Hand, 300.0, 0.0);
+  room.ms(5);
+  room.contacts.clear();
+  const double pressed_n = GENERATE(20.0, 200.0);
+  room.touch(BodyRegion::Hand, pressed_n, 0.0);
+  room.touch(BodyRegion::Hand, pressed_n, 0.0, BodyContact::By::Object, -Vec3::UnitX());
+  room.ms(100);
+  const JudgedContact hit = room.judge.verdict(false).contacts.at(0);
+  CHECK(hit.clamped_s > 0.09);
+  CHECK(hit.his_own == (pressed_n < 140.0));
 }
 
 TEST_CASE("two legs that are pushed apart are not clamped") {

@@ -1,0 +1,104 @@
+// Lifts with people that once went wrong, as `colift experiment people` kept them: tests/data/kept_lifts.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "hal/robot_model/robot_model.hpp"
+#include "tools/experiments/runs/body_in_view.hpp"
+#include "tools/experiments/runs/whole_lift.hpp"
+
+namespace {
+
+using namespace colift;
+using namespace colift::experiments;
+
+constexpr const char* kFolder = COLIFT_SOURCE_DIR "/tests/data/kept_lifts/";
+
+/// A kept lift made once more, and what the arm did after somebody pushed it.
+struct KeptRun {
+  WholeLift lift;
+  bool rested = false;    ///< When he touched it.
+  double rise_m = 0.0;    ///< Of the palm, since the job's Yield began.
+  double moving_s = 0.0;  ///< After the end of the last touch: until no joint was faster than 0.1 rad/s.
+};
+
+std::uint64_t seed_in(const std::string& file) {
+  std::ifstream in(file);
+  std::string line;
+  REQUIRE(std::getline(in, line));
+  const std::size_t at = line.find("--seed ");
+  REQUIRE(at != std::string::npos);
+  return std::stoull(line.substr(at + 7));
+}
+
+KeptRun run_kept(const std::string& name) {
+  const std::string file = kFolder + name + ".yaml";
+  const auto scenario = sim_hal::load_scenario(file);
+  REQUIRE(scenario);
+  KeptRun out;
+  std::optional<BodyInView> view;
+  bool yields = false;
+  std::optional<double> from_m;
+  double touched_s = 0.0;
+  LiftHooks hooks;
+  hooks.started = [&](const sim_hal::SimWorld& world) { view.emplace(world); };
+  hooks.each_frame = [&](const sim_hal::SimWorld&, control::Task task) {
+    yields = yields || task == control::Task::Yield;
+  };
+  hooks.each_tick = [&](const sim_hal::TickReport& report) {
+    view->tick(report);
+    if (!report.contacts.empty()) touched_s = report.t_s;
+    if (!yields) return;
+    const double palm_m = hal::hand_pose(hal::built_in_robot(), report.truth.q_rad).translation().z();
+    if (!from_m) from_m = palm_m;
+    out.rise_m = std::max(out.rise_m, palm_m - *from_m);
+    if (report.dq_rad_s.cwiseAbs().maxCoeff() > 0.1) out.moving_s = report.t_s - touched_s;
+  };
+  auto lift = run_whole_lift(*scenario, control::Method::Fast, seed_in(file), hooks);
+  REQUIRE(lift);
+  out.lift = std::move(*lift);
+  out.rested = view->rested();
+  return out;
+}
+
+std::string told(const KeptRun& run) {
+  std::string all = run.lift.record.reason;
+  for (const auto& s : run.lift.record.states)
+    all += fmt::format("\n{:.2f} {}: {}", hal::seconds(s.at), control::word(s.state), s.reason);
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("who knocks the load out of the hand does not make the arm fly up") {
+  const KeptRun run = run_kept("run_knocks_the_load_out");
+  INFO(told(run));
+  CHECK(fmt::format("{}", fmt::join(run.lift.verdict.breaches, "; ")) == "");
+  CHECK(run.rested);
+  CHECK(run.rise_m < 0.35);  // 1 m before
+  CHECK(run.moving_s < 1.0);
+  CHECK_THAT(run.lift.record.reason, Catch::Matchers::Contains("the load is gone from the hand"));
+}
+
+TEST_CASE("an arm that was pushed aside does not come back at who pushed it") {
+  const KeptRun run = run_kept("crouch_pushes_again_and_again");
+  INFO(told(run));
+  CHECK(fmt::format("{}", fmt::join(run.lift.verdict.breaches, "; ")) == "");
+  for (const sim_hal::JudgedContact& c : run.lift.verdict.contacts) {
+    INFO(c.t_s << " s: " << c.region << ", " << c.force_n << " N");
+    CHECK(c.his_own);
+  }
+}
+
+TEST_CASE("a lift stands before who walks in is there") {
+  const KeptRun run = run_kept("walks_into_a_lift");
+  INFO(told(run));
+  CHECK(fmt::format("{}", fmt::join(run.lift.verdict.breaches, "; ")) == "");
+  CHECK(run.rested);
+}
