@@ -128,10 +128,10 @@ TEST_CASE("a short hit counts against the transient limit, a long or clamped one
   SECTION("an object counts while the robot touches it") {
     room.drive(200, -0.2);
     room.touch(BodyRegion::LowerLeg, 600.0, 0.25, BodyContact::By::Object);
-    room.ms(30);
+    room.drive(30, -0.2);
     CHECK(breaches(room).empty());
     room.truth.robot_touches_object = true;
-    room.ms(30);
+    room.drive(30, -0.2);
     CHECK_THAT(breaches(room).at(0), StartsWith("lower-leg: 600 N hit by the object"));
   }
 }
