@@ -16,6 +16,7 @@ constexpr double kFree_s = 0.01;      // without contact for so long: not presse
 constexpr double kTransient_s = 0.5;  // ISO/TS 15066: what lasts longer is quasi-static
 constexpr double kPressed_n = 5.0;    // from that on two sides clamp
 constexpr double kOpposed = -0.5;     // cosine between the pushes of two sides
+constexpr double kHand_m = 0.25;      // around the palm: fingers reach that far
 constexpr double kAtRest_m_s = 0.02;  // a surface that comes no faster came not
 
 bool opposes(const BodyContact& a, const BodyContact& b) {
@@ -25,18 +26,16 @@ bool opposes(const BodyContact& a, const BodyContact& b) {
 
 }  // namespace
 
-void ContactLog::tick(double t_s, const std::vector<BodyContact>& contacts, RobotMotion motion, bool stood,
-                      double commanded_j) {
+void ContactLog::tick(double t_s, const std::vector<BodyContact>& contacts, const RobotDoes& robot) {
   for (const BodyContact& c : contacts) {
     if (c.by == BodyContact::By::Static) continue;
     const bool opposed =
         std::any_of(contacts.begin(), contacts.end(), [&](const BodyContact& o) { return opposes(c, o); });
-    add(t_s, c, opposed, motion, stood, commanded_j);
+    add(t_s, c, opposed, robot);
   }
 }
 
-void ContactLog::add(double t_s, const BodyContact& c, bool opposed, RobotMotion motion, bool stood,
-                     double commanded_j) {
+void ContactLog::add(double t_s, const BodyContact& c, bool opposed, const RobotDoes& robot) {
   const auto same = std::find_if(touches_.rbegin(), touches_.rend(), [&](const Touch& t) {
     return t.judged.person == c.person && t.region == c.region && t.left == c.left && t.by == c.by &&
            t_s - t.last_s < kPause_s;
@@ -50,8 +49,8 @@ void ContactLog::add(double t_s, const BodyContact& c, bool opposed, RobotMotion
     touch.judged.person = c.person;
     touch.judged.closing_m_s = c.closing_m_s;
     touch.by = c.by;
-    touch.motion = motion;
-    touch.stood = stood;
+    touch.motion = robot.motion;
+    touch.stood = robot.stood;
     touch.region = c.region;
     touch.left = c.left;
     touches_.push_back(touch);
@@ -65,12 +64,16 @@ void ContactLog::add(double t_s, const BodyContact& c, bool opposed, RobotMotion
   if ((opposed || lasts) && new_tick) touch.judged.clamped_s += kTick_s;
   double& peak = opposed || lasts ? touch.clamped_n : touch.transient_n;
   peak = std::max(peak, c.force_n);
+  if ((opposed || lasts) && t_s - touch.first_s > kTransient_s)
+    touch.kept_n = std::max(touch.kept_n, c.force_n);
+  touch.gripped |=
+      c.by == BodyContact::By::Robot && robot.closes_at_W && (c.at_W - *robot.closes_at_W).norm() < kHand_m;
   if (c.by == BodyContact::By::Robot) robot_peak_n_ = std::max(robot_peak_n_, c.force_n);
   // until the peak: what springs back afterwards came not towards him
   if (c.force_n >= touch.judged.force_n) {
-    touch.peak_motion = motion;
+    touch.peak_motion = robot.motion;
     touch.judged.robot_m_s = std::max(touch.judged.robot_m_s, c.other_m_s);
-    touch.judged.commanded_j = std::max(touch.judged.commanded_j, commanded_j);
+    touch.judged.commanded_j = std::max(touch.judged.commanded_j, robot.commanded_j);
   }
   touch.judged.force_n = std::max(touch.judged.force_n, c.force_n);
 }
@@ -86,13 +89,14 @@ void ContactLog::add_to(Verdict& verdict) const {
     // who runs into a robot that has long been at rest is hurt by nothing that a program does, nor is he by
     // what swings back from his own push, as long as no command puts energy into it: all of it was his. An
     // object that is lowered onto him needs no energy of any command: of what the robot holds that is said
-    // only where the robot stood. What keeps him pressed or clamped is the robot's, however that began
+    // only where the robot stood. What keeps him pressed or clamped is the robot's, however that began, and
+    // so is what closing fingers do
     const bool came_not = touch.motion == RobotMotion::AtRest && judged.robot_m_s < kAtRest_m_s;
     const bool pushed = touch.by == BodyContact::By::Robot
                             ? touch.motion != RobotMotion::Driven && touch.peak_motion == RobotMotion::Pushed
                             : touch.stood && touch.peak_motion != RobotMotion::Driven;
     const bool gives_way = pushed && judged.commanded_j <= kGivesWay_j;
-    judged.his_own = (came_not || gives_way) && touch.clamped_n <= limit.quasi_static_n;
+    judged.his_own = (came_not || gives_way) && !touch.gripped && touch.kept_n <= limit.quasi_static_n;
     if (counts_n > judged.limit_n && !judged.his_own)
       verdict.breaches.push_back(fmt::format("{}: {:.0f} N {} by the {} at {:.3f} s (limit {:.0f} N)",
                                              judged.region, counts_n, clamped_is_worse ? "clamped" : "hit",

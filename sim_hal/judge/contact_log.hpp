@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,13 +16,18 @@ enum class RobotMotion {
   Pushed,  ///< It was at rest until a person pushed it, and no command has driven it since.
 };
 
+/// What the robot does while it is touched.
+struct RobotDoes {
+  RobotMotion motion = RobotMotion::AtRest;  ///< Up to this millisecond.
+  bool stood = true;                         ///< It stands, or did until somebody pushed it.
+  double commanded_j = 0.0;                  ///< CommandedEnergy::put_in_j().
+  std::optional<Vec3> closes_at_W{};         ///< Where its hand is, while fingers close.
+};
+
 /// Contacts of every millisecond as touches, each judged against its region's limits.
 class ContactLog {
  public:
-  /// `motion`: up to this millisecond. `stood`: the robot stood until somebody pushed it. `commanded_j`:
-  /// CommandedEnergy::put_in_j().
-  void tick(double t_s, const std::vector<BodyContact>& contacts, RobotMotion motion, bool stood,
-            double commanded_j);
+  void tick(double t_s, const std::vector<BodyContact>& contacts, const RobotDoes& robot);
   void add_to(Verdict& verdict) const;
   /// Peak of what the robot itself did to anybody (N).
   [[nodiscard]] double robot_peak_n() const { return robot_peak_n_; }
@@ -34,13 +40,14 @@ class ContactLog {
     bool left = false;
     double first_s = 0.0, pressed_s = 0.0, last_s = 0.0;  // begun; pressed without a pause since; last seen
     double transient_n = 0.0, clamped_n = 0.0;
-    RobotMotion motion = RobotMotion::Driven;       // when it began
+    double kept_n = 0.0;                       // clamped, after who came against it had the time to be let go
+    RobotMotion motion = RobotMotion::Driven;  // when it began
     RobotMotion peak_motion = RobotMotion::Driven;  // when it was hardest
     bool stood = false;                             // the robot, until somebody pushed it
+    bool gripped = false;                           // by fingers that closed meanwhile
   };
 
-  void add(double t_s, const BodyContact& contact, bool opposed, RobotMotion motion, bool stood,
-           double commanded_j);
+  void add(double t_s, const BodyContact& contact, bool opposed, const RobotDoes& robot);
 
   std::vector<Touch> touches_;
   double robot_peak_n_ = 0.0;

@@ -22,6 +22,7 @@ constexpr double kAtRest_rad_s = 0.02, kRested_s = 0.05;
 constexpr double kStill_rad_s = 0.01, kStill_s = 0.5;
 // or commands have ended, and what it holds sways a little
 constexpr double kSways_rad_s = 0.05, kEnded_s = 0.1;
+constexpr double kCloses_rad_s = 0.05, kClosed_s = 0.05;  // the fingers, in the mean; ago
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 std::optional<double> seen(double distance_m) {
@@ -31,9 +32,10 @@ std::optional<double> seen(double distance_m) {
 }  // namespace
 
 struct Judge::Impl {
-  Impl(const hal::RobotModel& model, bool exact) : exact_time(exact), motion(model, exact) {}
+  Impl(const hal::RobotModel& model, bool exact) : model(&model), exact_time(exact), motion(model, exact) {}
 
   mutable std::mutex mutex;
+  const hal::RobotModel* model;
   bool exact_time;
   CommandedEnergy energy;
   ContactLog contacts;
@@ -44,11 +46,14 @@ struct Judge::Impl {
   std::vector<BodyContact> touched;  // of one millisecond
   double last_s = 0.0, moved_s = 0.0, swift_s = 0.0, driven_s = 0.0;
   hal::JointVector set_point_rad = hal::JointVector::Zero();
-  bool pushed = false;  // moves since somebody pushed it at rest
-  bool stood = true;    // it stands, or did until somebody pushed it
+  bool pushed = false;                           // moves since somebody pushed it at rest
+  bool stood = true;                             // it stands, or did until somebody pushed it
+  double fingers_rad = NAN, closed_s = -kNever;  // their mean; when they closed last
 
   [[nodiscard]] bool rests() const;
   [[nodiscard]] RobotMotion robot_motion() const;
+  /// Where the hand is, while its fingers close.
+  [[nodiscard]] std::optional<Vec3> closes_at(const TickReport& report);
   double people_m = kNever, partner_m = kNever;
 };
 
@@ -60,6 +65,16 @@ bool Judge::Impl::rests() const {
 RobotMotion Judge::Impl::robot_motion() const {
   if (pushed) return RobotMotion::Pushed;
   return rests() || energy.put_in_j() <= kGivesWay_j ? RobotMotion::AtRest : RobotMotion::Driven;
+}
+
+std::optional<Vec3> Judge::Impl::closes_at(const TickReport& report) {
+  double mean_rad = 0.0;
+  for (const double q : report.hand.finger_rad) mean_rad += q / hal::kFingers;
+  const bool closes = mean_rad - fingers_rad > kCloses_rad_s * (report.t_s - last_s);
+  if (report.hand.moving && closes) closed_s = report.t_s;  // else somebody presses them
+  fingers_rad = mean_rad;
+  if (report.t_s - closed_s > kClosed_s) return std::nullopt;
+  return hal::hand_pose(*model, report.truth.q_rad).translation();
 }
 
 Judge::Judge(const hal::RobotModel& model, bool exact_time)
@@ -80,7 +95,8 @@ void Judge::tick(const TickReport& report) {
                                     [](const BodyContact& c) { return c.by != BodyContact::By::Static; });
   impl_->energy.tick(report, impl_->rests() && !impl_->pushed && !by_robot);
   const double commanded_j = impl_->energy.put_in_j();
-  impl_->contacts.tick(report.t_s, impl_->touched, motion, impl_->stood, commanded_j);
+  impl_->contacts.tick(report.t_s, impl_->touched,
+                       {motion, impl_->stood, commanded_j, impl_->closes_at(report)});
   const double dt_s = report.t_s - impl_->last_s;
   impl_->last_s = report.t_s;
   const double fastest_rad_s = report.dq_rad_s.cwiseAbs().maxCoeff();

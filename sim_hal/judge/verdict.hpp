@@ -20,8 +20,8 @@ struct JudgedContact {
   double commanded_j = 0.0;  ///< What commands had put into the arm since it last rested, at the peak (J).
   double robot_m_s = 0.0;    ///< How fast the robot's (the object's) surface came towards him, at most.
   /// He ran into a robot, or into what it held, that had been at rest, whose surface did not come towards him
-  /// or whose commands put no energy into what then did; and what clamped him stayed within its own limit:
-  /// reported, no breach.
+  /// or whose commands put no energy into what then did; no fingers closed, and what still clamped him after
+  /// half a second stayed within its limit: reported, no breach.
   bool his_own = false;
 };
 
