@@ -133,7 +133,7 @@ struct RunRecord {
   std::vector<DeviceNote> faults;
   std::vector<std::string> realtime;  ///< What the machine granted to the arm's thread, where it has one.
   bool device_failed = false;         ///< Arm or hand were lost.
-  bool hand_keeps_grip = false;       ///< The run ended with a closed, loaded hand.
+  bool hand_keeps_grip = false;       ///< The run ended with a closed hand that felt something in it.
 };
 
 }  // namespace colift::control

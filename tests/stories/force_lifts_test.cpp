@@ -95,6 +95,25 @@ TEST_CASE("a push of 150 N on the hand stops the arm in every state, and nothing
     }
 }
 
+TEST_CASE("a push before anything is raised opens the hand, and a hand that has lost its object says so",
+          "[force]") {
+  const sim_hal::Scenario table = scenario("table");
+  const tests::SimulatedLift nominal = run(table);
+  for (const Task in : {Task::Close, Task::AwaitReady, Task::Lift}) {
+    sim_hal::Scenario s = table;
+    s.faults.push_back(push(entered(nominal, in) + 0.4, 150.0, {0, 1, 0}));
+    const tests::SimulatedLift lift = run(s);
+    INFO(word(in) << ": " << lift.record.reason);
+    CHECK(lift.record.states.back().state == Task::Stopped);
+    CHECK_FALSE(lift.record.hand_keeps_grip);
+    // 150 N for a second also pull the hand off a table that hardly hangs in it yet: it does not say that it
+    // keeps its grip then
+    CHECK_FALSE(lift.at_end.robot_touches_object);
+    const bool told = lift.record.reason.find("feel nothing between them any more") != std::string::npos;
+    CHECK(told == (in == Task::Lift));
+  }
+}
+
 TEST_CASE("a partner who lets go is noticed, and his lift is never called lifted", "[force]") {
   const char* const names[] = {"table", "box", "chair"};
   const double times_s[] = {0.1, 0.7, 1.5, 3.0, 4.8};

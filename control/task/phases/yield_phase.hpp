@@ -16,11 +16,16 @@ class YieldPhase {
 
   void begin(Task from, const std::string& why);
   [[nodiscard]] std::optional<TaskEvent> yield();
+  /// What the hand held was pushed out of it: it bears no load any more, or its fingers feel nothing. A hand
+  /// that was closed on something may not know.
+  [[nodiscard]] bool lost() const { return !lost_.empty(); }
 
  private:
   TaskContext& c_;
-  std::string why_;
-  hal::Timestamp pushed_at_{0};
+  void watch_grip();
+
+  std::string why_, lost_;
+  hal::Timestamp pushed_at_{0}, felt_at_{0};
 };
 
 }  // namespace colift::control

@@ -361,10 +361,10 @@ void TaskRunner::report_force(ForceStatus& out) const {
 }
 
 RunRecord TaskRunner::finish() {
+  RunRecord& record = c_.record;
+  record.hand_keeps_grip = c_.readings.hand.held && !yield_phase_.lost();
   // at rest before it is left alone, whatever it was doing
   c_.arm.finish();
-  RunRecord& record = c_.record;
-  record.hand_keeps_grip = c_.readings.hand.held;
   c_.robot.hand->stop();
   c_.robot.camera->deactivate();
   for (const auto& camera : c_.robot.more_cameras) camera->deactivate();
