@@ -41,7 +41,7 @@ struct Judge::Impl {
   ContactLog contacts;
   MotionRules motion;
   LoadRules load;
-  bool stopped = false;
+  MotionRules::Said said = MotionRules::Said::Works;
   std::vector<std::string> breaches;
   std::vector<BodyContact> touched;  // of one millisecond
   double last_s = 0.0, moved_s = 0.0, swift_s = 0.0, driven_s = 0.0;
@@ -108,7 +108,7 @@ void Judge::tick(const TickReport& report) {
   const bool rested = report.t_s - impl_->moved_s > kRested_s;
   impl_->pushed = (impl_->pushed ? !rested : motion == RobotMotion::AtRest && by_robot && !rested) &&
                   commanded_j <= kGivesWay_j;
-  impl_->motion.tick(report, impl_->stopped, impl_->energy.sum_j(), impl_->breaches);
+  impl_->motion.tick(report, impl_->said, impl_->energy.sum_j(), impl_->breaches);
   impl_->load.tick(report, impl_->breaches);
   impl_->people_m = std::min(impl_->people_m, report.people_distance_m);
   impl_->partner_m = std::min(impl_->partner_m, report.partner_distance_m);
@@ -116,7 +116,8 @@ void Judge::tick(const TickReport& report) {
 
 void Judge::task_state(std::string_view name) {
   const std::scoped_lock lock(impl_->mutex);
-  impl_->stopped = name == "stopped";
+  using Said = MotionRules::Said;
+  impl_->said = name == "stopped" ? Said::Stopped : name == "yield" ? Said::Yields : Said::Works;
 }
 
 Verdict Judge::verdict(bool lifted) const {

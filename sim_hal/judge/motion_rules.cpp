@@ -11,7 +11,8 @@ namespace {
 constexpr double kAcceleration_rad_s2 = 15.0;  // of commands: what the arm's guard lets pass at most
 constexpr double kTolerance = 1.02, kFirstStep_rad = 0.01;
 constexpr double kGapCycles = 5.5, kAlike_s = 0.0005;
-constexpr double kBraking_s = 0.5, kMoved_rad = 0.02;  // after a stop
+constexpr double kBraking_s = 0.5, kMoved_rad = 0.02;   // after a stop
+constexpr double kSwings_s = 1.0, kDrifts_rad_s = 0.1;  // of an arm that was pushed
 // 30 N is where a contact has to be noticed; half as much again for what an estimate of it may lack
 constexpr double kPush_n = 45.0, kMoves_rad_s = 0.05, kNotice_s = 0.010, kStop_s = 0.5, kSlower = 0.01;
 // Commands that follow a push take energy out of the arm: 4.5 N m of a soft joint at 0.05 rad/s 2 mJ in 10
@@ -101,6 +102,18 @@ void MotionRules::standstill(const TickReport& r, bool stopped, std::vector<std:
            breaches);
 }
 
+// A soft arm swings out after a push. What still moves it when nobody and nothing touches it is its own
+// torque.
+void MotionRules::drift(const TickReport& r, Said said, std::vector<std::string>& breaches) {
+  if (said == Said::Works || touched(r) || r.truth.robot_touches_object) touched_last_s_ = r.t_s;
+  const double speed = r.dq_rad_s.cwiseAbs().maxCoeff();
+  if (r.t_s - touched_last_s_ > kSwings_s && speed > kDrifts_rad_s)
+    breach("I5",
+           fmt::format("the arm still moves at {:.2f} rad/s at {:.3f} s, {:.1f} s after anything touched it",
+                       speed, r.t_s, r.t_s - touched_last_s_),
+           breaches);
+}
+
 // A command that follows whoever pushes the arm takes energy out of it; one that drives on puts energy in.
 void MotionRules::push(const TickReport& r, double commanded_j, std::vector<std::string>& breaches) {
   Vec3 sum = Vec3::Zero();
@@ -135,10 +148,11 @@ void MotionRules::push(const TickReport& r, double commanded_j, std::vector<std:
   pushed_s_.reset();
 }
 
-void MotionRules::tick(const TickReport& report, bool stopped, double commanded_j,
+void MotionRules::tick(const TickReport& report, Said said, double commanded_j,
                        std::vector<std::string>& breaches) {
   if (report.commanded) command(report, breaches);
-  standstill(report, stopped, breaches);
+  standstill(report, said == Said::Stopped, breaches);
+  drift(report, said, breaches);
   if (exact_time_) push(report, commanded_j, breaches);
 }
 

@@ -51,6 +51,9 @@ TrialRows run(const Trial& trial) {
               fmt::format("{}", fmt::join(against, "; ")),
               lift->record.reason,
               cell(survived)};
+  // what only an emulated wire or the operator does is in no scenario
+  if (!survived && drawn.scene.wire == Wire::None && !drawn.scene.interrupted_s)
+    rows.kept = KeptLift{drawn.scene.scenario, trial.own_seed(kFaultyStream)};
   rows.words = fmt::format("{}, {}: {} ({}){}", name, fmt::join(faults, "; "), word_of(lift->record.outcome),
                            end, survived ? "" : fmt::format("; FAILED: {}", fmt::join(against, "; ")));
   return rows;

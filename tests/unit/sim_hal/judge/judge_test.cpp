@@ -293,6 +293,22 @@ TEST_CASE("after a stop nothing moves, but for a person who pushes") {
   CHECK(breaches(room).empty() == pushed);
 }
 
+TEST_CASE("an arm that yields comes to rest after the last push") {
+  Room room;
+  room.judge.task_state("yield");
+  room.touch(BodyRegion::Hand, 100.0, 0.0);
+  room.ms(50);
+  room.contacts.clear();
+  const bool flies = GENERATE(true, false);
+  room.speed[1] = 0.5;
+  room.ms(900);
+  CHECK(breaches(room).empty());
+  if (!flies) room.speed[1] = 0.05;
+  room.ms(300);
+  REQUIRE(breaches(room).empty() != flies);
+  if (flies) CHECK_THAT(breaches(room).at(0), StartsWith("I5: the arm still moves at 0.50 rad/s"));
+}
+
 TEST_CASE("a hand that opens while it bears something breaks I4, one whose object stands does not") {
   Room room;
   room.hand.finger_rad = {1.2, 1.2, 1.2};
