@@ -213,9 +213,9 @@ void SetpointGenerator::set_pace(bool slow, double dt_s) {
 
 void SetpointGenerator::step_hold(double dt_s) {
   for (int i = 0; i < hal::kArmJoints; ++i)
-    q_[i] +=
-        dt_s * hal::braking_velocity(q_[i], dq_[i], dt_s,
-                                     bounds_of(lower_, upper_, velocity_, limits_.acceleration_rad_s2, i));
+    q_[i] += dt_s * hal::braking_velocity(
+                        q_[i], dq_[i], dt_s,
+                        bounds_of(lower_, upper_, velocity_, urgency_ * limits_.acceleration_rad_s2, i));
 }
 
 void SetpointGenerator::step_trajectory(double dt_s) {

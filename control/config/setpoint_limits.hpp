@@ -14,7 +14,7 @@ struct SetpointLimits {
   double velocity_rad_s = 10.0;  ///< No joint is faster. Not a parameter: below() makes it.
   double acceleration_rad_s2 = 5.0;
   double jerk_rad_s3 = 200.0;
-  double urgent_factor = 2.0;
+  double urgent_factor = 2.7;
   double resume_rad_s2 = 3.0;
   double resume_rad_s3 = 40.0;
   double limit_margin_rad = 0.02;
@@ -43,7 +43,7 @@ struct SetpointLimits {
       "Acceleration of stops and of followed set points (rad/s^2).");
     v("jerk_rad_s3", jerk_rad_s3, hal::Range{1, 10000}, "Jerk of stops on the path (rad/s^3).");
     v("urgent_factor", urgent_factor, hal::Range{1, 3},
-      "An arm that nobody looks after any more stops with this multiple of both; below "
+      "An arm that is pushed, or that nobody looks after any more, stops with this multiple of both; below "
       "guard_arm.acceleration_rad_s2.");
     v("resume_rad_s2", resume_rad_s2, hal::Range{0.1, 100},
       "Acceleration along the path after a stop or a slow stretch (rad/s^2).");

@@ -26,7 +26,7 @@ void LoadRules::tick(const TickReport& r, std::vector<std::string>& breaches) {
   for (const double q : r.hand.finger_rad) mean += q / hal::kFingers;
   if (r.hand.held && r.truth.robot_touches_object) {
     closed_rad_ = std::max(closed_rad_.value_or(mean), mean);
-  } else if (closed_rad_ && mean < *closed_rad_ - kOpens_rad) {
+  } else if (closed_rad_ && r.hand.moving && mean < *closed_rad_ - kOpens_rad) {  // nobody pushes them open
     const double limit = std::max(kSupported_n, kSupportedPart * r.truth.mass_kg * hal::kGravity_m_s2);
     if (before.borne_n > limit) opening_ = Opening{r.t_s, before};
     closed_rad_.reset();

@@ -319,6 +319,7 @@ TEST_CASE("a hand that opens while it bears something breaks I4, one whose objec
   room.truth.height_m = 0.02;
   room.ms(700);
   room.hand.held = false;
+  room.hand.moving = true;
   room.hand.finger_rad = {1.1, 1.1, 1.1};
   room.truth.robot_force_W.setZero();
   room.ms(50);
