@@ -105,12 +105,12 @@ void MotionRules::standstill(const TickReport& r, bool stopped, std::vector<std:
 // A soft arm swings out after a push. What still moves it when nobody and nothing touches it is its own
 // torque.
 void MotionRules::drift(const TickReport& r, Said said, std::vector<std::string>& breaches) {
-  if (said == Said::Works || touched(r) || r.truth.robot_touches_object) touched_last_s_ = r.t_s;
+  if (said == Said::Works || touched(r) || r.truth.robot_touches_object) moved_s_ = r.t_s;
   const double speed = r.dq_rad_s.cwiseAbs().maxCoeff();
-  if (r.t_s - touched_last_s_ > kSwings_s && speed > kDrifts_rad_s)
+  if (r.t_s - moved_s_ > kSwings_s && speed > kDrifts_rad_s)
     breach("I5",
            fmt::format("the arm still moves at {:.2f} rad/s at {:.3f} s, {:.1f} s after anything touched it",
-                       speed, r.t_s, r.t_s - touched_last_s_),
+                       speed, r.t_s, r.t_s - moved_s_),
            breaches);
 }
 

@@ -39,7 +39,8 @@ class MotionRules {
   hal::JointVector command_rad_ = hal::JointVector::Zero(), command_rad_s_ = hal::JointVector::Zero();
   std::optional<double> stopped_s_;
   std::optional<hal::JointVector> rests_at_;
-  double touched_s_ = 0.0, touched_last_s_ = 0.0;
+  double touched_s_ = 0.0;          // since a stop: last pushed by somebody
+  double moved_s_ = 0.0;            // last moved by work, a touch or what it holds
   std::optional<double> pushed_s_;  // a push that has to stop the arm, and its speed then
   double pushed_rad_s_ = 0.0, pushed_j_ = 0.0;
   std::optional<double> late_j_;  // when it should stand

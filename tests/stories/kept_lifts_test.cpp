@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <fstream>
-#include <sstream>
+#include <optional>
 #include <string>
 
 #include "hal/robot_model/robot_model.hpp"

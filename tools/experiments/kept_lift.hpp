@@ -1,9 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
-#include "control/config/resolve_config.hpp"
+#include "control/config/method.hpp"
 #include "hal/types/result.hpp"
 #include "sim_hal/scenario/scenario.hpp"
 

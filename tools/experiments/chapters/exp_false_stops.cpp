@@ -49,10 +49,11 @@ double took_s(const control::RunRecord& record) {
 
 TrialRows run(const Trial& trial) {
   const sim_hal::Scenario scenario = mixed_layout(trial.index, trial.seed);
+  const std::uint64_t seed = trial.own_seed(41);
   LiftHooks without;
   without.without_monitor = true;
-  const auto lift = run_whole_lift(scenario, trial.method, trial.own_seed(41));
-  const auto bare = run_whole_lift(scenario, trial.method, trial.own_seed(41), without);
+  const auto lift = run_whole_lift(scenario, trial.method, seed);
+  const auto bare = run_whole_lift(scenario, trial.method, seed, without);
   const std::string& object = scenario.object.kind;
   if (!lift || !bare) {
     const std::string why = (lift ? bare : lift).error().text();
@@ -68,7 +69,7 @@ TrialRows run(const Trial& trial) {
       {},
       fmt::format("{}: {} in {:.1f} s, {:.1f} s without monitors{}", object, word(lift->record.outcome), s,
                   bare_s, stopped.empty() ? "" : "; STOPPED " + stopped)};
-  if (!stopped.empty()) rows.kept = KeptLift{scenario, trial.own_seed(41)};
+  if (!stopped.empty()) rows.kept = KeptLift{scenario, seed};
   return rows;
 }
 

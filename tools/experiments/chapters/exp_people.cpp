@@ -52,6 +52,7 @@ Touches touches(const sim_hal::Verdict& verdict) {
 
 TrialRows run(const Trial& trial) {
   const PeopleTrial scene = people_trial(trial);
+  const std::uint64_t seed = trial.own_seed(32);
   const sim_hal::ScenarioPerson& person = scene.scenario.people.front();
   const auto name = std::string(kPeopleScenes[static_cast<std::size_t>(scene.scene)]);
   TrialRows rows;
@@ -61,7 +62,7 @@ TrialRows run(const Trial& trial) {
   hooks.started = [&](const sim_hal::SimWorld& world) { view.emplace(world); };
   hooks.each_frame = [&](const sim_hal::SimWorld& world, control::Task) { view->frame(world); };
   hooks.each_tick = [&](const sim_hal::TickReport& report) { view->tick(report); };
-  const auto lift = run_whole_lift(scene.scenario, trial.method, trial.own_seed(32), hooks);
+  const auto lift = run_whole_lift(scene.scenario, trial.method, seed, hooks);
   if (!lift) {
     rows.row.resize(rows.row.size() + 19);
     rows.row.push_back(lift.error().text());
@@ -114,7 +115,7 @@ TrialRows run(const Trial& trial) {
                                   reason,
                                   lift->record.reason})
     rows.row.push_back(text);
-  if (!missed.empty() || t.worst == 1) rows.kept = KeptLift{scene.scenario, trial.own_seed(32)};
+  if (!missed.empty() || t.worst == 1) rows.kept = KeptLift{scene.scenario, seed};
   rows.words = fmt::format("{}, {}, {}+{:.1f}: {}{}{}", name, scene.scenario.object.kind, person.in_state,
                            person.enters_s, word(lift->record.outcome),
                            missed.empty() ? "" : "; MISSED (" + reason + ") ", fmt::join(missed, "; "));
