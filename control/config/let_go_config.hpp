@@ -16,6 +16,8 @@ struct LetGoConfig {
   int low_frames = 2;
   double carried_m = 0.008;
   double min_load_n = 5.0;
+  double fall_m = 0.008;
+  double fall_s = 0.15;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -37,6 +39,10 @@ struct LetGoConfig {
     v("carried_m", carried_m, hal::Range{0.001, 0.1},
       "His end is off the ground when it is seen higher than this (m).");
     v("min_load_n", min_load_n, hal::Range{0, 100}, "A load below this says nothing of who carries (N).");
+    v("fall_m", fall_m, hal::Range{0.002, 0.1},
+      "His end falls when it is seen to sink by this much more than the palm (m) ...");
+    v("fall_s", fall_s, hal::Range{0.03, 2},
+      "... within this time: near the ground it cannot sink by carry.partner_lag_m (s).");
   }
 };
 

@@ -12,6 +12,8 @@ void LetGoMonitor::start() {
   usual_m2_ = 0.0;
   area_m2_ = NAN;
   frames_ = frames_gone_ = frames_low_ = 0;
+  ends_.fill({});
+  fall_m_ = 0.0;
   was_in_the_air_ = hand_leaves_ = stopped_ = false;
   hand_motion_.start();
   camera_ = c_.session.leading();
@@ -45,6 +47,25 @@ void LetGoMonitor::update() {
   update_hand();
   const bool low = in_the_air() && lag_m() > c_.config.task.carry.partner_lag_m;
   frames_low_ = low ? frames_low_ + 1 : 0;
+  const double rise_m = object_.motion() ? object_.partner_rise_m() : NAN;
+  std::shift_right(ends_.begin(), ends_.end(), 1);
+  ends_.front() = {c_.now, in_the_air() ? rise_m : NAN, lag_m()};
+  fall_m_ = fall_m();
+}
+
+double LetGoMonitor::fall_m() const {
+  const End& now = ends_.front();
+  double most_m = 0.0;
+  for (const End& before : ends_) {
+    if (hal::seconds(now.at - before.at) > config_.fall_s || std::isnan(before.rise_m)) break;
+    // a palm that rises past an end that stands still lets nothing fall
+    const double sunk_m = before.rise_m - now.rise_m, more_m = now.lag_m - before.lag_m;
+    most_m = std::max(most_m, std::min(sunk_m, more_m));
+  }
+  // in one frame it may be the estimate that jumps
+  constexpr double kStep_m = 0.001;
+  const bool twice = now.lag_m > ends_[1].lag_m + kStep_m && ends_[1].lag_m > ends_[2].lag_m + kStep_m;
+  return twice ? most_m : 0.0;
 }
 
 void LetGoMonitor::update_hand() {
@@ -60,6 +81,7 @@ void LetGoMonitor::update_hand() {
   hal::Pose X = hal::Pose::Identity();
   if (in_the_air() && object_.motion()) rise_m_ = object_.partner_rise_m();
   X.translation().z() = rise_m_;
+  if (in_the_air() && object_.motion() && !his_end_is_up()) X.translation().head<2>() = turned_aside();
   const auto hand = c_.session.hand_at_grasp(*c_.readings.frame, c_.posture(), X, contact_W_);
   if (!hand) return;
   const perception::PresenceConfig& presence = c_.config.presence;
@@ -86,9 +108,21 @@ void LetGoMonitor::update_hand() {
   ++frames_;
 }
 
+// As long as the far feet stand, the object turns about them, and what is high on it goes sideways: the back
+// of a chair by 16 mm for each degree. How far it turns is seen well, whatever its picture shows of its
+// position.
+Eigen::Vector2d LetGoMonitor::turned_aside() const {
+  constexpr double kLeast = 0.007;  // 0.4 degrees: less is noise
+  const Eigen::Vector2d lean = (X_.linear() * hal::Vec3::UnitZ()).head<2>();
+  const double sine = lean.norm();
+  if (!(sine > kLeast)) return Eigen::Vector2d::Zero();
+  return contact_W_.z() * (1.0 - kLeast / sine) * lean;
+}
+
 void LetGoMonitor::update_load() {
   const double load_n = c_.arm.view().load_n;
-  gain_n_ = load_n - mean_load_n_;
+  // what a closing hand had pressed down before is no load that somebody bore
+  gain_n_ = load_n - std::max(mean_load_n_, 0.0);
   const double dt_s = hal::seconds(c_.now - updated_at_);
   updated_at_ = c_.now;
   mean_load_n_ += dt_s / (config_.load_filter_s + dt_s) * (load_n - mean_load_n_);
@@ -136,6 +170,11 @@ std::optional<TaskEvent> LetGoMonitor::let_go() const {
     return TaskEvent{Event::PartnerLetGo,
                      fmt::format("his end is {:.0f} mm lower than the hand (limit {:.0f}; camera)",
                                  1e3 * lag_m(), 1e3 * carry.partner_lag_m)};
+  if (in_the_air() && fall_m_ > config_.fall_m)
+    return TaskEvent{Event::PartnerLetGo,
+                     fmt::format("his end falls: by {:.0f} mm more than the hand at once (limit "
+                                 "{:.0f}; camera)",
+                                 1e3 * fall_m_, 1e3 * config_.fall_m)};
   if (in_the_air() && gain_n_ > carry.load_gain_n)
     return TaskEvent{Event::PartnerLetGo,
                      fmt::format("sudden gain of load: {:.0f} N more at once (limit {:.0f} N)", gain_n_,
@@ -159,6 +198,8 @@ bool LetGoMonitor::holds_again() const {
 
 void LetGoMonitor::ask_again() {
   frames_gone_ = frames_low_ = 0;
+  ends_.fill({});
+  fall_m_ = 0.0;
   hand_leaves_ = false;
   hand_motion_.start();
   mean_load_n_ = c_.arm.view().load_n;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -46,6 +47,10 @@ class LetGoMonitor {
   void update_hand();
   void update_load();
   void update_pull(double dt_s);
+  /// How far his end has just sunk more than the palm (m); 0 while it does not sink, or is not seen.
+  [[nodiscard]] double fall_m() const;
+  /// How far his contact went sideways by the object's turn (m, W).
+  [[nodiscard]] Eigen::Vector2d turned_aside() const;
   [[nodiscard]] bool in_the_air() const;
   /// His end is seen in the air beside the palm: he carries, whatever hides his hand.
   [[nodiscard]] bool his_end_is_up() const;
@@ -64,6 +69,13 @@ class LetGoMonitor {
   perception::HandMotion hand_motion_{c_.config.presence};
   bool hand_leaves_ = false, stopped_ = false;
   int frames_ = 0, frames_gone_ = 0, frames_low_ = 0;
+  /// His end in the last frames: when, how high, how far below the palm.
+  struct End {
+    hal::Timestamp at{0};
+    double rise_m = NAN, lag_m = NAN;
+  };
+  std::array<End, 8> ends_{};  ///< Newest first.
+  double fall_m_ = 0.0;
   double mean_load_n_ = 0.0, load_before_n_ = 0.0;
   double gain_n_ = 0.0;
   std::optional<Eigen::Vector2d> mean_sideways_n_;  ///< Of the hand; W.

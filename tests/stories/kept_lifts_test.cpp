@@ -1,4 +1,5 @@
-// Lifts with people that once went wrong, as `colift experiment people` kept them: tests/data/kept_lifts.
+// Lifts that once went wrong, as `colift experiment people` and `false-stops` kept them:
+// tests/data/kept_lifts.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -93,6 +94,15 @@ TEST_CASE("an arm that was pushed aside does not come back at who pushed it") {
   for (const sim_hal::JudgedContact& c : run.lift.verdict.contacts) {
     INFO(c.t_s << " s: " << c.region << ", " << c.force_n << " N");
     CHECK(c.his_own);
+  }
+}
+
+TEST_CASE("a partner who holds on is not said to let go") {
+  for (const char* name : {"chair_turns_about_its_feet", "box_pressed_down_by_the_grip"}) {
+    const KeptRun run = run_kept(name);
+    INFO(name << "\n" << told(run));
+    CHECK(run.lift.record.outcome == control::RunRecord::Result::Lifted);
+    for (const auto& s : run.lift.record.states) CHECK(s.state != control::Task::Pause);
   }
 }
 

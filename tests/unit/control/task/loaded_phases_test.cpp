@@ -268,6 +268,17 @@ TEST_CASE("a load that grows at once during the lift means that the partner let 
   CHECK(rig.c->in_state_s() - before_s < 0.15);
 }
 
+TEST_CASE("a grip that had pressed the object down and bears it now has no partner who let go", "[phases]") {
+  Loaded rig;
+  rig.enter(Task::Lift);
+  rig.lift.begin_lift(Task::AwaitReady);
+  rig.load(-40.0);
+  (void)rig.run([&] { return rig.lift.lift(); }, 0.5);
+  rig.let_go.ask_again();
+  rig.load(10.0);
+  CHECK_FALSE(rig.run([&] { return rig.lift.lift(); }, 0.5));
+}
+
 TEST_CASE("a pause holds the arm where it is, and ends in time without the partner", "[phases]") {
   Loaded rig;
   rig.enter(Task::Lift);
