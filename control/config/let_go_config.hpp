@@ -13,6 +13,8 @@ struct LetGoConfig {
   double steady_fraction = 0.3;
   double hand_gain = 0.1;
   int hand_frames = 3;
+  double small_hand_m2 = 0.0012;
+  int small_hand_frames = 3;
   int low_frames = 2;
   double carried_m = 0.008;
   double min_load_n = 5.0;
@@ -34,6 +36,10 @@ struct LetGoConfig {
       "Gain of a frame in the mean of how much is seen of his hand.");
     v("hand_frames", hand_frames, hal::Range{1, 100},
       "Frames after which it counts as known how much of his hand is seen.");
+    v("small_hand_m2", small_hand_m2, hal::Range{0, 0.1},
+      "Of a hand that usually shows less than this any motion may hide all of it (m^2): it has left ...");
+    v("small_hand_frames", small_hand_frames, hal::Range{1, 30},
+      "... when it is gone in so many frames in a row.");
     v("low_frames", low_frames, hal::Range{1, 100},
       "Frames in a row with his end lower than carry.partner_lag_m.");
     v("carried_m", carried_m, hal::Range{0.001, 0.1},

@@ -113,6 +113,7 @@ struct MonitorConfig {
   double low_m = 1.1;
   bool resume = true;
   double free_s = 2.0;
+  double free_to_start_s = 0.3;
   double max_wait_s = 60.0;
   double obstacle_wait_s = 4.0;
   double person_wait_s = 15.0;
@@ -166,6 +167,8 @@ struct MonitorConfig {
     v("low_m", low_m, hal::Range{0, 3}, "Height below which something is low (m).");
     v("resume", resume, "Whether the arm continues by itself after a stop, when nobody was touched.");
     v("free_s", free_s, hal::Range{0, 60}, "Time for which nobody may be near before it does (s).");
+    v("free_to_start_s", free_to_start_s, hal::Range{0, 60},
+      "The same where somebody was near before the arm moved: its start waits, and nothing was stopped (s).");
     v("max_wait_s", max_wait_s, hal::Range{1, 3600},
       "Max time of waiting at a stretch; after it the job ends (s).");
     v("obstacle_wait_s", obstacle_wait_s, hal::Range{0.5, 600},

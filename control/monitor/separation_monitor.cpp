@@ -39,8 +39,9 @@ double SeparationMonitor::limit_m_s(const Neighbour& n, double latency_s, double
   return std::max(kept, softly);
 }
 
-const SeparationState& SeparationMonitor::update(hal::Timestamp now, std::span<const Neighbour> near,
-                                                 double latency_s, double robot_kg) {
+const SeparationState& SeparationMonitor::update(hal::Timestamp now, bool moves,
+                                                 std::span<const Neighbour> near, double latency_s,
+                                                 double robot_kg) {
   const double extra_m = state_.hold ? config_.hysteresis_m : 0.0;
   SeparationState next;
   bool too_near = false;
@@ -56,9 +57,10 @@ const SeparationState& SeparationMonitor::update(hal::Timestamp now, std::span<c
   }
   if (too_near) near_at_ = now;
   next.hold = too_near;
+  next.stopped = state_.hold ? state_.stopped : moves;
   if (state_.hold && !too_near) {
-    const bool free = hal::seconds(now - near_at_) >= config_.free_s;
-    next.hold = !(free && config_.resume);
+    const double free_s = hal::seconds(now - near_at_);
+    next.hold = next.stopped ? free_s < config_.free_s || !config_.resume : free_s < config_.free_to_start_s;
     if (next.hold && !next.limited) next.nearest = state_.nearest;
   }
   if (next.hold) next.speed_m_s = 0.0;

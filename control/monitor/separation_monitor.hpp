@@ -31,6 +31,7 @@ struct Neighbour {
 /// How fast the arm may be, and why.
 struct SeparationState {
   bool hold = false;
+  bool stopped = false;  ///< It moved when the hold began; else its start waits.
   double speed_m_s = std::numeric_limits<double>::infinity();  ///< Limit of any point of the arm.
   Neighbour nearest;                                           ///< That sets the limit ...
   bool limited = false;                                        ///< ... if any does.
@@ -38,16 +39,18 @@ struct SeparationState {
 
 /// Speed and separation monitoring. A continuous limit of the arm's speed from the distances of one frame:
 /// the fastest at which it comes to rest before anybody is reached. Nearer than the hold distance it stops;
-/// it resumes when nobody has been near for MonitorConfig::free_s. A contact is not its business: that ends
+/// it resumes when nobody has been near for MonitorConfig::free_s; an arm that had not begun to move starts
+/// after free_to_start_s. A contact is not its business: that ends
 /// the job (state yield), and motion resumes after a confirmation in `colift recover` only. One thread, no
 /// allocation.
 class SeparationMonitor {
  public:
   explicit SeparationMonitor(const MonitorConfig& config) : config_(config) {}
 
-  /// Once for each frame. `latency_s`: measured, from exposure until now; `robot_kg`: effective mass.
-  const SeparationState& update(hal::Timestamp now, std::span<const Neighbour> near, double latency_s,
-                                double robot_kg);
+  /// Once for each frame. `moves`: the arm may move now. `latency_s`: measured, from exposure until now;
+  /// `robot_kg`: effective mass.
+  const SeparationState& update(hal::Timestamp now, bool moves, std::span<const Neighbour> near,
+                                double latency_s, double robot_kg);
 
   [[nodiscard]] const SeparationState& state() const { return state_; }
 

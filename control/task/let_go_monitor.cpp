@@ -162,7 +162,9 @@ std::optional<TaskEvent> LetGoMonitor::let_go() const {
                      fmt::format("his hand leaves the grasp: it moved {:.0f} mm against the object, {:.1f} "
                                  "standard deviations (camera)",
                                  1e3 * hand_motion_.distance_m(), hand_motion_.score())};
-  if (frames_gone_ >= c_.config.presence.frames && usual_m2_ >= c_.config.presence.min_area_m2)
+  const int frames = usual_m2_ < config_.small_hand_m2 ? config_.small_hand_frames : 1;
+  if (frames_gone_ >= std::max(frames, c_.config.presence.frames) &&
+      usual_m2_ >= c_.config.presence.min_area_m2)
     return TaskEvent{Event::PartnerLetGo,
                      fmt::format("his hand left the grasp: {:.0f} cm^2 of it are seen there, {:.0f} before",
                                  1e4 * area_m2_, 1e4 * usual_m2_)};

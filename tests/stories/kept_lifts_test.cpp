@@ -98,12 +98,21 @@ TEST_CASE("an arm that was pushed aside does not come back at who pushed it") {
 }
 
 TEST_CASE("a partner who holds on is not said to let go") {
-  for (const char* name : {"chair_turns_about_its_feet", "box_pressed_down_by_the_grip"}) {
+  for (const char* name :
+       {"chair_turns_about_its_feet", "box_pressed_down_by_the_grip", "chair_hides_his_hand"}) {
     const KeptRun run = run_kept(name);
     INFO(name << "\n" << told(run));
     CHECK(run.lift.record.outcome == control::RunRecord::Result::Lifted);
     for (const auto& s : run.lift.record.states) CHECK(s.state != control::Task::Pause);
   }
+}
+
+TEST_CASE("a partner who comes near before the arm moves makes it start later, and stops nothing") {
+  const KeptRun run = run_kept("he_still_moves_at_the_start");
+  INFO(told(run));
+  CHECK(run.lift.record.outcome == control::RunRecord::Result::Lifted);
+  CHECK(run.lift.record.monitor.stops == 0);
+  CHECK(run.lift.record.monitor.waited_s < 0.8);
 }
 
 TEST_CASE("a lift stands before who walks in is there") {

@@ -29,7 +29,8 @@ bool LiftPhase::raised() {
   if (from_ == Task::TestLift || from_ == Task::Pause) {
     // what hung still when it was raised slowly is raised slowly
     const double left_m = task.lift_height_m - c_.arm.view().height_m;
-    lift_s_ = std::max(task.lift_s, left_m / task.lift.tested_speed_m_s);
+    const bool tested = from_ == Task::TestLift || !c_.record.test_lifts.empty();
+    lift_s_ = tested ? std::max(task.lift_s, left_m / task.lift.tested_speed_m_s) : task.lift_s;
     c_.arm.raise_on(c_.role, task.lift_height_m, lift_s_);
   } else {
     lift_s_ = task.lift_s;
@@ -184,10 +185,10 @@ std::optional<TaskEvent> LiftPhase::judge_lowering() {
     evidence_.standing();
     return TaskEvent{
         Event::OnGround,
-        fmt::format("the hand carries {:.1f} N (limit {:.1f}), {:.0f} mm {} the height at which it "
-                    "grasped",
-                    std::max(0.0, arm.load_n), limit_n, 1e3 * std::abs(arm.height_m),
-                    arm.height_m < 0.0 ? "below" : "above")};
+        fmt::format("the hand {}, {:.0f} mm {} the height at which it grasped",
+                    arm.load_n < 0.0 ? fmt::format("presses on it with {:.1f} N", -arm.load_n)
+                                     : fmt::format("carries {:.1f} N (limit {:.1f})", arm.load_n, limit_n),
+                    1e3 * std::abs(arm.height_m), arm.height_m < 0.0 ? "below" : "above")};
   }
   if (supported_s > carry.settle_s && !seen_down && c_.arm.lift_at_rest())
     return TaskEvent{Event::Obstructed,

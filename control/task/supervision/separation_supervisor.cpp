@@ -95,7 +95,7 @@ void SeparationSupervisor::note_wait() {
   const bool waits = is_moving(c_.state) && holds();
   if (waits == waits_) return;
   waits_ = waits;
-  if (waits) ++c_.record.monitor.stops;
+  if (waits && (!monitor_.state().hold || monitor_.state().stopped)) ++c_.record.monitor.stops;
   if (waits || is_moving(c_.state))
     c_.note_device("monitor", waits ? "the arm waits: " + reason_ : "the arm continues");
 }
@@ -156,7 +156,7 @@ void SeparationSupervisor::look(const hal::DepthFrame& frame) {
   sort_points(seen);
   if (seen_W_.empty()) c_.obstacles_W.clear();  // carried off
   const double latency_s = hal::seconds(c_.readings.frame_latency);
-  monitor_.update(c_.now, near_, latency_s,
+  monitor_.update(c_.now, is_moving(c_.state) && !holds(), near_, latency_s,
                   0.5 * c_.config.monitor.arm_mass_kg + c_.config.monitor.carried_mass_kg);
   MonitorRecord& record = c_.record.monitor;
   ++record.frames;

@@ -19,7 +19,7 @@ Neighbour person(double distance_m) {
 
 /// A second of frames with the same neighbours; the state after it.
 SeparationState second(SeparationMonitor& monitor, hal::Timestamp& now, std::vector<Neighbour> near) {
-  for (int i = 0; i < 30; ++i) monitor.update(now += 33'333'333ns, near, 0.0, 14.0);
+  for (int i = 0; i < 30; ++i) monitor.update(now += 33'333'333ns, true, near, 0.0, 14.0);
   return monitor.state();
 }
 
@@ -71,7 +71,7 @@ TEST_CASE("after SLOW it resumes at once, after a stop when nobody has been near
   SeparationMonitor monitor{{}};
   hal::Timestamp now{0};
   CHECK(second(monitor, now, {person(0.75)}).limited);
-  monitor.update(now += 33ms, {}, 0.0, 14.0);
+  monitor.update(now += 33ms, true, {}, 0.0, 14.0);
   CHECK_FALSE(monitor.state().limited);
 
   CHECK(second(monitor, now, {person(0.5)}).hold);
@@ -80,6 +80,20 @@ TEST_CASE("after SLOW it resumes at once, after a stop when nobody has been near
   CHECK(second(monitor, now, {}).hold);
   CHECK(second(monitor, now, {person(0.9)}).hold);
   CHECK_FALSE(second(monitor, now, {}).hold);
+}
+
+TEST_CASE("whoever was near before the arm moved makes its start wait, and has stopped nothing") {
+  SeparationMonitor monitor{{}};
+  hal::Timestamp now{0};
+  const Neighbour near[] = {person(0.5)};
+  CHECK(monitor.update(now += 33ms, false, near, 0.0, 14.0).hold);
+  CHECK_FALSE(monitor.state().stopped);
+  // a frame in which he is not seen starts nothing
+  CHECK(monitor.update(now += 33ms, false, {}, 0.0, 14.0).hold);
+  CHECK_FALSE(monitor.update(now += 300ms, false, {}, 0.0, 14.0).hold);
+  // the arm moves: the next one is a stop
+  CHECK(monitor.update(now += 33ms, true, near, 0.0, 14.0).stopped);
+  CHECK(monitor.update(now += 300ms, false, {}, 0.0, 14.0).hold);
 }
 
 TEST_CASE("a stop that is not to be left by itself is not") {
@@ -119,8 +133,8 @@ TEST_CASE("a slow camera chain counts: a longer latency is a lower speed") {
   SeparationMonitor monitor{{}};
   hal::Timestamp now{0};
   const Neighbour near[] = {person(0.8)};
-  const double quick = monitor.update(now += 33ms, near, 0.02, 14.0).speed_m_s;
-  const double late = monitor.update(now += 33ms, near, 0.25, 14.0).speed_m_s;
+  const double quick = monitor.update(now += 33ms, true, near, 0.02, 14.0).speed_m_s;
+  const double late = monitor.update(now += 33ms, true, near, 0.25, 14.0).speed_m_s;
   CHECK(late < quick);
 }
 
