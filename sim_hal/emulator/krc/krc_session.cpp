@@ -239,7 +239,9 @@ bool KrcEmulator::injected(KrcRule rule) const {
   return std::any_of(config_.faults.begin(), config_.faults.end(), [&](const KrcFault& f) {
     if (f.kind == Kind::Corrupt && f.way != KrcFault::Direction::ToClient && recent(f, kAftermath_s))
       return true;
-    return of_answers && (f.on_wire() || f.kind == Kind::Quality) && recent(f, kAftermath_s);
+    // to joint angles that are no numbers a client owes its silence
+    const bool unanswerable = f.on_wire() || f.kind == Kind::Quality || f.kind == Kind::NotANumber;
+    return of_answers && unanswerable && recent(f, kAftermath_s);
   });
 }
 

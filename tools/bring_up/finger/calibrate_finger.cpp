@@ -116,6 +116,7 @@ class Calibration {
     // them
     pressing.max_torque_nm = kMax_nm;
     pressing.torque_units_per_nm = to / kMax_nm;
+    pressing.calibration_file.clear();
     double at_rad = 0.0;
     for (int i = 1; i <= kPresses; ++i) {
       const double units = from + (to - from) * i / kPresses;

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <optional>
 
+#include "hal/drivers/barrett_can/calibration/hand_calibration.hpp"
 #include "hal/drivers/barrett_can/hand_units.hpp"
 #include "hal/drivers/barrett_can/pucks/puck_link.hpp"
 #include "hal/drivers/barrett_can/pucks/wait_on.hpp"
@@ -43,10 +44,12 @@ class Mover {
         motion_(motion),
         finger_(motion.finger),
         interrupted_(interrupted),
-        link_(bus, clock, duration_of(1e-3 * config.reply_ms), duration_of(1e-3 * config.tactile_reply_ms)) {}
+        link_(bus, clock, duration_of(1e-3 * config.reply_ms), duration_of(1e-3 * config.tactile_reply_ms)),
+        units_per_nm_(config.torque_units_per_nm) {}
 
   Result<FingerMotionEnd> run() {
     if (auto good = check_request(); !good) return tl::unexpected(good.error());
+    if (auto good = load_calibration(); !good) return tl::unexpected(good.error());
     link_.measure_round_trip(duration_of(kAnswer_s));
     if (auto good = look(); !good) return tl::unexpected(good.error());
     end_.from_rad = end_.to_rad = start_ / kFingerCounts_rad;
@@ -92,12 +95,20 @@ class Mover {
     return {};
   }
 
+  // a wrong file is told before anything is asked of the hand
+  Result<> load_calibration() {
+    if (config_.calibration_file.empty()) return {};
+    auto read = load_hand_calibration(config_.calibration_file);
+    if (!read) return tl::unexpected(read.error());
+    calibration_ = std::move(*read);
+    return {};
+  }
+
   Result<> look() {
     constexpr std::array kAsked{Property::Stat, Property::P, Property::Ct, Property::Mode, Property::Temp};
     for (const Puck puck : kFingerPucks)
       for (const Property p : kAsked) link_.ask(puck, p);
-    link_.ask(finger_, Property::Role);
-    link_.ask(finger_, Property::Sg);
+    for (const Property p : {Property::Role, Property::Sg, Property::Sn}) link_.ask(finger_, p);
     (void)wait(kAnswer_s, [&] {
       return std::none_of(kFingerPucks.begin(), kFingerPucks.end(), [&](Puck puck) {
         return std::any_of(kAsked.begin(), kAsked.end(), [&](Property p) { return link_.pending(puck, p); });
@@ -132,6 +143,11 @@ class Mover {
     start_ = position();
     const bool gauge = reported(Property::Role).known && (reported(Property::Role).value & kRoleStrain) != 0;
     if (gauge && reported(Property::Sg).known) strain_start_ = reported(Property::Sg).value;
+    if (const PuckScale* scale = calibration_.of(reported(Property::Sn).value);
+        scale && reported(Property::Sn).known) {
+      strain_scale_ = scale->strain_scale;
+      if (scale->torque_points > 0) units_per_nm_ = scale->torque_units_per_nm;
+    }
     return {};
   }
 
@@ -161,14 +177,15 @@ class Mover {
 
   [[nodiscard]] std::int32_t units(double nm) const {
     return static_cast<std::int32_t>(
-        std::clamp(nm * config_.torque_units_per_nm, config_.min_torque_units, config_.move_torque_units));
+        std::clamp(nm * units_per_nm_, config_.min_torque_units, config_.move_torque_units));
   }
 
   Result<> begin() {
     const double limit_nm = motion_.kind == Kind::Torque ? std::abs(motion_.value) : motion_.torque_nm;
     int strain_limit = 0;
     if (strain_start_ && !opens())
-      strain_limit = std::min(strain_counts(*strain_start_, limit_nm).value_or(kStrainMost), kStrainMost);
+      strain_limit = std::min(strain_counts(*strain_start_, limit_nm / strain_scale_).value_or(kStrainMost),
+                              kStrainMost);
     // a puck would end these by itself where the finger rests; here the program does
     const bool on_time = motion_.kind == Kind::Torque || motion_.kind == Kind::Velocity;
     link_.set(finger_, Property::Mode, kModeIdle, true);
@@ -226,7 +243,8 @@ class Mover {
       if (interrupted_()) return ended("interrupted: it stays where it is", false);
       if (link_.silent(finger_)) return ended(fmt::format("{} stopped answering", name(finger_)), false);
       if (strain_start_) {
-        const double nm = strain_nm(reported(Property::Sg).value) - strain_nm(*strain_start_);
+        const double nm =
+            strain_scale_ * (strain_nm(reported(Property::Sg).value) - strain_nm(*strain_start_));
         end_.max_torque_nm = std::fmax(end_.max_torque_nm, nm);
         if (std::abs(nm) > limit_nm) return ended(fmt::format("it measures {:.2f} N m: enough", nm), timed);
       }
@@ -271,6 +289,9 @@ class Mover {
   FingerMotionEnd end_;
   std::int32_t start_ = 0, target_ = 0;
   std::optional<std::int32_t> strain_start_;
+  HandCalibration calibration_;
+  double strain_scale_ = 1.0;  // true torque over that of the maker's curve
+  double units_per_nm_;
   int closed_ = 0;
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "hal/drivers/barrett_can/calibration/gauge_reading.hpp"
+#include "hal/drivers/barrett_can/service/finger_motion.hpp"
 #include "tests/contract/barrett_rig.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tools/bring_up/finger/calibrate_finger.hpp"
@@ -137,6 +138,30 @@ TEST_CASE("a calibrated hand measures and grips with true torques, another hand'
   const std::string remark = rig.driver->report().remark.str();
   CHECK_THAT(remark, Contains("F1 (puck 111) is not in"));
   CHECK((remark.find("F2 (puck 112)") == std::string::npos) == own);
+}
+
+TEST_CASE("one finger moved by the service measures true torques too", "[hand][calibration]") {
+  const bool own = GENERATE(true, false);
+  const tests::TemporaryFolder folder;
+  hal::BarrettHandConfig config;
+  BarrettRig rig(/*with_object=*/false, config, emulator());
+  REQUIRE(rig.hand->configure());
+  REQUIRE(rig.hand->activate());
+  rig.hand->deactivate();
+  config.calibration_file = folder.write("hand.yaml", text_of(one_puck(own ? 112 : 999))).string();
+  hal::FingerMotion motion;
+  motion.kind = hal::FingerMotion::Kind::Velocity;
+  motion.finger = hal::barrett::Puck::F2;
+  motion.value = 0.2;
+  motion.torque_nm = 0.5;
+  // it is asked from when the finger moves: the load comes then
+  const auto end = hal::move_finger(*rig.client, rig.clock, config, motion, [&] {
+    rig.pucks.hang(1, 0.3);
+    return false;
+  });
+  INFO((end ? "" : end.error().text()));
+  REQUIRE(end);
+  CHECK(end->max_torque_nm == Approx(own ? 0.3 : 0.3 / kScale).epsilon(0.05));
 }
 
 TEST_CASE("a calibration file that is not there refuses the hand", "[hand][calibration]") {
