@@ -76,6 +76,13 @@ Json connection(const ArmView& v) {
           {"dropped", dropped}};
 }
 
+Json abilities(const hal::ArmAbilities& can) {
+  return {{"joint_impedance", can.joint_impedance},         {"superposed_torque", can.superposed_torque},
+          {"cartesian_impedance", can.cartesian_impedance}, {"position", can.position},
+          {"min_period_ms", 1e3 * can.min_period_s},        {"max_period_ms", 1e3 * can.max_period_s},
+          {"max_stiffness", can.max_stiffness_nm_rad},      {"max_superposed", list(can.max_superposed_nm)}};
+}
+
 Json command_mode(const ArmView& v, const hal::RobotModel& model) {
   Json j = {{"ready", true}, {"active", v.status.may_command}, {"obstacles", Json::array()}};
   for (const Obstacle& o : obstacles(v, model)) {
@@ -135,6 +142,7 @@ std::string arm_document(const std::string& verb, const ArmView& v, const hal::R
                    {"priority", v.realtime.priority},
                    {"locked", v.realtime.locked},
                    {"realtime_kernel", v.realtime.realtime_kernel}};
+  j["abilities"] = abilities(v.abilities);
   if (v.status.received > 0) {
     j["drives"] = {{"power", v.m.power}, {"error", v.m.error}, {"warning", v.m.warning}};
     j["program"] = {

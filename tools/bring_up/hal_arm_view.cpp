@@ -91,6 +91,7 @@ ArmView view_of(const hal::FriArm& arm, const ProgramMonitor& program, const hal
   v.answers = summary_of(arm.answer_times());
   v.program = program;
   v.realtime = realtime;
+  v.abilities = arm.abilities();
   v.limit_margin_deg = limit_margin_deg;
   v.at_s = at_s;
   return v;
@@ -190,6 +191,25 @@ double to_limit_rad(const hal::RobotModel& model, int joint, double q_rad) {
   return std::min(q_rad - model.lower_rad()[joint], model.upper_rad()[joint] - q_rad);
 }
 
+namespace {
+
+std::string abilities_text(const hal::ArmAbilities& can) {
+  std::string t;
+  const auto add = [&](bool able, const char* what) {
+    if (able) t += (t.empty() ? "" : ", ") + std::string(what);
+  };
+  add(can.joint_impedance, "joint impedance");
+  add(can.superposed_torque, "superposed torque");
+  add(can.cartesian_impedance, "Cartesian impedance");
+  add(can.position, "position");
+  return fmt::format(
+      "{}; up to {:.0f} N m/rad, {:.0f} to {:.0f} N m superposed; cycles of {:.0f} to {:.0f} ms", t,
+      can.max_stiffness_nm_rad, can.max_superposed_nm.minCoeff(), can.max_superposed_nm.maxCoeff(),
+      1e3 * can.min_period_s, 1e3 * can.max_period_s);
+}
+
+}  // namespace
+
 std::string arm_screen(const ArmView& v, const hal::RobotModel& model) {
   const auto& s = v.status;
   const auto& m = v.m;
@@ -207,6 +227,7 @@ std::string arm_screen(const ArmView& v, const hal::RobotModel& model) {
   t += fmt::format("answer times  {}\n", answers_text(v.answers));
   t += fmt::format("datagrams     {}\n", traffic(s));
   t += fmt::format("this machine  {}\n", realtime_text(v.realtime));
+  t += fmt::format("it can        {}\n", abilities_text(v.abilities));
   t += fmt::format("drives        {}\n", drives_text(m));
   t += fmt::format("KRL program   {}\n\n", program_text(v));
 

@@ -47,6 +47,7 @@ struct ArmView {
   AnswerSummary answers;
   ProgramMonitor program;
   hal::RealtimeReport realtime;
+  hal::ArmAbilities abilities;    ///< Of the controller, over this driver.
   double limit_margin_deg = 1.0;  ///< Of the guard.
   double at_s = 0.0;              ///< Since the start.
 };

@@ -43,6 +43,7 @@ export interface Load {
   load_n: number; share: number | null; share_predicted: number | null; height_m: number | null;
   tilt_deg: number | null; slip_m: number | null;
   leads?: string | null;  // "robot" or "partner"; not in older recordings
+  energy_j?: number | null;  // that the arm may still put into object and people; neither
 }
 export interface Tactile {
   arrays: { name: string; force_n: number | null; cells: (number | null)[] }[];

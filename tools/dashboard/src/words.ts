@@ -34,7 +34,8 @@ export function heightWords(height_m: number): string {
 export function loadWords(load: Load): string | null {
   if (load.share === null && load.height_m === null) return null;
   const rest = (load.tilt_deg === null ? "" : `, tilt ${figure(load.tilt_deg, 1)}°`) +
-    (load.height_m === null ? "" : `, ${heightWords(load.height_m)}`);
+    (load.height_m === null ? "" : `, ${heightWords(load.height_m)}`) +
+    (load.energy_j == null ? "" : `; the arm may still give ${figure(load.energy_j, 1)} J`);
   if (load.load_n < CARRIED_N || (load.share ?? 1) <= 0) return `The robot carries nothing${rest}`;
   // the share is known when the weight is
   return `The robot carries ${figure(load.load_n)} N` + (load.share === null ? "" : `, ${percent(load.share)} of the load`) +

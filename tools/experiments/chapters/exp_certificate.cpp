@@ -123,7 +123,7 @@ TrialRows run(const Trial& trial) {
   Row row{drawn.scenario.name, drawn.scenario.object.kind, kLots[lot], cell(drawn.mass_kg),
           cell(drawn.told_kg.value_or(NAN))};
   const auto end = [&](const std::string& outcome, const std::string& why) {
-    row.resize(23);
+    row.resize(24);
     row[5] = outcome;
     row.push_back(why);
     return TrialRows{row, {}, fmt::format("{}, {}: {}", drawn.scenario.name, kLots[lot], why)};
@@ -141,6 +141,7 @@ TrialRows run(const Trial& trial) {
         1e3 * c.slip_m, share, load, worst.tilt_deg, 1e3 * worst.slip_m})
     row.push_back(cell(v));
   row.push_back(cell(c.breaches.empty()));
+  row.push_back(cell(r.energy_margin_j));
   row.push_back(r.outcome == control::RunRecord::Result::Lifted
                     ? r.reason
                     : fmt::format("after {}: {}", path_of(r), r.reason));
@@ -213,6 +214,14 @@ std::vector<Figure> figures(const Results& r) {
   int all = 0, lifted = 0;
   for (const Row& row : r.trials.rows()) ++all, lifted += r.trials.text(row, "outcome") == "lifted";
   out.push_back({"lifted", "jobs that lifted", rate(lifted, all), "%"});
+  double least_j = INFINITY;
+  int carried = 0;
+  for (const Row& row : r.trials.rows())
+    if (const double j = r.trials.number(row, "margin_j"); !std::isnan(j))
+      least_j = std::min(least_j, j), ++carried;
+  if (carried > 0)
+    out.push_back(
+        {"margin_j", "least passivity margin of all", {least_j, least_j, least_j, carried}, "J", 0.0, true});
   for (std::size_t lot = 0; lot < kLots.size(); ++lot) {
     for (std::size_t b = 0; b < kBounds.size(); ++b) {
       std::string key = fmt::format("{}_{}", kBounds[b], kLots[lot]);
@@ -297,10 +306,11 @@ Experiment certificate_experiment() {
       "size, an uncalibrated camera "
       "(config/rig/imperfect.yaml)?";
   e.default_trials = 300;
-  e.columns = {"layout",     "kind",       "lot",        "mass_kg",    "told_kg",       "outcome",
-               "predicted",  "sigma",      "span_m",     "weight_n",   "turning_nm",    "over_hold",
-               "share_low",  "share_high", "load_low",   "load_high",  "tilt_high",     "slip_high",
-               "true_share", "true_load",  "worst_tilt", "worst_slip", "within_limits", "because"};
+  e.columns = {"layout",     "kind",       "lot",           "mass_kg",    "told_kg",
+               "outcome",    "predicted",  "sigma",         "span_m",     "weight_n",
+               "turning_nm", "over_hold",  "share_low",     "share_high", "load_low",
+               "load_high",  "tilt_high",  "slip_high",     "true_share", "true_load",
+               "worst_tilt", "worst_slip", "within_limits", "margin_j",   "because"};
   e.run = run;
   e.task = control::TaskSaid{"experiment certificate", kHeight_m, kHold_s};
   e.figures = figures;
