@@ -99,9 +99,9 @@ void ArmController::take(const ArmRequest& request) {
     case Kind::Unload:
       setpoints_.superpose(hal::JointVector::Zero());
       compensation_.drop();
-      // soft sideways, the palm may stand beside its set point: stiff springs would throw the empty hand
-      // there
-      if (palm_.weight() > 0.0 && view_.state.q_rad.allFinite())
+      // the palm may stand beside its set point, or lean on the object: the springs would throw the empty hand
+      // there. What yields goes its own way
+      if ((palm_.weight() > 0.0 || !yielding_) && view_.state.q_rad.allFinite())
         setpoints_.servo(lift_.where_taken(setpoints_.commanded(), view_.state.q_rad),
                          hal::JointVector::Zero());
       palm_.engage(false);

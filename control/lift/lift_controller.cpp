@@ -70,10 +70,11 @@ void LiftController::restart(const hal::JointVector& q_commanded_rad) {
 
 hal::JointVector LiftController::where_taken(const hal::JointVector& q_commanded_rad,
                                              const hal::JointVector& q_measured_rad) const {
-  hal::Pose X_WF = planner::flange_pose(arm_, q_commanded_rad);
-  const hal::Vec3 aside = planner::flange_pose(arm_, q_measured_rad).translation() - X_WF.translation();
-  if (!(aside.head<2>().norm() <= kMaxAside_m)) return q_commanded_rad;
-  X_WF.translation().head<2>() += aside.head<2>();
+  const hal::Pose X_WF_commanded = planner::flange_pose(arm_, q_commanded_rad);
+  hal::Pose X_WF = planner::flange_pose(arm_, q_measured_rad);
+  if (!((X_WF.translation() - X_WF_commanded.translation()).norm() <= kMaxAside_m)) return q_commanded_rad;
+  // a palm that leans on the object would fall by as much as the fingers give way
+  X_WF.translation().z() = std::max(X_WF.translation().z(), X_WF_commanded.translation().z());
   return planner::follow_ik(arm_, X_WF, q_commanded_rad, hal::deg_to_rad(config_.limit_margin_deg),
                             kMaxAside_rad)
       .value_or(q_commanded_rad);

@@ -37,8 +37,9 @@ class LiftController {
   /// step. What little it was turned or shifted by stays.
   void restart(const hal::JointVector& q_commanded_rad);
 
-  /// The commanded joints, but with the palm sideways where it stands now: what a soft palm was taken to. As
-  /// commanded where that is farther than a hand's breadth or out of reach.
+  /// The commanded joints, but with the palm where it stands now: taken aside or turned by the partner, or
+  /// held up by what it leans on. Not lower: what a load has pulled down comes up again with the empty hand.
+  /// As commanded where that is farther than a hand's breadth or out of reach.
   [[nodiscard]] hal::JointVector where_taken(const hal::JointVector& q_commanded_rad,
                                              const hal::JointVector& q_measured_rad) const;
 

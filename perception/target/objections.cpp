@@ -10,6 +10,11 @@ namespace {
 // wider than any carton, as wide as a seat for two: a sofa or a bench whose depth the view hides
 constexpr double kWideAndClosed_m = 1.5;
 
+/// Of the left or the right side, whichever is more.
+double side_cut(const Fragment& f) {
+  return std::max(f.cut_left, f.cut_right) / (2.0 * (f.v_max - f.v_min + 1));
+}
+
 }  // namespace
 
 SideCut lateral_cut(const Fragment& f) {
@@ -57,6 +62,18 @@ std::optional<RejectedObject> object_to(const Fragment& f, const TargetConfig& c
                                                "taller than wide: a person or furniture that is not carried",
                                                f.max_height_m));
     no.whole = true;  // a leg of it is no object
+    return no;
+  }
+  // cut at the bottom it still shows its head
+  const bool aside = cut.fraction <= c.max_cut && side_cut(f) > c.max_person_side_cut;
+  if (aside && f.max_height_m > c.min_person_part_m &&
+      f.max_height_m > c.min_person_slenderness * footprint_span(f)) {
+    auto no =
+        reject(Kind::Person,
+               fmt::format("its {} side leaves the view by {:.0f} %, and what is seen of it is {:.2f} m "
+                           "high and taller than wide: a part of a person, perhaps",
+                           f.cut_left > f.cut_right ? "left" : "right", 100 * side_cut(f), f.max_height_m));
+    no.whole = true;
     return no;
   }
   if (cut.fraction + c.top_cut_weight * top > c.max_cut)

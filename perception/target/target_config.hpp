@@ -44,6 +44,8 @@ struct TargetConfig {
   double max_limb_gap_m = 0.3;
   double max_limb_fraction = 0.4;
   double max_person_top_cut = 0.1;
+  double max_person_side_cut = 0.15;
+  double min_person_part_m = 0.5;
   double min_person_slenderness = 0.8;
   double top_cut_weight = 0.6;
   FragmentConfig fragments;
@@ -111,6 +113,9 @@ struct TargetConfig {
       "Max number of pixels of such an arm or leg, as a fraction of the person's.");
     v("max_person_top_cut", max_person_top_cut, hal::kFraction,
       "A slender object, of whose upper side the view cuts off more than this fraction, may be a person.");
+    v("max_person_side_cut", max_person_side_cut, hal::kFraction,
+      "The same of a side: what is seen of it may be a part of one ...");
+    v("min_person_part_m", min_person_part_m, hal::kNotNegative, "... if it is higher than this (m).");
     v("min_person_slenderness", min_person_slenderness, hal::kPositive,
       "Min ratio of height to footprint of such a slender object.");
     v("top_cut_weight", top_cut_weight, hal::kFraction,
