@@ -188,6 +188,10 @@ void ArmCommander::unload() {
   ask({ArmRequest::Kind::Unload, 0, nullptr, 0.0, {}});
 }
 
+void ArmCommander::ease() {
+  ask({ArmRequest::Kind::Ease, 0, nullptr, 0.0, {}});
+}
+
 void ArmCommander::start_tare() {
   ask({ArmRequest::Kind::StartTare, 0, nullptr, 0.0, {}});
 }

@@ -53,6 +53,9 @@ class ArmCommander {
   /// arm comes to rest on its path and stays there, with whatever it carries.
   void set_scale(double scale);
   void unload();
+  /// Takes the set point to where the palm stands, of an arm that rests with a closed hand that nothing hangs
+  /// in.
+  void ease();
   void start_tare();
   void end_tare();
   /// Raises the palm by a height, in a time when it leads; raise_on() goes further, to a height over where

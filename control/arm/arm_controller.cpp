@@ -96,11 +96,16 @@ void ArmController::take(const ArmRequest& request) {
     case Kind::Scale:
       setpoints_.set_scale(request.number);
       break;
+    case Kind::Ease:
+      if (!yielding_ && !lifting_ && view_.state.q_rad.allFinite())
+        setpoints_.servo(lift_.where_taken(setpoints_.commanded(), view_.state.q_rad),
+                         hal::JointVector::Zero());
+      break;
     case Kind::Unload:
       setpoints_.superpose(hal::JointVector::Zero());
       compensation_.drop();
-      // the palm may stand beside its set point, or lean on the object: the springs would throw the empty hand
-      // there. What yields goes its own way
+      // the palm may stand beside its set point, or lean on the object: the springs would throw the empty
+      // hand there. What yields goes its own way
       if ((palm_.weight() > 0.0 || !yielding_) && view_.state.q_rad.allFinite())
         setpoints_.servo(lift_.where_taken(setpoints_.commanded(), view_.state.q_rad),
                          hal::JointVector::Zero());

@@ -27,6 +27,7 @@ struct ArmRequest {
     Back,        ///< Run back along it, with `number` of its speed.
     Slow,        ///< Slower from now on, when `number` is not 0; else no more.
     Scale,       ///< At most `number` of its speed from now on, 0 to 1; 0: stands still where it is.
+    Ease,        ///< The palm's set point goes to where the palm stands: no spring presses on the object.
     Unload,      ///< Superpose no torque any more: the hand is empty.
     StartTare,   ///< What is felt from now on ...
     EndTare,     ///< ... until now is nothing.

@@ -110,6 +110,7 @@ struct GripConfig {
   double ready_timeout_s = 20.0;
   double open_tolerance_rad = 0.1;
   double min_held_fraction = 0.4;
+  double ease_s = 0.08;
   double friction = 0.5;
   double contact_n = 0.3;
   double cell_contact_n_cm2 = 0.1;
@@ -132,6 +133,9 @@ struct GripConfig {
     v("min_held_fraction", min_held_fraction, hal::kFraction,
       "The object is not lifted when the strongest finger's strain gauge measures less than this fraction of "
       "the torque that was asked.");
+    v("ease_s", ease_s, hal::Range{0, 10},
+      "While the grip is verified, the palm's set point goes to where the palm stands once in this time: "
+      "closing fingers have shifted the object against springs and partner; 0: never (s).");
     v("friction", friction, hal::Range{0.05, 2},
       "Friction of pads on the object, for the load that a grip carries.");
     v("contact_n", contact_n, hal::Range{0.01, 20}, "Force on a tactile pad that is a contact (N).");

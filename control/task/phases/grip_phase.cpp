@@ -1,5 +1,4 @@
 #include "control/task/phases/grip_phase.hpp"
-#include "hal/types/units.hpp"
 
 #include <fmt/format.h>
 
@@ -7,10 +6,10 @@
 #include <cmath>
 #include <string>
 
+#include "hal/types/units.hpp"
+
 namespace colift::control {
 namespace {
-
-// the hand's state shows a command some cycles later: before, it may look as if it had ended already
 
 /// Width between the third finger and the one of the others that is farther from it (m).
 double felt_width(const planner::HandModel& hand, const hal::HandState& state) {
@@ -47,6 +46,12 @@ std::optional<TaskEvent> GripPhase::close() {
 std::optional<TaskEvent> GripPhase::verify() {
   const hal::HandState& hand = c_.readings.hand;
   if (auto gone = let_go()) return gone;
+  // fingers that met the object one after the other have shifted it against the arm's springs and the partner
+  if (const double ease_s = c_.config.task.grip.ease_s;
+      ease_s > 0.0 && hal::seconds(c_.now - eased_at_) >= ease_s) {
+    eased_at_ = c_.now;
+    c_.arm.ease();
+  }
   // still for a moment, and as wide as the object was seen to be
   if (c_.in_state_s() < c_.config.task.carry.settle_s) return std::nullopt;
   const double expected = planner::stopped_angle(c_.rig.hand, c_.chosen());

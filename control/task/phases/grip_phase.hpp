@@ -18,6 +18,7 @@ class GripPhase {
 
   void begin_close();
   [[nodiscard]] std::optional<TaskEvent> close();
+  void begin_verify() { eased_at_ = c_.now; }
   [[nodiscard]] std::optional<TaskEvent> verify();
   void begin_await_ready() { object_.start_lift(); }
   /// Decides who leads the lift, too: TaskContext::role.
@@ -31,6 +32,7 @@ class GripPhase {
   PartnerMonitor& partner_;
   ObjectMonitor& object_;
   LetGoMonitor& let_go_;
+  hal::Timestamp eased_at_{0};
 };
 
 }  // namespace colift::control

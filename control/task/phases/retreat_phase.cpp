@@ -8,7 +8,6 @@
 namespace colift::control {
 namespace {
 
-// the hand's state shows a command some cycles later: before, it may look as if it had ended already
 constexpr int kMaxUnloadings = 3;  // of one release, when the object is raised again and again
 
 }  // namespace

@@ -257,6 +257,8 @@ void TaskRunner::begin_state(Task from, Event event) {
       return back_off_phase_.begin(event, approach_phase_.abandon(), approach_phase_.set_out());
     case Task::Close:
       return grip_phase_.begin_close();
+    case Task::Verify:
+      return grip_phase_.begin_verify();
     case Task::AwaitReady:
       return grip_phase_.begin_await_ready();
     case Task::TestLift:
@@ -283,7 +285,6 @@ void TaskRunner::begin_state(Task from, Event event) {
       return c_.arm.hold();
     case Task::Observe:
     case Task::Plan:
-    case Task::Verify:
       break;
   }
 }

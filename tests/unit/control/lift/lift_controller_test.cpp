@@ -7,13 +7,17 @@ using control::LiftController;
 
 namespace {
 
+hal::JointVector posture() {
+  hal::JointVector q;
+  q << 0.0, 0.35, 0.0, 1.75, 0.0, -0.9, 0.0;
+  return q;
+}
+
 /// Torque that is superposed after a second in which this was felt.
 double superposed_nm(const hal::Wrench& measured) {
   const hal::RobotModel& model = hal::built_in_robot();
   LiftController lift(model, planner::arm_geometry(model).value(), {});
-  hal::JointVector q;
-  q << 0.0, 0.35, 0.0, 1.75, 0.0, -0.9, 0.0;
-  lift.start(q);
+  lift.start(posture());
   lift.lift(LiftController::Role::Lead, 0.01, 10.0);
   std::optional<LiftController::Command> command;
   for (int i = 0; i < 500; ++i) command = lift.step(0.002, measured);
@@ -31,4 +35,27 @@ TEST_CASE("what the hand bears is fed forward, what pushes it up is not") {
   CHECK(superposed_nm({hal::Vec3(0.0, 0.0, 20.0), hal::Vec3(1.0, 1.0, 0.0)}) == 0.0);
   // sideways the arm stays soft
   CHECK(superposed_nm({hal::Vec3(20.0, -20.0, 0.0), hal::Vec3::Zero()}) == 0.0);
+}
+
+TEST_CASE("a palm is left where it was taken to, but what a load pulled down comes up again") {
+  const hal::RobotModel& model = hal::built_in_robot();
+  const planner::ArmGeometry arm = planner::arm_geometry(model).value();
+  const LiftController lift(model, arm, {});
+  const hal::Pose commanded = planner::flange_pose(arm, posture());
+  const auto left_where = [&](const hal::Vec3& taken_by, double turned_by) {
+    hal::Pose measured = commanded;
+    measured.translation() += taken_by;
+    measured.linear() = commanded.linear() * Eigen::AngleAxisd(turned_by, hal::Vec3::UnitX());
+    const auto q = planner::follow_ik(arm, measured, posture(), 0.02, 0.5);
+    REQUIRE(q);
+    return planner::flange_pose(arm, lift.where_taken(posture(), *q));
+  };
+  const hal::Pose aside = left_where({0.01, -0.02, 0.008}, 0.03);
+  CHECK((aside.translation() - commanded.translation()).isApprox(hal::Vec3(0.01, -0.02, 0.008), 1e-3));
+  CHECK(Eigen::AngleAxisd(commanded.linear().transpose() * aside.linear()).angle() ==
+        Approx(0.03).epsilon(1e-3));
+  const hal::Pose pulled_down = left_where({0.01, 0.0, -0.02}, 0.0);
+  CHECK((pulled_down.translation() - commanded.translation()).isApprox(hal::Vec3(0.01, 0.0, 0.0), 1e-3));
+  // farther than a hand's breadth no spring takes it
+  CHECK(left_where({0.0, 0.15, 0.0}, 0.0).isApprox(commanded));
 }
