@@ -11,6 +11,8 @@
 namespace colift::control {
 namespace {
 
+constexpr double kMaxEase_m = 0.03;  // closing fingers move the palm by millimetres
+
 /// Width between the third finger and the one of the others that is farther from it (m).
 double felt_width(const planner::HandModel& hand, const hal::HandState& state) {
   const auto& q = state.finger_rad;
@@ -43,15 +45,24 @@ std::optional<TaskEvent> GripPhase::close() {
   return TaskEvent{Event::HandHeld, "every finger is stopped by the object"};
 }
 
+void GripPhase::begin_verify() {
+  eased_at_ = c_.now;
+  closed_W_ = c_.palm().translation();
+}
+
+// Fingers that meet the object one after the other shift it against the arm's springs and the partner. What
+// takes the palm farther than that is somebody who pushes: he is not followed.
+void GripPhase::ease() {
+  const double ease_s = c_.config.task.grip.ease_s;
+  if (ease_s == 0.0 || hal::seconds(c_.now - eased_at_) < ease_s) return;
+  eased_at_ = c_.now;
+  if ((c_.palm().translation() - closed_W_).norm() < kMaxEase_m) c_.arm.ease();
+}
+
 std::optional<TaskEvent> GripPhase::verify() {
   const hal::HandState& hand = c_.readings.hand;
   if (auto gone = let_go()) return gone;
-  // fingers that met the object one after the other have shifted it against the arm's springs and the partner
-  if (const double ease_s = c_.config.task.grip.ease_s;
-      ease_s > 0.0 && hal::seconds(c_.now - eased_at_) >= ease_s) {
-    eased_at_ = c_.now;
-    c_.arm.ease();
-  }
+  ease();
   // still for a moment, and as wide as the object was seen to be
   if (c_.in_state_s() < c_.config.task.carry.settle_s) return std::nullopt;
   const double expected = planner::stopped_angle(c_.rig.hand, c_.chosen());

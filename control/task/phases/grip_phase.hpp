@@ -18,7 +18,7 @@ class GripPhase {
 
   void begin_close();
   [[nodiscard]] std::optional<TaskEvent> close();
-  void begin_verify() { eased_at_ = c_.now; }
+  void begin_verify();
   [[nodiscard]] std::optional<TaskEvent> verify();
   void begin_await_ready() { object_.start_lift(); }
   /// Decides who leads the lift, too: TaskContext::role.
@@ -27,12 +27,15 @@ class GripPhase {
  private:
   /// By tracker or by what is seen at his contact, whichever is first.
   [[nodiscard]] std::optional<TaskEvent> let_go();
+  /// Lets go of what the closing fingers have strained.
+  void ease();
 
   TaskContext& c_;
   PartnerMonitor& partner_;
   ObjectMonitor& object_;
   LetGoMonitor& let_go_;
   hal::Timestamp eased_at_{0};
+  hal::Vec3 closed_W_ = hal::Vec3::Zero();  ///< Where the palm stood when the hand had closed.
 };
 
 }  // namespace colift::control
