@@ -97,18 +97,14 @@ void ArmController::take(const ArmRequest& request) {
       setpoints_.set_scale(request.number);
       break;
     case Kind::Ease:
-      if (!yielding_ && !lifting_ && view_.state.q_rad.allFinite())
-        setpoints_.servo(lift_.where_taken(setpoints_.commanded(), view_.state.q_rad),
-                         hal::JointVector::Zero());
+      if (!yielding_ && !lifting_) leave_palm();
       break;
     case Kind::Unload:
       setpoints_.superpose(hal::JointVector::Zero());
       compensation_.drop();
       // the palm may stand beside its set point, or lean on the object: the springs would throw the empty
       // hand there. What yields goes its own way
-      if ((palm_.weight() > 0.0 || !yielding_) && view_.state.q_rad.allFinite())
-        setpoints_.servo(lift_.where_taken(setpoints_.commanded(), view_.state.q_rad),
-                         hal::JointVector::Zero());
+      if (palm_.weight() > 0.0 || !yielding_) leave_palm();
       palm_.engage(false);
       energy_.close();
       break;
@@ -225,6 +221,11 @@ void ArmController::start_compensation() {
   const hal::JointVector& q_rad = view_.state.q_rad;
   compensation_.start(yield_superposed_nm_,
                       q_rad.allFinite() ? palm_wrench(*model_, q_rad, yield_superposed_nm_).force.z() : 0.0);
+}
+
+void ArmController::leave_palm() {
+  if (!view_.state.q_rad.allFinite()) return;
+  setpoints_.servo(lift_.where_taken(setpoints_.commanded(), view_.state.q_rad), hal::JointVector::Zero());
 }
 
 void ArmController::end_yield() {

@@ -135,6 +135,8 @@ class ArmController {
   void start_yield();
   void start_compensation();
   void end_yield();
+  /// The set point goes to where the palm stands, without torque: no spring pulls it.
+  void leave_palm();
   /// An arm that is pushed farther than the band follows: it does not spring back.
   void serve_yield();
 

@@ -11,16 +11,18 @@ namespace {
 constexpr double kWideAndClosed_m = 1.5;
 
 /// Of the left or the right side, whichever is more.
-double side_cut(const Fragment& f) {
-  return std::max(f.cut_left, f.cut_right) / (2.0 * (f.v_max - f.v_min + 1));
+SideCut side_cut(const Fragment& f) {
+  const double rows = f.v_max - f.v_min + 1;
+  SideCut cut{f.cut_left / (2 * rows), "left"};
+  if (f.cut_right / (2 * rows) > cut.fraction) cut = {f.cut_right / (2 * rows), "right"};
+  return cut;
 }
 
 }  // namespace
 
 SideCut lateral_cut(const Fragment& f) {
-  const double rows = f.v_max - f.v_min + 1, columns = f.u_max - f.u_min + 1;
-  SideCut cut{f.cut_left / (2 * rows), "left"};
-  if (f.cut_right / (2 * rows) > cut.fraction) cut = {f.cut_right / (2 * rows), "right"};
+  const double columns = f.u_max - f.u_min + 1;
+  SideCut cut = side_cut(f);
   if (f.cut_bottom / (2 * columns) > cut.fraction) cut = {f.cut_bottom / (2 * columns), "bottom"};
   return cut;
 }
@@ -65,14 +67,14 @@ std::optional<RejectedObject> object_to(const Fragment& f, const TargetConfig& c
     return no;
   }
   // cut at the bottom it still shows its head
-  const bool aside = cut.fraction <= c.max_cut && side_cut(f) > c.max_person_side_cut;
-  if (aside && f.max_height_m > c.min_person_part_m &&
-      f.max_height_m > c.min_person_slenderness * footprint_span(f)) {
+  const SideCut side = side_cut(f);
+  if (cut.fraction <= c.max_cut && side.fraction > c.max_person_side_cut &&
+      f.max_height_m > c.min_person_part_m && f.max_height_m > c.min_person_slenderness * footprint_span(f)) {
     auto no =
         reject(Kind::Person,
                fmt::format("its {} side leaves the view by {:.0f} %, and what is seen of it is {:.2f} m "
                            "high and taller than wide: a part of a person, perhaps",
-                           f.cut_left > f.cut_right ? "left" : "right", 100 * side_cut(f), f.max_height_m));
+                           side.side, 100 * side.fraction, f.max_height_m));
     no.whole = true;
     return no;
   }

@@ -53,6 +53,21 @@ std::string outcome_of_program(std::int32_t code) {
   return std::string(kWords[static_cast<std::size_t>(code)]);
 }
 
+std::string abilities_text(const hal::ArmAbilities& can) {
+  std::string t;
+  const auto add = [&](bool able, const char* what) {
+    if (able) t += (t.empty() ? "" : ", ") + std::string(what);
+  };
+  add(can.joint_impedance, "joint impedance");
+  add(can.superposed_torque, "superposed torque");
+  add(can.cartesian_impedance, "Cartesian impedance");
+  add(can.position, "position");
+  return fmt::format(
+      "{}; up to {:.0f} N m/rad, {:.0f} to {:.0f} N m superposed; cycles of {:.0f} to {:.0f} ms", t,
+      can.max_stiffness_nm_rad, can.max_superposed_nm.minCoeff(), can.max_superposed_nm.maxCoeff(),
+      1e3 * can.min_period_s, 1e3 * can.max_period_s);
+}
+
 }  // namespace
 
 void ProgramMonitor::note(const hal::FriMeasurement& m, double t_s) {
@@ -190,25 +205,6 @@ hal::JointVector commanded_rad(const hal::FriMeasurement& m) {
 double to_limit_rad(const hal::RobotModel& model, int joint, double q_rad) {
   return std::min(q_rad - model.lower_rad()[joint], model.upper_rad()[joint] - q_rad);
 }
-
-namespace {
-
-std::string abilities_text(const hal::ArmAbilities& can) {
-  std::string t;
-  const auto add = [&](bool able, const char* what) {
-    if (able) t += (t.empty() ? "" : ", ") + std::string(what);
-  };
-  add(can.joint_impedance, "joint impedance");
-  add(can.superposed_torque, "superposed torque");
-  add(can.cartesian_impedance, "Cartesian impedance");
-  add(can.position, "position");
-  return fmt::format(
-      "{}; up to {:.0f} N m/rad, {:.0f} to {:.0f} N m superposed; cycles of {:.0f} to {:.0f} ms", t,
-      can.max_stiffness_nm_rad, can.max_superposed_nm.minCoeff(), can.max_superposed_nm.maxCoeff(),
-      1e3 * can.min_period_s, 1e3 * can.max_period_s);
-}
-
-}  // namespace
 
 std::string arm_screen(const ArmView& v, const hal::RobotModel& model) {
   const auto& s = v.status;

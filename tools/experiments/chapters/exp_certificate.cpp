@@ -214,14 +214,10 @@ std::vector<Figure> figures(const Results& r) {
   int all = 0, lifted = 0;
   for (const Row& row : r.trials.rows()) ++all, lifted += r.trials.text(row, "outcome") == "lifted";
   out.push_back({"lifted", "jobs that lifted", rate(lifted, all), "%"});
-  double least_j = INFINITY;
-  int carried = 0;
-  for (const Row& row : r.trials.rows())
-    if (const double j = r.trials.number(row, "margin_j"); !std::isnan(j))
-      least_j = std::min(least_j, j), ++carried;
-  if (carried > 0)
-    out.push_back(
-        {"margin_j", "least passivity margin of all", {least_j, least_j, least_j, carried}, "J", 0.0, true});
+  std::vector<double> margins_j;
+  for (const Row& row : r.trials.rows()) margins_j.push_back(r.trials.number(row, "margin_j"));
+  out.push_back(
+      {"margin_j", "least passivity margin of all", quantile_estimate(margins_j, 0.0), "J", 0.0, true});
   for (std::size_t lot = 0; lot < kLots.size(); ++lot) {
     for (std::size_t b = 0; b < kBounds.size(); ++b) {
       std::string key = fmt::format("{}_{}", kBounds[b], kLots[lot]);
