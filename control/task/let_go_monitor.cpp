@@ -5,10 +5,17 @@
 #include <algorithm>
 
 namespace colift::control {
+
+bool is_borne_again(double load_n, double before_n, double max_deviation, bool end_is_up) {
+  const double gain_n = load_n - before_n, max_n = max_deviation * before_n;
+  return gain_n < max_n && (end_is_up || gain_n > -max_n);
+}
+
 void LetGoMonitor::start() {
   contact_W_ = c_.record.decision->partner->position;
   X_ = hal::Pose::Identity();
   rise_m_ = 0.0;
+  aside_m_ = turned_m_ = Eigen::Vector2d::Zero();
   usual_m2_ = 0.0;
   area_m2_ = NAN;
   frames_ = frames_gone_ = frames_low_ = 0;
@@ -81,7 +88,8 @@ void LetGoMonitor::update_hand() {
   hal::Pose X = hal::Pose::Identity();
   if (in_the_air() && object_.motion()) rise_m_ = object_.partner_rise_m();
   X.translation().z() = rise_m_;
-  if (in_the_air() && object_.motion() && !his_end_is_up()) X.translation().head<2>() = turned_aside();
+  if (in_the_air() && object_.motion()) follow_turn();
+  X.translation().head<2>() = aside_m_;
   const auto hand = c_.session.hand_at_grasp(*c_.readings.frame, c_.posture(), X, contact_W_);
   if (!hand) return;
   const perception::PresenceConfig& presence = c_.config.presence;
@@ -108,15 +116,25 @@ void LetGoMonitor::update_hand() {
   ++frames_;
 }
 
-// As long as the far feet stand, the object turns about them, and what is high on it goes sideways: the back
-// of a chair by 16 mm for each degree. How far it turns is seen well, whatever its picture shows of its
-// position.
+// As long as feet stand, the object turns about them, and what is high on it goes sideways: the back of a
+// chair by up to 16 mm for each degree. How far it turns is seen well, and bounds what its picture says of
+// its motion.
 Eigen::Vector2d LetGoMonitor::turned_aside() const {
   constexpr double kLeast = 0.007;  // 0.4 degrees: less is noise
   const Eigen::Vector2d lean = (X_.linear() * hal::Vec3::UnitZ()).head<2>();
   const double sine = lean.norm();
   if (!(sine > kLeast)) return Eigen::Vector2d::Zero();
-  return contact_W_.z() * (1.0 - kLeast / sine) * lean;
+  const Eigen::Vector2d towards = lean / sine;
+  const double seen_m = (place() - contact_W_).head<2>().dot(towards);
+  return std::clamp(seen_m, 0.0, contact_W_.z() * (sine - kLeast)) * towards;
+}
+
+// An end in the air turns about no feet: what it had gone by then stays, so that the hand's place never
+// jumps.
+void LetGoMonitor::follow_turn() {
+  const Eigen::Vector2d turned_m = turned_aside();
+  if (!his_end_is_up()) aside_m_ += turned_m - turned_m_;
+  turned_m_ = turned_m;
 }
 
 void LetGoMonitor::update_load() {
@@ -194,8 +212,12 @@ bool LetGoMonitor::holds_again() const {
   if (!(lag_m() < carry.partner_lag_m)) return false;
   if (const auto seen = hand_seen(); seen && !his_end_is_up()) return *seen;
   const double load_n = c_.arm.view().load_n;
-  return load_before_n_ > config_.min_load_n &&
-         std::abs(load_n - load_before_n_) < carry.regrasp_load_factor * load_before_n_;
+  return std::min(load_n, load_before_n_) > config_.min_load_n &&
+         is_borne_again(load_n, load_before_n_, carry.regrasp_load_factor, his_end_is_up());
+}
+
+bool LetGoMonitor::hand_stays() const {
+  return hand_seen().value_or(false) && hand_motion_.score() < c_.config.presence.motion_usual_sigmas;
 }
 
 void LetGoMonitor::ask_again() {

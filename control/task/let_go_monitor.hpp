@@ -12,6 +12,11 @@
 
 namespace colift::control {
 
+/// Whether the load in the hand (N) says that the partner bears his part again: it is what it was before (N),
+/// up to a fraction of that. With his end in the air it may be less, he bears the more then; with his end on
+/// the ground less may as well be what the ground bears.
+[[nodiscard]] bool is_borne_again(double load_n, double before_n, double max_deviation, bool end_is_up);
+
 /// Whether the partner still holds the object, from first finger contact to the end of lowering: his hand in
 /// the picture at his contact, which moves with the object; his end, which has to stay with the palm; the
 /// load, which grows when he lets go. Any one of them says so. A sudden sideways force is a pull. Early in a
@@ -30,9 +35,13 @@ class LetGoMonitor {
   [[nodiscard]] std::optional<TaskEvent> let_go() const;
   /// The sideways force on the hand is steady: nobody pulls at the object.
   [[nodiscard]] bool is_steady() const;
-  /// He holds a raised object again: his hand is seen and his end is up; where his hand cannot be seen, his
-  /// end is up and the load is what it was.
+  /// He holds a raised object again: his hand is seen and his end is up. Where his hand cannot be seen: the
+  /// load is what it was; with his end in the air it may be less, he bears the more then.
   [[nodiscard]] bool holds_again() const;
+  /// In the last frame his hand was at his contact, no farther from its mean than usual.
+  [[nodiscard]] bool hand_stays() const;
+  /// His end is seen in the air beside the palm: he carries, whatever hides his hand.
+  [[nodiscard]] bool his_end_is_up() const;
   /// The robot sets the object down alone, as a person confirmed: from now on nobody lets go.
   void stop() { stopped_ = true; }
   /// He was asked to hold again: what was found before does not count.
@@ -49,11 +58,10 @@ class LetGoMonitor {
   void update_pull(double dt_s);
   /// How far his end has just sunk more than the palm (m); 0 while it does not sink, or is not seen.
   [[nodiscard]] double fall_m() const;
-  /// How far his contact went sideways by the object's turn (m, W).
+  /// How far his contact went sideways by the object's turn (m, W), and where that is followed.
   [[nodiscard]] Eigen::Vector2d turned_aside() const;
+  void follow_turn();
   [[nodiscard]] bool in_the_air() const;
-  /// His end is seen in the air beside the palm: he carries, whatever hides his hand.
-  [[nodiscard]] bool his_end_is_up() const;
   /// Of his end below the palm (m), since the hand closed; NaN while not seen.
   [[nodiscard]] double lag_m() const;
 
@@ -64,7 +72,9 @@ class LetGoMonitor {
   hal::Vec3 contact_W_ = hal::Vec3::Zero();
   hal::Pose X_ = hal::Pose::Identity();  ///< Last known motion of the object.
   double rise_m_ = 0.0;                  ///< Of his end, as last seen.
-  std::size_t camera_ = 0;               ///< That saw his hand so far.
+  /// How far his contact went sideways, all in all; by the object's turn as last seen (m, W).
+  Eigen::Vector2d aside_m_ = Eigen::Vector2d::Zero(), turned_m_ = Eigen::Vector2d::Zero();
+  std::size_t camera_ = 0;  ///< That saw his hand so far.
   double usual_m2_ = 0.0, area_m2_ = NAN;
   perception::HandMotion hand_motion_{c_.config.presence};
   bool hand_leaves_ = false, stopped_ = false;

@@ -27,6 +27,13 @@ void ObjectMonitor::start_lift() {
   partner_bears_at_ = c_.now;
 }
 
+bool ObjectMonitor::seen_down() const {
+  const double tolerance_m = c_.config.task.carry.standing_tolerance_m;
+  if (!motion_) return c_.arm.view().height_m < tolerance_m;
+  return std::abs(motion_->rise(X_WH_grip_.translation(), hal::Vec3::UnitZ())) < tolerance_m &&
+         partner_rise_m_ < tolerance_m;
+}
+
 // Where the mass was not known before the lift: what the partner bears by the measured load, if the robot
 // bears the predicted share of it.
 double ObjectMonitor::partner_load_n() const {

@@ -8,6 +8,7 @@
 namespace colift::control {
 namespace {
 
+constexpr double kMuchOfHis = 0.75;  // of the partner's load, taken over at once: he may have let go
 constexpr double kMeanLoad = 0.005;  // of a cycle in the slow mean of the load: some 200 cycles
 
 }  // namespace
@@ -110,7 +111,13 @@ std::optional<TaskEvent> LiftPhase::partner_gone_or_lowers() {
   mean_load_n_ += a * (load_n - mean_load_n_);
   if (c_.arm.view().role == LiftController::Role::Follow && fell && !heavier)
     return TaskEvent{Event::HoldOver, "the partner lowers"};
-  if (heavier) return TaskEvent{Event::PartnerLetGo, fmt::format("sudden gain of load: to {:.0f} N", load_n)};
+  // a person who carries sways: an end that stays up is not let go for a few newtons, which are not nearly
+  // all of what he bore
+  const double his_n = std::max(mean_load_n_, 0.0) * (1.0 / c_.record.decision->decision.share - 1.0);
+  const bool bears_his = load_n - mean_load_n_ > kMuchOfHis * his_n;
+  const bool sways = partner_.his_end_is_up() && (partner_.hand_stays() || !bears_his);
+  if (heavier && !sways)
+    return TaskEvent{Event::PartnerLetGo, fmt::format("sudden gain of load: to {:.0f} N", load_n)};
   if (fell)
     return TaskEvent{Event::PartnerLetGo,
                      fmt::format("his end fell by {:.0f} mm", 1e3 * object_.partner_fall_m())};
@@ -172,10 +179,7 @@ std::optional<TaskEvent> LiftPhase::judge_lowering() {
   // alone it may still hang between the partner and a foot
   const auto& motion = object_.motion();
   const double rise_m = motion ? motion->rise(object_.X_WH_grip().translation(), hal::Vec3::UnitZ()) : NAN;
-  // without a picture the palm's own height has to do
-  const bool seen_down = motion ? std::abs(rise_m) < carry.standing_tolerance_m &&
-                                      object_.partner_rise_m() < carry.standing_tolerance_m
-                                : arm.height_m < carry.standing_tolerance_m;
+  const bool seen_down = object_.seen_down();
   if (arm.load_n > limit_n) unsupported_at_ = c_.now;
   const double supported_s = hal::seconds(c_.now - unsupported_at_);
   const bool early =

@@ -6,11 +6,12 @@
 
 namespace colift::control {
 
-void PausePhase::begin(Task from, Event event) {
+void PausePhase::begin(Task from, Event event, std::string why) {
   from_ = from;
   obstructed_ = event == Event::Obstructed;
   pulled_ = event == Event::PartnerPulls;
-  not_since_ = c_.now;
+  why_ = std::move(why);
+  not_since_ = hangs_at_ = c_.now;
   load_at_start_n_ = c_.arm.view().load_n;
   c_.arm.pause();
   partner_.ask_again();
@@ -51,6 +52,22 @@ bool PausePhase::goes_on() const {
   return load_n > carry.standing_load_n && load_n > load_at_start_n_ + carry.standing_load_n;
 }
 
+bool PausePhase::stands() const {
+  return !obstructed_ && object_.seen_down() && c_.arm.view().load_n < c_.config.task.let_go.min_load_n;
+}
+
+TaskEvent PausePhase::put_down() {
+  partner_.stop();
+  if (from_ != Task::TestLift) {
+    c_.attempts.failed = true;
+    c_.attempts.regrasp = false;
+    c_.attempts.failure = fmt::format("the object stands; not known whether the partner {}: {}",
+                                      from_ == Task::Lower ? "set it down" : "lifted it", why_);
+  }
+  return {Event::OnGround,
+          fmt::format("both ends are seen where they stood, {:.1f} N in the hand", c_.arm.view().load_n)};
+}
+
 std::optional<TaskEvent> PausePhase::pause() {
   object_.update();
   partner_.update();
@@ -65,11 +82,16 @@ std::optional<TaskEvent> PausePhase::pause() {
   if (!hand.held) return TaskEvent{Event::HandEmpty, "the hand has lost the object"};
   if (hand.slips) return TaskEvent{Event::HandUnfit, "slip detected by the fingers"};
   if (!goes_on()) not_since_ = c_.now;
+  if (!stands()) hangs_at_ = c_.now;
   if (hal::seconds(c_.now - not_since_) >= carry.regrasp_s)
     return TaskEvent{from_ == Task::Lift || from_ == Task::Hold ? Event::PartnerBack : Event::HoldOver,
                      fmt::format("for {:.1f} s", carry.regrasp_s)};
-  if (c_.in_state_s() > carry.regrasp_timeout_s)
-    return TaskEvent{Event::TimeOut, fmt::format("asked for {:.0f} s", c_.in_state_s())};
+  const bool asked_in_vain = c_.in_state_s() > carry.regrasp_timeout_s;
+  // on its way up he is asked first
+  const bool was_to_stand = from_ == Task::Lower || from_ == Task::TestLift;
+  if (hal::seconds(c_.now - hangs_at_) >= carry.regrasp_s && (was_to_stand || asked_in_vain))
+    return put_down();
+  if (asked_in_vain) return TaskEvent{Event::TimeOut, fmt::format("asked for {:.0f} s", c_.in_state_s())};
   return std::nullopt;
 }
 

@@ -16,7 +16,7 @@ class PausePhase {
   PausePhase(TaskContext& context, ObjectMonitor& object, LetGoMonitor& partner)
       : c_(context), object_(object), partner_(partner) {}
 
-  void begin(Task from, Event event);
+  void begin(Task from, Event event, std::string why);
   [[nodiscard]] std::optional<TaskEvent> pause();
   /// A person confirmed lowering: the robot sets the object down, with the partner or without him.
   void lowering_confirmed();
@@ -25,6 +25,10 @@ class PausePhase {
 
  private:
   [[nodiscard]] bool goes_on() const;
+  /// Next to nothing hangs in the hand, and both ends of the object are seen where they stood.
+  [[nodiscard]] bool stands() const;
+  /// It stands, and nobody took it up: the robot sets its end down and releases it.
+  [[nodiscard]] TaskEvent put_down();
   [[nodiscard]] const char* request() const;
 
   TaskContext& c_;
@@ -33,7 +37,9 @@ class PausePhase {
   Task from_ = Task::Lift;
   bool obstructed_ = false, pulled_ = false;
   double load_at_start_n_ = 0.0;
-  hal::Timestamp not_since_{0};  ///< When it was last not to go on.
+  std::string why_;              ///< It was paused.
+  hal::Timestamp not_since_{0};  ///< When it was last not to go on ...
+  hal::Timestamp hangs_at_{0};   ///< ... and not to stand.
 };
 
 }  // namespace colift::control

@@ -271,7 +271,7 @@ void TaskRunner::begin_state(Task from, Event event) {
       if (event == Event::LowerConfirmed) pause_phase_.lowering_confirmed();
       return lift_phase_.begin_lower();
     case Task::Pause:
-      return pause_phase_.begin(from, event);
+      return pause_phase_.begin(from, event, detail_);
     case Task::Yield:
       return yield_phase_.begin(from, detail_);
     case Task::Release:

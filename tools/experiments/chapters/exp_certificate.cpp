@@ -145,7 +145,10 @@ TrialRows run(const Trial& trial) {
   row.push_back(r.outcome == control::RunRecord::Result::Lifted
                     ? r.reason
                     : fmt::format("after {}: {}", path_of(r), r.reason));
-  return {row, {}, fmt::format("{}, {}: {}; {}", drawn.scenario.name, kLots[lot], word(r.outcome), c.text)};
+  TrialRows rows{
+      row, {}, fmt::format("{}, {}: {}; {}", drawn.scenario.name, kLots[lot], word(r.outcome), c.text)};
+  if (path_of(r).find("pause") != std::string::npos) rows.kept = KeptLift{drawn.scenario, trial.own_seed(52)};
+  return rows;
 }
 
 /// Whether a bound held; nullopt where the lift does not tell.

@@ -18,6 +18,7 @@ namespace colift::experiments {
 namespace impedance_trials {
 namespace {
 
+constexpr double kMuch_mm = 5.0;  // of motion when the hand opens: the scenario is kept
 constexpr std::array<const char*, 2> kControls{"joint_impedance", "cartesian_impedance"};
 constexpr std::array<const char*, 2> kShort{"joint", "palm"};
 constexpr std::array<const char*, 3> kPartners{"still", "sways", "turns"};
@@ -134,6 +135,7 @@ TrialRows run(const Trial& trial) {
          {m.side_n, m.side_peak_n, m.release_mm, m.tilt_deg, m.share_error, m.slip_mm, m.margin_j})
       rows.row.push_back(cell(v));
     rows.words += fmt::format("{}{} {}, {:.0f} N sideways", i ? "; " : "", kShort[i], m.outcome, m.side_n);
+    if (m.outcome != "lifted" || m.release_mm > kMuch_mm) rows.kept = KeptLift{scenario, trial.own_seed(32)};
     if (m.outcome != "lifted") why += fmt::format("{}: {} ", kShort[i], m.because);
   }
   rows.row.push_back(why);

@@ -283,9 +283,10 @@ TEST_CASE("a pause holds the arm where it is, and ends in time without the partn
   Loaded rig;
   rig.enter(Task::Lift);
   rig.lift.begin_lift(Task::AwaitReady);
-  (void)rig.run([&] { return rig.lift.lift(); }, 1.0);
+  (void)rig.run([&] { return rig.lift.lift(); }, 1.5);
+  REQUIRE(rig.c->arm.view().height_m > 0.01);
   rig.enter(Task::Pause);
-  rig.pause.begin(Task::Lift, Event::PartnerLetGo);
+  rig.pause.begin(Task::Lift, Event::PartnerLetGo, "his hand left the grasp");
   rig.idle(0.3);
   const double height_m = rig.c->palm().translation().z();
   const auto event = rig.run([&] { return rig.pause.pause(); });
@@ -294,6 +295,43 @@ TEST_CASE("a pause holds the arm where it is, and ends in time without the partn
   CHECK(rig.c->in_state_s() == Approx(20.0).margin(0.1));
   CHECK(rig.c->palm().translation().z() == Approx(height_m).margin(1e-4));
   REQUIRE(rig.c->record.asked.size() == 1);
+}
+
+TEST_CASE("an object that stands already is set down, and not said to have been set down by both",
+          "[phases]") {
+  Loaded rig;
+  rig.enter(Task::Pause);
+  SECTION("while it was lowered: at once") {
+    rig.pause.begin(Task::Lower, Event::PartnerLetGo, "his hand left the grasp");
+    REQUIRE(rig.run([&] { return rig.pause.pause(); })->event == Event::OnGround);
+    CHECK(rig.c->in_state_s() == Approx(0.5).margin(0.02));
+    CHECK_THAT(rig.c->attempts.failure,
+               Catch::Contains("not known whether the partner set it down: his hand left"));
+  }
+  SECTION("while it was lifted: when nobody took it up") {
+    rig.pause.begin(Task::Lift, Event::PartnerLetGo, "his hand left the grasp");
+    REQUIRE(rig.run([&] { return rig.pause.pause(); })->event == Event::OnGround);
+    CHECK(rig.c->in_state_s() == Approx(20.0).margin(0.1));
+    CHECK_THAT(rig.c->attempts.failure, Catch::Contains("not known whether the partner lifted it"));
+  }
+  SECTION("not while it hangs") {
+    rig.load(8.0);
+    rig.idle(0.5);
+    rig.pause.begin(Task::Lower, Event::PartnerLetGo, "his hand left the grasp");
+    CHECK(rig.run([&] { return rig.pause.pause(); })->event == Event::TimeOut);
+    CHECK_FALSE(rig.c->attempts.failed);
+    return;
+  }
+  CHECK(rig.c->attempts.failed);
+  CHECK_FALSE(rig.c->attempts.regrasp);
+}
+
+TEST_CASE("the load says that the partner bears his part again", "[phases]") {
+  CHECK(is_borne_again(20.0, 21.0, 0.3, false));
+  CHECK_FALSE(is_borne_again(30.0, 21.0, 0.3, false));
+  CHECK_FALSE(is_borne_again(30.0, 21.0, 0.3, true));
+  CHECK(is_borne_again(12.0, 40.0, 0.3, true));         // he had let it sink, and bears more than before
+  CHECK_FALSE(is_borne_again(12.0, 40.0, 0.3, false));  // the ground may bear that
 }
 
 TEST_CASE("a load that vanishes in the air is an object that was lost", "[phases]") {

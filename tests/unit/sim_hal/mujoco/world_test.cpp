@@ -71,15 +71,16 @@ TEST_CASE("everything stays at rest when nobody does anything") {
 TEST_CASE("every shipped scenario stands still until the partner comes") {
   int count = 0;
   for (const auto& file : std::filesystem::directory_iterator(COLIFT_SOURCE_DIR "/config/scenario")) {
-    const auto scenario = load_scenario(file.path());
+    auto scenario = load_scenario(file.path());
     INFO(file.path().string() << ": " << (scenario ? std::string() : scenario.error().text()));
     REQUIRE(scenario);
+    scenario->partner.kind = "none";  // however late he comes: a pipe does not roll on level blocks
     auto world = SimWorld::make(*scenario, hal::built_in_robot(), 1, {});
     INFO((world ? std::string() : world.error().text()));
     REQUIRE(world);
-    (*world)->advance(std::chrono::seconds(1));
+    (*world)->advance(std::chrono::seconds(10));
     const SimTruth truth = (*world)->truth();
-    CHECK((truth.X_WT.translation() - scenario->object.xyz).norm() < 0.001);
+    CHECK((truth.X_WT.translation() - scenario->object.xyz).norm() < 0.002);
     CHECK(truth.tilt_rad < 0.002);
     CHECK_FALSE(truth.robot_hit_something);
     ++count;
