@@ -57,8 +57,11 @@ struct TaskContext {
   /// Starts the arm along a trajectory; an empty one is none. False when it cannot; attempts.failure says
   /// why.
   [[nodiscard]] bool follow(const planner::Trajectory& trajectory);
-  /// Whether a motion may begin: it was announced TaskConfig::intent_lead_s ago. To be asked in every cycle.
-  [[nodiscard]] bool may_begin(Motion motion) { return intents.may_begin(motion, now - began); }
+  /// Whether a motion may begin: it was announced TaskConfig::intent_lead_s ago, and the arm takes commands,
+  /// which after a gap of its cycle it does not for a moment. To be asked in every cycle.
+  [[nodiscard]] bool may_begin(Motion motion) {
+    return intents.may_begin(motion, now - began) && arm.view().running;
+  }
   /// Says something to the people around the robot.
   void request(std::string says) { intents.request(std::move(says), now - began); }
   /// Something about a device is worth saying.

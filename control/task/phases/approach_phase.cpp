@@ -47,7 +47,7 @@ std::optional<TaskEvent> ApproachPhase::approach() {
   }
   if (const std::string closed = hand_stays_closed(); !closed.empty())
     return TaskEvent{Event::HandUnfit, closed};
-  if (leg_ == Leg::None) return TaskEvent{Event::Blocked, c_.attempts.failure};
+  if (leg_ == Leg::None) return TaskEvent{Event::TimeOut, c_.attempts.failure};
   const double transit_s = plan.transit.duration_s(), straight_s = plan.approach.duration_s();
   const double total_s = transit_s + straight_s;
   const double passed_s =
@@ -57,7 +57,7 @@ std::optional<TaskEvent> ApproachPhase::approach() {
   const EmptyHandConfig& limits = c_.config.task.empty_hand;
   if (c_.in_state_s() > limits.approach_timeout_factor * total_s / c_.config.task.slow_fraction +
                             limits.approach_timeout_margin_s)
-    return TaskEvent{Event::TimeOut, "timeout: motion to the grasp"};
+    return TaskEvent{Event::TimeOut, "timeout"};
   // announced while the last of the way is done, not while the arm stands on it
   const bool near =
       !c_.arm_waits && leg_ == Leg::Straight && total_s - passed_s <= c_.config.task.intent_lead_s;
@@ -66,7 +66,7 @@ std::optional<TaskEvent> ApproachPhase::approach() {
   if (leg_ == Leg::Transit) {
     leg_ = Leg::Straight;
     c_.arm.end_tare();
-    if (!c_.follow(plan.approach)) return TaskEvent{Event::Blocked, c_.attempts.failure};
+    if (!c_.follow(plan.approach)) return TaskEvent{Event::TimeOut, c_.attempts.failure};
     return std::nullopt;
   }
   if (!may_close) return std::nullopt;

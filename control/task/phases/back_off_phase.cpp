@@ -13,7 +13,7 @@ std::optional<TaskEvent> BackOffPhase::back_off() {
   // the partner may grasp again meanwhile; that is seen once the arm is back
   (void)partner_.update();
   if (c_.in_state_s() > c_.config.task.empty_hand.return_timeout_s)
-    return TaskEvent{Event::TimeOut, "timeout: motion back"};
+    return TaskEvent{Event::TimeOut, "timeout"};
   const int max_approaches =
       c_.config.task.attempts.max_approaches + static_cast<int>(c_.record.test_lifts.size());
   const bool in_vain = c_.attempts.approaches >= max_approaches;
@@ -36,7 +36,7 @@ std::optional<TaskEvent> BackOffPhase::back_off() {
     // clear of the object: who only moved his hand is followed from here
     if (follows_partner) return back("clear of the object");
     leg_ = Leg::Home;
-    if (!c_.follow(c_.record.plan->home)) return TaskEvent{Event::Blocked, c_.attempts.failure};
+    if (!c_.follow(c_.record.plan->home)) return TaskEvent{Event::TimeOut, c_.attempts.failure};
     return std::nullopt;
   }
   return back("back where it started");

@@ -126,12 +126,12 @@ std::optional<TaskEvent> RetreatPhase::retreat() {
   c_.doing = leg_ == Leg::FromObject ? "straight back" : "home";
   if (c_.arm.blocked()) return TaskEvent{Event::Blocked, c_.arm.why_blocked()};
   if (c_.in_state_s() > c_.config.task.empty_hand.return_timeout_s)
-    return TaskEvent{Event::TimeOut, "timeout: motion home"};
+    return TaskEvent{Event::TimeOut, "timeout"};
   object_.update();
   if (!c_.arm.done() || !c_.arm.at_rest()) return std::nullopt;
   if (leg_ == Leg::Home) return judge_at_home();
   leg_ = Leg::Home;
-  if (!start_home()) return TaskEvent{Event::Blocked, c_.attempts.failure};
+  if (!start_home()) return TaskEvent{Event::TimeOut, c_.attempts.failure};
   return std::nullopt;
 }
 

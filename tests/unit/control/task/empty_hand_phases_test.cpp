@@ -109,7 +109,19 @@ TEST_CASE("a finger that stays closed ends the approach on its path, and the arm
   CHECK(rig.off(phase_home()) < 1e-6);
 }
 
-TEST_CASE("an approach whose path starts elsewhere is blocked and says where", "[phases]") {
+TEST_CASE("an arm that takes no commands for a moment sets out afterwards, and felt no force", "[phases]") {
+  EmptyHand rig;
+  rig.arm->inject(sim_hal::MockArm::Fault::Nan, *rig.arm->cycle() + 1, 40);
+  rig.idle(0.1);
+  REQUIRE_FALSE(rig.c->arm.view().running);
+  rig.begin_approach();
+  CHECK(rig.approach.leg() == ApproachPhase::Leg::Announced);
+  CHECK_FALSE(rig.run([&] { return rig.approach.approach(); }, 0.5));
+  CHECK(rig.approach.leg() == ApproachPhase::Leg::Transit);
+}
+
+TEST_CASE("an approach whose path starts elsewhere does not set out, says where, and feels no force",
+          "[phases]") {
   EmptyHand rig;
   hal::JointVector elsewhere = phase_home();
   elsewhere[2] += 0.2;
@@ -117,7 +129,7 @@ TEST_CASE("an approach whose path starts elsewhere is blocked and says where", "
   rig.begin_approach();
   const auto event = rig.run([&] { return rig.approach.approach(); });
   REQUIRE(event);
-  CHECK(event->event == Event::Blocked);
+  CHECK(event->event == Event::TimeOut);
   CHECK_THAT(event->detail, Catch::Contains("A3"));
 }
 
