@@ -61,18 +61,23 @@ void LetGoMonitor::update() {
 }
 
 double LetGoMonitor::fall_m() const {
-  const End& now = ends_.front();
+  // in one frame it may be the estimate that jumps: it goes on falling, or lies where it fell
+  constexpr double kStep_m = 0.001;
+  const bool goes_on = ends_[0].lag_m > ends_[1].lag_m + kStep_m && ends_[1].lag_m > ends_[2].lag_m + kStep_m;
+  return goes_on ? fallen_m(0) : std::min(fallen_m(0), fallen_m(1));
+}
+
+double LetGoMonitor::fallen_m(std::size_t frame) const {
+  const End& then = ends_[frame];
   double most_m = 0.0;
-  for (const End& before : ends_) {
-    if (hal::seconds(now.at - before.at) > config_.fall_s || std::isnan(before.rise_m)) break;
+  for (std::size_t i = frame + 1; i < ends_.size(); ++i) {
+    const End& before = ends_[i];
+    if (hal::seconds(then.at - before.at) > config_.fall_s || std::isnan(before.rise_m)) break;
     // a palm that rises past an end that stands still lets nothing fall
-    const double sunk_m = before.rise_m - now.rise_m, more_m = now.lag_m - before.lag_m;
+    const double sunk_m = before.rise_m - then.rise_m, more_m = then.lag_m - before.lag_m;
     most_m = std::max(most_m, std::min(sunk_m, more_m));
   }
-  // in one frame it may be the estimate that jumps
-  constexpr double kStep_m = 0.001;
-  const bool twice = now.lag_m > ends_[1].lag_m + kStep_m && ends_[1].lag_m > ends_[2].lag_m + kStep_m;
-  return twice ? most_m : 0.0;
+  return most_m;
 }
 
 void LetGoMonitor::update_hand() {

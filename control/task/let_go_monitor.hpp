@@ -58,6 +58,8 @@ class LetGoMonitor {
   void update_pull(double dt_s);
   /// How far his end has just sunk more than the palm (m); 0 while it does not sink, or is not seen.
   [[nodiscard]] double fall_m() const;
+  /// The same up to one of the last frames.
+  [[nodiscard]] double fallen_m(std::size_t frame) const;
   /// How far his contact went sideways by the object's turn (m, W), and where that is followed.
   [[nodiscard]] Eigen::Vector2d turned_aside() const;
   void follow_turn();

@@ -102,7 +102,11 @@ class SocketcandBus final : public CanBus {
     return Sent::Yes;
   }
 
-  CanHealth health() const noexcept override { return health_; }
+  CanHealth health() const noexcept override {
+    CanHealth health = health_;
+    health.tells_errors = health.error_frames > 0;
+    return health;
+  }
 
  private:
   enum class Read { Some, Nothing, Gone };

@@ -28,7 +28,7 @@ struct PresenceConfig {
   double motion_variance_gain = 0.05;
   int motion_frames = 5;
   double motion_usual_sigmas = 4.0;
-  double motion_max_growth = 1.5;
+  double motion_max_growth = 2.2;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -59,8 +59,8 @@ struct PresenceConfig {
     v("motion_usual_sigmas", motion_usual_sigmas, hal::Range{1, 100},
       "What deviates by more standard deviations teaches nothing about the noise.");
     v("motion_max_growth", motion_max_growth, hal::Range{1, 10},
-      "With a larger multiple of the usual area something else came into view: a hand that leaves shows "
-      "less.");
+      "With a larger multiple of the usual area something else came into view: a hand that opens shows more "
+      "for some frames, then less.");
   }
 };
 

@@ -17,7 +17,7 @@ import tarfile
 import tempfile
 import time
 
-from fri_server import CMD, MON, PERIOD, Krc, single
+from fri_server import CMD, MON, PERIOD, Krc, main, single
 
 
 def near(found, expected, what):
@@ -398,31 +398,5 @@ TESTS = (every_field, hold, other_programs, hold_on_springs, move_joint, never_t
          refusals)
 
 
-def main():
-    colift, names = sys.argv[1], sys.argv[2:]
-    failed = 0
-    for test in TESTS:
-        if names and test.__name__ not in names:
-            continue
-        for attempt in range(8):
-            began = time.monotonic()
-            Krc.longest_pause = 0.0
-            try:
-                test(colift)
-                print(f"ok      {test.__name__} ({time.monotonic() - began:.1f} s)", flush=True)
-                break
-            except Exception as e:  # the next test has its own program
-                Krc.last.process.kill()
-                Krc.last.process.communicate()
-                # a controller that pauses is a link that is cut: that says nothing about the program
-                if Krc.longest_pause > 4 * PERIOD and attempt < 7:
-                    print(f"again   {test.__name__}: this controller paused for {Krc.longest_pause:.3f} s", flush=True)
-                    continue
-                failed += 1
-                print(f"FAILED  {test.__name__}: {type(e).__name__}: {e}", flush=True)
-                break
-    return 1 if failed else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(TESTS))

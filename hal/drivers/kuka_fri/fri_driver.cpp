@@ -116,6 +116,10 @@ bool FriDriver::mirrors_joints() const {
   return (mode.flags & fri_flag::kJointPosition) == 0;
 }
 
+std::uint64_t FriDriver::unsound_datagrams() const {
+  return wire.gate().drops()[static_cast<std::size_t>(FriDrop::Content)];
+}
+
 FriDriver::Took FriDriver::take() {
   const Duration period(static_cast<Duration::rep>(1e9 * period_s_));
   const Duration slack(static_cast<Duration::rep>(1e9 * std::max(0.5 * period_s_, kMinSlack_s)));
@@ -131,6 +135,7 @@ FriDriver::Took FriDriver::take() {
     due_ = std::max(due_ + period, then + period);
     const double silent_s = seconds(then - arrived_at_);
     const bool lost = silent_s > lost_after_s(), broken = got == FriExchange::Got::Broken;
+    status.unsound = unsound_datagrams() - unsound_before_;
     // a quarter of a period for the clock's and the machine's own jitter
     session.silence(std::floor(silent_s / period_s_ - 0.25), seen && lost, broken,
                     wire.gate().counter_set_by());
@@ -140,6 +145,8 @@ FriDriver::Took FriDriver::take() {
   }
   seen = open = true;
   commanded_ = false;
+  if (packet.cycles > kGapCycles) status.unsound = unsound_datagrams() - unsound_before_;
+  unsound_before_ = unsound_datagrams();
   arrived_at_ = packet.arrived_at;
   sample_.packet(static_cast<double>(m.measurement_period_s), arrived_at_, packet.cycles,
                  packet.first || packet.restarted, m.state == FriState::Command);

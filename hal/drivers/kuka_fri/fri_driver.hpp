@@ -38,6 +38,8 @@ class FriDriver {
   enum class Took { Packet, Nothing, Broken };
   /// Waits for the next datagram, about one and a half periods; what it says goes through everything.
   Took take();
+  /// Whose content cannot be, so far.
+  [[nodiscard]] std::uint64_t unsound_datagrams() const;
   /// Answers the datagram that was taken, once.
   void answer();
   /// take(), and at once the answer that needs no user.
@@ -87,6 +89,7 @@ class FriDriver {
   CartSetPoint cart_;
   PacketClock packet_clock_;
   Timestamp measured_at_{0}, arrived_at_{0}, due_{0};
+  std::uint64_t unsound_before_ = 0;  ///< Datagrams with content that cannot be, up to the last usable one.
   SamplePeriod sample_;
   double period_s_;         ///< Of sample_: time ...
   double limit_s_;          ///< ... and what a step may use.

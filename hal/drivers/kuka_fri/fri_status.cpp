@@ -140,6 +140,13 @@ std::string reason_words(const FriStatus& s, const FriConfig& c) {
     case FriReason::KrcNotNamed:
       return describe_sender(s);
     case FriReason::LinkLost:
+      if (s.unsound > 0)
+        return fmt::format(
+            "no usable datagram for {:.0f} ms: {} came and {} dropped, the last one: {}; the KRC sends what "
+            "cannot be, it is not the "
+            "cable",
+            1e3 * std::max(s.silent_s, c.silent_s), s.unsound, s.unsound == 1 ? "was" : "were",
+            to_string(s.last_refusal));
       return fmt::format(
           "no datagram for {:.0f} ms: the link to the KRC is lost ({} came before); cable, KRC "
           "switched off, or friClose",
@@ -148,8 +155,11 @@ std::string reason_words(const FriStatus& s, const FriConfig& c) {
       return "the socket does not work any more; it has to be opened again";
     case FriReason::Gap:
       return fmt::format(
-          "more than 5 datagrams in a row were lost ({} lost so far, {} cycles without one); "
+          "more than 5 datagrams in a row were lost{} ({} lost so far, {} cycles without one); "
           "the target was brought to rest and starts from the measured pose",
+          s.unsound > 0 ? fmt::format(": {} of them came and were dropped, the last one: {}", s.unsound,
+                                      to_string(s.last_refusal))
+                        : "",
           s.lost, s.timeouts);
     case FriReason::NotAsked:
       return fmt::format("the KRC is in {} mode and nobody has asked to command",

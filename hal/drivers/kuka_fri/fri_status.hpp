@@ -51,7 +51,8 @@ struct FriStatus {
   std::uint64_t states = 0;  ///< Handed to the user.
   std::uint64_t received = 0, answered = 0, repeated = 0, late = 0, unsent = 0;
   std::uint64_t lost = 0;      ///< Datagrams that never came, by their counter.
-  std::uint64_t timeouts = 0;  ///< Cycles in which nothing came.
+  std::uint64_t timeouts = 0;  ///< Cycles in which nothing usable came.
+  std::uint64_t unsound = 0;   ///< Datagrams with content that cannot be, in the last silence or gap.
   std::uint64_t refused = 0;   ///< Commands that broke a limit.
   FriLimit last_refused;
   FriRefusal last_refusal = FriRefusal::None;  ///< Of a datagram's content.

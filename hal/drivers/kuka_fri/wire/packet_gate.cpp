@@ -61,7 +61,7 @@ void PacketGate::unlock() noexcept {
 
 int PacketGate::counter_set_by() const noexcept {
   if (!last_ || in_line_ < kAnewInLine) return 0;
-  return static_cast<std::int16_t>(static_cast<std::uint16_t>(out_of_line_ - in_line_ + 1 - *last_));
+  return static_cast<std::int16_t>(static_cast<std::uint16_t>(out_of_line_ - in_line_ - *last_));
 }
 
 FriDrop PacketGate::order(std::uint16_t send, Timestamp at, double period_s, Passed& passed) {

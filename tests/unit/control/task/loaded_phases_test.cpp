@@ -93,6 +93,13 @@ TEST_CASE("a grip is good when the fingers stop where the observed width says", 
     rig.hand->now.finger_rad = {expected, expected + 0.6, expected};
     CHECK(rig.run([&] { return rig.grip.verify(); })->event == Event::GripBad);
   }
+  SECTION("wider than it was seen: something is between the fingers and the object") {
+    rig.hand->now.finger_rad.fill(expected - 0.25);
+    rig.hand->now.torque_nm.fill(0.9);
+    const auto judged = rig.run([&] { return rig.grip.verify(); });
+    CHECK(judged->event == Event::GripBad);
+    CHECK_THAT(judged->detail, Catch::Contains("something is between the fingers and the object"));
+  }
   SECTION("lost") {
     rig.hand->now.finger_rad.fill(expected);
     rig.hand->now.held = false;
@@ -137,6 +144,15 @@ TEST_CASE("lift, hold and lower: up by the height, for the time, and down again"
   rig.lift.begin_lower();
   CHECK(rig.run([&] { return rig.lift.lower(); })->event == Event::OnGround);
   CHECK(rig.c->palm().translation().z() - floor_m == Approx(0.0).margin(1e-3));
+}
+
+TEST_CASE("what nobody saw is not reported as lifted", "[phases]") {
+  Loaded rig;
+  rig.evidence.start_lift();
+  CHECK_THAT(rig.evidence.against(), Catch::Contains("it was never held at its height"));
+  REQUIRE(rig.lift_up());
+  rig.evidence.update();
+  CHECK_THAT(rig.evidence.against(), Catch::Contains("no picture of the object while it was held"));
 }
 
 TEST_CASE("a lift ends with the grip, a slipping or hot hand, and too much load", "[phases]") {

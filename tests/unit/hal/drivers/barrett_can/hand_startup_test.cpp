@@ -111,7 +111,13 @@ TEST_CASE("what a failed start means is said in words", "[hand][startup]") {
   }
   SECTION("an empty bus") {
     for (FakePuck& puck : rig.fake.pucks) puck.silent = true;
-    CHECK_THAT(failure_of(rig), Contains("no puck answers") && Contains("is this its bus"));
+    CHECK_THAT(failure_of(rig), Contains("the bus reports no errors") && Contains("is this its bus"));
+  }
+  SECTION("silence behind a gateway that tells no errors") {
+    for (FakePuck& puck : rig.fake.pucks) puck.silent = true;
+    rig.fake.host->hide_errors();
+    CHECK_THAT(failure_of(rig),
+               Contains("not known") && Contains("-e 1FFFFFFF") && !Contains("reports no errors"));
   }
   SECTION("one silent puck") {
     rig.fake.pucks[1].silent = true;
