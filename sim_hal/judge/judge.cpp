@@ -23,6 +23,7 @@ constexpr double kStill_rad_s = 0.01, kStill_s = 0.5;
 // or commands have ended, and what it holds sways a little
 constexpr double kSways_rad_s = 0.05, kEnded_s = 0.1;
 constexpr double kCloses_rad_s = 0.05, kClosed_s = 0.05;  // the fingers, in the mean; ago
+constexpr double kDistanceEvery_s = 0.1;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 std::optional<double> seen(double distance_m) {
@@ -54,8 +55,22 @@ struct Judge::Impl {
   [[nodiscard]] RobotMotion robot_motion() const;
   /// Where the hand is, while its fingers close.
   [[nodiscard]] std::optional<Vec3> closes_at(const TickReport& report);
+  void note_distance(const TickReport& report);
   double people_m = kNever, partner_m = kNever;
+  std::vector<DistanceSample> distances;
 };
+
+void Judge::Impl::note_distance(const TickReport& report) {
+  people_m = std::min(people_m, report.people_distance_m);
+  partner_m = std::min(partner_m, report.partner_distance_m);
+  // the last sample is that of the tenth that goes on
+  const double end_s = kDistanceEvery_s * std::ceil(report.t_s / kDistanceEvery_s - 1e-6);
+  if (distances.empty() || end_s > distances.back().t_s + 0.5 * kDistanceEvery_s)
+    distances.push_back({end_s, kNever, kNever});
+  DistanceSample& now = distances.back();
+  now.people_m = std::min(now.people_m, report.people_distance_m);
+  now.partner_m = std::min(now.partner_m, report.partner_distance_m);
+}
 
 bool Judge::Impl::rests() const {
   const bool sways = last_s - driven_s > kEnded_s && last_s - swift_s > kRested_s;
@@ -110,8 +125,7 @@ void Judge::tick(const TickReport& report) {
                   commanded_j <= kGivesWay_j;
   impl_->motion.tick(report, impl_->said, impl_->energy.sum_j(), impl_->breaches);
   impl_->load.tick(report, impl_->breaches);
-  impl_->people_m = std::min(impl_->people_m, report.people_distance_m);
-  impl_->partner_m = std::min(impl_->partner_m, report.partner_distance_m);
+  impl_->note_distance(report);
 }
 
 void Judge::task_state(std::string_view name) {
@@ -133,6 +147,7 @@ Verdict Judge::verdict(bool lifted) const {
   }
   v.min_distance_m = seen(impl_->people_m);
   v.partner_distance_m = seen(impl_->partner_m);
+  v.distances = impl_->distances;
   v.stop_latency_s = impl_->motion.stop_latency_s();
   v.judged = {"forces by body region", "I1", "I4", "I5", "I8 of the outcome"};
   v.not_judged = {{"I3", "the simulated arm has no command mode; an emulated controller judges it"},

@@ -25,12 +25,19 @@ struct JudgedContact {
   bool his_own = false;
 };
 
+/// How near people were to the robot within one tenth of a second; infinite: nobody was there.
+struct DistanceSample {
+  double t_s = 0.0;  ///< End of the tenth.
+  double people_m = 0.0, partner_m = 0.0;
+};
+
 /// What the simulation says of a run, whatever the program says.
 struct Verdict {
   std::vector<std::string> breaches;  ///< One sentence each, the invariant's or the region's name first.
   std::vector<JudgedContact> contacts;
   std::optional<double> min_distance_m;  ///< Of the scenario's people to the robot; unset: nobody was there.
   std::optional<double> partner_distance_m;  ///< Of the partner who carries.
+  std::vector<DistanceSample> distances;     ///< Over time.
   std::optional<double> stop_latency_s;      ///< Longest from a person's 45 N to the first slower command.
   std::vector<std::string> judged;
   std::vector<std::pair<std::string, std::string>> not_judged;  ///< Invariant, why.

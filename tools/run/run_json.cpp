@@ -241,10 +241,17 @@ Json judge_json(const std::optional<sim_hal::Verdict>& verdict) {
                         {"commanded_j", c.commanded_j},
                         {"his_own", c.his_own}});
   for (const auto& [name, why] : verdict->not_judged) not_judged[name] = why;
+  Json distance = {{"t", Json::array()}, {"people_m", Json::array()}, {"partner_m", Json::array()}};
+  for (const sim_hal::DistanceSample& s : verdict->distances) {
+    distance["t"].push_back(number(s.t_s));
+    distance["people_m"].push_back(number(s.people_m));
+    distance["partner_m"].push_back(number(s.partner_m));
+  }
   return {{"breaches", verdict->breaches},
           {"contacts", contacts},
           {"min_distance_m", number(verdict->min_distance_m)},
           {"partner_distance_m", number(verdict->partner_distance_m)},
+          {"distance", distance},
           {"stop_latency_s", number(verdict->stop_latency_s)},
           {"judged", verdict->judged},
           {"not_judged", not_judged}};

@@ -208,6 +208,16 @@ std::optional<picture::LinePlot> separation_plot(const RunView& view) {
   distance.lines.push_back(line("the partner", picture::kPartner, [](const auto& s) {
     return s.partner_distance_m < 0.0 ? 0.0 : s.partner_distance_m;
   }));
+  // whatever the program saw
+  if (view.truth && view.truth->verdict) {
+    const auto& judged = view.truth->verdict->distances;
+    const bool people =
+        std::any_of(judged.begin(), judged.end(), [](const auto& s) { return std::isfinite(s.people_m); });
+    if (people)
+      distance.lines.push_back({"the scenario's people, as they were", picture::kOptimum,
+                                values(judged, [](const auto& s) { return s.t_s; }),
+                                values(judged, [](const auto& s) { return std::max(0.0, s.people_m); })});
+  }
   const auto level = [&](const char* what, double m, const Colour& colour) {
     distance.levels.push_back({fmt::format("{} {}", what, metres_text(m)), m, colour});
   };

@@ -362,3 +362,19 @@ TEST_CASE("distances are the smallest of the run, and unset where nobody was") {
   room.ms();
   CHECK(room.judge.verdict(false).min_distance_m == 0.4);
 }
+
+TEST_CASE("distance over time is the least of each tenth of a second") {
+  Room room;
+  room.ms(100);
+  room.people_m = 0.4;
+  room.ms(50);
+  room.people_m = 0.9;
+  room.ms(150);
+  const auto distances = room.judge.verdict(false).distances;
+  REQUIRE(distances.size() == 3);
+  CHECK(std::isinf(distances[0].people_m));
+  CHECK(distances[1].people_m == 0.4);
+  CHECK(distances[2].people_m == 0.9);
+  CHECK(distances[2].t_s == Approx(0.3));
+  CHECK(std::isinf(distances[2].partner_m));
+}
