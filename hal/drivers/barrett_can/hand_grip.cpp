@@ -13,7 +13,8 @@ constexpr double kOpposed_rad = std::numbers::pi / 3;  // of spread: up to here 
 // Of the torque that a finger keeps up, measured at its gauge: less is no grip. The units per N m of a motor
 // are known to a third.
 constexpr double kHeldFraction = 0.4;
-constexpr int kSpreadReadings = 2;  // in a row
+constexpr double kWarmMotor_c = 44.0;  // from where a puck gives less torque (its OTEMP of 60 less 16)
+constexpr int kSpreadReadings = 2;     // in a row
 // Of the time after which a puck ends its pressing: when it is renewed, and from when on it may have run out
 // though the last renewal left (which nobody acknowledges).
 constexpr double kRenewAfter = 0.3, kRanOutAfter = 0.5;
@@ -179,6 +180,10 @@ void HandMotion::verify(Timestamp now) {
           "{} holds with {:.2f} of {:.2f} N m: at {} C its puck gives {:.0f} % of its torque, let it cool",
           name(finger), std::max(strain, 0.0), kept_nm, link_.reported(finger, Property::Temp).value,
           100.0 * part);
+    else if (const Reported& therm = link_.reported(finger, Property::Therm);
+             therm.known && therm.value >= kWarmMotor_c)
+      say(why_, "{} holds with {:.2f} of {:.2f} N m: its motor has {} C, let it cool", name(finger),
+          std::max(strain, 0.0), kept_nm, therm.value);
     else
       say(why_, "{} holds with {:.2f} of {:.2f} N m", name(finger), std::max(strain, 0.0), kept_nm);
     give_up_grip();

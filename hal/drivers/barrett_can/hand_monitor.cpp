@@ -45,7 +45,7 @@ void HandMonitor::start() {
   strained_at_ = {};
   was_quiet_ = failed_ = without_ = {};
   warm_ = hot_ = fades_ = over_torque_ = spread_kept_on_ = false;
-  warning_ = {};
+  warning_ = outage_ = {};
 }
 
 void HandMonitor::ask(Timestamp now) {
@@ -97,6 +97,7 @@ void HandMonitor::lose_zero_by_jump(Puck puck, std::int32_t by) {
   lose_zero(puck);
   if (asleep || woken) return;
   facts_.jumped_by[index(puck)] = by;
+  motion_.stay_without_zero(puck);
   link_.set(puck, Property::Ct, factory_ct(puck), false);
 }
 
@@ -248,7 +249,14 @@ void HandMonitor::judge_torque(Puck puck) {
 void HandMonitor::step(Timestamp now) {
   const auto before = bus_.state();
   bus_.step(now);
-  if (before == BusMonitor::State::Up && bus_.state() != before) motion_.abandon();
+  if (before == BusMonitor::State::Up && bus_.state() != before) {
+    motion_.abandon();
+    lost_at_ = now;
+  }
+  if (before != BusMonitor::State::Up && bus_.state() == BusMonitor::State::Up && motion_.loaded())
+    say(outage_,
+        "the connection to the bus was lost for {:.1f} s while the hand was closed: its worms alone held",
+        seconds(now - lost_at_));
   if (bus_.state() == BusMonitor::State::Up) ask(now);
   for (const Puck puck : kAllPucks) {
     judge_status(puck);

@@ -43,7 +43,10 @@ class HandMonitor {
   [[nodiscard]] bool hot() const { return hot_; }
   [[nodiscard]] bool over_torque() const { return over_torque_; }
   /// Heat or torque, else another program that asks the pucks.
-  [[nodiscard]] const ShortText& warning() const { return warning_.empty() ? others_.warning() : warning_; }
+  [[nodiscard]] const ShortText& warning() const {
+    if (!warning_.empty()) return warning_;
+    return others_.warning().empty() ? outage_ : others_.warning();
+  }
 
  private:
   void ask(Timestamp now);
@@ -81,7 +84,8 @@ class HandMonitor {
   std::array<bool, kPucks> was_quiet_{}, failed_{}, without_{};
   bool therm_next_ = false, warm_ = false, hot_ = false, fades_ = false, over_torque_ = false;
   bool spread_kept_on_ = false;
-  ShortText warning_;
+  ShortText warning_, outage_;
+  Timestamp lost_at_{0};  ///< The bus, last.
 };
 
 }  // namespace colift::hal::barrett

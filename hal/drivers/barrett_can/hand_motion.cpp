@@ -141,6 +141,15 @@ void HandMotion::stop() {
   phase_ = Phase::Still;
 }
 
+void HandMotion::stay_without_zero(Puck puck) {
+  if (puck == Puck::Spread && loaded_) {
+    link_.set(puck, Property::E, link_.reported(puck, Property::P).value, true);
+    return;
+  }
+  link_.set(puck, Property::Mode, kModeIdle, true);
+  moves_[index(puck)].active = false;
+}
+
 void HandMotion::idle() {
   stop();
   pressing_ = false;
@@ -160,6 +169,11 @@ void HandMotion::resume() {
 void HandMotion::abandon() {
   link_.drop_all();
   for (Move& move : moves_) move.active = false;
+  if (phase_ == Phase::Closing || phase_ == Phase::Verifying) {
+    loaded_ = true;  // nobody knows what they have met by now
+    why_ = {};
+    say(why_, "the bus was lost while the fingers closed: not known what they hold");
+  }
   if (phase_ != Phase::Held) phase_ = Phase::Still;
 }
 
@@ -175,7 +189,8 @@ std::optional<HandMotion::End> HandMotion::how_it_ended(Puck puck, const Move& m
   if (facts_.jump_pending[index(puck)]) return std::nullopt;
   const Reported& mode = link_.reported(puck, Property::Mode);
   const Timestamp set_at = link_.mode_set_at(puck);
-  if (mode.known && mode.asked_at > set_at && now > set_at + kModeSettles &&
+  // asked sooner, the answer may be of before: copies on the bus come late
+  if (mode.known && mode.asked_at > set_at + kModeSettles &&
       (mode.value == kModeIdle || mode.value == kModePid) &&
       link_.reported(puck, Property::P).asked_at >= mode.asked_at)
     return by_position();

@@ -22,8 +22,11 @@ class HandMotion {
   void preshape(double spread_rad);
   void close(double torque_nm);
   void release();
-  void stop();     ///< Fingers stay where they are; a grip is kept.
-  void idle();     ///< The motors rest; the worms keep what is held.
+  void stop();  ///< Fingers stay where they are; a grip is kept.
+  void idle();  ///< The motors rest; the worms keep what is held.
+  /// A puck that counts from elsewhere may take the end of its move for behind it, and run back: a finger
+  /// rests on its worm, the spread, which has none, keeps where it stands.
+  void stay_without_zero(Puck puck);
   void resume();   ///< After idle(): what is held is pressed again.
   void abandon();  ///< The bus was lost: nothing more is said, the pucks do what they were told last.
   void assume_loaded() { loaded_ = true; }
