@@ -184,7 +184,9 @@ std::optional<TaskEvent> LiftPhase::judge_lowering() {
   const double supported_s = hal::seconds(c_.now - unsupported_at_);
   const bool early =
       motion && std::abs(rise_m) < carry.ground_tolerance_m && arm.load_n < carry.ground_load_n;
-  if (supported_s > carry.settle_s && seen_down && (early || seeks_ || c_.arm.lift_at_rest())) {
+  // an arm that the ground pushed up is soft, and goes no farther down
+  const bool comes_no_lower = seeks_ || c_.arm.lift_at_rest() || c_.arm.blocked();
+  if (supported_s > carry.settle_s && seen_down && (early || comes_no_lower)) {
     c_.arm.pause();
     evidence_.standing();
     return TaskEvent{
