@@ -91,7 +91,9 @@ void ContactLog::add_to(Verdict& verdict) const {
     // object that is lowered onto him needs no energy of any command: of what the robot holds that is said
     // only where the robot stood. What keeps him pressed or clamped is the robot's, however that began, and
     // so is what closing fingers do
-    const bool came_not = touch.motion == RobotMotion::AtRest && judged.robot_m_s < kAtRest_m_s;
+    const bool rested = touch.motion == RobotMotion::AtRest ||
+                        (touch.motion == RobotMotion::Pushed && touch.peak_motion == RobotMotion::AtRest);
+    const bool came_not = rested && judged.robot_m_s < kAtRest_m_s;
     const bool pushed = touch.by == BodyContact::By::Robot
                             ? touch.motion != RobotMotion::Driven && touch.peak_motion == RobotMotion::Pushed
                             : touch.stood && touch.peak_motion != RobotMotion::Driven;

@@ -41,13 +41,19 @@ SimPeople::SimPeople(const Scenario& scenario, const hal::RobotModel& model) : m
   for (const ScenarioPerson& script : scenario.people) people_.push_back({ScriptedPerson(script)});
 }
 
+bool SimPeople::is_fixed(int link) const {
+  for (; link >= 0; link = model_.links[static_cast<std::size_t>(link)].parent)
+    if (model_.links[static_cast<std::size_t>(link)].revolute) return false;
+  return true;
+}
+
 void SimPeople::read_solids(const Physics& physics, const std::vector<Shape>& object,
                             const std::vector<Shape>& clutter) {
   solids_.clear();
   for (int link = 0; link < static_cast<int>(model_.links.size()); ++link) {
     const Pose X_WL = physics.link_pose(link);
     for (const hal::LinkShape& s : model_.links[static_cast<std::size_t>(link)].shapes)
-      solids_.push_back({link_shape(s, X_WL), BodyContact::By::Robot, link});
+      solids_.push_back({link_shape(s, X_WL), BodyContact::By::Robot, link, is_fixed(link)});
   }
   for (const Shape& s : object) solids_.push_back({s, BodyContact::By::Object});
   for (const Shape& s : clutter) solids_.push_back({s, BodyContact::By::Static});
@@ -148,7 +154,8 @@ void SimPeople::touch(int index, Person& person, Physics& physics) {
     for (const Touch& t : touches[group]) {
       const Shape& part = person.shapes[t.part];
       BodyContact c;
-      c.by = t.solid->by;
+      // who leans on the robot's base leans on furniture: nothing that a program does moves it
+      c.by = t.solid->fixed ? BodyContact::By::Static : t.solid->by;
       c.person = index;
       c.region = region_of(part.part, t.nearest.along, t.out_W, person.facing_W);
       c.left = part.left;

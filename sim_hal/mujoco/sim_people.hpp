@@ -69,12 +69,14 @@ class SimPeople {
     Shape shape;
     BodyContact::By by;
     int link = -1;
+    bool fixed = false;  ///< A link that no joint moves: the robot's base.
     double radius_m = 0.0;
   };
   struct Touch;
 
   void read_solids(const Physics& physics, const std::vector<Shape>& object,
                    const std::vector<Shape>& clutter);
+  [[nodiscard]] bool is_fixed(int link) const;
   void move(Person& person, double t_s, const PersonView& view) const;
   void look(Person& person, Figure figure, int index, Physics& physics);
   void touch(int index, Person& person, Physics& physics);

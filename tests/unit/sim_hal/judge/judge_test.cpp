@@ -157,6 +157,26 @@ TEST_CASE("what springs back from his own push is his, what commands drive at hi
   CHECK(back.commanded_j == Approx(driven ? 0.95 : 0.0).margin(0.15));
 }
 
+TEST_CASE("who still leans on what has come to rest since his own push did that himself") {
+  Room room;
+  room.ms(200);
+  room.touch(BodyRegion::Thigh, 400.0, 0.0);
+  room.speed[0] = 1.0;
+  room.ms(30);
+  room.contacts.clear();
+  room.ms(60);
+  room.touch(BodyRegion::Thigh, 100.0, 0.0);
+  room.ms(10);
+  room.speed[0] = 0.0;
+  room.ms(80);
+  room.contacts.clear();
+  room.touch(BodyRegion::Thigh, 600.0, 0.0);
+  room.ms(10);
+  CHECK(room.judge.verdict(false).contacts.at(1).force_n == 600.0);
+  CHECK(room.judge.verdict(false).contacts.at(1).his_own);
+  CHECK(breaches(room).empty());
+}
+
 TEST_CASE("who runs into what a standing robot holds does it himself, whom a moving one meets with it not") {
   Room room;
   room.truth.robot_touches_object = true;

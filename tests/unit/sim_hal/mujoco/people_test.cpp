@@ -102,6 +102,25 @@ TEST_CASE("he is observed where he is felt, and a hand that leans on the arm is 
   CHECK(rig.world().arm_state().tau_external_nm.norm() > 0.3);
 }
 
+TEST_CASE("who walks against the robot's base walks against furniture") {
+  Scenario s = empty_room();
+  ScenarioPerson p;
+  p.path = {{0.0, -2.0}, {0.0, -0.1}};
+  s.people = {p};
+  LiftRig rig(s, hand_at({0.60, 0.0, 0.60}, Vec3::UnitX(), Vec3::UnitZ()));
+  int low = 0;
+  for (int i = 0; i < 3000; ++i) {
+    rig.world().advance(std::chrono::milliseconds(1));
+    for (const BodyContact& c : rig.world().body_contacts()) {
+      if (c.at_W.z() > 0.1) continue;
+      ++low;
+      CHECK(c.by == BodyContact::By::Static);
+      CHECK(c.force_n > 0.0);
+    }
+  }
+  CHECK(low > 10);
+}
+
 TEST_CASE("a person who walks against a table pushes it") {
   Scenario s = empty_room();
   ScenarioPerson p;
