@@ -108,6 +108,15 @@ TEST_CASE("a partner who holds on is not said to let go") {
   }
 }
 
+TEST_CASE("an object that slid in the hand stands sooner than it was grasped, and is let go there") {
+  const KeptRun run = run_kept("chair_slides_in_the_hand");
+  INFO(told(run));
+  CHECK(fmt::format("{}", fmt::join(run.lift.verdict.breaches, "; ")) == "");
+  CHECK(run.lift.record.states.back().state == control::Task::Aborted);  // at home, not stopped around it
+  CHECK_THAT(run.lift.record.reason, Catch::Matchers::Contains("slips 25 mm in the hand"));
+  for (const auto& s : run.lift.record.states) CHECK(s.state != control::Task::Pause);
+}
+
 TEST_CASE("a partner who comes near before the arm moves makes it start later, and stops nothing") {
   const KeptRun run = run_kept("he_still_moves_at_the_start");
   INFO(told(run));

@@ -178,8 +178,10 @@ std::optional<TaskEvent> TaskRunner::pushed_event() const {
   if (c_.state == Task::Release && force.kind == ForceFinding::Kind::Up) return std::nullopt;
   const bool from_below = c_.state == Task::Lower && force.kind == ForceFinding::Kind::Up;
   if (!from_below) return TaskEvent{Event::Blocked, pusher(c_, force) + describe(force)};
-  // where it was grasped, what pushes up is the ground: lowering judges that itself
-  if (c_.arm.view().height_m < c_.config.task.carry.standing_tolerance_m) return std::nullopt;
+  // where it was grasped, what pushes up is the ground, and so it is higher up under an object that slid in
+  // the hand and is seen to stand: lowering judges that itself
+  if (c_.arm.view().height_m < c_.config.task.carry.standing_tolerance_m || object_.seen_down())
+    return std::nullopt;
   return TaskEvent{Event::Obstructed, pusher(c_, force) + describe(force)};
 }
 
