@@ -34,7 +34,7 @@ struct CanHealth {
       0;  ///< Frames of a kind that nobody here uses, broken ones, and those lost in a full queue.
   std::uint64_t not_sent = 0;  ///< The queue was full.
   std::uint64_t error_frames = 0;
-  bool tells_errors =
+  bool reports_errors =
       true;  ///< Error frames come here; of a gateway known from the first one on (option -e).
   std::uint64_t bus_offs = 0;
   std::uint64_t not_acknowledged = 0;  ///< Error frames that say so: nobody else is on the bus.

@@ -35,9 +35,10 @@ class ObjectMonitor {
   /// How far the partner's end has risen, when it was last seen; and how far it has come down since its
   /// highest place in this lift (m).
   [[nodiscard]] double partner_rise_m() const { return partner_rise_m_; }
-  /// Both ends are seen where they stood; without a picture the palm's own height has to do.
-  [[nodiscard]] bool seen_down() const;
   [[nodiscard]] double partner_fall_m() const { return partner_top_m_ - partner_rise_m_; }
+  /// Both ends are seen where they stood, up to CarryConfig::standing_tolerance_m; without a picture the
+  /// palm's height above its grasp decides.
+  [[nodiscard]] bool seen_down() const;
   /// Angle of the object's up axis, and its slip in the hand along the lift; NaN until first seen.
   [[nodiscard]] double tilt_rad() const { return tilt_rad_; }
   [[nodiscard]] double slip_m() const { return slip_m_; }

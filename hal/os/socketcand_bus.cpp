@@ -104,7 +104,7 @@ class SocketcandBus final : public CanBus {
 
   CanHealth health() const noexcept override {
     CanHealth health = health_;
-    health.tells_errors = health.error_frames > 0;
+    health.reports_errors = health.error_frames > 0;
     return health;
   }
 

@@ -93,7 +93,7 @@ class MemoryCan {
       if (down) health_.state = State::Down;
     }
     void refuse_next(int sends) { full_ = sends; }  ///< The queue is full for the next `sends`.
-    void hide_errors() { health_.tells_errors = false; }
+    void hide_errors() { health_.reports_errors = false; }
     void note_not_acknowledged() { ++health_.error_frames, ++health_.not_acknowledged; }
     void note_bus_error() { ++health_.error_frames, ++health_.bus_errors; }
     [[nodiscard]] int opens() const { return opens_; }

@@ -26,8 +26,10 @@ constexpr double kCloses_rad_s = 0.05, kClosed_s = 0.05;  // the fingers, in the
 constexpr double kDistanceEvery_s = 0.1;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-std::optional<double> seen(double distance_m) {
-  return std::isfinite(distance_m) ? std::optional(distance_m) : std::nullopt;
+std::optional<double> min_distance(const std::vector<DistanceSample>& samples, double DistanceSample::*of) {
+  double min_m = kNever;
+  for (const DistanceSample& s : samples) min_m = std::min(min_m, s.*of);
+  return std::isfinite(min_m) ? std::optional(min_m) : std::nullopt;
 }
 
 }  // namespace
@@ -56,13 +58,10 @@ struct Judge::Impl {
   /// Where the hand is, while its fingers close.
   [[nodiscard]] std::optional<Vec3> closes_at(const TickReport& report);
   void note_distance(const TickReport& report);
-  double people_m = kNever, partner_m = kNever;
   std::vector<DistanceSample> distances;
 };
 
 void Judge::Impl::note_distance(const TickReport& report) {
-  people_m = std::min(people_m, report.people_distance_m);
-  partner_m = std::min(partner_m, report.partner_distance_m);
   // the last sample is that of the tenth that goes on
   const double end_s = kDistanceEvery_s * std::ceil(report.t_s / kDistanceEvery_s - 1e-6);
   if (distances.empty() || end_s > distances.back().t_s + 0.5 * kDistanceEvery_s)
@@ -145,9 +144,9 @@ Verdict Judge::verdict(bool lifted) const {
       v.breaches.push_back(fmt::format("I8: reported lifted, but somebody was touched with {:.0f} N",
                                        impl_->contacts.robot_peak_n()));
   }
-  v.min_distance_m = seen(impl_->people_m);
-  v.partner_distance_m = seen(impl_->partner_m);
   v.distances = impl_->distances;
+  v.min_distance_m = min_distance(v.distances, &DistanceSample::people_m);
+  v.partner_distance_m = min_distance(v.distances, &DistanceSample::partner_m);
   v.stop_latency_s = impl_->motion.stop_latency_s();
   v.judged = {"forces by body region", "I1", "I4", "I5", "I8 of the outcome"};
   v.not_judged = {{"I3", "the simulated arm has no command mode; an emulated controller judges it"},

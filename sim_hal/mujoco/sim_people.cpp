@@ -39,12 +39,8 @@ struct SimPeople::Touch {
 
 SimPeople::SimPeople(const Scenario& scenario, const hal::RobotModel& model) : model_(model) {
   for (const ScenarioPerson& script : scenario.people) people_.push_back({ScriptedPerson(script)});
-}
-
-bool SimPeople::is_fixed(int link) const {
-  for (; link >= 0; link = model_.links[static_cast<std::size_t>(link)].parent)
-    if (model_.links[static_cast<std::size_t>(link)].revolute) return false;
-  return true;
+  for (const hal::RobotLink& link : model_.links)  // a parent comes before its children
+    fixed_.push_back(!link.revolute && (link.parent < 0 || fixed_[static_cast<std::size_t>(link.parent)]));
 }
 
 void SimPeople::read_solids(const Physics& physics, const std::vector<Shape>& object,
@@ -52,8 +48,9 @@ void SimPeople::read_solids(const Physics& physics, const std::vector<Shape>& ob
   solids_.clear();
   for (int link = 0; link < static_cast<int>(model_.links.size()); ++link) {
     const Pose X_WL = physics.link_pose(link);
-    for (const hal::LinkShape& s : model_.links[static_cast<std::size_t>(link)].shapes)
-      solids_.push_back({link_shape(s, X_WL), BodyContact::By::Robot, link, is_fixed(link)});
+    const auto index = static_cast<std::size_t>(link);
+    for (const hal::LinkShape& s : model_.links[index].shapes)
+      solids_.push_back({link_shape(s, X_WL), BodyContact::By::Robot, link, fixed_[index]});
   }
   for (const Shape& s : object) solids_.push_back({s, BodyContact::By::Object});
   for (const Shape& s : clutter) solids_.push_back({s, BodyContact::By::Static});

@@ -76,13 +76,13 @@ class SimPeople {
 
   void read_solids(const Physics& physics, const std::vector<Shape>& object,
                    const std::vector<Shape>& clutter);
-  [[nodiscard]] bool is_fixed(int link) const;
   void move(Person& person, double t_s, const PersonView& view) const;
   void look(Person& person, Figure figure, int index, Physics& physics);
   void touch(int index, Person& person, Physics& physics);
   void add_touch(std::vector<Touch>& touches, Touch touch) const;
 
   hal::RobotModel model_;
+  std::vector<bool> fixed_;  ///< For each link: no joint moves it.
   std::vector<Person> people_;
   std::vector<Solid> solids_;
   Person partner_;

@@ -12,7 +12,8 @@ import struct
 import sys
 import time
 
-from fri_server import CMD, MON, PERIOD, Krc, main, single
+from fri_server import CMD, MON, PERIOD, Krc, single
+from wire_tests import main
 
 # the data sheet's limits of the joints
 VELOCITY = [math.radians(v) for v in (110, 110, 128, 128, 204, 184, 184)]
@@ -269,4 +270,4 @@ TESTS = (sample_time_jumps, sample_time_jumps_in_time, counter_set_back, nan_at_
          terminal_hangs_up, reader_goes)
 
 if __name__ == "__main__":
-    sys.exit(main(TESTS))
+    sys.exit(main(TESTS, Krc, attempts=8))

@@ -12,7 +12,6 @@ import signal
 import socket
 import struct
 import subprocess
-import sys
 import tempfile
 import time
 
@@ -43,6 +42,7 @@ class Krc:
     """The controller, and the program under test as a child. turn() is one cycle: a measurement out, its answer in."""
 
     longest_pause = 0.0  # in periods between two measurements, of all controllers: this machine's fault, not the program's
+    MAX_PAUSE, UNIT = 4, "periods"
 
     def __init__(self, colift, *arguments, script="stanford", control=3, krc="127.0.0.1", more="", period=PERIOD,
                  first_s=30, json=True):
@@ -84,6 +84,11 @@ class Krc:
         self.follows = True
         self.paced = False  # no measurement sooner than a period after the one before
         self.sent_at = 0.0
+
+    @staticmethod
+    def end_program():
+        Krc.last.process.kill()
+        Krc.last.process.communicate()
 
     @property
     def total(self):
@@ -303,30 +308,3 @@ class Krc:
         assert self.process.returncode == code, (self.process.returncode, code, err)
         self.told = err
         return json.loads(out)
-
-
-def main(tests):
-    """Runs those of `tests` that are named, or all: COLIFT [NAME...]."""
-    colift, names = sys.argv[1], sys.argv[2:]
-    failed = 0
-    for test in tests:
-        if names and test.__name__ not in names:
-            continue
-        for attempt in range(8):
-            began = time.monotonic()
-            Krc.longest_pause = 0.0
-            try:
-                test(colift)
-                print(f"ok      {test.__name__} ({time.monotonic() - began:.1f} s)", flush=True)
-                break
-            except Exception as e:  # the next test has its own program
-                Krc.last.process.kill()
-                Krc.last.process.communicate()
-                # a controller that pauses is a link that is cut: that says nothing about the program
-                if Krc.longest_pause > 4 and attempt < 7:
-                    print(f"again   {test.__name__}: this controller paused for {Krc.longest_pause:.0f} periods", flush=True)
-                    continue
-                failed += 1
-                print(f"FAILED  {test.__name__}: {type(e).__name__}: {e}", flush=True)
-                break
-    return 1 if failed else 0

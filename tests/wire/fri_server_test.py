@@ -17,7 +17,8 @@ import tarfile
 import tempfile
 import time
 
-from fri_server import CMD, MON, PERIOD, Krc, main, single
+from fri_server import CMD, MON, PERIOD, Krc, single
+from wire_tests import main
 
 
 def near(found, expected, what):
@@ -399,4 +400,4 @@ TESTS = (every_field, hold, other_programs, hold_on_springs, move_joint, never_t
 
 
 if __name__ == "__main__":
-    sys.exit(main(TESTS))
+    sys.exit(main(TESTS, Krc, attempts=8))

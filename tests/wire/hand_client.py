@@ -14,22 +14,13 @@ import time
 
 import can
 
+from pucks import (ALL, CMD, E, F1, F2, F3, FINGERS, FULL, GROUP, HI, IDLE, MODE, P, PID, POSITIONS, PUCKS, SPREAD,
+                   STAT, TACT, TRAPEZOID, VALUES, WIDE)
+
 # its parser warns of the newline after each frame, which it needs
 logging.getLogger("can.interfaces.socketcand").setLevel(logging.ERROR)
 
-F1, F2, F3, SPREAD = PUCKS = (11, 12, 13, 14)
-FINGERS = PUCKS[:3]
-GROUP = 0x400
-ALL, HAND = 0, 5  # groups
-POSITIONS, VALUES, JOINTS, TOP_TEN, FULL = 3, 6, 7, 8, 9  # groups of answers
-
-VERS, ROLE, SN, ID, ERROR, STAT, MODE, TEMP, THERM, SG = 0, 1, 2, 3, 4, 5, 8, 9, 20, 25
-GRPC, CMD, MT, V, MV, P, DP, E, CT, MCV, HOLD, TSTOP, JP, TACT = 28, 29, 43, 44, 45, 48, 50, 52, 56, 46, 77, 78, 96, 106
-IDLE, PID, TRAPEZOID = 0, 3, 5
-HI, CLOSE, MOVE, OPEN = 13, 18, 19, 20
-WIDE = {P, DP, E, CT, JP}  # 32 bits, of those above
-
-PATIENCE = 30.0  # s, for an answer or the end of a move; reached only when it fails
+TIMEOUT_S = 30.0  # s, for an answer or the end of a move; reached only when it fails
 
 
 def signed(value, bits):
@@ -95,7 +86,7 @@ class Emulator:
             return [line for line in self.lines if line and part in line]
 
         with self.news:
-            self.news.wait_for(lambda: len(found()) >= times or None in self.lines, PATIENCE)
+            self.news.wait_for(lambda: len(found()) >= times or None in self.lines, TIMEOUT_S)
             assert len(found()) >= times, f"no \"{part}\" in {self.lines}"
             return found()[times - 1]
 
@@ -104,7 +95,7 @@ class Emulator:
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGINT)
         report = json.loads(self.process.stdout.read())
-        assert self.process.wait(PATIENCE) == code, (self.process.returncode, report)
+        assert self.process.wait(TIMEOUT_S) == code, (self.process.returncode, report)
         assert report["schema"] == "colift.emulate/1" and report["device"] == "hand"
         return report
 
@@ -137,7 +128,7 @@ class Client:
     def send(self, identifier, data):
         self.bus.send(can.Message(arbitration_id=identifier, data=bytes(data), is_extended_id=False))
 
-    def next(self, patience=PATIENCE):
+    def next(self, patience=TIMEOUT_S):
         return self.bus.recv(patience)
 
     def expect(self, identifier):
@@ -176,7 +167,7 @@ class Client:
 
     def until_still(self, puck, modes=(IDLE,)):
         """Asks for its mode until it is one of these; nobody speaks unasked in between."""
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + TIMEOUT_S
         while (mode := self.ask(puck, MODE)) not in modes:
             assert mode == TRAPEZOID, mode
             assert time.monotonic() < end, f"{puck} still moves"

@@ -18,9 +18,10 @@ except ImportError:
     sys.exit(77)
 
 sys.dont_write_bytecode = True  # leaves nothing in the source tree
-from hand_client import (ALL, CLOSE, CMD, CT, DP, E, F1, F2, F3, FINGERS, GROUP, GRPC, HAND, HOLD, IDLE, ID, JOINTS, JP,
-                         MODE, MOVE, MT, MV, OPEN, P, PID, POSITIONS, PUCKS, ROLE, SG, SPREAD, STAT, TACT, TEMP, THERM,
-                         TOP_TEN, TRAPEZOID, TSTOP, VALUES, VERS, Client, packed, signed, top_ten)
+from hand_client import (Client, packed, signed, top_ten)
+from pucks import (ALL, CLOSE, CMD, CT, DP, E, F1, F2, F3, FINGERS, GROUP, GRPC, HAND, HOLD, IDLE, ID, JOINTS, JP,
+                   MODE, MOVE, MT, MV, OPEN, P, PID, POSITIONS, PUCKS, ROLE, SG, SPREAD, STAT, TACT, TEMP, THERM,
+                   TOP_TEN, TRAPEZOID, TSTOP, VALUES, VERS)
 
 
 def rules(report):

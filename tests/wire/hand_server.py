@@ -19,31 +19,17 @@ import tempfile
 import threading
 import time
 
-F1, F2, F3, SPREAD = PUCKS = (11, 12, 13, 14)
-FINGERS = PUCKS[:3]
-NAMES = {F1: "F1", F2: "F2", F3: "F3", SPREAD: "spread"}
-GROUP = 0x400
-POSITIONS, VALUES, FULL = 3, 6, 9  # groups that answers go to
-
-VERS, ROLE, SN, ID, ERROR, STAT, MODE, TEMP, OTEMP, THERM, VBUS, IMOTOR, SG = 0, 1, 2, 3, 4, 5, 8, 9, 11, 20, 21, 22, 25
-GRPA, GRPB, GRPC, CMD, T, MT, V, MV, MCV, MOV, P, DP, E, OT, CT, M, DS = (26, 27, 28, 29, 42, 43, 44, 45, 46, 47, 48, 50,
-                                                                         52, 54, 56, 58, 60)
-UPSECS, CTS, PIDX, HSG, LSG, IVEL, HOLD, TSTOP, KP, KD, KI, ACCEL, JP, TACT, TACTID, IHIT = (63, 68, 70, 71, 72, 73,
-                                                                                            *range(77, 83), 96, 106, 107, 108)
-IDLE, PID, TRAPEZOID = 0, 3, 5
-ASLEEP, READY = 0, 2
-RESET, HI = 2, 13
-WIDE = {P, DP, E, OT, CT, M, CTS, JP}
-OF_MONITOR = {VERS, ROLE, SN, ID, ERROR, STAT}
-SETTABLE = {STAT, MODE, OTEMP, GRPA, GRPB, GRPC, CMD, T, MT, V, MV, MCV, MOV, P, DP, E, OT, CT, M, DS, PIDX, HSG, LSG, IVEL,
-            HOLD, TSTOP, KP, KD, KI, ACCEL, TACT, IHIT}
-WRITE_ONLY = {CMD, M}
+from pucks import (ACCEL, ASLEEP, CMD, CT, CTS, DP, DS, E, ERROR, FINGERS, FULL, GROUP, GRPA, GRPB, GRPC, HI, HOLD,
+                   HSG, ID, IDLE, IHIT, IMOTOR, IVEL, JP, KD, KI, KP, LSG, M, MCV, MODE, MOV, MT, MV, NAMES,
+                   OF_MONITOR, OT, OTEMP, P, PID, PIDX, POSITIONS, PUCKS, READY, RESET, ROLE, SETTABLE, SG, SN,
+                   SPREAD, STAT, T, TACT, TACTID, TEMP, THERM, TRAPEZOID, TSTOP, UPSECS, V, VALUES, VBUS, VERS, WIDE,
+                   WRITE_ONLY)
 
 STOP = 199_111  # a finger's mechanical end, counts
 UNITS_PER_NM = 2900.0  # of this machine's motors, at the fingertip; the program's own default
 STIFFNESS = 0.5  # units for each count into what is touched
 BOOT_S, HI_S = 0.9, 0.6  # silence
-PATIENCE = 40.0
+TIMEOUT_S = 40.0
 
 Done = collections.namedtuple("Done", "code said document")
 Frame = collections.namedtuple("Frame", "sent id data")  # sent: by the program; of an event id is None and data its name
@@ -136,6 +122,7 @@ class Hand:
     """The gateway's thread. Hold `lock` to touch a puck from another."""
 
     longest_pause = 0.0  # of all hands: this machine's fault, not the program's
+    MAX_PAUSE, UNIT = 0.02, "s"
 
     def __init__(self, tactile=False, start=(20000, 30000, 10000, 4000)):
         self.listening = socket.socket()
@@ -156,13 +143,18 @@ class Hand:
         self.thread = threading.Thread(target=self._run, daemon=True)
         self.thread.start()
 
+    @staticmethod
+    def end_program():
+        Program.last.kill()
+        Program.last.communicate()
+
     def __enter__(self):
         return self
 
     def __exit__(self, failed, *_):
         """What the program may never do is judged here, of every session."""
         self.ended = True
-        self.thread.join(PATIENCE)
+        self.thread.join(TIMEOUT_S)
         for s in (self.client, self.listening):
             if s:
                 s.close()
@@ -194,7 +186,7 @@ class Hand:
 
     def until(self, ready, what):
         with self.lock:
-            assert self.lock.wait_for(lambda: ready() or self.fault, PATIENCE), f"never: {what}"
+            assert self.lock.wait_for(lambda: ready() or self.fault, TIMEOUT_S), f"never: {what}"
             assert not self.fault, self.fault
 
     def hang_up(self, for_good):
@@ -427,7 +419,7 @@ class Program:
 
     def end(self, code):
         """With this exit code, or any (None)."""
-        out, err = self.process.communicate(timeout=PATIENCE)
+        out, err = self.process.communicate(timeout=TIMEOUT_S)
         self.folder.cleanup()
         assert code in (None, self.process.returncode), f"exit code {self.process.returncode}, expected {code}: {out + err}"
         return Done(self.process.returncode, out + err, json.loads(out) if out and not self.as_text else None)

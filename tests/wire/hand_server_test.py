@@ -13,8 +13,10 @@ import sys
 import time
 
 sys.dont_write_bytecode = True  # leaves nothing in the source tree
-from hand_server import (ASLEEP, E, F1, F2, F3, FINGERS, GROUP, GRPC, IDLE, MODE, MT, NAMES, P, POSITIONS, PUCKS, READY,
-                         SPREAD, STAT, TEMP, THERM, TRAPEZOID, VALUES, Hand, Program, run)
+from hand_server import Hand, Program, run
+from pucks import (ASLEEP, E, F1, F2, F3, FINGERS, GROUP, GRPC, IDLE, MODE, MT, NAMES, P, POSITIONS, PUCKS, READY,
+                   SPREAD, STAT, TEMP, THERM, TRAPEZOID, VALUES)
+from wire_tests import main
 
 TOUCH = 60_000  # counts, where something is held
 initialised = None  # what the program itself left in a hand by `init`
@@ -397,32 +399,5 @@ TESTS = (session, late, doubled, doubled_late, reset, jump, far_jump_while_holdi
          killed_and_opened_at_once)
 
 
-def main():
-    colift, names = sys.argv[1], sys.argv[2:]
-    failed = 0
-    for test in TESTS:
-        name = test.__name__
-        if names and name not in names:
-            continue
-        for attempt in range(6):
-            began, why = time.monotonic(), None
-            Hand.longest_pause = 0.0
-            try:
-                test(colift)
-            except Exception as e:  # the next test has its own hand and program
-                why = f"{type(e).__name__}: {e}"
-                Program.last.kill()
-                Program.last.communicate()
-            # a hand that pauses is a silent one: that says nothing about the program
-            if why and Hand.longest_pause > 0.02 and attempt < 5:
-                print(f"again   {name}: this hand paused for {Hand.longest_pause:.3f} s", flush=True)
-                continue
-            failed += bool(why)
-            more = f": {why[:2000]}" if why else ""
-            print(f"{'FAILED' if why else 'ok':7} {name} ({time.monotonic() - began:.1f} s){more}", flush=True)
-            break
-    return 1 if failed else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(TESTS, Hand, attempts=6))

@@ -76,13 +76,11 @@ tl::unexpected<Error> HandStartup::nobody() const {
     return lost(
         "the adapter takes no frames: nobody acknowledges, or it is stuck; check the hand's supply, then "
         "unplug it");
-  if (!now.tells_errors)
+  if (!now.reports_errors)
     return lost(
-        "no puck answers; whether anybody is on the bus is not known, because the gateway reports no error "
-        "frames "
-        "(socketcand -e 1FFFFFFF does): is the hand's supply on (48 V), the cable in, the bus terminated, "
-        "and is this "
-        "its bus?");
+        "no puck answers; whether anybody is on the bus is not known, because the gateway reports no "
+        "error frames (socketcand -e 1FFFFFFF does): is the hand's supply on (48 V), the cable in, the bus "
+        "terminated, and is this its bus?");
   return lost(
       "no puck answers, though the bus reports no errors: is the hand's supply on (48 V), and is this its "
       "bus?");

@@ -142,9 +142,8 @@ std::string reason_words(const FriStatus& s, const FriConfig& c) {
     case FriReason::LinkLost:
       if (s.unsound > 0)
         return fmt::format(
-            "no usable datagram for {:.0f} ms: {} came and {} dropped, the last one: {}; the KRC sends what "
-            "cannot be, it is not the "
-            "cable",
+            "no usable datagram for {:.0f} ms: {} came and {} dropped, the last one: {}; the KRC sends "
+            "what cannot be, it is not the cable",
             1e3 * std::max(s.silent_s, c.silent_s), s.unsound, s.unsound == 1 ? "was" : "were",
             to_string(s.last_refusal));
       return fmt::format(

@@ -261,8 +261,7 @@ std::string hand_advice(hal::ErrorCode code, const std::string& bus) {
   switch (code) {
     case hal::ErrorCode::NotReady:
       return "free the hand and its surroundings, then: colift hal hand init (the fingers open to their "
-             "stops); if it "
-             "holds something: colift hal hand emergency-open --yes";
+             "stops); if it holds something: colift hal hand emergency-open --yes";
     case hal::ErrorCode::BadConfig:
       return fmt::format(
           "the bus is \"{}\": expected socketcan:can0 or socketcand:HOST:29536/can0 in barrett: {{can: ...}} "
@@ -270,8 +269,7 @@ std::string hand_advice(hal::ErrorCode code, const std::string& bus) {
           bus);
     case hal::ErrorCode::DeviceFault:
       return "if it holds something: colift hal hand emergency-open --yes; then switch its supply off and "
-             "on, and: colift "
-             "hal hand init";
+             "on, and: colift hal hand init";
     default:
       if (bus.starts_with("socketcand:"))
         return fmt::format(

@@ -115,7 +115,7 @@ TEST_CASE("a gateway is greeted, frames come through, and what is of no use is c
     const auto bus = gateway.client({{0x560, 0x7e0}});
     REQUIRE(bus->open());
     CHECK(bus->health().state == CanHealth::State::Active);
-    CHECK_FALSE(bus->health().tells_errors);  // as far as is known
+    CHECK_FALSE(bus->health().reports_errors);  // as far as is known
     CanFrame frame;
     REQUIRE(bus->receive(frame, 2s) == CanBus::Received::Frame);
     CHECK(frame.id == 0x563);
@@ -128,7 +128,7 @@ TEST_CASE("a gateway is greeted, frames come through, and what is of no use is c
     const CanHealth health = bus->health();
     CHECK(health.state == CanHealth::State::BusOff);  // the error frame said so
     CHECK(health.error_frames == 1);
-    CHECK(health.tells_errors);
+    CHECK(health.reports_errors);
     CHECK(health.dropped == 2);  // the remote frame and the broken one
     CHECK(health.received == 2);
     frame.id = 0x00b;

@@ -113,7 +113,7 @@ TEST_CASE("what a failed start means is said in words", "[hand][startup]") {
     for (FakePuck& puck : rig.fake.pucks) puck.silent = true;
     CHECK_THAT(failure_of(rig), Contains("the bus reports no errors") && Contains("is this its bus"));
   }
-  SECTION("silence behind a gateway that tells no errors") {
+  SECTION("silence behind a gateway that reports no errors") {
     for (FakePuck& puck : rig.fake.pucks) puck.silent = true;
     rig.fake.host->hide_errors();
     CHECK_THAT(failure_of(rig),
