@@ -18,6 +18,12 @@ Duration apart(Timestamp a, Timestamp b) {
   return a > b ? a - b : b - a;
 }
 
+// Of an answer: the low byte first, behind the property and its array byte.
+void set_value(CanFrame& answer, std::int32_t value) {
+  for (std::size_t i = 2; i < answer.length; ++i)
+    answer.data[i] = static_cast<std::uint8_t>(static_cast<std::uint32_t>(value) >> 8 * (i - 2));
+}
+
 }  // namespace
 
 RecordedPucks::RecordedPucks(const std::vector<CandumpFrame>& frames, Duration shift, ManualClock& clock)
@@ -102,6 +108,15 @@ bool RecordedPucks::alike(const CanFrame& said, std::size_t request) const {
          std::abs(static_cast<long>(now->value) - then.value) <= 1;
 }
 
+// A puck that was given another second then reports that second now: what was set is read back.
+void RecordedPucks::keep_power_on(const CanFrame& said, std::size_t request) {
+  const Request& then = session_.requests[request].says;
+  const auto now = decode_request(said);
+  if (!now || !then.sets || then.property != Property::Ds) return;
+  for (const Puck puck : kAllPucks)
+    if (!then.puck || *then.puck == puck) power_on_later_s_[puck] = now->value - then.value;
+}
+
 // The same as the one before it: a renewal, a wake-up or a repeat, whose number depends on the time.
 bool RecordedPucks::repeated(const std::vector<std::size_t>& list, std::size_t i) const {
   return i > 0 && i < list.size() && line(list[i]).frame == line(list[i - 1]).frame;
@@ -126,10 +141,12 @@ void RecordedPucks::hear_setting(const CanFrame& frame, const Request& says, Tim
   const auto& list = settings_[frame.id];
   std::size_t& next = next_setting_[frame.id];
   if (next < list.size() && alike(frame, list[next])) {
+    keep_power_on(frame, list[next]);
     take(list[next++], now);
     return;
   }
   if (next > 0 && alike(frame, list[next - 1])) {
+    keep_power_on(frame, list[next - 1]);
     ++findings_.repeats;
     return;
   }
@@ -193,7 +210,10 @@ std::optional<RecordedPucks::Exchange> RecordedPucks::nearest(const Key& key, Ti
 
 void RecordedPucks::answer(const PuckAnswer& with, Timestamp then, Timestamp now) {
   for (std::size_t i = 0; i < with.count; ++i) {
-    const CanFrame& frame = frames_[with.frames[i]].frame;
+    CanFrame frame = frames_[with.frames[i]].frame;
+    if (const auto says = read_answer(frame); says && says->property == Property::Ds && says->value)
+      if (const auto later = power_on_later_s_.find(with.puck); later != power_on_later_s_.end())
+        set_value(frame, *says->value + later->second);
     post(frame, now + std::max(frame.arrived_at + shift_ - then, Duration(1)));
   }
 }

@@ -69,6 +69,7 @@ class RecordedPucks final : public CanBus {
   [[nodiscard]] const CandumpFrame& line(std::size_t request) const;
   [[nodiscard]] bool alike(const CanFrame& said, std::size_t request) const;
   [[nodiscard]] bool repeated(const std::vector<std::size_t>& list, std::size_t i) const;
+  void keep_power_on(const CanFrame& said, std::size_t request);
   void hear_setting(const CanFrame& frame, const Request& says, Timestamp now);
   void hear_question(const Request& says, Timestamp now);
   [[nodiscard]] std::optional<Exchange> nearest(const Key& key, Timestamp now) const;
@@ -84,6 +85,7 @@ class RecordedPucks final : public CanBus {
   std::map<std::uint16_t, std::size_t> next_setting_;
   std::map<Key, Asked> questions_;
   std::map<Key, Settings> of_property_;
+  std::map<Puck, std::int32_t> power_on_later_s_;  // DS as said now, less DS as recorded
   std::deque<Letter> queue_;
   ReplayFindings findings_;
   CanHealth health_;

@@ -146,6 +146,25 @@ TEST_CASE("a session in lock step is played to the driver and the emulator: equa
   CHECK(text.find("STAT") != std::string::npos);
 }
 
+TEST_CASE("a session whose second of power-on was rounded otherwise is equal too", "[hand][replay]") {
+  using namespace hal::barrett;
+  auto log = parsed(session());
+  int changed = 0;
+  for (auto& line : log.frames) {
+    const auto says = decode_request(line.frame);
+    const auto answer = read_answer(line.frame);
+    const bool set = says && says->sets && says->property == Property::Ds;
+    const bool read = changed > 0 && answer && answer->property == Property::Ds;
+    if (!set && !read) continue;
+    ++line.frame.data[2];
+    ++changed;
+  }
+  REQUIRE(changed == 8);  // four pucks, set and read back
+  const auto driver = played(log);
+  INFO(words(driver.differences));
+  CHECK(driver.equal());
+}
+
 TEST_CASE("one byte of a setting is named with its line", "[hand][replay]") {
   // F1: TSTOP = 100 ms of a move
   const Edit e = edited(session(), "00B#CE006400 T", "00B#CE006500 T");
@@ -210,6 +229,7 @@ TEST_CASE("logs that no driver can be asked about are refused in words", "[hand]
 TEST_CASE("a session over the gateway, in real time, is played both ways: equal", "[hand][replay][server]") {
   const Folder folder;
   const fs::path file = folder.path / "gateway.log";
+  double stood_still_ms = 0.0;
   {
     sim_hal::HandEmulatorConfig emulated;
     emulated.puck.awake = true;
@@ -246,11 +266,17 @@ TEST_CASE("a session over the gateway, in real time, is played both ways: equal"
       return state && !state->moving;
     }));
     hand->deactivate();
+    stood_still_ms = server.timing().worst_late_ms;
   }
   const auto log = hal::read_candump(file);
   INFO((log ? std::string() : log.error().text()));
   REQUIRE(log);
   CHECK(log->interface == "can0");
+  // while the computer stands still, the driver is late with everything: no replay is
+  if (stood_still_ms > 300.0) {
+    WARN("the computer stood still for " << stood_still_ms << " ms: not compared");
+    return;
+  }
   const auto driver = played(*log);
   INFO(words(driver.differences));
   CHECK(driver.equal());
