@@ -47,7 +47,8 @@ struct HandState {
   bool held = false;    ///< The last close() ended on contact and the grip has not been released since.
   bool slips = false;   ///< The held object moves in the grip: an alarm until release().
   bool hot = false;     ///< Too hot to grip: close() is refused; what is held is to be set down.
-  ShortText warning{};  ///< Of a hand that works all the same: warm, over torque, a bus with errors.
+  /// Why a grip failed or slips; else of a hand that works all the same: warm, over torque, a bus with errors.
+  ShortText warning{};
 };
 
 /// A three-finger hand whose fingers hold their position when unpowered (worm gears).

@@ -110,6 +110,7 @@ struct GripConfig {
   double ready_timeout_s = 20.0;
   double open_tolerance_rad = 0.1;
   double min_held_fraction = 0.4;
+  double min_friction_margin = 1.0;
   double ease_s = 0.08;
   double friction = 0.5;
   double contact_n = 0.3;
@@ -133,6 +134,9 @@ struct GripConfig {
     v("min_held_fraction", min_held_fraction, hal::kFraction,
       "The object is not lifted when the strongest finger's strain gauge measures less than this fraction of "
       "the torque that was asked.");
+    v("min_friction_margin", min_friction_margin, hal::Range{0, 10},
+      "The object is not lifted when its expected load may grow by less than this factor until the pads, as "
+      "they measure, let it slip; 0: lifted all the same.");
     v("ease_s", ease_s, hal::Range{0, 10},
       "While the grip is verified, the palm's set point goes to where the palm stands once in this time: "
       "closing fingers have shifted the object against springs and partner; 0: never (s).");

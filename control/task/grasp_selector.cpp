@@ -68,7 +68,7 @@ bool GraspSelector::choose() {
   };
   apply_refusals(c_.session.analysis().candidates);
   if (c_.test_lifts.known()) return choose_level(*grasp, reach);
-  auto outcome = decide_for(c_.session.analysis(), *grasp, c_.config, c_.stopwatch, reach, mass_kg());
+  auto outcome = decide_for(c_.session.analysis(), *grasp, c_.config, c_.stopwatch, reach, c_.mass_kg());
   if (!outcome) {
     c_.attempts.failure = outcome.error().text();
     return false;
@@ -115,7 +115,7 @@ bool GraspSelector::take_own_choice() {
   }
   outcome.share =
       share_contract(outcome, analysis, uncertain_scene(analysis, *outcome.partner, c_.config.decision),
-                     c_.config, mass_kg());
+                     c_.config, c_.mass_kg());
   say_share(outcome);
   refuse_beyond_limits(outcome, c_.config.certificate);
   return outcome.decision.chosen.has_value();
@@ -130,7 +130,7 @@ bool GraspSelector::choose_level(const perception::PartnerGrasp& partner, const 
   const auto decide = [&](const hal::Vec3& cog) {
     hal::Vec3& believed = c_.session.analysis().scene.target->cog;
     const hal::Vec3 of_shape = std::exchange(believed, cog);
-    auto outcome = decide_for(c_.session.analysis(), partner, config, c_.stopwatch, reach, mass_kg());
+    auto outcome = decide_for(c_.session.analysis(), partner, config, c_.stopwatch, reach, c_.mass_kg());
     believed = of_shape;
     return outcome;
   };
@@ -169,13 +169,6 @@ bool GraspSelector::choose_level(const perception::PartnerGrasp& partner, const 
   return true;
 }
 
-std::optional<double> GraspSelector::mass_kg() const {
-  if (c_.config.decision.known_mass_kg) return c_.config.decision.known_mass_kg;
-  const auto& tested = c_.test_lifts.known();
-  if (tested && tested->mass_kg > 0.0) return tested->mass_kg;
-  return std::nullopt;
-}
-
 // A test lift judges tilt and slip by itself; what it tells of the mass is compared with what hands may bear.
 std::optional<std::string> GraspSelector::too_heavy() const {
   const auto& certificate = c_.record.decision->share.certificate;
@@ -193,7 +186,7 @@ bool GraspSelector::renew_share(const perception::PartnerGrasp& partner, const T
   scene.cog_covariance.topLeftCorner<2, 2>() = known.belief.covariance();
   auto refusal = planner::too_far_from_share(outcome.decision.share, c_.config.decision);
   if (refusal) outcome.decision.chosen.reset();
-  outcome.share = share_contract(outcome, c_.session.analysis(), scene, c_.config, mass_kg());
+  outcome.share = share_contract(outcome, c_.session.analysis(), scene, c_.config, c_.mass_kg());
   if (!refusal) refusal = too_heavy();
   if (refusal) {
     outcome.decision.reason = *refusal;

@@ -50,7 +50,6 @@ class GraspSelector {
   void apply_refusals(std::vector<planner::GraspCandidate>& candidates) const;
   [[nodiscard]] bool choose_level(const perception::PartnerGrasp& partner, const Judge& reach);
   /// Of the object, where somebody knows it or a test lift measured it.
-  [[nodiscard]] std::optional<double> mass_kg() const;
   /// Brings the record's share up to a grasp that was not chosen by the decision, but after test lifts; false
   /// where that grasp is too far from the wanted share.
   [[nodiscard]] bool renew_share(const perception::PartnerGrasp& partner, const TestLift& known);

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "planner/grasp/grasp_stability.hpp"
+
 namespace colift::control {
 namespace {
 
@@ -9,6 +13,8 @@ constexpr double kTip_m = 0.05;  // outer joint to the pad's middle (maker's Den
 // Of the outer joint beyond a third of the inner one: the clutch has given way (9500 counts of the motor).
 constexpr double kBrokenAway_rad = 0.15;
 constexpr double kFeltTorque_nm = 0.08;
+constexpr double kGrips_nm = 0.2,
+                 kBesidePad = 0.2;  // torque of a grip; of the force that its pad should feel
 constexpr std::array<const char*, hal::kTactileArrays> kNames{"F1", "F2", "F3", "palm"};
 
 // A fingertip has eight rows of three from its root, the palm rows of 5, 7, 7 and 5 (maker's geometry).
@@ -51,9 +57,13 @@ GripQuality grip_quality(const hal::HandState& hand, double asked_nm, const Grip
     q.contact_points += felt ? 1 : 0;
     broken_away = broken_away || hand.outer_rad[f] - hand.finger_rad[f] / 3.0 > kBrokenAway_rad;
     strongest_nm = std::fmax(strongest_nm, hand.torque_nm[f]);
-    const double n = std::isnan(hand.tip_force_n[f]) ? hand.torque_nm[f] / kTip_m : hand.tip_force_n[f];
+    const double by_gauge_n = hand.torque_nm[f] / kTip_m, by_pad_n = hand.tip_force_n[f];
+    q.beside_pad[f] = hand.torque_nm[f] > kGrips_nm && by_pad_n < kBesidePad * by_gauge_n;
+    const bool by_pad = by_pad_n > config.contact_n && !q.beside_pad[f];  // NaN: no pad
+    const double n = by_pad ? by_pad_n : by_gauge_n;
     if (!std::isnan(n)) normal_n = (std::isnan(normal_n) ? 0.0 : normal_n) + std::fmax(n, 0.0);
   }
+  q.squeeze_n = broken_away ? NAN : 0.5 * normal_n;
   if (q.palm_touches()) {
     ++q.contact_points;
     normal_n += std::isnan(hand.palm_force_n) ? 0.0 : hand.palm_force_n;
@@ -80,8 +90,25 @@ std::string describe(const GripQuality& q) {
                             : fmt::format("{} contacts", q.contact_points);
   t += fmt::format("; pads {} N", forces);
   if (!std::isnan(q.held_fraction)) t += fmt::format("; holds at {:.2f} of what was asked", q.held_fraction);
+  for (std::size_t f = 0; f < hal::kFingers; ++f)
+    if (q.beside_pad[f])
+      t += fmt::format("; {} presses with {:.2f} N m beside its pad", kNames[f], q.torque_nm[f]);
   if (!std::isnan(q.friction_limit_n)) t += fmt::format("; friction carries {:.0f} N", q.friction_limit_n);
   return t;
+}
+
+std::string slip_words(const hal::HandState& hand) {
+  const std::string why = hand.warning.str();
+  return "slip detected by the fingers" + (why.empty() ? why : ": " + why);
+}
+
+double slip_margin(const GripQuality& quality, const planner::GraspCandidate& grasp, planner::HandModel hand,
+                   const hal::Wrench& load) {
+  if (std::isnan(quality.squeeze_n)) return NAN;
+  std::array<int, 2> fingers{};
+  for (const planner::HandFinger& finger : hand.fingers) ++fingers[finger.side < 0 ? 0 : 1];
+  hand.finger_force_n = quality.squeeze_n / std::max({1, fingers[0], fingers[1]});
+  return planner::stability_margins(grasp, hand, load).slip;
 }
 
 double friction_margin(const GripQuality& quality, double load_n) {

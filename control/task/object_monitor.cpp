@@ -1,10 +1,12 @@
 #include "control/task/object_monitor.hpp"
-#include "hal/types/units.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "control/task/grip_quality.hpp"
+#include "hal/types/units.hpp"
 
 namespace colift::control {
 namespace {
@@ -85,7 +87,7 @@ std::optional<TaskEvent> ObjectMonitor::beyond_limits() const {
   const TaskConfig& task = c_.config.task;
   if (!hand.held) return TaskEvent{Event::HandEmpty, "the hand has lost the object"};
   // it has gripped up by itself already
-  if (hand.slips) return TaskEvent{Event::HandUnfit, "slip detected by the fingers"};
+  if (hand.slips) return TaskEvent{Event::HandUnfit, slip_words(hand)};
   if (hand.hot) return TaskEvent{Event::HandUnfit, hand.warning.str()};
   if (frames_tilting_ >= task.carry.limit_frames)
     return TaskEvent{Event::LimitReached, fmt::format("the object tilts by {:.1f} deg (limit {:.1f})",

@@ -36,6 +36,13 @@ void TaskContext::see_object(const hal::Pose& X_Wnow_Wscene) {
   tracked.X_WO = X_Wnow_Wscene * X_WO;
 }
 
+std::optional<double> TaskContext::mass_kg() const {
+  if (config.decision.known_mass_kg) return config.decision.known_mass_kg;
+  const auto& tested = test_lifts.known();
+  if (tested && tested->mass_kg > 0.0) return tested->mass_kg;
+  return std::nullopt;
+}
+
 const planner::GraspCandidate& TaskContext::chosen() const {
   return record.decision->candidates[*record.decision->decision.chosen];
 }

@@ -79,6 +79,8 @@ struct TaskContext {
     if (!readings.frame || session.leading() != session.scene_camera()) return std::nullopt;
     return session.corrected(*readings.frame);
   }
+  /// Of the object: as it was given, else as a test lift measured it.
+  [[nodiscard]] std::optional<double> mass_kg() const;
   /// The grasp that was decided on. There has to be one.
   [[nodiscard]] const planner::GraspCandidate& chosen() const;
 

@@ -161,6 +161,19 @@ const Row kClosingAndReleasing[] = {
     {"25 does not open", {"0:stuck:60", Task::Release}, End::Stopped, "did not open"},
 };
 
+// As a lab finds a hand (not in the fault table): what is no fault of a device and stops the lift all the
+// same.
+const Row kLabClosing[] = {
+    // its pucks fade from 44 C on, and the maker's limit is not reached: a tenth of the torque is no grip
+    {"a heated hand", {"0:hot=57:60", Task::Close, true}, End::Back, "let it cool"},
+    {"a second master while it closes", {"0.2:master=900@F2", Task::Close}, End::Stopped, "another program"},
+};
+const Row kLabLifting[] = {
+    {"a pushed spread", {"0.4:turn=4000:2", Task::Lift}, End::Stopped, "the spread turned"},
+    {"a second master", {"0.4:master=900@F1", Task::Lift}, End::Stopped, "another program"},
+    {"a sagging supply", {"0.2:sag=20:60", Task::Lift}, End::Lifted, "supply gives 20 V"},
+};
+
 const Row kLifting[] = {
     {"27 one puck silent", {"0.4:silent@F2:60", Task::Lift}, End::Stopped, "F2 (node 12) is silent"},
     {"27 one puck silent", {"0.05:silent@F2:60", Task::Verify}, End::Stopped, "F2 (node 12) is silent"},
@@ -272,6 +285,22 @@ TEST_CASE("faults of bus and pucks on the approach end as they have to", "[bus][
 
 TEST_CASE("faults of bus and pucks while closing and releasing end as they have to", "[bus][faults]") {
   check_rows(kClosingAndReleasing);
+}
+
+TEST_CASE("a heated hand and a second master end a grip before the lift", "[bus][faults]") {
+  check_rows(kLabClosing);
+}
+
+TEST_CASE("a pushed spread and a second master stop a lift, and the grip is kept", "[bus][faults][loaded]") {
+  check_rows(kLabLifting);
+}
+
+TEST_CASE("a table is lifted over a slow link", "[bus][faults]") {
+  const auto lift = lift_with({{"0:late=30:120", Task::AwaitPartner}});
+  INFO(told(lift));
+  CHECK(lift.record.outcome == Result::Lifted);
+  CHECK(lift.most_open_while_loaded_rad < kPlay_rad);
+  CHECK(said(lift, "slow link"));
 }
 
 TEST_CASE("a hand that closes on nothing twice opens twice, and the arm goes home (row 26)",

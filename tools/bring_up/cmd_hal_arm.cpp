@@ -5,6 +5,7 @@
 #include <future>
 
 #include "hal/config/config_file.hpp"
+#include "hal/drivers/kuka_fri/hand_shake.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/types/units.hpp"
 #include "tools/bring_up/bring_up.hpp"
@@ -132,7 +133,13 @@ hal::Result<ArmTask> task_of(const HalOptions& o, const Bench& bench) {
     task.stiffness_nm_rad = o.stiffness_nm_rad;
   }
   task.control = o.control.empty() ? bench.fri.control : o.control;
-  if ((o.verb == "load" || o.verb == "stiffness") && task.control != "joint_impedance")
+  // wrong load data are to be found before an arm stands on springs, where the program lets it
+  if (o.verb == "load" && o.control.empty() && hal::script_sets_strategy(bench.fri.script))
+    task.control = "position";
+  if (o.verb == "load" && task.control == "cartesian_impedance")
+    return hal::failure(hal::ErrorCode::BadInput, "--control",
+                        "cartesian_impedance: the load is measured in position or joint_impedance");
+  if (o.verb == "stiffness" && task.control != "joint_impedance")
     return hal::failure(hal::ErrorCode::BadConfig, "fri.control",
                         fmt::format("{}: this verb commands joint_impedance only", task.control));
   task.config = bench.task;

@@ -1,5 +1,7 @@
 // Options of what brings devices up, one at a time.
 
+#include <fmt/format.h>
+
 #include "tools/bring_up/cmd_hal.hpp"
 #include "tools/bring_up/cmd_hal_camera.hpp"
 #include "tools/calibrate/calibrate.hpp"
@@ -39,9 +41,9 @@ void add_hal_arm(CommandLine& line, CLI::App& arm, HalOptions& o) {
   for_s(add_verb(arm, "watch", "State continuously, with response times; no motion", o, line),
         "Duration (default: until interrupted)");
   const CLI::IsMember strategies({"joint_impedance", "position", "cartesian_impedance"});
-  const auto control = [&](CLI::App& verb) {
+  const auto control = [&](CLI::App& verb, const char* by_default = "the file's") {
     verb.add_option("--control", o.control,
-                    "joint_impedance, position or cartesian_impedance (default: the file's)")
+                    fmt::format("joint_impedance, position or cartesian_impedance (default: {})", by_default))
         ->type_name("C")
         ->check(strategies);
   };
@@ -64,8 +66,10 @@ void add_hal_arm(CommandLine& line, CLI::App& arm, HalOptions& o) {
   move.add_option("--speed", o.speed_deg_s, "Degrees per second (default 5)")->type_name("DEG/S");
   control(move);
   yes(move);
-  yes(add_verb(arm, "load", "Turns A4 to A7 through ten poses and compares the load with the KRC's load data",
-               o, line));
+  CLI::App& load = add_verb(
+      arm, "load", "Turns A4 to A7 through ten poses and compares the load with the KRC's load data", o, line);
+  control(load, "position where the KRL program takes a strategy, else the file's");
+  yes(load);
   add_verb(arm, "limits", "Joint limits: of the arm, of the guard, in T1", o, line);
   CLI::App& stiffness = add_verb(
       arm, "stiffness", "Joint impedance control with this stiffness, to be pushed by hand", o, line);

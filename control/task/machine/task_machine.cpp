@@ -118,7 +118,7 @@ constexpr auto kRules = std::to_array<Rule>({
 
     // the hand is at the object, which stands on the ground: Release opens it, and Yield at once
     {Close, HandHeld, Verify, "every finger is in contact"},
-    {Close, HandEmpty, Release, "the hand closed on nothing: opens it again"},
+    {Close, HandEmpty, Release, "the hand has no grip: opens it again"},
     {Close, PartnerLetGo, Release, "the partner let go before the lift: opens, the object is on the ground"},
     {Close, Blocked, Yield, kPushedAtGrasp},
     {Close, TimeOut, Release, "the hand did not finish closing: opens it again"},

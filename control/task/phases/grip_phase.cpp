@@ -41,7 +41,8 @@ std::optional<TaskEvent> GripPhase::close() {
   if (c_.in_state_s() > c_.config.task.grip.hand_timeout_s)
     return TaskEvent{Event::HandEmpty, "the hand does not come to rest"};
   if (hand.moving || c_.in_state_s() < c_.config.task.grip.command_shows_s) return std::nullopt;
-  if (!hand.held) return TaskEvent{Event::HandEmpty, "the fingers met nothing"};
+  if (!hand.held)
+    return TaskEvent{Event::HandEmpty, hand.warning.empty() ? "the fingers met nothing" : hand.warning.str()};
   return TaskEvent{Event::HandHeld, "every finger is stopped by the object"};
 }
 
@@ -57,6 +58,24 @@ void GripPhase::ease() {
   if (ease_s == 0.0 || hal::seconds(c_.now - eased_at_) < ease_s) return;
   eased_at_ = c_.now;
   if ((c_.palm().translation() - closed_W_).norm() < kMaxEase_m) c_.arm.ease();
+}
+
+std::optional<std::string> GripPhase::too_weak(const GripQuality& quality) const {
+  const double limit = c_.config.task.grip.min_friction_margin;
+  const auto mass_kg = c_.mass_kg();
+  const double weight_n = hal::kGravity_m_s2 * mass_kg.value_or(c_.config.decision.usual_mass_kg);
+  const double load_n = std::clamp(c_.record.decision->decision.share, 0.0, 1.0) * weight_n;
+  const hal::Wrench load{-load_n * hal::Vec3::UnitZ(), hal::Vec3::Zero()};
+  const double margin = slip_margin(quality, c_.chosen(), c_.rig.hand, load);
+  if (!(margin < limit)) return std::nullopt;  // nor where it is not known
+  return fmt::format(
+      "by the force at its fingers the grip carries {:.0f} N of the {:.0f} N expected ({}; margin {:.2f}, "
+      "limit "
+      "{:.2f}): not lifted; it needs a larger task.close_torque_nm, or a cooler hand",
+      margin * load_n, load_n,
+      mass_kg ? fmt::format("{:.1f} kg", *mass_kg)
+              : fmt::format("decision.usual_mass_kg, {:.1f} kg", c_.config.decision.usual_mass_kg),
+      margin, limit);
 }
 
 std::optional<TaskEvent> GripPhase::verify() {
@@ -89,6 +108,8 @@ std::optional<TaskEvent> GripPhase::verify() {
     return TaskEvent{Event::GripBad,
                      fmt::format("held at {:.2f} of what was asked (limit {:.2f}): not lifted; {}",
                                  quality.held_fraction, grip.min_held_fraction, facts)};
+  if (c_.chosen().kind != planner::GraspKind::Wrap)
+    if (auto weak = too_weak(quality)) return TaskEvent{Event::GripBad, *weak + "; " + facts};
   return TaskEvent{Event::GripGood, facts};
 }
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "control/task/grip_quality.hpp"
+
 namespace colift::control {
 
 void PausePhase::begin(Task from, Event event, std::string why) {
@@ -80,7 +82,7 @@ std::optional<TaskEvent> PausePhase::pause() {
   c_.done = c_.in_state_s() / carry.regrasp_timeout_s;
   const hal::HandState& hand = c_.readings.hand;
   if (!hand.held) return TaskEvent{Event::HandEmpty, "the hand has lost the object"};
-  if (hand.slips) return TaskEvent{Event::HandUnfit, "slip detected by the fingers"};
+  if (hand.slips) return TaskEvent{Event::HandUnfit, slip_words(hand)};
   if (!goes_on()) not_since_ = c_.now;
   if (!stands()) hangs_at_ = c_.now;
   if (hal::seconds(c_.now - not_since_) >= carry.regrasp_s)

@@ -195,7 +195,9 @@ struct BarrettHand::Impl {
     s.held = motion.held();
     s.slips = motion.slipped();
     s.hot = watch.hot();
-    s.warning = !watch.warning().empty() ? watch.warning() : bus_words;
+    // why a grip failed or gives way, before what may be so all the time
+    const bool grip_failed = !s.moving && !motion.why().empty() && (s.slips || !s.held);
+    s.warning = grip_failed ? motion.why() : !watch.warning().empty() ? watch.warning() : bus_words;
     if (const auto missing = watch.missing())
       say(s.warning, "{} is silent: the hand does without it", name(*missing));
     return s;

@@ -146,6 +146,25 @@ bool HandMotion::press_again() {
   return again;
 }
 
+// Why a finger presses with less than it was told, as far as its puck lets it be seen.
+void HandMotion::say_weak(Puck finger, double holds_nm, double kept_nm) {
+  const double part = torque_fraction(link_, facts_, finger);
+  const Reported& therm = link_.reported(finger, Property::Therm);
+  const Reported& current = link_.reported(finger, Property::Imotor);
+  if (part < 1.0)
+    say(why_,
+        "{} holds with {:.2f} of {:.2f} N m: at {} C its puck gives {:.0f} % of its torque, let it cool",
+        name(finger), holds_nm, kept_nm, link_.reported(finger, Property::Temp).value, 100.0 * part);
+  else if (therm.known && therm.value >= kWarmMotor_c)
+    say(why_, "{} holds with {:.2f} of {:.2f} N m: its motor has {} C, let it cool", name(finger), holds_nm,
+        kept_nm, therm.value);
+  else if (current.known && current.at > link_.mode_set_at(finger))
+    say(why_, "{} holds with {:.2f} of {:.2f} N m; its motor draws {:.2f} A", name(finger), holds_nm, kept_nm,
+        std::abs(motor_a(current.value)));
+  else
+    say(why_, "{} holds with {:.2f} of {:.2f} N m", name(finger), holds_nm, kept_nm);
+}
+
 void HandMotion::verify(Timestamp now) {
   if (link_.busy()) return;
   if (!verify_timed_) {
@@ -174,18 +193,7 @@ void HandMotion::verify(Timestamp now) {
     const double kept_nm = hold_units_[index(finger)] / facts_.units_per_nm[index(finger)];
     const double strain = strain_above_idle(link_, facts_, finger);
     if (!contact_[index(finger)] || !pressing_ || !(strain < kHeldFraction * kept_nm)) continue;
-    const double part = torque_fraction(link_, facts_, finger);
-    if (part < 1.0)
-      say(why_,
-          "{} holds with {:.2f} of {:.2f} N m: at {} C its puck gives {:.0f} % of its torque, let it cool",
-          name(finger), std::max(strain, 0.0), kept_nm, link_.reported(finger, Property::Temp).value,
-          100.0 * part);
-    else if (const Reported& therm = link_.reported(finger, Property::Therm);
-             therm.known && therm.value >= kWarmMotor_c)
-      say(why_, "{} holds with {:.2f} of {:.2f} N m: its motor has {} C, let it cool", name(finger),
-          std::max(strain, 0.0), kept_nm, therm.value);
-    else
-      say(why_, "{} holds with {:.2f} of {:.2f} N m", name(finger), std::max(strain, 0.0), kept_nm);
+    say_weak(finger, std::max(strain, 0.0), kept_nm);
     give_up_grip();
     return;
   }

@@ -11,6 +11,11 @@ constexpr std::int32_t kJump = 2500;
 constexpr int kJumpsAbout = 5;     // in a row, each time to another place
 constexpr double kCooled_c = 3.0;  // below a limit before it counts as left
 constexpr int kTorquesOver = 3;    // readings in a row
+// Below 18 V a puck resets and loses its zero; the maker's supply gives 48 V.
+constexpr std::int32_t kLowSupply_v = 24, kMostSupply_v = 100;
+constexpr int kSupplyLow = 2;  // readings in a row
+// What changes slowly is asked in turn.
+constexpr std::array kSlow{Property::Temp, Property::Therm, Property::Temp, Property::Therm, Property::Vbus};
 // a puck lets off by itself above 3460; between two readings the strain may have been higher
 constexpr std::int32_t kStrainedFrom = kStrainMost - 100;
 constexpr Duration kStrainedFor = std::chrono::milliseconds(300);
@@ -29,8 +34,9 @@ HandMonitor::HandMonitor(const BarrettHandConfig& config, PuckLink& link, BusMon
   mode_.period = ms(2.0 * config.measure_ms);
   pads_.period = ms(config.tactile_ms);
   palm_.period = ms(5.0 * config.tactile_ms);
-  heat_.period = ms(0.5 * config.temperature_ms);  // puck and motor in turn
-  torque_.period = ping_.period = ms(100.0);
+  heat_.period = ms(0.4 * config.temperature_ms);  // puck, motor and supply in turn
+  torque_.period = ms(50.0);                       // torque and current in turn
+  ping_.period = ms(100.0);
 }
 
 void HandMonitor::start() {
@@ -45,7 +51,9 @@ void HandMonitor::start() {
   strained_at_ = {};
   was_quiet_ = failed_ = without_ = {};
   warm_ = hot_ = fades_ = over_torque_ = spread_kept_on_ = false;
-  warning_ = outage_ = {};
+  warning_ = outage_ = supply_ = {};
+  supply_low_ = 0;
+  supply_seen_ = {};
 }
 
 void HandMonitor::ask(Timestamp now) {
@@ -74,10 +82,13 @@ void HandMonitor::ask(Timestamp now) {
   if (palm_.due(now) && facts_.pad_works[index(Puck::Spread)] && !link_.silent(Puck::Spread))
     link_.ask_tactile(Puck::Spread, facts_.tactile_format);
   if (heat_.due(now)) {
-    link_.ask_all(therm_next_ ? Property::Therm : Property::Temp);
-    therm_next_ = !therm_next_;
+    link_.ask_all(kSlow[static_cast<std::size_t>(slow_turn_)]);
+    slow_turn_ = (slow_turn_ + 1) % static_cast<int>(kSlow.size());
   }
-  if ((motion_.moving() || motion_.held()) && torque_.due(now)) link_.ask_all(Property::T);
+  if ((motion_.moving() || motion_.loaded()) && torque_.due(now)) {
+    link_.ask_all(current_next_ ? Property::Imotor : Property::T);
+    current_next_ = !current_next_;
+  }
 }
 
 void HandMonitor::lose_zero(Puck puck) {
@@ -233,6 +244,26 @@ void HandMonitor::judge_heat() {
     motion_.limit_hold(hot_ ? 0.0 : warm_ ? config_.warm_hold_torque_units : config_.hold_torque_units);
 }
 
+// A supply that sags says so before the pucks reset. What no supply can give is a bad frame or no answer at
+// all.
+void HandMonitor::judge_supply() {
+  std::int32_t least_v = kMostSupply_v;
+  bool news = false;
+  for (const Puck puck : kAllPucks) {
+    const Reported& v = link_.reported(puck, Property::Vbus);
+    if (!v.known || v.value <= 0 || v.value > kMostSupply_v) continue;
+    least_v = std::min(least_v, v.value);
+    news = news || v.at > supply_seen_[index(puck)];
+    supply_seen_[index(puck)] = v.at;
+  }
+  if (!news) return;
+  supply_low_ = least_v < kLowSupply_v ? supply_low_ + 1 : 0;
+  if (supply_low_ == 0) supply_ = {};
+  if (supply_low_ >= kSupplyLow)
+    say(supply_, "the hand's supply gives {} V of 48: below 18 V its pucks reset and lose their zero",
+        least_v);
+}
+
 void HandMonitor::judge_torque(Puck puck) {
   const Reported &t = link_.reported(puck, Property::T), &limit = link_.reported(puck, Property::Mt);
   if (!t.known || !limit.known || t.at <= torque_seen_[index(puck)]) return;
@@ -269,6 +300,7 @@ void HandMonitor::step(Timestamp now) {
     if (!link_.silent(puck) && fresh) without_[index(puck)] = false;
   }
   judge_heat();
+  judge_supply();
   others_.step(now);
   if (!others_.commands() || facts_.commanded_by_others) return;
   facts_.commanded_by_others = true;

@@ -42,9 +42,10 @@ class HandMonitor {
   [[nodiscard]] bool warm() const { return warm_; }
   [[nodiscard]] bool hot() const { return hot_; }
   [[nodiscard]] bool over_torque() const { return over_torque_; }
-  /// Heat or torque, else another program that asks the pucks.
+  /// Heat or torque, else the supply, else another program that asks the pucks.
   [[nodiscard]] const ShortText& warning() const {
     if (!warning_.empty()) return warning_;
+    if (!supply_.empty()) return supply_;
     return others_.warning().empty() ? outage_ : others_.warning();
   }
 
@@ -55,6 +56,7 @@ class HandMonitor {
   void judge_mark(Puck puck);
   void judge_mode(Puck puck, Timestamp now);
   void judge_heat();
+  void judge_supply();
   void judge_torque(Puck puck);
   void lose_zero(Puck puck);
   void lose_zero_by_jump(Puck puck, std::int32_t by);
@@ -82,9 +84,11 @@ class HandMonitor {
       mark_suspected_{};
   std::array<Timestamp, kFingers> strained_at_{};  ///< When a gauge last showed its most.
   std::array<bool, kPucks> was_quiet_{}, failed_{}, without_{};
-  bool therm_next_ = false, warm_ = false, hot_ = false, fades_ = false, over_torque_ = false;
+  int slow_turn_ = 0, supply_low_ = 0;
+  bool current_next_ = false, warm_ = false, hot_ = false, fades_ = false, over_torque_ = false;
   bool spread_kept_on_ = false;
-  ShortText warning_, outage_;
+  std::array<Timestamp, kPucks> supply_seen_{};
+  ShortText warning_, outage_, supply_;
   Timestamp lost_at_{0};  ///< The bus, last.
 };
 

@@ -85,6 +85,7 @@ class HandMotion {
   void after_closing(Timestamp now);
   void verify(Timestamp now);
   bool press_again();
+  void say_weak(Puck finger, double holds_nm, double kept_nm);
   void watch_grip(Timestamp now);
   void watch_spread();
   void renew_pressing(Timestamp now);

@@ -54,8 +54,8 @@ FriFrame to_wire_frame(const Pose& p) {
 void CartSetPoint::mirror(const FriFrame& measured) {
   wire_ = measured;
   X_ = from_wire_frame(measured);
-  v_.setZero();
-  w_.setZero();
+  by_.setZero();
+  turn_.setZero();
   first_ = false;
 }
 
@@ -89,26 +89,26 @@ FriLimit CartSetPoint::command(const Pose& X, int steps, double period_s, double
     if (turn.norm() > steps * most_rad * 1.0001) return {What::Speed, 3, turn.norm(), steps * most_rad};
   }
   first_ = false;
-  v_ = by / period_s;
-  w_ = turn / period_s;
+  by_ = by;
+  turn_ = turn;
   X_ = X;
   wire_ = to_wire_frame(X);
   return {};
 }
 
 void CartSetPoint::repeat() {
-  v_.setZero();
-  w_.setZero();
+  by_.setZero();
+  turn_.setZero();
 }
 
 void CartSetPoint::brake(double period_s) {
   first_ = false;
   if (at_rest()) return;
-  v_ = shorter(v_, limits_.acceleration_m_s2 * period_s);
-  w_ = shorter(w_, limits_.acceleration_rad_s2 * period_s);
-  X_.translation() += v_ * period_s;
-  if (const double angle = w_.norm() * period_s; angle > 0.0)
-    X_.linear() = Eigen::AngleAxisd(angle, w_.normalized()).toRotationMatrix() * X_.linear();
+  by_ = shorter(by_, limits_.acceleration_m_s2 * period_s * period_s);
+  turn_ = shorter(turn_, limits_.acceleration_rad_s2 * period_s * period_s);
+  X_.translation() += by_;
+  if (const double angle = turn_.norm(); angle > 0.0)
+    X_.linear() = Eigen::AngleAxisd(angle, turn_.normalized()).toRotationMatrix() * X_.linear();
   wire_ = to_wire_frame(X_);
 }
 

@@ -27,19 +27,19 @@ class CartSetPoint {
   void mirror(const FriFrame& measured);
   /// The next command is a first one; `measured` is where it has to be.
   void expect_first(const FriFrame& measured);
-  /// `X`: of the tool in the base that `$STIFFNESS` names.
+  /// `X`: of the tool in the base that `$STIFFNESS` names. `period_s`: the shortest that a cycle may be.
   FriLimit command(const Pose& X, int steps, double period_s, double safety_limits);
   void repeat();
   void brake(double period_s);
 
   [[nodiscard]] const FriFrame& wire() const { return wire_; }
-  [[nodiscard]] bool at_rest() const { return v_.isZero() && w_.isZero(); }
+  [[nodiscard]] bool at_rest() const { return by_.isZero() && turn_.isZero(); }
 
  private:
   Limits limits_;
   FriFrame wire_{};
   Pose X_ = Pose::Identity(), first_X_ = Pose::Identity();
-  Vec3 v_ = Vec3::Zero(), w_ = Vec3::Zero();  ///< Of the last step (m/s, rad/s), in the base.
+  Vec3 by_ = Vec3::Zero(), turn_ = Vec3::Zero();  ///< The last cycle's step (m, rad), in the base.
   bool first_ = false;
 };
 

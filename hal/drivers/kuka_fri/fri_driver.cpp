@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/drivers/kuka_fri/hanging_load.hpp"
 #include "hal/drivers/kuka_fri/wire/lwr_limits.hpp"
 
 namespace colift::hal {
@@ -105,11 +106,19 @@ void FriDriver::reset() {
 void FriDriver::start_gains() {
   tau_.setZero();
   wrench_.setZero();
+  borne_.setZero();
   stiffness_.setConstant(config.start_stiffness_nm_rad);
   damping_.setConstant(config.start_damping);
   cart_stiffness_.head<3>().setConstant(config.start_cart_stiffness_n_m);
   cart_stiffness_.tail<3>().setConstant(config.start_cart_stiffness_nm_rad);
   cart_damping_.setConstant(config.start_damping);
+}
+
+// From zero, because a controller refuses a start with a wrench; and from the second command on.
+void FriDriver::bear_load() {
+  if (first_) return;
+  for (int i = 0; i < 6; ++i)
+    borne_[i] = towards(borne_[i], hangs_[i], (i < 3 ? kWrenchSlope_n_s : kWrenchSlope_nm_s) * limit_s_);
 }
 
 bool FriDriver::mirrors_joints() const {
@@ -203,13 +212,14 @@ void FriDriver::move_set_points(const FriExchange::Packet& packet, bool may_befo
     joint_.mirror(followed);
     cart_.mirror(m.cart_measured);
     start_gains();
+    hangs_ = wrench_against_load(m, state());
     return;
   }
   if (gap || packet.first || packet.restarted) {
     joint_.restart(followed);
     cart_.mirror(m.cart_measured);
   } else if (unanswered > 0) {
-    (void)joint_.bridge(followed, unanswered, period_s_);
+    (void)joint_.bridge(followed, unanswered);
   }
   if (mirrors_joints()) joint_.mirror(followed);
   if (session.may_command()) {
@@ -229,6 +239,7 @@ void FriDriver::move_set_points(const FriExchange::Packet& packet, bool may_befo
 
 void FriDriver::brake() {
   first_ = false;
+  // in the period that arrivals agreed with: a datagram that says a shorter one must not lengthen the stop
   if (!mirrors_joints()) joint_.brake(period_s_);
   cart_.brake(period_s_);
 }
@@ -251,7 +262,7 @@ void FriDriver::answer() {
   c.q_rad = joint_.wire();
   c.cart = cart_.wire();
   put(c.tau_nm, tau_);
-  c.wrench = to_wire_order(wrench_);
+  c.wrench = to_wire_order(bounded_wrench(wrench_ + borne_));
   put(c.stiffness_nm_rad, stiffness_);
   put(c.damping, damping_);
   c.cart_stiffness = to_wire_order(cart_stiffness_);
@@ -295,13 +306,8 @@ double FriDriver::lost_after_s() const {
   return std::max(config.silent_s, (kGapCycles + 0.5) * period_s_);
 }
 
-double FriDriver::speed_fraction() const {
-  const double reported = m.safety_limits > 0.0F ? static_cast<double>(m.safety_limits) : 1.0;
-  return reported * limit_s_ / period_s_;
-}
-
 FriLimit FriDriver::set_position(const JointVector& q_rad) {
-  const FriLimit bad = joint_.command(q_rad, steps_, period_s_, speed_fraction());
+  const FriLimit bad = joint_.command(q_rad, steps_, limit_s_, granted());
   if (bad.what != FriLimit::What::None) return bad;
   commanded_ = true;
   first_ = false;
@@ -321,13 +327,14 @@ FriLimit FriDriver::set(const JointVector* posture_rad, const Pose& X, const Six
       return {What::Damping, axis, damping_ratio[i], 1.0};
     if (!(std::abs(wrench[i]) <= most)) return {What::Wrench, axis, wrench[i], most};
   }
-  const double part = speed_fraction();
-  if (const FriLimit bad = cart_.command(X, steps_, period_s_, part); bad.what != What::None) return bad;
+  if (const FriLimit bad = cart_.command(X, steps_, limit_s_, granted()); bad.what != What::None) return bad;
   if (posture_rad != nullptr && !mirrors_joints())
-    if (const FriLimit bad = joint_.command(*posture_rad, steps_, period_s_, part); bad.what != What::None)
+    if (const FriLimit bad = joint_.command(*posture_rad, steps_, limit_s_, granted());
+        bad.what != What::None)
       return bad;
   for (int i = 0; i < 6; ++i)
     wrench_[i] = towards(wrench_[i], wrench[i], (i < 3 ? kWrenchSlope_n_s : kWrenchSlope_nm_s) * limit_s_);
+  bear_load();
   cart_stiffness_ = stiffness;
   cart_damping_ = damping_ratio;
   commanded_ = true;

@@ -82,8 +82,11 @@ class FriDriver {
   [[nodiscard]] bool mirrors_joints() const;
   /// Without a datagram for so long the link counts as lost: with a long period not after a few of them (s).
   [[nodiscard]] double lost_after_s() const;
-  /// Of the velocity limits: the controller's own, and less while a datagram says a shorter sample time.
-  [[nodiscard]] double speed_fraction() const;
+  /// Part of the limits that the controller grants.
+  [[nodiscard]] double granted() const {
+    return m.safety_limits > 0.0F ? static_cast<double>(m.safety_limits) : 1.0;
+  }
+  void bear_load();
 
   JointSetPoint joint_;
   CartSetPoint cart_;
@@ -106,6 +109,8 @@ class FriDriver {
   KrlChannels krl_;
   JointVector tau_ = JointVector::Zero(), stiffness_, damping_;
   SixVector wrench_ = SixVector::Zero(), cart_stiffness_, cart_damping_;
+  SixVector hangs_ = SixVector::Zero();  ///< What keeps up the load that hung there before command mode,
+  SixVector borne_ = SixVector::Zero();  ///< and how much of it is added by now.
 };
 
 }  // namespace colift::hal

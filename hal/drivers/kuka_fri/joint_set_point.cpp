@@ -37,6 +37,10 @@ bool JointSetPoint::pulls_backwards(const JointVector& off_rad, const JointVecto
   return off > kMinOff_rad && tau > kMinTorque_nm && off_rad.dot(tau_nm) < -kMinCosine * off * tau;
 }
 
+bool JointSetPoint::explained(const JointVector& off_rad, const JointVector& tau_nm) {
+  return pulls_backwards(-off_rad, tau_nm);
+}
+
 void JointSetPoint::send(const JointVector& q_rad) {
   for (int i = 0; i < kArmJoints; ++i) wire_[static_cast<std::size_t>(i)] = static_cast<float>(q_rad[i]);
   q_ = q_rad;
@@ -45,7 +49,7 @@ void JointSetPoint::send(const JointVector& q_rad) {
 void JointSetPoint::mirror(const FriJoints& followed) {
   wire_ = followed;
   q_ = goal_ = joints(followed);
-  dq_.setZero();
+  step_.setZero();
   release();
   first_at_.reset();
   bridged_ = false;
@@ -92,16 +96,16 @@ void JointSetPoint::expect_first(const JointVector& measured_rad, const JointVec
   }
   first_at_ = measured_rad;
   goal_ = q_;
-  dq_.setZero();
+  step_.setZero();
   release();
   bridged_ = false;
 }
 
-bool JointSetPoint::bridge(const FriJoints& followed, int cycles, double period_s) {
+bool JointSetPoint::bridge(const FriJoints& followed, int cycles) {
   const JointVector at = joints(followed);
   if ((at - q_).cwiseAbs().maxCoeff() < kInTransit_rad) return false;
   for (int i = 0; i < kArmJoints; ++i) {
-    const double way = dq_[i] * period_s * cycles, gone = at[i] - q_[i];
+    const double way = step_[i] * cycles, gone = at[i] - q_[i];
     if (gone < std::min(way, 0.0) - kInTransit_rad || gone > std::max(way, 0.0) + kInTransit_rad)
       return false;
   }
@@ -136,7 +140,7 @@ FriLimit JointSetPoint::command(const JointVector& q_rad, int steps, double peri
     const double at_once = limits_.acceleration_rad_s2 * period_s * period_s;
     if ((offset_ - held_).cwiseAbs().maxCoeff() <= at_once) offset_ = held_;
   } else if (bridged_) {
-    offset_ = q_ + dq_ * period_s - q_rad;
+    offset_ = q_ + step_ - q_rad;
     doffset_.setZero();
   } else {
     ramp(period_s);
@@ -145,7 +149,7 @@ FriLimit JointSetPoint::command(const JointVector& q_rad, int steps, double peri
   goal_ = q_rad;
   JointVector next = goal_;
   if (!offset_.isZero()) next = (goal_ + offset_).cwiseMax(-limits_.limit_rad).cwiseMin(limits_.limit_rad);
-  dq_ = (next - q_) / period_s;
+  step_ = next - q_;
   send(next);
   return {};
 }
@@ -170,7 +174,7 @@ void JointSetPoint::ramp(double period_s) {
 }
 
 void JointSetPoint::repeat() {
-  dq_.setZero();
+  step_.setZero();
   doffset_.setZero();
   bridged_ = false;
 }
@@ -181,10 +185,10 @@ void JointSetPoint::brake(double period_s) {
   for (int i = 0; i < kArmJoints; ++i) {
     const JointBounds bounds{-limits_.limit_rad[i], limits_.limit_rad[i], limits_.velocity_rad_s[i],
                              limits_.acceleration_rad_s2};
-    dq_[i] = braking_velocity(q_[i], dq_[i], period_s, bounds);
-    next[i] += period_s * dq_[i];
+    step_[i] = period_s * braking_velocity(q_[i], step_[i] / period_s, period_s, bounds);
+    next[i] += step_[i];
   }
-  if (!dq_.isZero()) send(next);
+  if (!step_.isZero()) send(next);
   goal_ = q_;
   release();
   bridged_ = false;

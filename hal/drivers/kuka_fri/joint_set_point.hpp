@@ -51,6 +51,8 @@ class JointSetPoint {
   /// At rest, on springs: true where the load `tau_nm` on the arm has the sign opposite to what `off_rad`
   /// (measured minus commanded) says of it, in a pattern over the joints that no accident explains.
   [[nodiscard]] static bool pulls_backwards(const JointVector& off_rad, const JointVector& tau_nm);
+  /// The same, where that pattern agrees with the load.
+  [[nodiscard]] static bool explained(const JointVector& off_rad, const JointVector& tau_nm);
   [[nodiscard]] static JointVector joints(const FriJoints& q);
 
   /// Outside of command mode.
@@ -62,11 +64,12 @@ class JointSetPoint {
   /// The springs' stiffness from now on: a load hangs higher on stiffer ones.
   void set_stiffness(const JointVector& stiffness_nm_rad);
   /// Lost datagrams: `cycles` were not answered. True when the controller has gone on by itself.
-  bool bridge(const FriJoints& followed, int cycles, double period_s);
+  bool bridge(const FriJoints& followed, int cycles);
   /// A longer gap: from where the controller is now, at rest.
   void restart(const FriJoints& followed);
 
-  /// A command for the open cycle. `steps`: cycles that it may span.
+  /// A command for the open cycle. `steps`: cycles that it may span; `period_s`: the shortest that a cycle
+  /// may be, for what its limits grant.
   FriLimit command(const JointVector& q_rad, int steps, double period_s, double safety_limits);
   /// No command came: the last one again.
   void repeat();
@@ -75,7 +78,7 @@ class JointSetPoint {
 
   [[nodiscard]] const FriJoints& wire() const { return wire_; }
   [[nodiscard]] const JointVector& q_rad() const { return q_; }
-  [[nodiscard]] bool at_rest() const { return dq_.isZero() && offset_ == held_; }
+  [[nodiscard]] bool at_rest() const { return step_.isZero() && offset_ == held_; }
 
  private:
   void send(const JointVector& q_rad);
@@ -85,7 +88,7 @@ class JointSetPoint {
 
   Limits limits_;
   FriJoints wire_{};
-  JointVector q_ = JointVector::Zero(), dq_ = JointVector::Zero();            ///< As on the wire.
+  JointVector q_ = JointVector::Zero(), step_ = JointVector::Zero();          ///< As on the wire; per cycle.
   JointVector goal_ = JointVector::Zero();                                    ///< The user's last command.
   JointVector offset_ = JointVector::Zero(), doffset_ = JointVector::Zero();  ///< wire = goal + offset
   JointVector held_ = JointVector::Zero();     ///< Part of the offset that a load explains.

@@ -12,6 +12,7 @@ namespace {
 using Kind = HandFault::Kind;
 using namespace prop;
 
+constexpr double kSupply_v = 48.0;
 constexpr double kBrake = 60.0;   // units: of the spread's gear
 constexpr double kTurned = 20.0;  // counts/ms: 100 degrees/s
 constexpr int kOtherMaster = 6;   // node
@@ -33,6 +34,7 @@ void HandEmulator::act(const HandFault& f, bool begins) {
   for (std::size_t p = 0; p < kHandPucks; ++p) {
     if (!f.hits(p)) continue;
     if (f.kind == Kind::Freeze) pucks_[p].freeze(begins);
+    if (f.kind == Kind::Sag) pucks_[p].supply(begins ? f.value : kSupply_v);
     if (!begins) continue;
     if (f.kind == Kind::Reset) reset(p, "on request");
     if (f.kind == Kind::BrownOut) reset(p, "the supply broke down");

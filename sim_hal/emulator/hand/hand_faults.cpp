@@ -31,6 +31,7 @@ constexpr std::array kKinds{
     Row{"altered", Kind::Altered, 900, 0, 5000},
     Row{"brown-out", Kind::BrownOut},
     Row{"off", Kind::Off},
+    Row{"sag", Kind::Sag, 20, 18, 48},
     Row{"foreign", Kind::Foreign},
     Row{"bus-off", Kind::BusOff},
     Row{"down", Kind::Down},

@@ -34,6 +34,7 @@ struct HandFault : TimedFault {
     // of all of them
     BrownOut,  ///< The supply breaks down: all are reset.
     Off,       ///< No supply: nobody acknowledges. Afterwards all are in their monitor.
+    Sag,       ///< The supply gives `value` V: not yet so little that pucks reset.
     Foreign,   ///< A WAM's safety module says something 100 times a second.
     // of the client's end, which the transport has to bring about
     BusOff,

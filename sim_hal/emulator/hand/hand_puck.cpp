@@ -378,6 +378,10 @@ void HandPuck::fail(int error_code) {
   at(kError) = error_code;
 }
 
+void HandPuck::supply(double v) {
+  at(kVbus) = rounded(v);
+}
+
 void HandPuck::heat(double c) {
   puck_c_ = motor_c_ = c;
 }

@@ -68,6 +68,7 @@ class HandPuck {
   // What may happen to it.
   void reset();                             ///< Power was gone: monitor, zero lost.
   void fail(int error_code);                ///< STAT 1.
+  void supply(double v);                    ///< VBUS from now on.
   void heat(double c);                      ///< Puck and motor have this temperature now.
   void shift(double counts);                ///< Its encoder jumps.
   void freeze(bool yes) { frozen_ = yes; }  ///< Its encoder tells the same position for ever.

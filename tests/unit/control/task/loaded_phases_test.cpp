@@ -89,6 +89,20 @@ TEST_CASE("a grip is good when the fingers stop where the observed width says", 
     CHECK(judged->event == Event::GripBad);
     CHECK(judged->detail.find("held at 0.25 of what was asked (limit 0.40): not lifted") == 0);
   }
+  SECTION("too weakly for the load that is expected: the object would slip") {
+    rig.hand->now.finger_rad.fill(expected);
+    rig.hand->now.torque_nm = {0.2, 0.2, 0.42};
+    rig.c->config.decision.known_mass_kg = 8.0;
+    const auto judged = rig.run([&] { return rig.grip.verify(); });
+    CHECK(judged->event == Event::GripBad);
+    CHECK_THAT(judged->detail, Catch::Contains("N expected (8.0 kg") && Catch::Contains("not lifted"));
+  }
+  SECTION("the same grip of something light") {
+    rig.hand->now.finger_rad.fill(expected);
+    rig.hand->now.torque_nm = {0.2, 0.2, 0.42};
+    rig.c->config.decision.known_mass_kg = 0.5;
+    CHECK(rig.run([&] { return rig.grip.verify(); })->event == Event::GripGood);
+  }
   SECTION("elsewhere") {
     rig.hand->now.finger_rad = {expected, expected + 0.6, expected};
     CHECK(rig.run([&] { return rig.grip.verify(); })->event == Event::GripBad);

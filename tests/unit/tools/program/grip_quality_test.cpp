@@ -25,6 +25,16 @@ TEST_CASE("the strongest finger says at which fraction of what was asked a grip 
   CHECK(std::isnan(control::grip_quality(hand, 1.0, {}).held_fraction));
 }
 
+TEST_CASE("a pad that feels nothing of what its gauge measures is beside the contact", "[grip]") {
+  hal::HandState hand;
+  hand.torque_nm = {0.5, 0.5, 1.0};
+  hand.tip_force_n = {10.0, 0.5, 20.0};
+  const auto q = control::grip_quality(hand, 1.0, {});
+  CHECK(q.beside_pad == std::array<bool, 3>{false, true, false});
+  CHECK(q.squeeze_n == Approx(0.5 * (10.0 + 0.5 / 0.05 + 20.0)));
+  CHECK(control::describe(q).find("F2 presses with 0.50 N m beside its pad") != std::string::npos);
+}
+
 TEST_CASE("cells in contact are counted, and the palm tells that the object touches it", "[grip]") {
   hal::HandState hand;
   hand.torque_nm.fill(NAN);

@@ -5,6 +5,7 @@
 #include "hal/guards/guarded_arm.hpp"
 #include "sim_hal/emulator/krc/krc_lock_step.hpp"
 #include "sim_hal/emulator/krc/plant/krc_light_plant.hpp"
+#include "tools/bring_up/control/control_arm.hpp"
 #include "tools/bring_up/hal_arm_obstacles.hpp"
 #include "tools/bring_up/hal_arm_task.hpp"
 
@@ -23,7 +24,8 @@ struct Felt {
 };
 
 /// The verb in lock step, at an arm with these faults.
-Felt feel(const std::vector<std::string>& faults, double a7_rad = 0.3) {
+Felt feel(const std::vector<std::string>& faults, double a7_rad = 0.3,
+          const std::string& control = "position") {
   hal::ManualClock clock;
   sim_hal::MemoryWire wire{clock};
   const hal::ArmDynamics dynamics{hal::built_in_robot(), hal::ArmDynamics::Load::Hand};
@@ -40,8 +42,11 @@ Felt feel(const std::vector<std::string>& faults, double a7_rad = 0.3) {
   auto driver =
       std::make_unique<hal::FriArm>(hal::FriConfig{}, wire.end(kPc, sim_hal::lock_step(krc, clock)), clock);
   hal::FriArm& fri = *driver;
-  hal::GuardedArm arm(std::move(driver), hal::built_in_robot(), guard);
+  auto controlled = std::make_unique<ControlArm>(std::move(driver), hal::built_in_robot());
+  controlled->use(control);
+  hal::GuardedArm arm(std::move(controlled), hal::built_in_robot(), guard);
   ArmTask task;
+  task.control = control;
   task.kind = ArmTask::Kind::Load;
   task.speed_rad_s = 10.0 / 57.2958;
   const std::atomic<bool> interrupted{false};
@@ -73,8 +78,10 @@ TEST_CASE("load data that fit are said to fit, and the arm comes back to where i
 }
 
 TEST_CASE("0.2 kg that the load data do not know are found and named", "[hal][arm]") {
+  // before any impedance mode, or in it where the KRL program has nothing else
+  const std::string control = GENERATE("position", "joint_impedance");
   for (const double kg : {0.2, -0.2}) {
-    const Felt felt = feel({"0:load=" + std::to_string(kg) + ":1000000"});
+    const Felt felt = feel({"0:load=" + std::to_string(kg) + ":1000000"}, 0.3, control);
     INFO(felt.end.reason << felt.broken);
     REQUIRE(felt.end.how == How::WrongLoad);
     CHECK(exit_code(felt.end.how) == 1);

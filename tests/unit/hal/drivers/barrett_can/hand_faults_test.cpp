@@ -205,6 +205,24 @@ TEST_CASE("row 28: a warm hand holds with less torque, a hot one with its worms 
   CHECK(rig.fake.pucks[0].position == Approx(1.2 * 81487.33).margin(100));
 }
 
+TEST_CASE("a supply that sags is named before the pucks reset", "[hand][faults]") {
+  HandRig rig;
+  rig.start();
+  rig.grip();
+  rig.fake.pucks[2].property[21] = 21;
+  CHECK(until(rig, 2s, [&] { return !rig.look().warning.empty(); }) <= 2s);
+  CHECK_THAT(rig.look().warning.str(), Contains("supply gives 21 V") && Contains("below 18 V"));
+  CHECK(rig.look().held);
+  rig.fake.pucks[2].property[21] = 48;
+  rig.pass(1s);
+  CHECK(rig.look().warning.empty());
+  for (const int no_voltage : {0, -3, 4000}) {  // what no supply gives is a bad frame
+    rig.fake.pucks[2].property[21] = no_voltage;
+    rig.pass(2s);
+    CHECK(rig.look().warning.empty());
+  }
+}
+
 TEST_CASE("row 28: a hot empty hand closes no more until it has cooled", "[hand][faults]") {
   HandRig rig;
   rig.start();

@@ -121,6 +121,58 @@ TEST_CASE("a load with the wrong sign is named before a start", "[fri][faults]")
   CHECK_FALSE(told("on_environment", 1.0f));  // too little to say it
 }
 
+namespace {
+
+/// An arm in Cartesian impedance whose tool hangs loaded; its Jacobian says that A2 moves the tool along x.
+struct LoadedFrame {
+  static constexpr float kLever_m = 0.8f, kTorque_nm = 16.0f, kForce_n = kTorque_nm / kLever_m;
+  FakeKrc krc;
+  std::unique_ptr<hal::FriArm> arm;
+
+  explicit LoadedFrame(float sign_of_wrench, float sag_rad = 0.016f) {
+    krc.m.control = hal::FriControl::CartesianImpedance;
+    krc.m.cart_measured = hal::to_wire_frame(hal::Pose::Identity());
+    krc.m.jacobian[1] = kLever_m;  // row X, column A2
+    krc.m.tau_external_nm[1] = kTorque_nm;
+    krc.m.wrench_external[0] = sign_of_wrench * kForce_n;
+    krc.sag_rad[1] = sag_rad;
+    hal::FriConfig config = FakeKrc::quick();
+    config.control = "cartesian_impedance";
+    arm = krc.arm(config);
+    REQUIRE(arm->configure());
+    REQUIRE(arm->activate());
+  }
+  /// Along x, as the last answer adds it, after a hold of a second.
+  double added_n() {
+    hal::FriSix first{};
+    bool started = false;
+    for (int i = 0; i < 500; ++i) {
+      const auto state = next(*arm);
+      if (!state.may_command) continue;
+      hal::CartesianCommand c;
+      c.X = hal::Pose::Identity();
+      REQUIRE(arm->command_cartesian(c));
+      if (!started) first = krc.heard.back().wrench;
+      started = true;
+    }
+    REQUIRE(started);
+    CHECK(first == hal::FriSix{});  // a controller refuses a start with a wrench
+    return static_cast<double>(krc.heard.back().wrench[0]);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("nor does it sink when Cartesian impedance begins: a wrench bears what hung there",
+          "[fri][faults][modes]") {
+  // whatever sign the controller gives its estimate: the sag says it
+  CHECK(LoadedFrame(1.0f).added_n() == Approx(-LoadedFrame::kForce_n));
+  CHECK(LoadedFrame(-1.0f).added_n() == Approx(-LoadedFrame::kForce_n));
+  // neither without a sag, nor where the torque pulls to the other side
+  CHECK(LoadedFrame(1.0f, 0.0f).added_n() == 0.0);
+  CHECK(LoadedFrame(1.0f, -0.016f).added_n() == 0.0);
+}
+
 TEST_CASE("a difference that no load explains is walked down as before", "[fri][faults]") {
   Loaded run(0.0f, 0.0f);
   run.krc.sag_rad[1] = 0.02f;

@@ -107,6 +107,29 @@ TEST_CASE("no distribution of sample times and no user makes a step that is fast
   CHECK(run.krc.worst_step_rad <= fastest * kT * 1.01);
 }
 
+TEST_CASE("a datagram that lies about its sample time lengthens no stop and makes none harder",
+          "[fri][faults]") {
+  const auto way = [](float claim_s) {
+    Moving run;
+    run.speed = 0.6;
+    run.cycles(150);
+    run.krc.tamper = [claim_s](hal::FriMeasurement& m) {
+      m.measurement_period_s = m.command_period_s = claim_s;
+      return true;
+    };
+    const float from = run.krc.followed()[0];
+    run.krc.worst_dv_rad_s = 0.0;
+    run.arm->stop();
+    for (int i = 0; i < 200; ++i) (void)run.arm->wait_cycle();
+    CHECK(run.krc.worst_dv_rad_s <= FakeKrc::quick().acceleration_rad_s2 * kT * 1.05);
+    return static_cast<double>(std::abs(run.krc.followed()[0] - from));
+  };
+  const double honest = way(0.002f);
+  CHECK(honest > 1e-3);
+  for (const float claim_s : {0.001f, 0.0015f, 0.01f, 0.5f})
+    CHECK(way(claim_s) == Approx(honest).epsilon(0.2));
+}
+
 TEST_CASE("an arm with a long period can be moved", "[fri][faults]") {
   const double period_s = GENERATE(0.02, 0.05, 0.1);
   FakeKrc krc(period_s);
