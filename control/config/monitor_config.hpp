@@ -165,12 +165,14 @@ struct MonitorConfig {
     v("still_s", still_s, hal::Range{0.5, 60},
       "Something low is a thing when it has been at rest so long (s).");
     v("low_m", low_m, hal::Range{0, 3}, "Height below which something is low (m).");
-    v("resume", resume, "Whether the arm continues by itself after a stop, when nobody was touched.");
+    v("resume", resume,
+      "Whether the arm continues by itself after a stop, when nobody was touched; off: an operator confirms "
+      "it.");
     v("free_s", free_s, hal::Range{0, 60}, "Time for which nobody may be near before it does (s).");
     v("free_to_start_s", free_to_start_s, hal::Range{0, 60},
       "The same where somebody was near before the arm moved: its start waits, and nothing was stopped (s).");
     v("max_wait_s", max_wait_s, hal::Range{1, 3600},
-      "Max time of waiting at a stretch; after it the job ends (s).");
+      "Max time of waiting at a stretch, for a person or for a confirmation; after it the job ends (s).");
     v("obstacle_wait_s", obstacle_wait_s, hal::Range{0.5, 600},
       "Time of waiting for a thing in the path before another path is planned (s).");
     v("person_wait_s", person_wait_s, hal::Range{0.5, 600}, "The same for a person (s).");

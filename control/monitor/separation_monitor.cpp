@@ -56,24 +56,42 @@ const SeparationState& SeparationMonitor::update(hal::Timestamp now, bool moves,
     next.nearest = n;
   }
   if (too_near) near_at_ = now;
+  if (moves && !state_.hold) to_confirm_ = false;
   next.hold = too_near;
-  next.stopped = state_.hold ? state_.stopped : moves;
+  // an arm that has not moved since its stop has stopped still, though its continuation was announced
+  next.stopped = state_.hold ? state_.stopped : moves || to_confirm_;
+  to_confirm_ = to_confirm_ || (next.hold && next.stopped && !config_.resume);
   if (state_.hold && !too_near) {
     const double free_s = hal::seconds(now - near_at_);
-    next.hold = next.stopped ? free_s < config_.free_s || !config_.resume : free_s < config_.free_to_start_s;
+    // one frame in which nobody is seen is no free way: a confirmation waits for as much as a start does
+    next.may_confirm = to_confirm_ && free_s >= config_.free_to_start_s;
+    next.hold = to_confirm_ || free_s < (next.stopped ? config_.free_s : config_.free_to_start_s);
     if (next.hold && !next.limited) next.nearest = state_.nearest;
   }
+  next.held_for = too_near ? next.nearest.who : state_.held_for;
+  next.to_confirm = next.hold && to_confirm_;
+  free_speed_m_s_ = next.speed_m_s;
   if (next.hold) next.speed_m_s = 0.0;
   state_ = next;
   return state_;
 }
 
+bool SeparationMonitor::confirm() {
+  if (!state_.may_confirm) return false;
+  state_.hold = state_.to_confirm = state_.may_confirm = false;
+  state_.speed_m_s = free_speed_m_s_;
+  return true;
+}
+
+std::string_view describe(Nearby who) {
+  return who == Nearby::Person    ? "a person"
+         : who == Nearby::Partner ? "the partner"
+         : who == Nearby::Thing   ? "something at rest"
+                                  : "the partner's hand";
+}
+
 std::string describe(const Neighbour& n) {
-  const char* who = n.who == Nearby::Person    ? "a person"
-                    : n.who == Nearby::Partner ? "the partner"
-                    : n.who == Nearby::Thing   ? "something at rest"
-                                               : "the partner's hand";
-  return fmt::format("{} is {:.2f} m from {}", who, std::max(0.0, n.distance_m),
+  return fmt::format("{} is {:.2f} m from {}", describe(n.who), std::max(0.0, n.distance_m),
                      n.to_path ? "the arm's path" : "the arm");
 }
 

@@ -3,6 +3,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "control/config/monitor_config.hpp"
 #include "hal/types/geometry.hpp"
@@ -31,7 +32,10 @@ struct Neighbour {
 /// How fast the arm may be, and why.
 struct SeparationState {
   bool hold = false;
-  bool stopped = false;  ///< It moved when the hold began; else its start waits.
+  bool stopped = false;              ///< It moved when the hold began; else its start waits.
+  bool to_confirm = false;           ///< It stopped, and continues only when an operator confirms it.
+  bool may_confirm = false;          ///< ... and nobody is near any more: a confirmation counts now.
+  Nearby held_for = Nearby::Person;  ///< Who was too near last.
   double speed_m_s = std::numeric_limits<double>::infinity();  ///< Limit of any point of the arm.
   Neighbour nearest;                                           ///< That sets the limit ...
   bool limited = false;                                        ///< ... if any does.
@@ -39,10 +43,10 @@ struct SeparationState {
 
 /// Speed and separation monitoring. A continuous limit of the arm's speed from the distances of one frame:
 /// the fastest at which it comes to rest before anybody is reached. Nearer than the hold distance it stops;
-/// it resumes when nobody has been near for MonitorConfig::free_s; an arm that had not begun to move starts
-/// after free_to_start_s. A contact is not its business: that ends
-/// the job (state yield), and motion resumes after a confirmation in `colift recover` only. One thread, no
-/// allocation.
+/// it resumes when nobody has been near for MonitorConfig::free_s, without MonitorConfig::resume when an
+/// operator confirms it; an arm that had not begun to move starts after free_to_start_s. A contact is not its
+/// business: that ends the job (state yield), and motion resumes after a confirmation in `colift recover`
+/// only. One thread, no allocation.
 class SeparationMonitor {
  public:
   explicit SeparationMonitor(const MonitorConfig& config) : config_(config) {}
@@ -51,6 +55,10 @@ class SeparationMonitor {
   /// `robot_kg`: effective mass.
   const SeparationState& update(hal::Timestamp now, bool moves, std::span<const Neighbour> near,
                                 double latency_s, double robot_kg);
+
+  /// An operator confirms that the arm may continue. Counts only while SeparationState::may_confirm, and for
+  /// this stop alone: whoever comes near before the arm moves has to be confirmed anew. Whether it counted.
+  bool confirm();
 
   [[nodiscard]] const SeparationState& state() const { return state_; }
 
@@ -61,8 +69,12 @@ class SeparationMonitor {
   MonitorConfig config_;
   SeparationState state_;
   hal::Timestamp near_at_{0};  ///< When somebody was last too near.
+  bool to_confirm_ = false;    ///< Since a stop that is to be confirmed the arm has not moved.
+  double free_speed_m_s_ = std::numeric_limits<double>::infinity();  ///< Limit without the hold.
 };
 
+/// "a person", "the partner", ...
+[[nodiscard]] std::string_view describe(Nearby who);
 /// In a person's words: "a person is 0.42 m from the arm".
 [[nodiscard]] std::string describe(const Neighbour& neighbour);
 

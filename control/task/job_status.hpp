@@ -27,7 +27,9 @@ struct SeparationStatus {
   };
   bool on = true;
   double scale = 1.0;  ///< Of the planned speed.
-  bool waits = false;  ///< The arm stands on its path.
+  bool waits = false;  ///< The arm stands on its path ...
+  bool may_confirm =
+      false;           ///< ... nobody is near any more, and an operator has to confirm that it may continue.
   std::string reason;  ///< Why it is slowed or stands; empty: it is not.
   std::optional<double> distance_m;
   double hold_distance_m = 0.0;  ///< A person nearer than that stops the arm.
@@ -83,8 +85,11 @@ struct PartnerAsk {
 struct JobHooks {
   std::function<void()> started;      ///< All devices are active: the job begins.
   std::function<bool()> interrupted;  ///< A person wants the program to end.
-  /// Asked in every cycle of Pause: a person confirms that the object may be lowered.
+  /// Asked in every cycle, and true once for each confirmation: one that nothing waits for has no effect.
+  /// A person confirms that a paused object may be lowered ...
   std::function<bool()> lower_confirmed;
+  /// ... that an arm which stopped for somebody may continue (MonitorConfig::resume).
+  std::function<bool()> continue_confirmed;
   std::function<void(const JobStatus&)>
       status;  ///< Every 33 ms of the robot's time, and at each change of state.
   std::function<void(const TrackedPoses&)> tracked;  ///< A frame shows the object, the partner, or both.

@@ -80,6 +80,10 @@ void SimPartner::do_events(double t_s) {
       lower_confirmed_ = true;
       continue;
     }
+    if (event.action == "confirm-continue") {
+      continue_confirmed_ = true;
+      continue;
+    }
     if (event.action == "stumble") {
       stumbles_ = event;
       continue;

@@ -52,8 +52,10 @@ class SimPartner {
 
   /// The task has entered a state: events that count from its first entry are due then.
   void task_state(const std::string& name, double t_s);
-  /// He confirmed lowering since the last call.
+  /// He confirmed lowering since the last call ...
   [[nodiscard]] bool take_lower_confirmed() { return std::exchange(lower_confirmed_, false); }
+  /// ... or that the arm may continue.
+  [[nodiscard]] bool take_continue_confirmed() { return std::exchange(continue_confirmed_, false); }
 
   /// Where his second hand is (in T); unset while he holds with one.
   [[nodiscard]] std::optional<Vec3> second_hand(double t_s) const;
@@ -82,7 +84,6 @@ class SimPartner {
   };
 
   void do_events(double t_s);
-  bool lower_confirmed_ = false;
   [[nodiscard]] Vec3 stumble_n(const PartnerView& view, const Vec3& at_W) const;
   [[nodiscard]] Vec3 sway_m(const PartnerView& view, const Vec3& at_W) const;
   void add_second_hand(const PartnerView& view, Action& action);
@@ -99,6 +100,7 @@ class SimPartner {
   std::vector<PartnerScriptEvent> waiting_;
   std::optional<PartnerScriptEvent> stumbles_, sways_, second_;
   std::optional<Vec3> second_start_W_;
+  bool lower_confirmed_ = false, continue_confirmed_ = false;
   std::array<double, 3> tremor_hz_{}, tremor_rad_{};
   Grip grip_;
   std::array<Seen, kDelay_ms> past_{};

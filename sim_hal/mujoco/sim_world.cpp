@@ -82,6 +82,11 @@ bool SimWorld::take_lower_confirmed() {
   return impl_->partner.take_lower_confirmed();
 }
 
+bool SimWorld::take_continue_confirmed() {
+  const std::scoped_lock lock(impl_->mutex);
+  return impl_->partner.take_continue_confirmed();
+}
+
 bool SimWorld::ask_partner(const std::optional<Vec3>& grasp_W, const std::optional<Vec3>& aside_W) {
   const std::scoped_lock lock(impl_->mutex);
   if (aside_W) return impl_->partner_steps_aside(*aside_W);

@@ -114,6 +114,8 @@ class SimWorld {
 
   /// The partner confirmed since the last call that a paused object may be lowered (do: confirm-lower).
   bool take_lower_confirmed();
+  /// The same of an arm that stopped and may continue (do: confirm-continue).
+  bool take_continue_confirmed();
 
   /// The client's task has entered a state: events of the scenario may count from its first entry
   /// (relative_time()). The only thing that the world is told of its client.

@@ -71,11 +71,12 @@ inline constexpr std::size_t kMaxMoreCameras = 3;
 /// What the partner does at a time (s since the start of the scenario, or since a state was first entered).
 struct PartnerScriptEvent {
   double at_s = 0.0;
-  std::string action;      ///< let-go | move | stumble | sway | steps-aside | second-hand | confirm-lower
-  std::optional<Vec3> to;  ///< New grasp in T, for move; place of the second hand.
-  std::string in_state{};  ///< Of the task; empty: since the start.
-  double force_n = 80.0;   ///< Of a stumble ...
-  double for_s = 0.4;      ///< ... for so long (a sway: 2 s) ...
+  /// let-go | move | stumble | sway | steps-aside | second-hand | confirm-lower | confirm-continue
+  std::string action;
+  std::optional<Vec3> to;           ///< New grasp in T, for move; place of the second hand.
+  std::string in_state{};           ///< Of the task; empty: since the start.
+  double force_n = 80.0;            ///< Of a stumble ...
+  double for_s = 0.4;               ///< ... for so long (a sway: 2 s) ...
   std::optional<Vec3> direction{};  ///< ... this way in W; unset: away from the object's middle.
   double by_m = 0.02;               ///< How far his hand sways, and back again.
 };

@@ -131,7 +131,8 @@ struct EventBlock {
     v("at_s", at_s, kTime_s, "When (s).");
     v("at", at, "When: state of the task and seconds since it was first entered, lift+0.7.");
     v("do", action,
-      hal::Choices{"let-go", "move", "stumble", "sway", "steps-aside", "second-hand", "confirm-lower"},
+      hal::Choices{"let-go", "move", "stumble", "sway", "steps-aside", "second-hand", "confirm-lower",
+                   "confirm-continue"},
       "What the partner does.", hal::Presence::Required);
     v("to", to, kPlace_m, "Where he grasps, in the object frame (m).");
     v("force", force, kForce_n, "Pull of a stumble (N).");

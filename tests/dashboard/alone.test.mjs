@@ -288,6 +288,34 @@ test("on a phone what is waited for is the largest line, and Stop is where the t
   end();
 });
 
+test("Continue can be pressed only while the arm waits for a confirmation, by an operator, and the page says so", async () => {
+  const waits = (may_confirm) => {
+    const { separation } = status("lift");
+    run.say("/task/status", status("lift", { separation: { ...separation, waits: true, speed_scale: 0, ...(may_confirm ? { may_confirm } : {}),
+      because: may_confirm ? "nobody is near any more; the arm stopped for a person" : "a person is 0.42 m from the arm" } }), 5);
+  };
+  const disabled = () => page.evaluate(() => document.getElementById("continue").disabled);
+  const end = await watched();
+  assert.equal(await disabled(), true); // nothing waits
+  waits(false);
+  await until(async () => /^The arm waits: a person/.test(await page.textContent("#near")), "who is near");
+  assert.equal(await disabled(), true);
+  waits(true);
+  await until(async () => !(await disabled()), "the button");
+  assert.match(await page.textContent("#near"), /^The arm waits for confirmation, press Continue: nobody is near any more/);
+  await page.click("#continue");
+  await until(() => run.calls.includes(3), "the confirmation");
+  waits(false);
+  await until(disabled, "that it cannot be pressed again");
+  end();
+
+  const watching = await watched({ operates: false });
+  waits(true);
+  await until(async () => /press Continue/.test(await page.textContent("#near")), "the words");
+  assert.equal(await disabled(), true);
+  watching();
+});
+
 /** Each picture takes so much longer (ms), on the processor as where there is no graphics card. */
 const slowPictures = (ms) => page.evaluate((ms) => {
   const gl = WebGL2RenderingContext.prototype;

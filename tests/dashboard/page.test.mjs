@@ -146,6 +146,21 @@ test("somebody in the path: who is near, how fast the arm may be, and why it wai
   }
 });
 
+test("after a stop an operator confirms on the page, and the lift is made", async () => {
+  const confirmed = await startView("run", "--view", "0", "--seed", "1", "--quiet", "--speed", "0.7", "--allow-operator", "--set", "monitor.resume=false",
+    "--scenario", scenario("person_in_the_path"));
+  try {
+    await page.goto(confirmed.url);
+    await page.waitForSelector("#link.connected");
+    await until(async () => /press Continue/.test(await page.textContent("#near")), "the question", 120000);
+    await page.screenshot({ path: `${PICTURES}/live_confirm.png` });
+    await page.click("#continue");
+    await until(async () => (await page.textContent("#state")) === "done", "the end of the lift", 120000);
+  } finally {
+    confirmed.child.kill("SIGKILL");
+  }
+});
+
 test("the recording of it is watched on the same page", async () => {
   const replay = await startView("log", "replay", RECORDING, "--view", "0", "--speed", "0");
   try {

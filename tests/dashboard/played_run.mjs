@@ -42,7 +42,8 @@ export async function playedRun(folder) {
     subscribed = new Map();
     client.send(JSON.stringify({ op: "serverInfo", name: shown.name, capabilities: [], sessionId: String(session) }));
     client.send(JSON.stringify({ op: "advertise", channels: TOPICS.map((topic, id) => ({ id, topic, encoding: "json" })) }));
-    if (shown.operates) client.send(JSON.stringify({ op: "advertiseServices", services: [{ id: 1, name: "/operator/stop" }] }));
+    if (shown.operates) client.send(JSON.stringify({ op: "advertiseServices", services: [
+      { id: 1, name: "/operator/stop" }, { id: 3, name: "/operator/continue" }] }));
   };
   new WebSocketServer({ server, handleProtocols: () => "foxglove.sdk.v1" }).on("connection", (socket) => {
     client?.terminate();

@@ -49,6 +49,13 @@ double entered_s(const tests::SimulatedLift& lift, Task task) {
   return -1.0;
 }
 
+/// When the monitor noted something that begins so for the first time; -1: never.
+double noted_s(const tests::SimulatedLift& lift, const std::string& begin) {
+  for (const control::DeviceNote& f : lift.record.faults)
+    if (f.what.starts_with(begin)) return hal::seconds(f.at);
+  return -1.0;
+}
+
 std::string told(const tests::SimulatedLift& lift) {
   std::string out = lift.record.reason;
   for (const control::DeviceNote& f : lift.record.faults)
@@ -137,6 +144,96 @@ TEST_CASE("who comes near the raised object is waited for, with the object held"
   CHECK(lift.record.outcome == Result::Lifted);
   CHECK(entered_s(lift, Task::Release) > 19.0);  // not lowered beside him
   CHECK(lift.person_contacts == 0);
+}
+
+// ---- a stop after which an operator confirms: monitor.resume=false ----
+
+TEST_CASE("after a stop an operator confirms: announced and continued then, and not before") {
+  control::Config config = control::run_defaults();
+  config.monitor.resume = false;
+  sim_hal::Scenario scenario = shipped("person_in_the_path");
+  // before the stop, while he stands there, and when he has gone
+  for (const double at_s : {3.0, 8.0, 16.0})
+    scenario.partner.events.push_back({at_s, "confirm-continue", {}});
+  const auto lift = tests::simulate(scenario, control::Method::Fast, 1, config);
+  INFO(told(lift));
+  CHECK(lift.record.outcome == Result::Lifted);
+  CHECK(lift.record.monitor.stops == 1);
+  CHECK(noted_s(lift, "waits for confirmation: nobody is near any more") > 9.0);
+  CHECK(noted_s(lift, "waits for confirmation") < 14.0);
+  const double confirmed_s = noted_s(lift, "an operator confirmed"),
+               on_s = noted_s(lift, "the arm continues");
+  CHECK(confirmed_s == Approx(16.0).margin(0.1));
+  CHECK(on_s == Approx(confirmed_s + config.task.intent_lead_s).margin(0.05));
+  CHECK(std::any_of(lift.record.intents.begin(), lift.record.intents.end(), [&](const control::Intent& i) {
+    return i.motion == control::Motion::Continue && std::abs(hal::seconds(i.at) - confirmed_s) < 0.05;
+  }));
+  CHECK(lift.person_contacts == 0);
+}
+
+TEST_CASE(
+    "a stop that nobody confirms: the arm holds its position, with the reason, after the longest wait") {
+  control::Config config = control::run_defaults();
+  config.monitor.resume = false;
+  config.monitor.max_wait_s = 10.0;
+  const auto lift =
+      tests::simulate(shipped("person_in_the_path"), control::Method::Fast, 1, std::move(config));
+  INFO(told(lift));
+  CHECK(lift.record.states.back().state == Task::Stopped);
+  CHECK_THAT(lift.record.reason,
+             Catch::Contains("timeout: nobody confirmed that the arm may continue; holds"));
+  CHECK(entered_s(lift, Task::Stopped) ==
+        Approx(noted_s(lift, "waits for confirmation") + 10.0).margin(0.1));  // he had gone before
+  CHECK(entered_s(lift, Task::Close) < 0.0);
+  CHECK(lift.person_contacts == 0);
+}
+
+TEST_CASE("who comes back after the confirmation stops the arm again, and it is confirmed again") {
+  control::Config config = control::run_defaults();
+  config.monitor.resume = false;
+  sim_hal::Scenario scenario = table();
+  scenario.people.push_back(somebody(3.5, {{0.3, -2.4}, {0.3, -0.95}}, "stand", 6.0));
+  // walks in as the first confirmation is announced
+  scenario.people.push_back(somebody(9.0, {{0.3, -2.4}, {0.3, -0.95}}, "stand", 14.0));
+  for (const double at_s : {9.6, 20.0}) scenario.partner.events.push_back({at_s, "confirm-continue", {}});
+  const auto lift = tests::simulate(scenario, control::Method::Fast, 1, std::move(config));
+  INFO(told(lift));
+  CHECK(lift.record.outcome == Result::Lifted);
+  CHECK(std::count_if(lift.record.faults.begin(), lift.record.faults.end(),
+                      [](const auto& f) { return f.what.starts_with("an operator confirmed"); }) == 2);
+  CHECK(entered_s(lift, Task::Close) > 20.0);
+  CHECK(lift.person_contacts == 0);
+}
+
+TEST_CASE(
+    "an arm that waits for a confirmation does not continue because the camera is lost, nor asks then") {
+  control::Config config = control::run_defaults();
+  config.monitor.resume = false;
+  sim_hal::Scenario scenario = table();
+  scenario.people.push_back(somebody(10.0, {{0.5, -2.4}, {0.5, -0.8}}, "stand", 15.0));
+  scenario.faults.push_back({22.0, "camera", "unplug", 5.0});
+  for (const double at_s : {25.0, 32.0}) scenario.partner.events.push_back({at_s, "confirm-continue", {}});
+  const auto lift = tests::simulate(scenario, control::Method::Fast, 1, std::move(config));
+  INFO(told(lift));
+  CHECK(lift.record.outcome == Result::Lifted);
+  CHECK(noted_s(lift, "waits for confirmation") < 22.0);
+  CHECK(noted_s(lift, "an operator confirmed") == Approx(32.0).margin(0.1));
+  CHECK(noted_s(lift, "the arm continues") > 32.0);
+  CHECK(lift.person_contacts == 0);
+}
+
+TEST_CASE("a confirmation does not continue an arm that was touched") {
+  control::Config config = control::run_defaults();
+  config.monitor.resume = false;
+  sim_hal::Scenario scenario = table();
+  scenario.faults.push_back({1.0, "arm", "push", 0.5, 120.0, "", hal::Vec3(0.0, 1.0, 0.0), 0, "approach"});
+  for (int at_s = 4; at_s < 20; ++at_s)
+    scenario.partner.events.push_back({static_cast<double>(at_s), "confirm-continue", {}});
+  const auto lift = tests::simulate(scenario, control::Method::Fast, 1, std::move(config));
+  INFO(told(lift));
+  CHECK(entered_s(lift, Task::Yield) > 0.0);
+  CHECK(lift.record.states.back().state == Task::Stopped);
+  CHECK(noted_s(lift, "an operator confirmed") < 0.0);
 }
 
 TEST_CASE("who passes far away changes nothing") {

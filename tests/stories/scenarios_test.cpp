@@ -73,6 +73,16 @@ TEST_CASE("boxes, a pipe and a chair are lifted", "[scenario]") {
     check_lifted(name, 2.0);
 }
 
+TEST_CASE("somebody was in the path, and an operator confirms that the arm may continue", "[scenario]") {
+  control::Config config = control::run_defaults();
+  config.monitor.resume = false;
+  const auto lift = run("confirmed_continuation", control::Method::Fast, config);
+  INFO(tests::line("confirmed_continuation", lift));
+  CHECK(lift.record.outcome == Result::Lifted);
+  CHECK(lift.record.monitor.waited_s > 7.0);
+  CHECK(lift.person_contacts == 0);
+}
+
 TEST_CASE("a partner who lifts first is followed", "[scenario]") {
   check_lifted("leader_table", 1.0);
 }

@@ -131,6 +131,7 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
     entered(control::Task::Observe);
   };
   hooks.lower_confirmed = [&] { return world->take_lower_confirmed(); };
+  hooks.continue_confirmed = [&] { return world->take_continue_confirmed(); };
   GripWatch grip;
   hooks.asked = [&](const control::PartnerAsk& ask) { world->ask_partner(ask.grasp_W, ask.aside_W); };
   if (!scenario.people.empty())

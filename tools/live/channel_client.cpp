@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <boost/beast/http/field.hpp>
 #include <chrono>
+#include <functional>
 #include <map>
 #include <utility>
 #include <vector>
@@ -20,7 +21,29 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 using Request = http::request<http::empty_body>;
 
-constexpr std::uint32_t kStop = 1, kLower = 2;
+/// A service for operators: what it does, and what its caller is answered. A confirmation counts only where
+/// the run waits for it, which only the run itself knows.
+struct OperatorCall {
+  OperatorService service;
+  std::function<void()> act;
+  const char* answer;
+};
+
+std::vector<OperatorCall> operator_calls(const ServerConfig& config) {
+  std::vector<OperatorCall> all{
+      {{1, "/operator/stop", "The run ends safely: as at Ctrl-C."},
+       config.on_stop,
+       R"({"done":true,"what":"the run is being ended safely"})"},
+      {{2, "/operator/lower", "Confirms that a paused object may be lowered."},
+       config.on_lower,
+       R"({"done":true,"what":"the confirmation is passed on: a paused object is lowered"})"},
+      {{3, "/operator/continue", "Confirms that an arm which stopped for somebody may continue."},
+       config.on_continue,
+       R"({"done":true,"what":"the confirmation is passed on: an arm that waits for it continues"})"}};
+  std::erase_if(all, [](const OperatorCall& call) { return !call.act; });
+  return all;
+}
+
 /// How long a client may take for one message, or for the answer to a ping that waits behind others. A page
 /// that draws slowly is behind, not gone: the operator's is given more time.
 constexpr auto kWatcherTimeout = std::chrono::seconds(20), kOperatorTimeout = std::chrono::seconds(60);
@@ -35,6 +58,7 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
       : ws_(std::move(stream)),
         hub_(std::move(hub)),
         operates_(operates && hub_->config().on_stop != nullptr),
+        calls_(operates_ ? operator_calls(hub_->config()) : std::vector<OperatorCall>()),
         timeout_(operates_ ? kOperatorTimeout : kWatcherTimeout),
         talk_(hub_->config().messages_per_second, 4.0 * hub_->config().messages_per_second) {
     beast::error_code ignored;
@@ -91,9 +115,8 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
     outbox_.push_control(server_info(hub_->config().name, hub_->session(), operates_), false);
     outbox_.push_control(advertise(telemetry::channels().first(kLiveTopics)), false);
     if (operates_) {
-      std::vector<OperatorService> services{{kStop, "/operator/stop", "The run ends safely: as at Ctrl-C."}};
-      if (hub_->config().on_lower)
-        services.push_back({kLower, "/operator/lower", "Confirms that a paused object may be lowered."});
+      std::vector<OperatorService> services;
+      for (const OperatorCall& call : calls_) services.push_back(call.service);
       outbox_.push_control(advertise_services(services), false);
     }
     if (const auto now = hub_->now()) outbox_.push_time(server_time(*now));
@@ -156,23 +179,16 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
   }
 
   void act(const ServiceCall& call) {
-    const bool lowers = call.service == kLower && hub_->config().on_lower;
-    if (!operates_ || (call.service != kStop && !lowers)) {
+    const auto asked = std::find_if(calls_.begin(), calls_.end(),
+                                    [&](const OperatorCall& c) { return c.service.id == call.service; });
+    if (asked == calls_.end()) {
       const char* why =
           operates_ ? "there is no such service" : "this connection only watches: it has no operator's token";
       outbox_.push_control(service_failure(call.service, call.call, why), false);
       return;
     }
-    if (lowers) {
-      hub_->config().on_lower();
-      outbox_.push_control(
-          service_response(call.service, call.call, R"({"done":true,"what":"lowering is confirmed"})"), true);
-      return;
-    }
-    hub_->config().on_stop();
-    outbox_.push_control(
-        service_response(call.service, call.call, R"({"done":true,"what":"the run is being ended safely"})"),
-        true);
+    asked->act();
+    outbox_.push_control(service_response(call.service, call.call, asked->answer), true);
   }
 
   void queue(std::uint32_t subscription, Post& post) {
@@ -216,6 +232,7 @@ class ChannelClient final : public Listener, public std::enable_shared_from_this
   websocket::stream<beast::tcp_stream> ws_;
   std::shared_ptr<Hub> hub_;
   const bool operates_;
+  const std::vector<OperatorCall> calls_;
   const std::chrono::seconds timeout_;
   TalkLimit talk_;
   Request request_;

@@ -23,7 +23,7 @@ struct ServerConfig {
   DoorRules door;
   std::string name = "CoLift";
   /// What an operator's client may ask for; called from the server's thread.
-  std::function<void()> on_stop, on_lower;
+  std::function<void()> on_stop, on_lower, on_continue;
 };
 
 struct ServerCounts {

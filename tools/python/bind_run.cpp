@@ -12,7 +12,7 @@ std::shared_ptr<RunStepper> stepper_of(const std::optional<std::string>& scenari
                                        bool dry_run, std::vector<std::string> settings,
                                        std::vector<std::string> config_files, py::object grasps,
                                        py::object partner, py::object choice, py::object carry,
-                                       py::object lower_confirmed) {
+                                       py::object lower_confirmed, py::object continue_confirmed) {
   tools::CommonOptions common;
   common.settings = std::move(settings);
   common.config_files = std::move(config_files);
@@ -28,7 +28,7 @@ std::shared_ptr<RunStepper> stepper_of(const std::optional<std::string>& scenari
   auto made = std::make_unique<RunStepper>(
       common, options,
       RunStepper::Callables{std::move(grasps), std::move(partner), std::move(choice), std::move(carry),
-                            std::move(lower_confirmed)});
+                            std::move(lower_confirmed), std::move(continue_confirmed)});
   const std::shared_ptr<RunStepper> run(made.release(), [](RunStepper* r) {
     if (r->of_this_process()) delete r;
   });
@@ -67,7 +67,7 @@ void bind_run(py::module_& m) {
       .def(py::init(&stepper_of), py::arg("scenario"), py::arg("method"), py::arg("seed"), py::arg("share"),
            py::arg("share_strict"), py::arg("rig"), py::arg("dry_run"), py::arg("settings"),
            py::arg("config_files"), py::arg("grasps"), py::arg("partner"), py::arg("choice"),
-           py::arg("carry"), py::arg("lower_confirmed"))
+           py::arg("carry"), py::arg("lower_confirmed"), py::arg("continue_confirmed"))
       .def("step", &RunStepper::step)
       .def("stop", &RunStepper::stop)
       .def("close", &RunStepper::close)

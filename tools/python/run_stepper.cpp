@@ -180,6 +180,10 @@ control::JobHooks RunStepper::hooks() {
     hooks.lower_confirmed = [this] {
       return guarded(false, [&] { return callables_.lower_confirmed().cast<bool>(); });
     };
+  if (!callables_.continue_confirmed.is_none())
+    hooks.continue_confirmed = [this] {
+      return guarded(false, [&] { return callables_.continue_confirmed().cast<bool>(); });
+    };
   hooks.status = [this](const control::JobStatus& job) {
     wait_for_caller(status_of(job, session_->began()));
   };

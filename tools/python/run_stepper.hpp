@@ -34,9 +34,10 @@ class RunStepper {
  public:
   /// Python callables; None where there is none. `grasps(Analysis) -> candidates`,
   /// `partner(Analysis, seen) -> PartnerGrasp`, `choice(Outcome) -> index or None`,
-  /// `carry(sample: dict) -> (speed_scale, lower)`, `lower_confirmed() -> bool`.
+  /// `carry(sample: dict) -> (speed_scale, lower)`, `lower_confirmed() -> bool`,
+  /// `continue_confirmed() -> bool`.
   struct Callables {
-    py::object grasps, partner, choice, carry, lower_confirmed;
+    py::object grasps, partner, choice, carry, lower_confirmed, continue_confirmed;
   };
 
   /// Opens rig and configuration; nothing moves yet. Throws Failure.

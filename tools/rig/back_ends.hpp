@@ -29,8 +29,8 @@ struct RigTruth {
   /// The partner is asked to grasp somewhere, or to step aside that way (W).
   std::function<void(const std::optional<hal::Vec3>& grasp_W, const std::optional<hal::Vec3>& aside_W)>
       ask_partner;
-  /// A scenario's person confirmed lowering since the last call.
-  std::function<bool()> take_lower_confirmed;
+  /// A scenario's person confirmed since the last call: lowering; that the arm may continue.
+  std::function<bool()> take_lower_confirmed, take_continue_confirmed;
   std::function<void(const std::string&)> task_state;  ///< The job has entered a state.
   std::function<sim_hal::Verdict(bool lifted)> judge;  ///< At the end of the job, which says so or not.
   double mass_kg = 0.0;

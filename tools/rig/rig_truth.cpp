@@ -33,6 +33,7 @@ RigTruth truth_of(const std::shared_ptr<sim_hal::SimWorld>& world,
     world->ask_partner(grasp_W, aside_W);
   };
   truth.take_lower_confirmed = [world] { return world->take_lower_confirmed(); };
+  truth.take_continue_confirmed = [world] { return world->take_continue_confirmed(); };
   truth.scene = [world, model] {
     picture::SolidScene scene;
     for (const sim_hal::Shape& shape : world->shapes().shapes)

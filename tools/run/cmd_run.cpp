@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 #include <cstdio>
 
 #include "control/task/run_job.hpp"
@@ -10,6 +12,7 @@
 #include "tools/cli/session.hpp"
 #include "tools/recover/stopped_run.hpp"
 #include "tools/rig/back_ends.hpp"
+#include "tools/run/enter_key.hpp"
 #include "tools/run/report/run_report.hpp"
 #include "tools/run/run_json.hpp"
 #include "tools/run/run_pace.hpp"
@@ -20,6 +23,13 @@
 
 namespace colift::tools {
 namespace {
+
+/// What makes an arm continue that waits for a confirmation.
+std::string way_to_confirm(const EnterKey& key, bool page) {
+  if (key.is_there()) return page ? "press Enter, or Continue on the page" : "press Enter to continue";
+  if (page) return "press Continue on the page";
+  return "nobody can confirm here (that takes a terminal, or --view --allow-operator)";
+}
 
 RunStatus status_of(const control::JobStatus& job, const Rig& rig) {
   RunStatus s;
@@ -101,9 +111,18 @@ int cmd_run(const CommonOptions& common, const RunOptions& options, const RunPar
   control::JobHooks watched;
   watched.interrupted = [&] { return InterruptGuard::asked() || (*live && (*live)->stopped()); };
   watched.lower_confirmed = [&] { return *live && (*live)->take_lower_confirmed(); };
+  EnterKey enter(STDIN_FILENO);
+  watched.continue_confirmed = [&] {
+    const bool key = enter.take();
+    if (key) progress->line_was_typed();
+    return (*live && (*live)->take_continue_confirmed()) || key;
+  };
   watched.status = [&](const control::JobStatus& status) {
     if (!InterruptGuard::asked()) pace.wait_for(status.now);
-    progress->show(status_of(status, rig));
+    RunStatus shown = status_of(status, rig);
+    if (status.separation.may_confirm)
+      shown.press = way_to_confirm(enter, *live && options.live.allow_operator);
+    progress->show(shown);
   };
   control::JobHooks hooks = session.hooks(std::move(watched), [&](const TruthSample& sample) {
     if (*recording) (*recording)->truth(rig.robot.clock->now(), sample);

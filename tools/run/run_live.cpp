@@ -83,6 +83,7 @@ hal::Result<std::unique_ptr<RunLive>> RunLive::open(const ViewOptions& options, 
     config.door.token = new_token();
     config.on_stop = [raw = view.get()] { raw->stopped_ = true; };
     config.on_lower = [raw = view.get()] { raw->lower_confirmed_ = true; };
+    config.on_continue = [raw = view.get()] { raw->continue_confirmed_ = true; };
   }
   live::PageFiles files(live::PageFiles::beside_program());
   documents["/robot.urdf"] = {"application/xml", std::move(urdf)};

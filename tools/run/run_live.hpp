@@ -27,11 +27,12 @@ class RunLive final : public LiveView {
   [[nodiscard]] std::string url() const override { return server_->url(); }
   [[nodiscard]] bool stopped() const override { return stopped_; }
   [[nodiscard]] bool take_lower_confirmed() override { return lower_confirmed_.exchange(false); }
+  [[nodiscard]] bool take_continue_confirmed() override { return continue_confirmed_.exchange(false); }
   void stay(const std::function<bool()>& enough) const override;
 
  private:
   RunLive() = default;
-  std::atomic<bool> stopped_{false}, lower_confirmed_{false};
+  std::atomic<bool> stopped_{false}, lower_confirmed_{false}, continue_confirmed_{false};
   std::unique_ptr<live::LiveServer> server_;
 };
 

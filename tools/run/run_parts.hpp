@@ -26,8 +26,10 @@ class LiveView {
   [[nodiscard]] virtual std::string url() const = 0;
   /// An operator pressed stop.
   [[nodiscard]] virtual bool stopped() const = 0;
-  /// An operator confirmed lowering since the last call.
+  /// An operator confirmed since the last call: lowering ...
   [[nodiscard]] virtual bool take_lower_confirmed() = 0;
+  /// ... that the arm may continue.
+  [[nodiscard]] virtual bool take_continue_confirmed() = 0;
   /// Serves the last state until `enough` says so (it is asked ten times a second).
   virtual void stay(const std::function<bool()>& enough) const = 0;
 };

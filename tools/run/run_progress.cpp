@@ -270,7 +270,8 @@ std::vector<std::string> progress_screen(const RunStatus& s, const RunSetting& s
   lines.push_back(state.text());
   lines.push_back(fact("because", s.reason, style));
   lines.push_back(fact("waits for", std::string(control::waits_for(s.state)), style));
-  lines.push_back(fact("now", s.now, style));
+  lines.push_back(s.press.empty() ? fact("now", s.now, style)
+                                  : fact("now", s.press + "; " + s.now, style, Ink::Odd));
   lines.push_back("");
   for (const DeviceStatus& device : s.devices) lines.push_back(device_line(device, style));
   lines.push_back("");
@@ -309,6 +310,10 @@ void RunProgress::show(const RunStatus& status) {
   if (!changed && drawn_at_ && hal::seconds(now - *drawn_at_) < kMinPeriod_s) return;
   drawn_at_ = now;
   draw(*last_);
+}
+
+void RunProgress::line_was_typed() {
+  if (lines_ > 0) ++lines_;
 }
 
 void RunProgress::fill_rates(RunStatus& status) {
@@ -355,6 +360,12 @@ void RunProgress::plain(const RunStatus& s) {
   for (; faults_said_ < s.faults.size(); ++faults_said_)
     out += entry(fmt::format("{:8.2f} s  fault", s.t_s), one_line(s.faults[faults_said_], !style_.unicode),
                  26, width);
+  if (press_said_ != s.press) {
+    press_said_ = s.press;
+    if (!s.press.empty())
+      out += entry(fmt::format("{:8.2f} s  confirm", s.t_s),
+                   one_line(s.press + "; " + s.now, !style_.unicode), 26, width);
+  }
   if (out.empty()) return;
   std::fwrite(out.data(), 1, out.size(), out_);
   std::fflush(out_);

@@ -27,6 +27,7 @@ struct RunStatus {
   double in_state_s = 0.0;
   std::string reason;  ///< Why it came into this state.
   std::string now;     ///< What it is doing in particular, where there is more to say than waits_for(state).
+  std::string press;   ///< How a person makes the run continue that waits for it; empty: it does not.
   std::optional<double> done;  ///< Part of the state's work that is done, 0 to 1.
   std::vector<DeviceStatus> devices;
   std::optional<hal::Vec3> partner;  ///< Where he is seen to hold the object (W).
@@ -64,6 +65,8 @@ class RunProgress {
   RunProgress& operator=(const RunProgress&) = delete;
 
   void show(const RunStatus& status);
+  /// The terminal has echoed a line below the screen.
+  void line_was_typed();
   /// The last screen stays; the cursor comes back. Then print run_summary().
   void end();
 
@@ -87,6 +90,7 @@ class RunProgress {
   std::optional<hal::Timestamp> drawn_at_;
   std::optional<RunStatus> last_;  ///< Newest that was handed in.
   std::optional<control::Task> said_;
+  std::string press_said_;
   std::size_t faults_said_ = 0;
   std::vector<Count> counts_;
 };

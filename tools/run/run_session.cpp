@@ -106,6 +106,10 @@ control::JobHooks RunSession::hooks(control::JobHooks yours,
     const bool by_caller = mine->lower_confirmed && mine->lower_confirmed();
     return (rig_->truth && rig_->truth->take_lower_confirmed()) || by_caller;
   };
+  hooks.continue_confirmed = [this, mine] {
+    const bool by_caller = mine->continue_confirmed && mine->continue_confirmed();
+    return (rig_->truth && rig_->truth->take_continue_confirmed()) || by_caller;
+  };
   hooks.status = [this, mine, on_truth = std::move(on_truth)](const control::JobStatus& status) {
     if (rig_->truth) note_truth(status, on_truth);
     if (filming_) film(status);

@@ -34,6 +34,10 @@ constexpr std::string_view kPulled =
 constexpr std::string_view kStaysNear = "somebody stayed near the arm for too long; holds";
 constexpr std::string_view kStaysNearLoaded =
     "somebody stayed near the arm for too long; holds, the grip stays closed; lower the object on request";
+constexpr std::string_view kNotConfirmed = "timeout: nobody confirmed that the arm may continue; holds";
+constexpr std::string_view kNotConfirmedLoaded =
+    "timeout: nobody confirmed that the arm may continue; holds, the grip stays closed; lower the object on "
+    "request";
 constexpr std::string_view kStalled =
     "the job's thread was stalled while the arm moved; holds, the grip stays as it is";
 
@@ -92,6 +96,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Approach, Blocked, Yield, kHit},
     {Approach, TimeOut, Stopped, "the arm did not get to the grasp; holds"},
     {Approach, StaysNear, Stopped, kStaysNear},
+    {Approach, NotConfirmed, Stopped, kNotConfirmed},
     {Approach, Stalled, Stopped, kStalled},
     {Approach, ArmLost, Stopped, kArmGone},
     {Approach, HandLost, Stopped, kHandGone},
@@ -111,6 +116,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {BackOff, Blocked, Yield, kHit},
     {BackOff, TimeOut, Stopped, "the arm did not get home; holds"},
     {BackOff, StaysNear, Stopped, kStaysNear},
+    {BackOff, NotConfirmed, Stopped, kNotConfirmed},
     {BackOff, Stalled, Stopped, kStalled},
     {BackOff, ArmLost, Stopped, kArmGone},
     {BackOff, HandLost, Stopped, kHandGone},
@@ -162,6 +168,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {TestLift, HandEmpty, Stopped, kFell},
     {TestLift, Blocked, Yield, kPushed},
     {TestLift, StaysNear, Stopped, kStaysNearLoaded},
+    {TestLift, NotConfirmed, Stopped, kNotConfirmedLoaded},
     {TestLift, Stalled, Stopped, kStalled},
     {TestLift, ArmLost, Stopped, kArmGone},
     {TestLift, HandLost, Stopped, kHandGone},
@@ -178,6 +185,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Lift, HandEmpty, Stopped, kFell},
     {Lift, Blocked, Yield, kPushed},
     {Lift, StaysNear, Stopped, kStaysNearLoaded},
+    {Lift, NotConfirmed, Stopped, kNotConfirmedLoaded},
     {Lift, Stalled, Stopped, kStalled},
     {Lift, ArmLost, Stopped, kArmGone},
     {Lift, HandLost, Stopped, kHandGone},
@@ -207,6 +215,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Lower, HandEmpty, Stopped, kFell},
     {Lower, Blocked, Yield, kPushed},
     {Lower, StaysNear, Stopped, kStaysNearLoaded},
+    {Lower, NotConfirmed, Stopped, kNotConfirmedLoaded},
     {Lower, Stalled, Stopped, kStalled},
     {Lower, ArmLost, Stopped, kArmGone},
     {Lower, HandLost, Stopped, kHandGone},
@@ -246,6 +255,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Retreat, Blocked, Yield, kHit},
     {Retreat, TimeOut, Stopped, "the arm did not get home; holds"},
     {Retreat, StaysNear, Stopped, kStaysNear},
+    {Retreat, NotConfirmed, Stopped, kNotConfirmed},
     {Retreat, Stalled, Stopped, kStalled},
     {Retreat, ArmLost, Stopped, kArmGone},
     {Retreat, HandLost, Stopped, kHandGone},

@@ -51,6 +51,7 @@ enum class Event {
   Arrived,
   PathObstructed,  ///< PathObstructed: somebody or something stays in the path; another one is to be planned.
   StaysNear,       ///< StaysNear: the arm has waited for somebody for as long as it waits for anybody.
+  NotConfirmed,    ///< NotConfirmed: nobody confirmed that an arm which had stopped may continue.
   Blocked,         ///< Blocked: unexpected contact, or the arm does not follow.
   HandHeld,
   HandEmpty,

@@ -109,6 +109,8 @@ std::string_view word(Event event) {
       return "path obstructed";
     case StaysNear:
       return "stays near";
+    case NotConfirmed:
+      return "not confirmed";
     case Blocked:
       return "blocked";
     case HandHeld:

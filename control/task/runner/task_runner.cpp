@@ -1,6 +1,7 @@
 #include "control/task/runner/task_runner.hpp"
 
 #include "control/task/run_job.hpp"
+#include "control/task/runner/expected_force.hpp"
 
 #include <fmt/format.h>
 
@@ -15,47 +16,11 @@ using namespace std::chrono_literals;
 
 constexpr hal::Duration kReportEvery = 33ms;  // the camera's frame period: nothing new is seen sooner
 
-/// Which forces the arm has to expect in a state.
-HandLoad expected_load(Task task) {
-  switch (task) {
-    case Task::Close:
-    case Task::Verify:
-    case Task::AwaitReady:
-      return HandLoad::Closing;
-    case Task::TestLift:
-    case Task::Lift:
-    case Task::Hold:
-    case Task::Pause:
-      return HandLoad::Carried;
-    case Task::Lower:
-    case Task::Release:
-      return HandLoad::Lowering;
-    default:
-      return HandLoad::Empty;
-  }
-}
-
 /// Whether the job goes home without its goal from here on.
 bool is_failure(Task from, Event event, Task to) {
   return event == Event::LimitReached || event == Event::HangsAskew ||
          (from == Task::TestLift && to == Task::Lower) || (to == Task::Release && event != Event::OnGround) ||
          to == Task::BackOff;
-}
-
-// Who or what an unexpected force on a loaded hand comes from, by its direction.
-std::string pusher(const TaskContext& c, const ForceFinding& force) {
-  using Kind = ForceFinding::Kind;
-  constexpr double kAlong = 0.8;  // cosine
-  if (!is_loaded(c.state) || !c.record.decision || !c.record.decision->partner) return {};
-  if (force.kind == Kind::Up) return "the object or the hand meets something from below: ";
-  if (force.kind == Kind::Down) return "sudden gain of load: ";
-  if (force.kind != Kind::Sideways) return {};
-  const Eigen::Vector2d to_partner =
-      (c.record.decision->partner->position - c.palm().translation()).head<2>().normalized();
-  const double along = force.force_W.head<2>().normalized().dot(to_partner);
-  if (along > kAlong) return "the partner's end is pulled: ";
-  if (along < -kAlong) return "the partner's end is pushed: ";
-  return "pushed across the object: ";
 }
 
 }  // namespace
@@ -112,8 +77,9 @@ hal::Result<> TaskRunner::start_devices() {
 
 bool TaskRunner::cycle(const JobHooks& hooks) {
   read_devices();
+  hear_operator(hooks);
   // faults first; where one means nothing, the work continues
-  const auto fault = emergency(hooks);
+  const auto fault = emergency();
   if (fault && next(c_.state, fault->event)) {
     apply(*fault, hooks);
   } else if (waits_for_arm()) {
@@ -150,8 +116,15 @@ void TaskRunner::read_devices() {
   stall_.read();
 }
 
-std::optional<TaskEvent> TaskRunner::emergency(const JobHooks& hooks) const {
-  if (hooks.interrupted && hooks.interrupted()) return TaskEvent{Event::Interrupted, "asked to end"};
+// asked in every cycle: what he confirmed before anything waited for it is gone
+void TaskRunner::hear_operator(const JobHooks& hooks) {
+  interrupted_ = hooks.interrupted && hooks.interrupted();
+  lower_confirmed_ = hooks.lower_confirmed && hooks.lower_confirmed();
+  if (hooks.continue_confirmed && hooks.continue_confirmed()) separation_.confirm();
+}
+
+std::optional<TaskEvent> TaskRunner::emergency() const {
+  if (interrupted_) return TaskEvent{Event::Interrupted, "asked to end"};
   if (arm_.lost()) return TaskEvent{Event::ArmLost, arm_.fault()};
   if (!stall_.fault().empty()) return TaskEvent{Event::Stalled, stall_.fault()};
   // with nothing held yet the others are opened; later one finger less is a grip that nobody may trust
@@ -159,13 +132,12 @@ std::optional<TaskEvent> TaskRunner::emergency(const JobHooks& hooks) const {
     return TaskEvent{Event::FingerLost, hand_.fault()};
   if (hand_.lost()) return TaskEvent{Event::HandLost, hand_.fault()};
   if (auto pushed = pushed_event()) return pushed;
+  // who confirms has looked, and the camera is not needed for it
+  if (c_.state == Task::Pause && lower_confirmed_) return TaskEvent{Event::LowerConfirmed, ""};
   if (c_.readings.camera_lost) return TaskEvent{Event::CameraLost, "the camera gives no picture"};
   if (auto obstructed = separation_.path_obstructed(); obstructed && next(c_.state, obstructed->event))
     return obstructed;
-  if (const std::string why = separation_.waited_too_long(); !why.empty())
-    return TaskEvent{Event::StaysNear, why};
-  if (c_.state == Task::Pause && hooks.lower_confirmed && hooks.lower_confirmed())
-    return TaskEvent{Event::LowerConfirmed, ""};
+  if (auto too_long = separation_.waited_too_long()) return too_long;
   const hal::HandState& hand = c_.readings.hand;
   if (hand.hot && !is_loaded(c_.state)) return TaskEvent{Event::HandUnfit, hand.warning.str()};
   return std::nullopt;
@@ -177,12 +149,12 @@ std::optional<TaskEvent> TaskRunner::pushed_event() const {
   // a standing object under a hand that was lowered too far: opening ends that, and the arm is soft already
   if (c_.state == Task::Release && force.kind == ForceFinding::Kind::Up) return std::nullopt;
   const bool from_below = c_.state == Task::Lower && force.kind == ForceFinding::Kind::Up;
-  if (!from_below) return TaskEvent{Event::Blocked, pusher(c_, force) + describe(force)};
+  if (!from_below) return TaskEvent{Event::Blocked, presumed_source(c_, force) + describe(force)};
   // where it was grasped, what pushes up is the ground, and so it is higher up under an object that slid in
   // the hand and is seen to stand: lowering judges that itself
   if (c_.arm.view().height_m < c_.config.task.carry.standing_tolerance_m || object_.seen_down())
     return std::nullopt;
-  return TaskEvent{Event::Obstructed, pusher(c_, force) + describe(force)};
+  return TaskEvent{Event::Obstructed, presumed_source(c_, force) + describe(force)};
 }
 
 bool TaskRunner::waits_for_arm() const {
@@ -339,7 +311,8 @@ void TaskRunner::report(const JobHooks& hooks) {
   s.doing = c_.doing;
   s.done = c_.done;
   separation_.report(s.separation);
-  if (s.separation.waits) s.doing = "waits: " + s.separation.reason;
+  if (s.separation.waits)
+    s.doing = (s.separation.may_confirm ? "waits for confirmation: " : "waits: ") + s.separation.reason;
   if (const auto grasp = c_.session.tracker().grasp()) s.partner_W = grasp->position;
   s.partner_note = c_.partner_note;
   s.load_n = c_.arm.view().load_n;

@@ -47,8 +47,9 @@ class TaskRunner {
   /// One cycle. False when the job has ended.
   [[nodiscard]] bool cycle(const JobHooks& hooks);
   void read_devices();
+  void hear_operator(const JobHooks& hooks);
   /// What devices or the operator report; it comes before the phase's own work.
-  [[nodiscard]] std::optional<TaskEvent> emergency(const JobHooks& hooks) const;
+  [[nodiscard]] std::optional<TaskEvent> emergency() const;
   /// Unexpected force that has stopped the arm: somebody pushes, or something is under the object.
   [[nodiscard]] std::optional<TaskEvent> pushed_event() const;
   [[nodiscard]] bool waits_for_arm() const;
@@ -96,6 +97,7 @@ class TaskRunner {
   hal::Timestamp reported_at_{0}, wall_start_{0};
   std::string reason_, detail_;  ///< Why the job is in its state; the event's own words.
   bool refusal_noted_ = false;
+  bool interrupted_ = false, lower_confirmed_ = false;  ///< What the operator says in this cycle.
 };
 
 }  // namespace colift::control

@@ -48,7 +48,7 @@ void SeparationSupervisor::update(double image_age_s) {
   if (moving && holds()) record.waited_s += passed_s;
   if (waited_s_ == 0.0) asked_aside_ = false;
   if (waited_s_ > c_.config.monitor.obstacle_wait_s && !asked_aside_ && monitor_.state().limited &&
-      monitor_.state().nearest.who != Nearby::Thing) {
+      !may_confirm() && monitor_.state().nearest.who != Nearby::Thing) {
     asked_aside_ = true;
     c_.note_device("monitor", "asks to step aside: " + reason_);
     c_.request("please step aside: " + reason_);
@@ -56,11 +56,18 @@ void SeparationSupervisor::update(double image_age_s) {
   if (c_.readings.frame && c_.record.analysis && c_.record.analysis->scene.target) look(*c_.readings.frame);
 
   const SeparationState& state = monitor_.state();
+  const bool late = moving && !is_loaded(c_.state) && image_age_s > c_.config.monitor.hold_image_age_s;
   double scale = 1.0;
   std::string why;
-  if (c_.readings.camera_lost) {
-    bodies_.clear();  // what is not seen is not known; the state's own rule stops or slows the arm
-  } else if (moving && !is_loaded(c_.state) && image_age_s > c_.config.monitor.hold_image_age_s) {
+  blind_ = c_.readings.camera_lost || late;
+  if (c_.readings.camera_lost) bodies_.clear();  // what is not seen is not known
+  if (state.to_confirm) {
+    // nor does an arm continue by itself because the camera is lost: whether the way is free is not known
+    scale = 0.0;
+    why = why_it_stands();
+  } else if (c_.readings.camera_lost) {
+    // the state's own rule stops or slows the arm
+  } else if (late) {
     scale = 0.0;
     why = fmt::format("the camera's pictures are {:.0f} ms old in the mean", 1e3 * image_age_s);
   } else if (state.hold || state.limited) {
@@ -70,6 +77,7 @@ void SeparationSupervisor::update(double image_age_s) {
   if (c_.carry_scale < scale) scale = c_.carry_scale;
   request(scale, std::move(why));
   note_wait();
+  note_confirmable();
   add_sample();
   if (path_obstructed()) c_.obstacles_W = seen_W_;
 }
@@ -98,6 +106,37 @@ void SeparationSupervisor::note_wait() {
   if (waits && (!monitor_.state().hold || monitor_.state().stopped)) ++c_.record.monitor.stops;
   if (waits || is_moving(c_.state))
     c_.note_device("monitor", waits ? "the arm waits: " + reason_ : "the arm continues");
+}
+
+bool SeparationSupervisor::may_confirm() const {
+  return monitor_.state().may_confirm && !blind_ && is_moving(c_.state) && holds();
+}
+
+void SeparationSupervisor::confirm() {
+  if (!may_confirm() || !monitor_.confirm()) return;
+  reason_ = "its continuation is confirmed";
+  c_.note_device("monitor", "an operator confirmed that the arm may continue");
+}
+
+std::string SeparationSupervisor::why_it_stands() const {
+  const SeparationState& state = monitor_.state();
+  if (!state.may_confirm) return describe(state.nearest);
+  const std::string stopped = fmt::format("the arm stopped for {}", describe(state.held_for));
+  if (blind_) return stopped + "; without pictures nobody knows whether the path is free again";
+  return "nobody is near any more; " + stopped;
+}
+
+// once for each time that the way becomes free: who waited for a person waits for the operator from then on,
+// as long again
+void SeparationSupervisor::note_confirmable() {
+  const bool asks = may_confirm();
+  if (asks == asked_to_confirm_) return;
+  asked_to_confirm_ = asks;
+  waited_s_ = 0.0;
+  asked_aside_ = false;
+  if (!asks) return;
+  c_.note_device("monitor", "waits for confirmation: " + reason_);
+  c_.request("please confirm that the arm may continue: " + reason_);
 }
 
 double SeparationSupervisor::slow_distance_m() const {
@@ -254,18 +293,19 @@ void SeparationSupervisor::add_neighbour(Nearby who, std::span<const perception:
   near_.push_back(n);
 }
 
-std::string SeparationSupervisor::waited_too_long() const {
+std::optional<TaskEvent> SeparationSupervisor::waited_too_long() const {
   const double max_s = c_.config.monitor.max_wait_s;
-  if (waited_s_ > max_s) return reason_;
-  if (!is_moving(c_.state) || c_.waited_s <= kWaitsInAll * max_s) return "";
-  return fmt::format(
-      "{:.0f} s of waiting and of slowing down in all, for whoever came near again and again{}{}",
-      c_.waited_s, reason_.empty() ? "" : "; now ", reason_);
+  if (waited_s_ > max_s) return TaskEvent{may_confirm() ? Event::NotConfirmed : Event::StaysNear, reason_};
+  if (!is_moving(c_.state) || c_.waited_s <= kWaitsInAll * max_s) return std::nullopt;
+  return TaskEvent{
+      Event::StaysNear,
+      fmt::format("{:.0f} s of waiting and of slowing down in all, for whoever came near again and again{}{}",
+                  c_.waited_s, reason_.empty() ? "" : "; now ", reason_)};
 }
 
 std::optional<TaskEvent> SeparationSupervisor::path_obstructed() const {
   const SeparationState& state = monitor_.state();
-  if (!holds() || !state.limited) return std::nullopt;
+  if (!holds() || !state.limited || may_confirm()) return std::nullopt;
   const MonitorConfig& config = c_.config.monitor;
   const double wait_s = state.nearest.who == Nearby::Thing ? config.obstacle_wait_s : config.person_wait_s;
   if (waited_s_ < wait_s) return std::nullopt;
@@ -276,6 +316,7 @@ void SeparationSupervisor::report(SeparationStatus& out) const {
   out.on = c_.config.monitor.on;
   out.scale = scale_;
   out.waits = holds() && is_moving(c_.state);
+  out.may_confirm = may_confirm();
   out.reason = reason_;
   if (asked_aside_ && out.waits) out.reason += "; please step aside";
   out.hold_distance_m = c_.config.monitor.hold_distance_m;

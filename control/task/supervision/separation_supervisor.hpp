@@ -12,7 +12,8 @@ namespace colift::control {
 
 /// People around the arm: finds them in each frame, measures their distance to the arm and to the rest of its
 /// path, and asks the arm for the speed that the SeparationMonitor allows. While the arm waits or is slowed,
-/// the time limits of the state wait with it.
+/// the time limits of the state wait with it. Without MonitorConfig::resume an operator confirms that an arm
+/// that was stopped may continue.
 class SeparationSupervisor {
  public:
   explicit SeparationSupervisor(TaskContext& context);
@@ -25,9 +26,14 @@ class SeparationSupervisor {
   [[nodiscard]] bool holds() const { return scale_ == 0.0; }
   /// Why the arm is slowed or stands; empty: it is not.
   [[nodiscard]] const std::string& reason() const { return reason_; }
-  /// Why it has waited too long: it stood for longer than MonitorConfig::max_wait_s at a stretch, or the
-  /// state has lost three times that in all to whoever comes near again and again. Empty: it has not.
-  [[nodiscard]] std::string waited_too_long() const;
+  /// An operator confirms that the arm may continue. No effect unless may_confirm().
+  void confirm();
+  /// The arm stands on its path after a stop, nobody is near any more, and a confirmation makes it continue.
+  [[nodiscard]] bool may_confirm() const;
+  /// Set when it has waited too long: it stood for longer than MonitorConfig::max_wait_s at a stretch, for
+  /// somebody or for a confirmation, or the state has lost three times that in all to whoever comes near
+  /// again and again.
+  [[nodiscard]] std::optional<TaskEvent> waited_too_long() const;
   /// Set when somebody or something has been in the path for so long that another path is to be planned.
   [[nodiscard]] std::optional<TaskEvent> path_obstructed() const;
   /// For page, record and report.
@@ -42,6 +48,9 @@ class SeparationSupervisor {
   [[nodiscard]] std::optional<hal::Vec3> partner_contact() const;
   [[nodiscard]] double planned_speed_m_s() const;
   void request(double scale, std::string why);
+  /// Of an arm that stands after a stop which is to be confirmed.
+  [[nodiscard]] std::string why_it_stands() const;
+  void note_confirmable();
   /// Counts and notes that the arm waits, or continues.
   void note_wait();
   /// A person nearer than that slows the arm (m).
@@ -59,7 +68,7 @@ class SeparationSupervisor {
   hal::Timestamp updated_at_{0};
   hal::Timestamp sampled_at_{0};
   double scale_ = 1.0, waited_s_ = 0.0, compute_ms_ = 0.0;
-  bool asked_aside_ = false, waits_ = false;
+  bool asked_aside_ = false, waits_ = false, asked_to_confirm_ = false, blind_ = false;
   std::string reason_;
 };
 

@@ -78,6 +78,12 @@ stop.onclick = () => void stopping.press();
 const lower = $<HTMLButtonElement>("lower");
 lower.onclick = () => void client.call("/operator/lower");
 
+// pressed at any other time it would have no effect
+const proceed = $<HTMLButtonElement>("continue");
+let operating = false, toConfirm = false;
+const showProceed = () => { proceed.disabled = !operating || !toConfirm; };
+proceed.onclick = () => void client.call("/operator/continue");
+
 const isRecording = () => document.title.startsWith("CoLift, recording");
 let mayOperate = new URLSearchParams(location.search).has("token"), wasLinked = false;
 /** Of a run the buttons say who may press them; a recording has nothing to stop. */
@@ -90,6 +96,8 @@ client.onLink = (word, operates) => {
   mayOperate ||= operates;
   stop.disabled = word === "connected" ? !operates : !mayOperate;
   lower.disabled = !operates;
+  operating = operates;
+  showProceed();
   showActions();
   wasLinked ||= word === "connected";
   $("lost").hidden = word === "connected" || !wasLinked;
@@ -115,6 +123,8 @@ const reset = () => {
   hand.reset();
   camera.reset();
   partner = grasp = null;
+  toConfirm = false;
+  showProceed();
   leads = "";
   $("leads").hidden = $("intent").hidden = true;
   $("log").innerHTML = "";
@@ -168,6 +178,8 @@ client.on<M.TaskStatus>("/task/status", (s) => {
   $("waits").textContent = s.doing || s.waits_for;
   $("note").textContent = OVER.includes(s.state) ? "" : s.partner_note; // nobody looks for him any more
   partner = vector(s.partner);
+  toConfirm = s.separation?.may_confirm === true;
+  showProceed();
   strip.status(s);
   people.show(s);
   const was = scene.robot.ghost.visible;

@@ -12,6 +12,7 @@ export interface TaskStatus {
 export interface Body { id: number; partner: boolean; distance_m: number | null }
 export interface Separation {
   on: boolean; speed_scale: number; waits: boolean; because: string; distance_m: number | null;
+  may_confirm?: boolean; // the arm stopped, and waits for an operator's confirmation
   hold_distance_m: number; slow_distance_m: number; bodies: Body[];
 }
 export interface Force {

@@ -51,6 +51,7 @@ export function separationWords(s: Separation): string {
   const bodies = s.bodies.filter((b) => b.distance_m !== null).length;
   const near = s.distance_m === null ? "nobody near the arm"
     : `nearest ${figure(Math.max(0, s.distance_m), 2)} m${bodies > 1 ? ` of ${bodies} bodies` : ""}`;
+  if (s.may_confirm) return `The arm waits for confirmation, press Continue: ${s.because}`;
   if (s.waits) return `The arm waits: ${s.because || near}`;
   if (s.speed_scale < 1) return `The arm moves at ${percent(s.speed_scale)} of its speed: ${s.because || near}`;
   return near;

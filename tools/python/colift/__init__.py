@@ -299,7 +299,9 @@ class Run:
     `carry(sample)`: once for each frame while the object is raised and held; gets a dict (t_s, state, palm_height_m,
     object_rise_m, tilt_rad, slip_m, load_n, force_W, torque_W, palm_W) and returns the speed scale of the palm, 0 to 1, or a
     pair of it and whether the hold is over.
-    `lower_confirmed()`: whether a person confirms that an object may be lowered, asked while the job pauses.
+    `lower_confirmed()`, `continue_confirmed()`: whether a person confirms that a paused object may be lowered; that an arm which
+    stopped for somebody may continue (`monitor.resume`). Asked in every cycle of the job; where nothing waits for it, True has no
+    effect.
 
     A run that is not needed any more is ended by close(), at the end of a `with`, or when nothing refers to it: by a controlled
     stop, without another call of your callables.
@@ -311,7 +313,8 @@ class Run:
                  grasps: Callable[[Analysis], Sequence[Candidate]] | None = None,
                  partner: Callable[[Analysis, PartnerGrasp], Any] | None = None,
                  choice: Callable[[Outcome], int | None] | None = None,
-                 carry: Callable[[dict[str, Any]], Any] | None = None, lower_confirmed: Callable[[], bool] | None = None):
+                 carry: Callable[[dict[str, Any]], Any] | None = None, lower_confirmed: Callable[[], bool] | None = None,
+                 continue_confirmed: Callable[[], bool] | None = None):
         def own_grasps(analysis: Any) -> list[Candidate]:
             return list(grasps(Analysis(analysis)))
 
@@ -329,7 +332,8 @@ class Run:
         self._c = _colift.Run(None if scenario is None else str(scenario), method, seed, _text(share), _text(share_strict),
                               None if rig is None else str(rig), dry_run, _settings(settings), [str(f) for f in config_files],
                               grasps and own_grasps, partner and own_partner, choice and own_choice, carry and own_carry,
-                              lower_confirmed and (lambda: bool(lower_confirmed())))
+                              lower_confirmed and (lambda: bool(lower_confirmed())),
+                              continue_confirmed and (lambda: bool(continue_confirmed())))
 
     def __enter__(self) -> Run:
         return self

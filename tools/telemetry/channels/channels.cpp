@@ -133,6 +133,7 @@ Json separation() {
   return object({{"on", boolean()},
                  {"speed_scale", number("fraction of the planned speed")},
                  {"waits", boolean()},
+                 {"may_confirm", boolean()},
                  {"because", text("why the arm is slowed or waits")},
                  {"distance_m", maybe("of the nearest body")},
                  {"hold_distance_m", number("a person nearer than that stops the arm")},
@@ -325,7 +326,8 @@ Json inputs() {
                  {"camera", list(camera)},
                  {"answers", list(object({{"error", error}}))},
                  {"interrupted", boolean()},
-                 {"lower_confirmed", boolean()}});
+                 {"lower_confirmed", boolean()},
+                 {"continue_confirmed", boolean()}});
 }
 
 std::vector<ChannelInfo> all() {

@@ -119,14 +119,16 @@ Json separation(const control::SeparationStatus& s) {
                       {"max", point(hal::Vec3(b.box.max()))},
                       {"velocity", point(b.velocity_m_s)},
                       {"distance_m", number_json(b.distance_m)}});
-  return {{"on", s.on},
-          {"speed_scale", s.scale},
-          {"waits", s.waits},
-          {"because", s.reason},
-          {"distance_m", number_json(s.distance_m)},
-          {"hold_distance_m", s.hold_distance_m},
-          {"slow_distance_m", s.slow_distance_m},
-          {"bodies", std::move(bodies)}};
+  Json j = {{"on", s.on},
+            {"speed_scale", s.scale},
+            {"waits", s.waits},
+            {"because", s.reason},
+            {"distance_m", number_json(s.distance_m)},
+            {"hold_distance_m", s.hold_distance_m},
+            {"slow_distance_m", s.slow_distance_m},
+            {"bodies", std::move(bodies)}};
+  if (s.may_confirm) j["may_confirm"] = true;
+  return j;
 }
 
 Json force(const control::ForceStatus& f) {

@@ -277,6 +277,7 @@ CycleInputs load(const Json& j) {
   load_all(j, "answers", in.answers);
   in.interrupted = j.contains("interrupted") && j.at("interrupted").get<bool>();
   in.lower_confirmed = j.contains("lower_confirmed") && j.at("lower_confirmed").get<bool>();
+  in.continue_confirmed = j.contains("continue_confirmed") && j.at("continue_confirmed").get<bool>();
   return in;
 }
 
@@ -300,6 +301,7 @@ std::string inputs_message(const CycleInputs& in) {
   if (!in.answers.empty()) j["answers"] = saved_all(in.answers);
   if (in.interrupted) j["interrupted"] = true;
   if (in.lower_confirmed) j["lower_confirmed"] = true;
+  if (in.continue_confirmed) j["continue_confirmed"] = true;
   return dumped(j);
 }
 

@@ -29,7 +29,7 @@ struct CycleInputs {
   std::vector<hal::Result<hal::HandState>> hand;
   std::vector<CameraReading> camera;
   std::vector<hal::Result<>> answers;  ///< Of arm, hand and camera to what they were told.
-  bool interrupted = false, lower_confirmed = false;
+  bool interrupted = false, lower_confirmed = false, continue_confirmed = false;
 };
 
 /// As a message of the channel /inputs. Numbers read back to the same bits.

@@ -375,6 +375,11 @@ control::JobHooks RunTelemetry::hooks(control::JobHooks yours) {
     if (confirmed) i.book.now.lower_confirmed = true;
     return confirmed;
   };
+  out.continue_confirmed = [&i, yours] {
+    const bool confirmed = yours.continue_confirmed && yours.continue_confirmed();
+    if (confirmed) i.book.now.continue_confirmed = true;
+    return confirmed;
+  };
   out.status = [&i, aside, yours](const control::JobStatus& status) {
     i.on_status(status);
     if (yours.status) aside([&] { yours.status(status); });

@@ -132,6 +132,7 @@ hal::Result<ReplayReport> replay(const McapReader& file, const std::string& name
     return tape.ended() || tape.now().interrupted || (setting.interrupted && setting.interrupted());
   };
   mine.lower_confirmed = [&] { return tape.now().lower_confirmed; };
+  mine.continue_confirmed = [&] { return tape.now().continue_confirmed; };
   control::JobHooks hooks = telemetry.hooks(mine);
   const auto listen = hooks.cycle;
   hooks.cycle = [&](const control::ArmView& view) {

@@ -17,6 +17,13 @@ Neighbour person(double distance_m) {
   return n;
 }
 
+/// After a stop an operator confirms.
+MonitorConfig confirmed_config() {
+  MonitorConfig config;
+  config.resume = false;
+  return config;
+}
+
 /// A second of frames with the same neighbours; the state after it.
 SeparationState second(SeparationMonitor& monitor, hal::Timestamp& now, std::vector<Neighbour> near) {
   for (int i = 0; i < 30; ++i) monitor.update(now += 33'333'333ns, true, near, 0.0, 14.0);
@@ -96,13 +103,80 @@ TEST_CASE("whoever was near before the arm moved makes its start wait, and has s
   CHECK(monitor.update(now += 300ms, false, {}, 0.0, 14.0).hold);
 }
 
-TEST_CASE("a stop that is not to be left by itself is not") {
+// ---- a stop after which an operator confirms ----
+
+TEST_CASE("a stop that is not to be left by itself is not, and an arm that only slowed is") {
   hal::Timestamp now{0};
-  MonitorConfig config;
-  config.resume = false;
-  SeparationMonitor strict{config};
+  SeparationMonitor strict{confirmed_config()};
+  CHECK(second(strict, now, {person(0.75)}).limited);
+  strict.update(now += 33ms, true, {}, 0.0, 14.0);
+  CHECK_FALSE(strict.state().hold);
   (void)second(strict, now, {person(0.5)});
   for (int i = 0; i < 5; ++i) CHECK(second(strict, now, {}).hold);
+}
+
+TEST_CASE("a confirmation continues an arm that stopped, once nobody is near") {
+  hal::Timestamp now{0};
+  SeparationMonitor monitor{confirmed_config()};
+  CHECK(second(monitor, now, {person(0.5)}).to_confirm);
+  (void)second(monitor, now, {person(1.2)});
+  CHECK(monitor.state().may_confirm);
+  CHECK(monitor.state().held_for == Nearby::Person);
+  CHECK(monitor.confirm());
+  CHECK_FALSE(monitor.state().hold);
+  CHECK(monitor.state().limited);  // by who is at 1.2 m
+  CHECK(monitor.state().speed_m_s > 0.0);
+  CHECK_FALSE(monitor.confirm());  // once more is nothing
+  CHECK_FALSE(second(monitor, now, {}).hold);
+}
+
+TEST_CASE(
+    "a confirmation has no effect before the stop, while somebody is near, or in the first free frame") {
+  hal::Timestamp now{0};
+  SeparationMonitor monitor{confirmed_config()};
+  CHECK_FALSE(monitor.confirm());  // stale: nothing waits
+  CHECK(second(monitor, now, {person(0.5)}).hold);
+  CHECK_FALSE(monitor.confirm());                     // early: he is still there
+  CHECK(second(monitor, now, {person(0.705)}).hold);  // within the hysteresis
+  CHECK_FALSE(monitor.confirm());
+  monitor.update(now += 33ms, true, {}, 0.0, 14.0);
+  CHECK_FALSE(monitor.confirm());  // one frame in which he is not seen is no free path
+  CHECK(second(monitor, now, {}).hold);
+  CHECK(monitor.confirm());
+}
+
+TEST_CASE("whoever comes near again after a confirmation is to be confirmed anew") {
+  hal::Timestamp now{0};
+  SeparationMonitor monitor{confirmed_config()};
+  const Neighbour near[] = {person(0.5)};
+  (void)second(monitor, now, {person(0.5)});
+  (void)second(monitor, now, {});
+  REQUIRE(monitor.confirm());
+  SECTION("while the arm's continuation is announced, and it has not moved yet") {
+    CHECK_FALSE(monitor.update(now += 33ms, false, {}, 0.0, 14.0).hold);
+    CHECK(monitor.update(now += 33ms, false, near, 0.0, 14.0).to_confirm);
+  }
+  SECTION("while it moves") {
+    CHECK_FALSE(monitor.update(now += 33ms, true, {}, 0.0, 14.0).hold);
+    CHECK(monitor.update(now += 33ms, true, near, 0.0, 14.0).to_confirm);
+  }
+  for (int i = 0; i < 100; ++i) CHECK(monitor.update(now += 33ms, false, {}, 0.0, 14.0).hold);
+  CHECK(monitor.confirm());
+}
+
+TEST_CASE(
+    "an arm that has not begun to move needs no confirmation, and one that resumes by itself takes none") {
+  hal::Timestamp now{0};
+  SeparationMonitor strict{confirmed_config()};
+  const Neighbour near[] = {person(0.5)};
+  CHECK_FALSE(strict.update(now += 33ms, false, near, 0.0, 14.0).to_confirm);
+  CHECK_FALSE(strict.update(now += 400ms, false, {}, 0.0, 14.0).hold);
+
+  SeparationMonitor monitor{{}};
+  (void)second(monitor, now, {person(0.5)});
+  CHECK_FALSE(second(monitor, now, {}).may_confirm);
+  CHECK_FALSE(monitor.confirm());
+  CHECK(monitor.state().hold);
 }
 
 TEST_CASE("the partner at rest may be nearer than anybody else, and not when he moves fast") {

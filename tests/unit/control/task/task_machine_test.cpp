@@ -244,6 +244,16 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("an arm that nobody lets continue holds, whatever it was doing", "[task]") {
+  for (const Task task : all_tasks())
+    for (const Event event : {Event::StaysNear, Event::NotConfirmed}) {
+      CAPTURE(word(task), word(event));
+      const auto rule = next(task, event);
+      CHECK(rule.has_value() == is_moving(task));
+      if (rule) CHECK(rule->to == Task::Stopped);
+    }
+}
+
 TEST_CASE("a hand without evidence that the object stands stays closed", "[task]") {
   REQUIRE(next(Task::Release, Event::StillLoaded));
   CHECK(next(Task::Release, Event::StillLoaded)->to == Task::Stopped);

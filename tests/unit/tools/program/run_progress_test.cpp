@@ -164,6 +164,42 @@ TEST_CASE("without a terminal every change is one plain line, said once", "[run]
   for (const std::string& line : lines_of(text)) CHECK(columns_of(line) <= 80);
 }
 
+TEST_CASE("what a person has to press is said once for each time that the run waits for it", "[run]") {
+  Paper paper;
+  hal::ManualClock wall;
+  const RunSetting setting;
+  RunStatus s = crowded();
+  {
+    RunProgress progress(paper.file(), {}, setting, wall);
+    for (int i = 0; i < 100; ++i) {
+      s.now = i % 50 < 25 ? "" : "waits for confirmation: nobody is near any more";
+      s.press = i % 50 < 25 ? "" : "press Enter to continue";
+      progress.show(s);
+    }
+    progress.end();
+  }
+  CHECK(count(paper.text(), "press Enter to continue; waits for confirmation") == 2);
+  bool shown = false;
+  for (const std::string& line : progress_screen(s, setting, {}))
+    shown = shown || line.find("press Enter to continue") != std::string::npos;
+  CHECK(shown);
+}
+
+TEST_CASE("a line that was typed below a live screen is drawn over", "[run]") {
+  Paper paper;
+  hal::ManualClock wall;
+  const RunSetting setting;
+  RunProgress progress(paper.file(), {true, false, true, true, 80}, setting, wall);
+  RunStatus s = crowded();
+  progress.line_was_typed();  // before there is a screen
+  progress.show(s);
+  progress.line_was_typed();
+  s.state = Task::Close;
+  progress.show(s);
+  const std::size_t height = progress_screen(s, setting, {}).size();
+  CHECK(count(paper.text(), "\x1b[" + std::to_string(height + 1) + "F") == 1);
+}
+
 TEST_CASE("a live screen is renewed in place, not more often than a person sees", "[run]") {
   Paper paper;
   hal::ManualClock wall;

@@ -1,53 +1,27 @@
 // A whole simulated lift: recording it and being watched by somebody who never reads changes nothing, and
 // replaying it decides the same to the bit.
 
-#include <arpa/inet.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <bit>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "control/task/run_job.hpp"
-#include "hal/config/config_file.hpp"
-#include "hal/guards/guarded_arm.hpp"
-#include "hal/guards/guarded_hand.hpp"
+#include "hal/robot_model/robot_model.hpp"
+#include "recorded_run.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
-#include "sim_hal/mujoco/sim_world.hpp"
-#include "sim_hal/scenario/scenario.hpp"
-#include "tools/live/live_server.hpp"
 #include "tools/telemetry/channels/built_in_texts.hpp"
 #include "tools/telemetry/channels/recorded_frame.hpp"
 #include "tools/telemetry/channels/string_message.hpp"
-#include "tools/telemetry/record/recorder.hpp"
-#include "tools/telemetry/record/run_telemetry.hpp"
-#include "tools/telemetry/replay/replay.hpp"
 
 namespace {
 
 using namespace colift;
 using namespace colift::telemetry;
-
-constexpr std::uint64_t kSeed = 3;
-
-control::Config config_of(const sim_hal::Scenario& scenario) {
-  control::Config config = control::run_defaults();
-  config.task.lift_height_m = scenario.task.height;
-  config.task.hold_s = scenario.task.hold_s;
-  return config;
-}
-
-sim_hal::Scenario short_lift() {
-  sim_hal::Scenario scenario = sim_hal::built_in_scenario();
-  scenario.task.hold_s = 0.5;
-  return scenario;
-}
+using namespace colift::telemetry::test;
 
 /// Every number that a run leaves behind, to the bit.
 std::string fingerprint(const control::RunRecord& r) {
@@ -65,144 +39,6 @@ std::string fingerprint(const control::RunRecord& r) {
     for (const double v : {r.lift->height_m, r.lift->tilt_rad, r.lift->share_robot, r.lift->mass_kg}) put(v);
   put(r.timing.sim_s);
   return out;
-}
-
-struct Recorded {
-  control::RunRecord record;
-  RecorderReport report;
-};
-
-/// A viewer that asks for everything and then never reads.
-class DeafViewer {
- public:
-  explicit DeafViewer(const live::LiveServer& server) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
-    const int small = 4096;
-    ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &small, sizeof(small));
-    sockaddr_in to{};
-    to.sin_family = AF_INET;
-    to.sin_port = htons(server.port());
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    REQUIRE(::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof(to)) == 0);
-    send(
-        "GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n"
-        "Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n\r\n");
-    char c = 0;
-    for (std::string head; !head.ends_with("\r\n\r\n"); head.push_back(c))
-      REQUIRE(::recv(socket_, &c, 1, 0) == 1);
-    std::string all = R"({"op":"subscribe","subscriptions":[)";
-    for (int i = 0; i < static_cast<int>(Topic::Depth); ++i)
-      all += (i == 0 ? "" : ",") + ("{\"id\":" + std::to_string(i)) + ",\"channelId\":" + std::to_string(i) +
-             "}";
-    all += "]}";
-    // one masked frame of text (RFC 6455); the mask is zero
-    std::string frame = {'\x81', '\xFE', static_cast<char>(all.size() >> 8),
-                         static_cast<char>(all.size() & 0xFF)};
-    send(frame + std::string(4, '\0') + all);
-  }
-  ~DeafViewer() { ::close(socket_); }
-  DeafViewer(const DeafViewer&) = delete;
-  DeafViewer& operator=(const DeafViewer&) = delete;
-
- private:
-  void send(const std::string& bytes) const {
-    REQUIRE(::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size()));
-  }
-  int socket_;
-};
-
-/// `pushed`: the camera's true pose in the calibrated one.
-Recorded run(const sim_hal::Scenario& scenario, const std::filesystem::path* file,
-             const hal::Pose& pushed = hal::Pose::Identity()) {
-  const hal::RobotModel& model = hal::built_in_robot();
-  control::Config config = config_of(scenario);
-  auto world = sim_hal::SimWorld::make(scenario, model, kSeed, {});
-  REQUIRE(world);
-  hal::Robot robot;
-  robot.arm = std::make_unique<hal::GuardedArm>(sim_hal::make_sim_arm(**world), model, config.guard_arm);
-  robot.hand = std::make_unique<hal::GuardedHand>(sim_hal::make_sim_hand(**world), config.guard_hand);
-  robot.camera = sim_hal::make_sim_camera(**world);
-  robot.clock = sim_hal::make_sim_clock(**world);
-  const planner::HandModel hand;
-  const auto tables = std::make_shared<planner::HandCollision>(hand, config.candidates.collision);
-  const hal::SteadyClock wall;
-  const hal::Pose X_WC = sim_hal::camera_pose(scenario.camera) * pushed.inverse();
-  control::JobOptions options;
-  options.seed = kSeed;
-
-  std::unique_ptr<live::LiveServer> server;
-  std::optional<DeafViewer> deaf;
-  std::unique_ptr<Recorder> recorder;
-  std::unique_ptr<RunTelemetry> telemetry;
-  if (file) {
-    RunDescription about;
-    about.version = program_version();
-    about.config_yaml = hal::effective_yaml(hal::table_of(config), false);
-    about.robot_urdf = built_in_robot_urdf();
-    about.X_WC = X_WC;
-    about.seed = kSeed;
-    RecorderConfig recording;
-    recording.file = *file;
-    recording.wait_when_full = true;
-    auto started = Recorder::start(recording, documents_of(about));
-    REQUIRE(started);
-    recorder = std::move(*started);
-    live::ServerConfig view;
-    view.port = 0;
-    auto opened = live::LiveServer::open(view, live::PageFiles("/nowhere"));
-    REQUIRE(opened);
-    server = std::move(*opened);
-    deaf.emplace(*server);
-    telemetry = std::make_unique<RunTelemetry>(
-        RunTelemetry::Setting{&model, X_WC, {}, control::Drive::InStep, true, &hand, about.robot_urdf},
-        std::vector<TelemetrySink*>{recorder.get(), server.get()}, wall);
-    telemetry->tap(robot);
-  }
-  const control::RigView rig{model, hand, tables, X_WC};
-  auto record = control::run_job(robot, rig, config, options,
-                                 telemetry ? telemetry->hooks({}) : control::JobHooks{}, wall);
-  REQUIRE(record);
-  Recorded out{std::move(*record), {}};
-  if (recorder) out.report = recorder->finish();
-  if (server) CHECK(server->counts().published > 1000);
-  return out;
-}
-
-/// Counts what a viewer of a replay gets.
-class Watcher final : public TelemetrySink {
- public:
-  void publish(const Publication& p) override {
-    ++count[p.topic];
-    if (p.topic == Topic::Devices || p.topic == Topic::Map) text[p.topic] = p.encode();
-  }
-  std::map<Topic, std::size_t> count;
-  std::map<Topic, std::string> text;
-};
-
-hal::Result<ReplayReport> replayed(const McapReader& reader, const std::vector<std::string>& settings = {},
-                                   Watcher* watcher = nullptr) {
-  const auto about = description_of(reader, "lift");
-  REQUIRE(about);
-  ReplaySetting setting;
-  setting.config = control::run_defaults();
-  hal::FieldTable table = hal::table_of(setting.config);
-  REQUIRE(hal::apply_yaml_text(table, about->config_yaml, "recorded"));
-  for (const std::string& s : settings) REQUIRE(hal::apply_setting(table, s));
-  setting.hand_tables =
-      std::make_shared<planner::HandCollision>(setting.hand, setting.config.candidates.collision);
-  auto model = hal::parse_robot(about->robot_urdf, "recorded");
-  REQUIRE(model);
-  setting.model = std::make_shared<hal::RobotModel>(std::move(*model));
-  if (watcher) setting.watchers = {watcher};
-  return replay(reader, "lift", *about, setting);
-}
-
-McapReader opened(const std::filesystem::path& file) {
-  auto source = open_file(file);
-  REQUIRE(source);
-  auto reader = McapReader::open(std::move(*source), file.string());
-  REQUIRE(reader);
-  return std::move(*reader);
 }
 
 }  // namespace
