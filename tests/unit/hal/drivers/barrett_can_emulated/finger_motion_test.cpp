@@ -136,6 +136,25 @@ TEST_CASE("what a single finger must not do is refused before anything moves", "
   CHECK(cold.error().code == hal::ErrorCode::NotReady);
 }
 
+TEST_CASE("one finger moves at 64 C and is refused at 65 C", "[hand][service]") {
+  const int celsius = GENERATE(64, 65);
+  Bench b;
+  const auto hot = sim_hal::parse_hand_fault("0:hot=" + std::to_string(celsius) + "@F2:60");
+  REQUIRE(hot);
+  sim_hal::HandFault fault = *hot;
+  fault.at_s += hal::seconds(b.clock.now());
+  b.pucks.inject(fault);
+  b.pass(50ms);
+  const auto end = b.move(Kind::To, 1.0);
+  CAPTURE(celsius);
+  REQUIRE(end.has_value() == (celsius < 65));
+  if (end) return;  // how far its faded motor comes is another matter
+  CHECK(end.error().code == hal::ErrorCode::DeviceFault);
+  CHECK(end.error().detail.find("F2 has 65 C (limit 65)") == 0);
+  CHECK(b.rad(1) < 0.01);
+  CHECK(b.move(Kind::To, 1.0, {}, Puck::F3));  // the others are cool
+}
+
 TEST_CASE("a finger opens from a grip that is stronger than its own limit of torque", "[hand][service]") {
   Bench b(true);
   REQUIRE(b.hand->activate());
