@@ -204,8 +204,10 @@ class Runner {
     const double since = now();
     while (now() - since < task_.for_s && !hooks_.interrupted()) {
       if (!turn("holds")) return end(How::Failed, error_);
-      if (hooks_.report().slipped || !state_->held)
-        return end(How::NoGrip, fmt::format("the grip slipped after {:.1f} s", now() - since));
+      const hal::HandReport report = hooks_.report();
+      if (report.slipped || !state_->held)
+        return end(How::NoGrip, fmt::format("the grip slipped after {:.1f} s{}{}", now() - since,
+                                            report.why.empty() ? "" : ": ", report.why.str()));
       if (const auto weak = weak_grip()) return end(How::NoGrip, *weak);
       double force = 0.0;
       for (const double f : state_->tip_force_n) force += f;

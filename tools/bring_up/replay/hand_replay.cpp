@@ -19,7 +19,6 @@ using namespace hal::barrett;
 using hal::CandumpFrame;
 
 constexpr std::size_t kMostDifferences = 200;
-constexpr std::uint64_t kMostPerProperty = 5;
 constexpr hal::Duration kAfterwards = std::chrono::milliseconds(100);
 // Silences of boot and initialising end some milliseconds earlier or later.
 constexpr hal::Duration kEdge = std::chrono::milliseconds(150);
@@ -179,7 +178,7 @@ void finish(AnswerForm& form, std::vector<double>& ms) {
 
 }  // namespace
 
-EmulatorReplay replay_emulator(const hal::Candump& log) {
+EmulatorReplay replay_emulator(const hal::Candump& log, std::uint64_t most_per_property) {
   EmulatorReplay replay;
   if (log.frames.empty()) return replay;
   const PuckSession then = read_puck_session(log.frames);
@@ -189,7 +188,7 @@ EmulatorReplay replay_emulator(const hal::Candump& log) {
   std::map<Property, PropertyComparison> properties;
   Latencies recorded_ms, emulated_ms;
   const auto differ = [&](PropertyComparison& of, std::uint32_t line, std::string words) {
-    if (++of.differences <= kMostPerProperty && replay.differences.size() < kMostDifferences)
+    if (++of.differences <= most_per_property && replay.differences.size() < kMostDifferences)
       replay.differences.push_back({line, std::move(words)});
     else
       ++replay.more;

@@ -35,8 +35,8 @@ struct EmulatorReplay {
 /// Compared are, for each question, whether it is answered, by which frames (identifiers, lengths), and
 /// whether recorded values lie in the range that the emulated hand keeps to; values only where they say what
 /// kind of hand it is. The emulated hand is built as the log's answers about firmware, role and group say,
-/// and has nothing between its fingers.
-[[nodiscard]] EmulatorReplay replay_emulator(const hal::Candump& log);
+/// and has nothing between its fingers. Of each property at most so many differences are listed, of all 200.
+[[nodiscard]] EmulatorReplay replay_emulator(const hal::Candump& log, std::uint64_t most_per_property = 5);
 
 /// `driver` is unset when the log names no calls; `why` says so.
 [[nodiscard]] std::string replay_text(const std::optional<hal::DriverReplay>& driver, const std::string& why,

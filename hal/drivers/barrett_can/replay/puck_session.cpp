@@ -30,7 +30,7 @@ std::optional<AnswerValue> read_answer(const CanFrame& frame) {
   if (const auto* position = std::get_if<PositionReply>(&*reply))
     return AnswerValue{position->puck, Property::P, position->motor};
   if (const auto* row = std::get_if<TactileRow>(&*reply))
-    return AnswerValue{row->puck, Property::Tact, std::nullopt, row->row + 1 == kTactileRows};
+    return AnswerValue{row->puck, Property::Tact, std::nullopt, row->row == 0, row->row + 1 == kTactileRows};
   return AnswerValue{std::get<TactileTop>(*reply).puck, Property::Tact, std::nullopt};
 }
 
@@ -60,7 +60,11 @@ PuckSession read_puck_session(const std::vector<CandumpFrame>& frames) {
       continue;
     }
     auto& waiting = open[{answer->puck, answer->property}];
-    while (!waiting.empty() && frame.arrived_at - waiting.front().at > kLatest) waiting.pop_front();
+    const auto begun = [&](const Open& o) { return session.requests[o.request].answers[o.answer].count > 0; };
+    // a scan that was cut off gets nothing of the next; one that has begun in time is not divided
+    while (!waiting.empty() &&
+           (begun(waiting.front()) ? answer->begins_scan : frame.arrived_at - waiting.front().at > kLatest))
+      waiting.pop_front();
     if (waiting.empty()) {
       session.unasked.push_back(i);
       continue;

@@ -33,7 +33,8 @@ struct PuckSession {
 };
 
 /// Pairs questions and answers: an answer belongs to the oldest question of its puck and property that has
-/// none, no older than half a second. Without directions in the log, whatever node 0 says is the host's.
+/// none, no older than half a second, and the rest of a scan to what its first frame answers. Without
+/// directions in the log, whatever node 0 says is the host's.
 [[nodiscard]] PuckSession read_puck_session(const std::vector<CandumpFrame>& frames);
 
 /// "F1: MT = 2200", "hand: P?".
@@ -45,7 +46,7 @@ struct AnswerValue {
   Puck puck{};
   Property property{};
   std::optional<std::int32_t> value;
-  bool ends_scan = true;  ///< False for all but the last frame of a full scan.
+  bool begins_scan = true, ends_scan = true;  ///< Of a full scan only its first and its last frame do.
 };
 [[nodiscard]] std::optional<AnswerValue> read_answer(const CanFrame& frame);
 

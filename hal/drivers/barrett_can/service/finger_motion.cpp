@@ -27,6 +27,7 @@ constexpr std::int32_t kNear = 600;     // of its end a stopped puck has reached
 constexpr std::int32_t kStill = 50;     // counts: noise
 constexpr std::int32_t kMargin = 1500;  // to the ends of the range, without joint limits of the puck
 constexpr std::int32_t kClosedFrom = 12'000;  // such fingers may hold something, as start-up has it
+constexpr std::int32_t kRelief = 24'000;      // 17 degrees, over which what was pressed lets go of the gauge
 constexpr double kOverTorque = 1.3;           // of what was asked, at the gauge
 constexpr auto kSettles = std::chrono::milliseconds(60);
 constexpr auto kRenewTorque = std::chrono::milliseconds(4);  // 200 Hz at least (maker's wiki)
@@ -171,6 +172,11 @@ class Mover {
     return {};
   }
 
+  /// A closed finger may begin under load: as it opens, its gauge falls without meeting anything.
+  [[nodiscard]] bool is_relieved() const {
+    return opens() && start_ > kClosedFrom && start_ - position() < kRelief;
+  }
+
   [[nodiscard]] bool at_end() const {
     return motion_.value > 0.0 ? position() >= target_ : position() <= target_;
   }
@@ -243,6 +249,7 @@ class Mover {
       if (interrupted_()) return ended("interrupted: it stays where it is", false);
       if (link_.silent(finger_)) return ended(fmt::format("{} stopped answering", name(finger_)), false);
       if (strain_start_) {
+        if (is_relieved()) strain_start_ = std::min(*strain_start_, reported(Property::Sg).value);
         const double nm =
             strain_scale_ * (strain_nm(reported(Property::Sg).value) - strain_nm(*strain_start_));
         end_.max_torque_nm = std::fmax(end_.max_torque_nm, nm);

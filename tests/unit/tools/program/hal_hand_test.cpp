@@ -148,12 +148,15 @@ TEST_CASE("interrupted while it closes, the fingers stay where they are", "[hal]
   CHECK_FALSE(end.after.moving);
 }
 
-TEST_CASE("a slip ends the grip", "[hal][hand]") {
+TEST_CASE("a slip ends the grip, with its cause where the driver knows one", "[hal][hand]") {
   Stand s(1.2);
   s.report.slipped = true;
   const auto end = s.run(Kind::Grip);
   CHECK(end.how == How::NoGrip);
-  CHECK(end.reason.find("slipped") != std::string::npos);
+  CHECK(end.reason == "the grip slipped after 0.0 s");
+  s.report.why = hal::ShortText("the spread turned by 9 degrees under load");
+  CHECK(s.run(Kind::Grip).reason ==
+        "the grip slipped after 0.0 s: the spread turned by 9 degrees under load");
 }
 
 TEST_CASE("a hand that is lost while it moves is a failure with its words", "[hal][hand]") {

@@ -59,7 +59,7 @@ void FakePuck::step(double dt_ms) {
   if (finding_stop) {
     position = stuck ? position : std::max(0.0, position + property[73] * dt_ms);
     if (position > 0.0) return;
-    zero_shift = 0.0;
+    zero_shift = clutch_ahead = 0.0;
     property[kE] = 0;
     finding_stop = false;
     end();
@@ -177,7 +177,8 @@ void FakeHand::answer(const FakePuck& puck, int p) {
   const int to = 0x400 | puck.id << 5;
   if (p == kP) {
     const auto motor = static_cast<int>(std::lround(puck.position + puck.zero_shift));
-    const int joint = static_cast<int>(std::lround((puck.position + puck.zero_shift) / 2.5));
+    const int joint =
+        static_cast<int>(std::lround((puck.position + puck.zero_shift - puck.clutch_ahead) / 2.5));
     hal::CanFrame f = frame(to | 3, {0x80 | (motor >> 16 & 0x3f), motor >> 8 & 255, motor & 255});
     if (puck.has_joint)
       f = frame(to | 3, {0x80 | (motor >> 16 & 0x3f), motor >> 8 & 255, motor & 255,

@@ -24,6 +24,7 @@ struct FakePuck {
   bool stuck = false;                                           ///< The motor does not turn.
   bool never_ends = false;                                      ///< Ignores TSTOP.
   double zero_shift = 0.0;                                      ///< Added to what it tells.
+  double clutch_ahead = 0.0;                                    ///< Motor counts without the inner link.
   double load_nm = 0.0, load_share = 1.0;
   bool silent = false;
   std::optional<hal::Timestamp> powered_at;  ///< UPSECS counts from here; unset: its clock stands at 0.

@@ -136,6 +136,57 @@ TEST_CASE("what a single finger must not do is refused before anything moves", "
   CHECK(cold.error().code == hal::ErrorCode::NotReady);
 }
 
+TEST_CASE("one finger moves at 64 C and is refused at 65 C", "[hand][service]") {
+  const int celsius = GENERATE(64, 65);
+  Bench b;
+  const auto hot = sim_hal::parse_hand_fault("0:hot=" + std::to_string(celsius) + "@F2:60");
+  REQUIRE(hot);
+  sim_hal::HandFault fault = *hot;
+  fault.at_s += hal::seconds(b.clock.now());
+  b.pucks.inject(fault);
+  b.pass(50ms);
+  const auto end = b.move(Kind::To, 1.0);
+  CAPTURE(celsius);
+  REQUIRE(end.has_value() == (celsius < 65));
+  if (end) return;  // how far its faded motor comes is another matter
+  CHECK(end.error().code == hal::ErrorCode::DeviceFault);
+  CHECK(end.error().detail.find("F2 has 65 C (limit 65)") == 0);
+  CHECK(b.rad(1) < 0.01);
+  CHECK(b.move(Kind::To, 1.0, {}, Puck::F3));  // the others are cool
+}
+
+TEST_CASE("a finger opens from a grip that is stronger than its own limit of torque", "[hand][service]") {
+  Bench b(true);
+  REQUIRE(b.hand->activate());
+  REQUIRE(b.hand->close(1.0));
+  b.pass(2500ms);
+  REQUIRE(b.hand->state()->held);
+  REQUIRE(b.hand->state()->torque_nm[2] > 0.6);  // F3 presses against the two others
+  b.hand->deactivate();
+  const auto opened = b.move(
+      Kind::To, 0.0, [](hal::FingerMotion& m) { m.although_closed = true; }, Puck::F3);
+  REQUIRE(opened);
+  INFO(opened->how);
+  CHECK(opened->as_asked);
+  CHECK(opened->rests);
+  CHECK(b.rad(2) < 0.01);
+}
+
+TEST_CASE("a closed finger that opens is stopped by what loads it behind its relief", "[hand][service]") {
+  Bench b;
+  (void)b.moved(Kind::To, 2.0);
+  const auto weight = sim_hal::parse_hand_fault("0.45:weight=0.8@F2:5");
+  REQUIRE(weight);
+  sim_hal::HandFault fault = *weight;
+  fault.at_s += hal::seconds(b.clock.now());
+  b.pucks.inject(fault);
+  const auto end = b.moved(Kind::To, 0.0, [](hal::FingerMotion& m) { m.although_closed = true; });
+  CHECK_FALSE(end.as_asked);
+  CHECK(end.how.find("enough") != std::string::npos);
+  CHECK(end.to_rad > 0.3);
+  CHECK(end.to_rad < 1.65);
+}
+
 TEST_CASE("a finger of a hand that may hold something opens with a word of consent only", "[hand][service]") {
   Bench b(true);
   REQUIRE(b.hand->activate());

@@ -211,6 +211,38 @@ TEST_CASE("a hand that says nothing in the log is silent for the driver too", "[
   CHECK(words(driver.differences).find("configure was ok then and is LinkLost now") != std::string::npos);
 }
 
+TEST_CASE("a scan is of one question, also where pads are slower than they are asked", "[hand][replay]") {
+  // F1: TACT = 2, at milliseconds, and rows of its full scan
+  std::string text;
+  const auto at = [](int ms) { return "(1." + std::to_string(1000 + ms).substr(1) + "000) can0 "; };
+  const auto ask = [&](int ms) { text += at(ms) + "00B#EA000200 T\n"; };
+  const auto scan = [&](int ms, int rows) {
+    for (int row = 0; row < rows; ++row)
+      text += at(ms + row) + "569#" + std::to_string(row) + "000000000000000 R\n";
+  };
+  const auto counts = [&] {
+    std::vector<int> all;
+    for (const auto& request : hal::barrett::read_puck_session(parsed(text).frames).requests)
+      all.push_back(request.answers.at(0).count);
+    return all;
+  };
+  ask(0);
+  ask(300);
+  SECTION("one that begins within half a second of its question, and ends after it") {
+    scan(498, 5);
+    CHECK(counts() == std::vector{5, 0});
+  }
+  SECTION("one that begins later than that") {
+    scan(501, 5);
+    CHECK(counts() == std::vector{0, 5});
+  }
+  SECTION("one that was cut off gets nothing of the next") {
+    scan(310, 3);
+    scan(350, 5);
+    CHECK(counts() == std::vector{3, 5});
+  }
+}
+
 TEST_CASE("logs that no driver can be asked about are refused in words", "[hand][replay]") {
   const auto plain = hal::replay_driver(parsed("(1.000000) can0 405#05\n"), "session");
   REQUIRE_FALSE(plain);
