@@ -7,6 +7,13 @@
 #include "control/monitor/separation.hpp"
 
 namespace colift::control {
+namespace {
+
+// Away from a thing that stands beside the arm, slowly: to stay beside it helps nobody. Nearer than this is a
+// contact by all that is known of the distance.
+constexpr double kLeave_m_s = 0.05, kTouches_m = 0.03;
+
+}  // namespace
 
 double SeparationMonitor::hold_distance_m(Nearby who) const {
   switch (who) {
@@ -28,7 +35,8 @@ double SeparationMonitor::limit_m_s(const Neighbour& n, double latency_s, double
   if (n.who == Nearby::Thing) {  // reaches for nothing, and has stayed where it is
     MonitorConfig still = config_;
     still.intrusion_m = 0.0;
-    return allowed_speed(n.distance_m, 0.0, latency, still);
+    const double kept = allowed_speed(n.distance_m, 0.0, latency, still);
+    return n.behind ? std::max(kept, kLeave_m_s) : kept;
   }
   const double speed = std::clamp(n.speed_m_s, config_.partner_speed_m_s, config_.person_speed_m_s);
   const double kept = allowed_speed(n.distance_m, speed, latency, config_);
@@ -46,7 +54,8 @@ const SeparationState& SeparationMonitor::update(hal::Timestamp now, bool moves,
   SeparationState next;
   bool too_near = false;
   for (const Neighbour& n : near) {
-    const bool holds = n.distance_m < hold_distance_m(n.who) + extra_m;
+    const bool leaves = n.who == Nearby::Thing && n.behind && n.distance_m > kTouches_m;
+    const bool holds = !leaves && n.distance_m < hold_distance_m(n.who) + extra_m;
     const double limit = holds ? 0.0 : limit_m_s(n, latency_s, robot_kg);
     too_near = too_near || holds || limit <= 0.0;
     if (next.limited && limit > next.speed_m_s) continue;

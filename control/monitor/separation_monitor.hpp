@@ -27,6 +27,7 @@ struct Neighbour {
   double speed_m_s = 1.6;   ///< Measured, with its uncertainty added.
   hal::Vec3 point_W = hal::Vec3::Zero();
   int id = 0;
+  bool behind = false;  ///< The rest of the path comes no nearer to it than the arm is.
 };
 
 /// How fast the arm may be, and why.
@@ -61,6 +62,10 @@ class SeparationMonitor {
   bool confirm();
 
   [[nodiscard]] const SeparationState& state() const { return state_; }
+  /// Distance from somebody or something of this kind at which a hold ends.
+  [[nodiscard]] double free_distance_m(Nearby who) const {
+    return hold_distance_m(who) + config_.hysteresis_m;
+  }
 
  private:
   [[nodiscard]] double hold_distance_m(Nearby who) const;

@@ -103,6 +103,7 @@ struct TaskContext {
   std::shared_ptr<const planner::CollisionScene> empty_scene;
   /// Points of what obstructed the last path, without the partner (W): new paths keep away from them.
   std::vector<Eigen::Vector3f> obstacles_W;
+  double obstacle_clearance_m = 0.0;  ///< From these, so that the monitor lets the arm pass.
 
   DeviceReadings readings;
   PostureHistory past;   ///< Of the robot, for frames that come late.

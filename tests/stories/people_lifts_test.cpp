@@ -81,6 +81,16 @@ TEST_CASE("who stands in the path stops the arm; when he has gone, the lift cont
   CHECK(lift.person_contacts == 0);
 }
 
+TEST_CASE("what is put into the path and stays there is planned around (row 51)") {
+  const auto lift =
+      tests::simulate(shipped("box_in_the_path"), control::Method::Fast, 1, control::run_defaults());
+  INFO(told(lift));
+  CHECK(lift.record.outcome == Result::Lifted);
+  CHECK(lift.record.monitor.stops >= 1);
+  CHECK(entered_s(lift, Task::BackOff) > 0.0);
+  CHECK_FALSE(lift.hit_something);
+}
+
 TEST_CASE("who stays in the path: the lift ends safely, with the reason, and nobody is touched") {
   control::Config config = control::run_defaults();
   config.task.attempts.max_approaches = 2;

@@ -34,24 +34,22 @@ TaskEvent PlanPhase::find_path() {
   const hal::Timestamp start = c_.stopwatch.now();
   if (auto fault = map_fault(c_.session.map(), c_.session.analysis().cloud, c_.config.map_check))
     return {Event::NoPath, *std::move(fault)};
-  std::vector<Eigen::Vector3f> people = c_.session.partner_points();
-  people.insert(people.end(), c_.obstacles_W.begin(), c_.obstacles_W.end());
-  c_.motion_planner.set_scene(std::make_shared<planner::CollisionScene>(
-                                  planner::with_partner(*c_.empty_scene, c_.session.map().grid(), people)),
-                              c_.session.map(), hal::Vec3::UnitZ());
+  const auto to_chosen = [&] {
+    return c_.motion_planner.plan(c_.arm.commanded(), c_.chosen(), c_.config.task.lift_height_m);
+  };
+  // around what obstructed the last path, so far away that the arm may pass; else no farther than past the
+  // partner, in case it is gone before the arm is there
+  if (!c_.obstacles_W.empty()) {
+    enter_scene(c_.obstacle_clearance_m);
+    if (auto plan = to_chosen()) return take(std::move(*plan), start);
+  }
+  enter_scene(0.0);
   std::string why;
   for (int i = 0; i < c_.config.task.attempts.max_planned_grasps; ++i) {
-    auto plan = c_.motion_planner.plan(c_.arm.commanded(), c_.chosen(), c_.config.task.lift_height_m);
-    if (plan) {
-      c_.record.timing.plan_ms = 1e3 * hal::seconds(c_.stopwatch.now() - start);
-      c_.record.plan = std::move(*plan);
-      const planner::MotionPlan& p = *c_.record.plan;
-      const auto& certificate = c_.record.decision->share.certificate;
-      return {c_.options.dry_run ? Event::DryRunOver : Event::PlanReady,
-              fmt::format("trajectory of {:.1f} s{}", p.transit.duration_s() + p.approach.duration_s(),
-                          certificate ? "; " + certificate->text : "")};
-    }
-    why = plan.error().detail;
+    if (auto plan = to_chosen(); plan)
+      return take(std::move(*plan), start);
+    else
+      why = plan.error().detail;
     // the next best, then
     grasps_.refuse_path(why);
     if (!grasps_.choose()) {
@@ -61,6 +59,27 @@ TaskEvent PlanPhase::find_path() {
   }
   c_.record.timing.plan_ms = 1e3 * hal::seconds(c_.stopwatch.now() - start);
   return {Event::NoPath, why};
+}
+
+void PlanPhase::enter_scene(double obstacle_clearance_m) {
+  std::vector<Eigen::Vector3f> people = c_.session.partner_points();
+  people.insert(people.end(), c_.obstacles_W.begin(), c_.obstacles_W.end());
+  const auto& grid = c_.session.map().grid();
+  auto scene = planner::with_partner(*c_.empty_scene, grid, people);
+  if (obstacle_clearance_m > c_.config.motion.scene.partner_clearance_m)
+    scene = planner::with_obstacle(scene, grid, c_.obstacles_W, obstacle_clearance_m);
+  c_.motion_planner.set_scene(std::make_shared<planner::CollisionScene>(std::move(scene)), c_.session.map(),
+                              hal::Vec3::UnitZ());
+}
+
+TaskEvent PlanPhase::take(planner::MotionPlan plan, hal::Timestamp began) {
+  c_.record.timing.plan_ms = 1e3 * hal::seconds(c_.stopwatch.now() - began);
+  c_.record.plan = std::move(plan);
+  const planner::MotionPlan& p = *c_.record.plan;
+  const auto& certificate = c_.record.decision->share.certificate;
+  return {c_.options.dry_run ? Event::DryRunOver : Event::PlanReady,
+          fmt::format("trajectory of {:.1f} s{}", p.transit.duration_s() + p.approach.duration_s(),
+                      certificate ? "; " + certificate->text : "")};
 }
 
 }  // namespace colift::control

@@ -22,6 +22,9 @@ class PlanPhase {
 
  private:
   [[nodiscard]] TaskEvent find_path();
+  /// The scene with the partner, and what obstructed the last path at least so far away.
+  void enter_scene(double obstacle_clearance_m);
+  [[nodiscard]] TaskEvent take(planner::MotionPlan plan, hal::Timestamp began);
 
   TaskContext& c_;
   const PartnerMonitor& partner_;

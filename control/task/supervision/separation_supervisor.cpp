@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kPeakOfMean = 1.875;      // of a minimum-jerk profile's speed: 15/8
 constexpr double kSampleEvery_s = 0.0666;  // of the curves
+constexpr double kFrameNoise_m = 0.10;     // of the nearest point of a thing from frame to frame
+constexpr double kNearer_m = 0.01;         // of a path that comes nearer than the arm is
 constexpr double kWaitsInAll = 3.0;  // of a state, in longest waits: its own time limits wait with the arm
 
 hal::Vec3 flat(const hal::Vec3& v) {
@@ -79,7 +81,10 @@ void SeparationSupervisor::update(double image_age_s) {
   note_wait();
   note_confirmable();
   add_sample();
-  if (path_obstructed()) c_.obstacles_W = seen_W_;
+  if (path_obstructed()) {
+    c_.obstacles_W = seen_W_;
+    c_.obstacle_clearance_m = monitor_.free_distance_m(state.nearest.who) + kFrameNoise_m;
+  }
 }
 
 void SeparationSupervisor::request(double scale, std::string why) {
@@ -281,12 +286,14 @@ void SeparationSupervisor::add_neighbour(Nearby who, std::span<const perception:
   const bool links = nearest_approach(points, links_, within_m, to_links);
   const bool path = nearest_approach(points, path_, links ? to_links.distance_m : within_m, to_path);
   if (!links && !path) return;
+  const bool behind = links && (!path || to_path.distance_m > to_links.distance_m - kNearer_m);
   Neighbour n;
   n.who = who;
   n.to_path = path;
   n.distance_m = path ? to_path.distance_m : to_links.distance_m;
   n.point_W = path ? to_path.point_W : to_links.point_W;
   n.id = track ? track->id : 0;
+  n.behind = behind;
   // until it has been followed for some frames anything may be fast
   n.speed_m_s = track && track->frames > 3 ? track->velocity_m_s.norm() + 2.0 * track->sigma_m_s
                                            : c_.config.monitor.person_speed_m_s;

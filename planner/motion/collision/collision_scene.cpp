@@ -141,6 +141,17 @@ CollisionScene make_collision_scene(const perception::WorldMap& map, const hal::
   return scene;
 }
 
+CollisionScene with_obstacle(const CollisionScene& scene, const CellGrid& grid,
+                             std::span<const Eigen::Vector3f> points, double clearance_m) {
+  CollisionScene with = scene;
+  const double beyond_m = std::max(0.0, clearance_m - scene.config.margin_m);
+  const BoxDistances around =
+      NearPoints(grid, points, beyond_m).distances_to(beyond_m, with.obstacles.reach_cells());
+  with.obstacles.add(around);
+  with.arm_obstacles.add(around);
+  return with;
+}
+
 CollisionScene with_partner(const CollisionScene& scene, const CellGrid& grid,
                             std::span<const Eigen::Vector3f> partner_points) {
   CollisionScene with = scene;

@@ -68,6 +68,10 @@ inline constexpr double kGroundCells = 1.5;
 [[nodiscard]] CollisionScene make_collision_scene(const perception::WorldMap& map, const hal::Plane& ground,
                                                   const SceneConfig& config);
 
+/// The same with something that stands there since: `points` (W) keep the whole robot `clearance_m` away.
+[[nodiscard]] CollisionScene with_obstacle(const CollisionScene& scene, const perception::CellGrid& grid,
+                                           std::span<const Eigen::Vector3f> points, double clearance_m);
+
 /// The same with him: `partner_points` (W) keep the robot away, and what of the target is at his hands may
 /// touch him while both lift. Costs what his surroundings cost, not what the map does. `grid`: of the map
 /// that the scene was made of.

@@ -212,6 +212,25 @@ TEST_CASE("a slow camera chain counts: a longer latency is a lower speed") {
   CHECK(late < quick);
 }
 
+TEST_CASE("the arm leaves a thing that stands beside it slowly, and no person") {
+  SeparationMonitor monitor{MonitorConfig{}};
+  hal::Timestamp now{0};
+  Neighbour thing = person(0.05);
+  thing.who = Nearby::Thing;
+  CHECK(second(monitor, now, {thing}).hold);
+  thing.behind = true;  // the rest of the path leads away from it
+  (void)second(monitor, now, {thing});
+  (void)second(monitor, now, {thing});
+  const SeparationState state = second(monitor, now, {thing});
+  CHECK_FALSE(state.hold);
+  CHECK(state.speed_m_s == Approx(0.05));
+  thing.distance_m = 0.02;  // a contact by all that is known
+  CHECK(second(monitor, now, {thing}).hold);
+  Neighbour somebody = person(0.05);
+  somebody.behind = true;
+  CHECK(second(monitor, now, {somebody}).hold);
+}
+
 TEST_CASE("why the arm waits is said with the figure") {
   Neighbour n = person(0.424);
   CHECK(describe(n) == "a person is 0.42 m from the arm");

@@ -128,6 +128,22 @@ TEST_CASE("arm and hand keep the configured distance from the partner") {
   CHECK(free_with_partner_at(palm + hal::Vec3(0, 0.40, 0)));
 }
 
+TEST_CASE("what obstructed a path keeps the robot as far away as it is asked to") {
+  const hal::JointVector q = forward();
+  const hal::Vec3 palm = hal::hand_pose(hal::built_in_robot(), q).translation();
+  const auto map = map_with({});
+  const auto scene = planner::make_collision_scene(map, kFloor, {}, measured_only());
+  const auto free = [&](double beside_m, double clearance_m) {
+    const std::vector<Eigen::Vector3f> points{(palm + hal::Vec3(0, beside_m, 0)).cast<float>()};
+    auto fast = checker(share(planner::with_obstacle(scene, map.grid(), points, clearance_m)));
+    return fast.is_free(q);
+  };
+  CHECK(free(0.30, 0.10));
+  CHECK_FALSE(free(0.30, 0.28));  // the hand's body is 45 mm from its middle to its side
+  CHECK(free(0.45, 0.28));
+  CHECK_FALSE(free(0.0, 0.0));
+}
+
 TEST_CASE("fingers may be beside the target at the grasp, nothing may on the way") {
   const hal::JointVector q = forward();
   const hal::Pose X_WH = hal::hand_pose(hal::built_in_robot(), q);
