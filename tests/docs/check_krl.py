@@ -5,7 +5,7 @@
 
 Of the KRL source: every block is closed by its own word, every name that is assigned or called is declared, there is a .dat list beside it,
 no PTP leads to where the arm is, and its goal is changed before. Of both: the same motions, strategies and FRI calls in the same order, the same version and the
-same times. Not checked: what only the controller's compiler knows (types, system variables).
+same times; before each friStart the motion and the waits that docs/krl-hand-shakes.md says. Not checked: what only the controller's compiler knows (types, system variables).
 
 Ends with 0 when all of it holds, 1 with a line for each exception.
 """
@@ -147,6 +147,33 @@ def krl_figures(text):
             "kClosing_s": find(r"WAIT SEC ([\d.]+)\n\s+state = FRICLOSE")}
 
 
+def check_waits(krl, page, round_s):
+    """Before each friStart: the motion with its wait, then the strategy, then a round in which the PC sees it."""
+    routines, bad = routines_of(krl), []
+    said = re.search(r"PTP of A6 by 0\.05 degrees and a wait of ([\d.]+) s \(again before each start", page)
+    if not said or routines["small_motion"][-2:] != ["PTP there", f"WAIT SEC {said and said.group(1)}"]:
+        bad.append(f"after the motion the page waits {said and said.group(1)} s, the source does {routines['small_motion'][-1]}")
+    starts = 0
+    for name, lines in routines.items():
+        depth, done = 0, []  # what is done in any case, in order
+        for line in lines:
+            word = re.match(r"\W*(\w*)", line).group(1).upper()
+            depth -= word in OPENS.values()
+            wait = re.match(r"WAIT SEC ([\d.]+)$", line)
+            if "FRISTART" in line:
+                starts += 1
+                if done[-3:] != ["motion", "strategy", f"wait {round_s:g}"]:
+                    bad.append(f"{name}: before friStart comes {', '.join(done) or 'nothing'}")
+            elif depth == 0 and line.startswith("small_motion"):
+                done.append("motion")
+            elif depth == 0 and line == "$STIFFNESS.COMMIT = TRUE":
+                done.append("strategy")
+            elif depth == 0 and wait:
+                done.append(f"wait {float(wait.group(1)):g}")
+            depth += word in OPENS
+    return bad if starts else bad + ["no friStart"]
+
+
 def check(krl, cpp):
     bad = check_syntax(krl)
     if bad:
@@ -174,8 +201,10 @@ def check_addresses(texts):
     return bad
 
 
-def can_fail(krl, cpp):
+def can_fail(krl, cpp, page, round_s):
     """Each change of one side alone is seen; else this test says nothing."""
+    waits = (krl.replace("PTP there\nWAIT SEC 0.1", "PTP there\nWAIT SEC 0.01"), krl.replace("PTP there\nWAIT SEC 0.1", "PTP there"),
+             krl.replace("WAIT SEC 0.02\n\n$TIMER[2] = 0", "$TIMER[2] = 0"), krl.replace("$FRI_TO_INT[2] = 2\nsmall_motion( )", "$FRI_TO_INT[2] = 2"))
     changes = ((krl.replace("there.A6 = there.A6 - 0.05", "THERE.A6 = there.A6 - 0.05"), cpp),
                (krl.replace("  PTP", "").replace("PTP there\n", ""), cpp), (krl.replace("PTP there", "PTP $AXIS_ACT"), cpp),
                (re.sub(r"there\.A6 = there\.A6 [+-] 0\.05", "there.A6 = there.A6", krl), cpp),
@@ -185,14 +214,19 @@ def can_fail(krl, cpp):
                (krl, cpp.replace("      krc.ptp_here();\n", "")), (krl, cpp.replace("kQuality_s = 5.0", "kQuality_s = 4.0")),
                (krl, cpp.replace('krc.fri_close("the client asked for the end");', "")))
     return [f"change {i} of one side alone is not seen" for i, change in enumerate(changes)
-            if change == (krl, cpp) or not check(*change)]
+            if change == (krl, cpp) or not check(*change)] + [
+                f"change {i} of the waits is not seen" for i, change in enumerate(waits)
+                if change == krl or not check_waits(change, page, round_s)] + (
+                    [] if check_waits(krl, page.replace("wait of 0.1 s", "wait of 0.2 s"), round_s) else ["another wait on the page is not seen"])
 
 
 def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parents[2])
     krl = (root / "config/krl/colift.src").read_text()
     cpp = (root / "sim_hal/emulator/krc/krl_script_colift.cpp").read_text()
-    bad = check(krl, cpp) or can_fail(krl, cpp)
+    page = (root / "docs/krl-hand-shakes.md").read_text()
+    round_s = float(re.search(r"\bkPeriod_s = ([\d.]+)", cpp).group(1))
+    bad = check(krl, cpp) + check_waits(krl, page, round_s) or can_fail(krl, cpp, page, round_s)
     texts = {name: (root / name).read_text()
              for name in ("docs/bring-up.md", "config/real.yaml", "config/krl/README.md", "config/krl/colift.src")}
     bad += check_addresses(texts)
