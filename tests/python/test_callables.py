@@ -106,6 +106,17 @@ def test_a_run_uses_all_of_them():
     assert slowest is not None and slowest <= 0.5
 
 
+def test_who_confirms_lets_an_arm_continue_that_has_stopped():
+    with colift.Run("person_in_the_path", settings={"monitor.resume": False},
+                    continue_confirmed=lambda: doing.startswith("waits for confirmation")) as run:
+        doing, asked = "", 0
+        for status in run:
+            doing = status.doing
+            asked += doing.startswith("waits for confirmation")
+        assert run.result["outcome"] == "lifted"
+    assert 1 <= asked < 10  # confirmed as soon as it is asked for
+
+
 def test_a_run_that_cannot_use_them_says_why():
     result, _ = stepped(partner=lambda analysis, seen: (np.nan, 0, 0))
     assert result["outcome"] != "lifted" and "covariance" in result["states"][-1]["because"] + result["because"] + str(result["states"])
