@@ -10,6 +10,12 @@
 #include "control/session/map_check.hpp"
 
 namespace colift::control {
+namespace {
+
+constexpr double kNearer_m = 0.05;  // from one try to pass an obstacle to the next
+
+}  // namespace
+
 TaskEvent PlanPhase::decide() {
   if (auto picture = c_.picture()) c_.record.frame_partner = std::move(picture);
   const hal::Timestamp start = c_.stopwatch.now();
@@ -37,10 +43,12 @@ TaskEvent PlanPhase::find_path() {
   const auto to_chosen = [&] {
     return c_.motion_planner.plan(c_.arm.commanded(), c_.chosen(), c_.config.task.lift_height_m);
   };
-  // around what obstructed the last path, so far away that the arm may pass; else no farther than past the
-  // partner, in case it is gone before the arm is there
-  if (!c_.obstacles_W.empty()) {
-    enter_scene(c_.obstacle_clearance_m);
+  // around what obstructed the last path, as far away as the arm would like to pass; else nearer, and in the
+  // end no farther than past the partner, in case it is gone before the arm is there
+  const double nearest_m = c_.config.motion.scene.partner_clearance_m;
+  for (double far_m = c_.obstacle_clearance_m; !c_.obstacles_W.empty() && far_m > nearest_m;
+       far_m -= kNearer_m) {
+    enter_scene(far_m);
     if (auto plan = to_chosen()) return take(std::move(*plan), start);
   }
   enter_scene(0.0);

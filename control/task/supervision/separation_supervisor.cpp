@@ -13,8 +13,10 @@ namespace {
 
 constexpr double kPeakOfMean = 1.875;      // of a minimum-jerk profile's speed: 15/8
 constexpr double kSampleEvery_s = 0.0666;  // of the curves
-constexpr double kFrameNoise_m = 0.10;     // of the nearest point of a thing from frame to frame
-constexpr double kNearer_m = 0.01;         // of a path that comes nearer than the arm is
+// Beyond the monitor's own distance: pixels that fly at a thing's edges, and bounding spheres of links.
+constexpr double kPassBeyond_m = 0.20;
+constexpr double kForget_s = 0.5;        // a thing that no frame shows
+constexpr double kComesNearer_m = 0.01;  // of a path that comes nearer than the arm is
 constexpr double kWaitsInAll = 3.0;  // of a state, in longest waits: its own time limits wait with the arm
 
 hal::Vec3 flat(const hal::Vec3& v) {
@@ -83,7 +85,7 @@ void SeparationSupervisor::update(double image_age_s) {
   add_sample();
   if (path_obstructed()) {
     c_.obstacles_W = seen_W_;
-    c_.obstacle_clearance_m = monitor_.free_distance_m(state.nearest.who) + kFrameNoise_m;
+    c_.obstacle_clearance_m = monitor_.free_distance_m(state.nearest.who) + kPassBeyond_m;
   }
 }
 
@@ -286,11 +288,12 @@ void SeparationSupervisor::add_neighbour(Nearby who, std::span<const perception:
   const bool links = nearest_approach(points, links_, within_m, to_links);
   const bool path = nearest_approach(points, path_, links ? to_links.distance_m : within_m, to_path);
   if (!links && !path) return;
-  const bool behind = links && (!path || to_path.distance_m > to_links.distance_m - kNearer_m);
+  const bool behind = links && (!path || to_path.distance_m > to_links.distance_m - kComesNearer_m);
   Neighbour n;
   n.who = who;
   n.to_path = path;
   n.distance_m = path ? to_path.distance_m : to_links.distance_m;
+  if (who == Nearby::Thing && track) n.distance_m = settled_distance(track->id, n.distance_m);
   n.point_W = path ? to_path.point_W : to_links.point_W;
   n.id = track ? track->id : 0;
   n.behind = behind;
@@ -298,6 +301,19 @@ void SeparationSupervisor::add_neighbour(Nearby who, std::span<const perception:
   n.speed_m_s = track && track->frames > 3 ? track->velocity_m_s.norm() + 2.0 * track->sigma_m_s
                                            : c_.config.monitor.person_speed_m_s;
   near_.push_back(n);
+}
+
+double SeparationSupervisor::settled_distance(int id, double distance_m) {
+  std::erase_if(things_,
+                [&](const ThingDistances& t) { return hal::seconds(c_.now - t.seen_at) > kForget_s; });
+  auto thing = std::find_if(things_.begin(), things_.end(), [&](const auto& t) { return t.id == id; });
+  if (thing == things_.end()) thing = things_.insert(thing, ThingDistances{id, {}, 0, c_.now});
+  thing->last_m[thing->frames++ % thing->last_m.size()] = distance_m;
+  thing->seen_at = c_.now;
+  auto sorted = thing->last_m;
+  const auto count = static_cast<std::ptrdiff_t>(std::min(thing->frames, sorted.size()));
+  std::sort(sorted.begin(), sorted.begin() + count);
+  return sorted[static_cast<std::size_t>((count - 1) / 2)];
 }
 
 std::optional<TaskEvent> SeparationSupervisor::waited_too_long() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,6 +41,15 @@ class SeparationSupervisor {
   void report(SeparationStatus& out) const;
 
  private:
+  /// Distances of a thing at rest in the last frames.
+  struct ThingDistances {
+    int id = 0;
+    std::array<double, 5> last_m{};
+    std::size_t frames = 0;
+    hal::Timestamp seen_at{0};
+  };
+  /// The median of them with a new one: single pixels fly at a thing's edges, and it does not move.
+  double settled_distance(int id, double distance_m);
   void look(const hal::DepthFrame& frame);
   void place_arm(const RobotPosture& posture);
   void sort_points(const BodySighting& seen);
@@ -70,6 +80,7 @@ class SeparationSupervisor {
   double scale_ = 1.0, waited_s_ = 0.0, compute_ms_ = 0.0;
   bool asked_aside_ = false, waits_ = false, asked_to_confirm_ = false, blind_ = false;
   std::string reason_;
+  std::vector<ThingDistances> things_;
 };
 
 }  // namespace colift::control
