@@ -53,6 +53,11 @@ def like_a_command(span):
     return re.match(r"[a-z][a-z-]+ (.* )?--\w", span) is not None
 
 
+def end_of(text):
+    """For people; a document of JSON is one long line."""
+    return "\n".join(line[:300] for line in text.splitlines()[-25:])
+
+
 def lines_of(text):
     """(heading of the first level, of the second, line)"""
     first = second = ""
@@ -260,7 +265,7 @@ class Walk:
             if code not in codes:
                 raise Failure(f"ended with {code}, expected {' or '.join(map(str, codes))}")
         except Failure as e:
-            raise type(e)(f"{command}: {e}; it printed:\n" + "\n".join(program.text().splitlines()[-25:])) from None
+            raise type(e)(f"{command}: {e}; it printed:\n{end_of(program.text())}") from None
         finally:
             program.kill()
         return " ".join(["colift", *words[1:]]), program.text(), code
@@ -284,7 +289,7 @@ class Walk:
         missing = [p for p in run.says if not re.search(p, text, re.M)]
         missing += [f"a file {name}" for name in run.files if not (self.folder / name).is_file() or not (self.folder / name).stat().st_size]
         if missing:
-            raise Failure(f"{shown}: without {'; '.join(missing)}:\n{text[-4000:]}")
+            raise Failure(f"{shown}: without {'; '.join(missing)}:\n{end_of(text)}")
         for pattern in run.sees:
             far.wait_for(pattern, before)
         return shown, text, code
@@ -377,7 +382,8 @@ def main():
             wrong, no_time = wrong + bad, no_time and (stood or not bad)
         pulse.stop()
         if args.out and not wrong:
-            args.out.write_text(bring_up_page.page_of([r for w in walks.values() for r in w.records], CABLING, {str(folder): "~", str(pathlib.Path(program).parent): "BIN"}), encoding="utf-8")
+            records, names = [r for w in walks.values() for r in w.records], {str(folder): "~", str(pathlib.Path(program).parent): "BIN"}
+            args.out.write_text(bring_up_page.page_of(records, CABLING, names), encoding="utf-8")
     walked = sum(bool(r.shown) for w in walks.values() for r in w.records)
     print("\n".join([*wrong, f"{len(items)} places in the document, {walked} commands carried out in {time.monotonic() - began:.0f} s, {len(wrong)} wrong"]))
     return 0 if not wrong else NO_TIME if walks and no_time else 1
