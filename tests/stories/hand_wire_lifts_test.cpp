@@ -143,7 +143,7 @@ const Row kOnApproach[] = {
 
 const Row kClosingAndReleasing[] = {
     {"25 does not close, once", {"0:stuck:4", Task::Close}, End::Lifted, "tries again"},
-    {"25 does not close", {"0:stuck:4", Task::Close, true}, End::Back, "the fingers met nothing"},
+    {"25 does not close", {"0:stuck:4", Task::Close, true}, End::Back, "does not move"},
     // nothing is held yet: the others open, and with one finger less nothing is tried again
     {"27 one puck silent", {"0.1:silent@F2:60", Task::Close}, End::Back, "F2 (node 12) is silent"},
     {"27 one puck silent", {"0.4:silent@F3:60", Task::Close}, End::Back, "F3 (node 13) is silent", true},

@@ -196,8 +196,8 @@ struct BarrettHand::Impl {
     s.slips = motion.slipped();
     s.hot = watch.hot();
     // why a grip failed or gives way, before what may be so all the time
-    const bool grip_failed = !s.moving && !motion.why().empty() && (s.slips || !s.held);
-    s.warning = grip_failed ? motion.why() : !watch.warning().empty() ? watch.warning() : bus_words;
+    const bool says_why = !motion.why().empty() && (s.slips || motion.grip_failed());
+    s.warning = says_why ? motion.why() : !watch.warning().empty() ? watch.warning() : bus_words;
     if (const auto missing = watch.missing())
       say(s.warning, "{} is silent: the hand does without it", name(*missing));
     return s;

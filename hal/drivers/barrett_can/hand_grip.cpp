@@ -123,6 +123,7 @@ bool HandMotion::opposed() const {
 
 // Nobody opens the hand here: what it may still touch stays as it is until release().
 void HandMotion::give_up_grip() {
+  grip_failed_ = true;
   pressing_ = false;
   for (const Puck finger : kFingerPucks) let_rest(finger);
   loaded_ = loaded_ && std::any_of(contact_.begin(), contact_.end(), [](bool c) { return c; });

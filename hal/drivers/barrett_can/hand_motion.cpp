@@ -71,6 +71,7 @@ void HandMotion::open_fingers() {
 
 void HandMotion::preshape(double spread_rad) {
   why_ = {};
+  grip_failed_ = false;
   spread_target_ = spread_counts(spread_rad);
   turn_after_ = true;
   releasing_ = false;
@@ -79,6 +80,7 @@ void HandMotion::preshape(double spread_rad) {
 
 void HandMotion::release() {
   why_ = {};
+  grip_failed_ = false;
   turn_after_ = false;
   releasing_ = true;
   slip_.start();
@@ -89,6 +91,7 @@ void HandMotion::release() {
 
 void HandMotion::close(double torque_nm) {
   why_ = {};
+  grip_failed_ = false;
   torque_nm_ = torque_nm;
   pressing_ = false;
   rests_ = {};

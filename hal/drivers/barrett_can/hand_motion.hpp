@@ -46,6 +46,8 @@ class HandMotion {
   /// From the first contact of a close() to the end of a release(): the hand must not open by itself.
   [[nodiscard]] bool loaded() const { return loaded_; }
   [[nodiscard]] bool slipped() const { return slip_.slipped() || pattern_.slipped() || spread_turned_; }
+  /// The last close() came to no grip, or lost it; until the next motion.
+  [[nodiscard]] bool grip_failed() const { return grip_failed_; }
   /// The motors press now; a puck that says another mode than trapezoid has lost it.
   [[nodiscard]] bool pressing(Puck finger, Timestamp now) const;
   /// Its motor may have ended the pressing by itself, because nobody renewed it (a bus that was lost).
@@ -118,7 +120,7 @@ class HandMotion {
   std::optional<std::int32_t> spread_kept_;  ///< Counts when the grip began.
   Timestamp spread_seen_{0};
   int spread_off_ = 0;  ///< Readings in a row that are far from it.
-  bool spread_turned_ = false;
+  bool spread_turned_ = false, grip_failed_ = false;
   ShortText why_;
 };
 
