@@ -94,7 +94,8 @@ TEST_CASE("0.2 kg that the load data do not know are found and named", "[hal][ar
     INFO(text);
     CHECK(text.find("load data are wrong") != std::string::npos);
     CHECK(text.find("tool_no in colift.src") != std::string::npos);
-    CHECK(told(felt, "unexplained-load"));
+    // a remark for springs alone: in position control nothing yields to it
+    CHECK(told(felt, "unexplained-load") == (control == "joint_impedance"));
   }
 }
 

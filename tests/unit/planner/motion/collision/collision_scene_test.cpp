@@ -140,7 +140,7 @@ TEST_CASE("what obstructed a path keeps the robot as far away as it is asked to"
   };
   CHECK(free(0.30, 0.10));
   CHECK_FALSE(free(0.30, 0.28));  // the hand's body is 45 mm from its middle to its side
-  CHECK(free(0.45, 0.28));
+  CHECK(free(0.70, 0.28));
   CHECK_FALSE(free(0.0, 0.0));
 }
 
