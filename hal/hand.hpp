@@ -44,10 +44,11 @@ struct HandState {
   std::array<TactileArray, kTactileArrays> tactile{};              ///< What the sums are made of.
   double palm_force_n = std::numeric_limits<double>::quiet_NaN();  ///< NaN without tactile sensors.
   bool moving = false;
-  bool held = false;    ///< The last close() ended on contact and the grip has not been released since.
-  bool slips = false;   ///< The held object moves in the grip: an alarm until release().
-  bool hot = false;     ///< Too hot to grip: close() is refused; what is held is to be set down.
-  /// Why a grip failed or slips; else of a hand that works all the same: warm, over torque, a bus with errors.
+  bool held = false;   ///< The last close() ended on contact and the grip has not been released since.
+  bool slips = false;  ///< The held object moves in the grip: an alarm until release().
+  bool hot = false;    ///< Too hot to grip: close() is refused; what is held is to be set down.
+  /// Why a grip failed or slips; else of a hand that works all the same: warm, over torque, a bus with
+  /// errors.
   ShortText warning{};
 };
 

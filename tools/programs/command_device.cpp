@@ -66,8 +66,9 @@ void add_hal_arm(CommandLine& line, CLI::App& arm, HalOptions& o) {
   move.add_option("--speed", o.speed_deg_s, "Degrees per second (default 5)")->type_name("DEG/S");
   control(move);
   yes(move);
-  CLI::App& load = add_verb(
-      arm, "load", "Turns A4 to A7 through ten poses and compares the load with the KRC's load data", o, line);
+  CLI::App& load =
+      add_verb(arm, "load", "Turns A4 to A7 through ten poses and compares the load with the KRC's load data",
+               o, line);
   control(load, "position where the KRL program takes a strategy, else the file's");
   yes(load);
   add_verb(arm, "limits", "Joint limits: of the arm, of the guard, in T1", o, line);

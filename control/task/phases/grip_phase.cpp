@@ -70,8 +70,7 @@ std::optional<std::string> GripPhase::too_weak(const GripQuality& quality) const
   if (!(margin < limit)) return std::nullopt;  // nor where it is not known
   return fmt::format(
       "by the force at its fingers the grip carries {:.0f} N of the {:.0f} N expected ({}; margin {:.2f}, "
-      "limit "
-      "{:.2f}): not lifted; it needs a larger task.close_torque_nm, or a cooler hand",
+      "limit {:.2f}): not lifted; it needs a larger task.close_torque_nm, or a cooler hand",
       margin * load_n, load_n,
       mass_kg ? fmt::format("{:.1f} kg", *mass_kg)
               : fmt::format("decision.usual_mass_kg, {:.1f} kg", c_.config.decision.usual_mass_kg),

@@ -54,10 +54,9 @@ TaskEvent PlanPhase::find_path() {
   enter_scene(0.0);
   std::string why;
   for (int i = 0; i < c_.config.task.attempts.max_planned_grasps; ++i) {
-    if (auto plan = to_chosen(); plan)
-      return take(std::move(*plan), start);
-    else
-      why = plan.error().detail;
+    auto plan = to_chosen();
+    if (plan) return take(std::move(*plan), start);
+    why = plan.error().detail;
     // the next best, then
     grasps_.refuse_path(why);
     if (!grasps_.choose()) {
