@@ -111,6 +111,7 @@ struct GripConfig {
   double open_tolerance_rad = 0.1;
   double min_held_fraction = 0.4;
   double min_friction_margin = 1.0;
+  double min_usual_margin = 0.7;
   double ease_s = 0.08;
   double friction = 0.5;
   double contact_n = 0.3;
@@ -137,6 +138,9 @@ struct GripConfig {
     v("min_friction_margin", min_friction_margin, hal::Range{0, 10},
       "The object is not lifted when its expected load may grow by less than this factor until the pads, as "
       "they measure, let it slip; 0: lifted all the same.");
+    v("min_usual_margin", min_usual_margin, hal::Range{0, 10},
+      "The same where the mass is not known and decision.usual_mass_kg stands for it: a guess refuses only "
+      "what is far too weak, and slip is watched for in the lift.");
     v("ease_s", ease_s, hal::Range{0, 10},
       "While the grip is verified, the palm's set point goes to where the palm stands once in this time: "
       "closing fingers have shifted the object against springs and partner; 0: never (s).");

@@ -111,6 +111,11 @@ void SimWorld::task_state(const std::string& name) {
   }
 }
 
+void SimWorld::end_faults() {
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->scenario.faults.clear();
+}
+
 SimTruth SimWorld::truth() const {
   const std::scoped_lock lock(impl_->mutex);
   return impl_->truth();

@@ -120,6 +120,8 @@ class SimWorld {
   /// The client's task has entered a state: events of the scenario may count from its first entry
   /// (relative_time()). The only thing that the world is told of its client.
   void task_state(const std::string& name);
+  /// A person mends whatever is wrong with the devices: faults of the scenario are over, none will come.
+  void end_faults();
 
   /// Everything that a camera can see, where it is now: object, floor, clutter, robot, partner.
   [[nodiscard]] World shapes() const;

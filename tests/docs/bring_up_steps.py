@@ -94,8 +94,8 @@ def weighed(finger, first, more=()):
     """The person at the hand: hangs a weight when told, and presses Enter while it hangs."""
     steps = [reads(f"nothing touches {finger}"), ENTER]
     for i, nm in enumerate(("0.2", "0.4", "0.6")):
-        steps += [reads(f"bend {finger} open with {nm}0 N m"), not_yet(rf"fault {first + 3 * i}:"),
-                  sees(rf"fault {first + 3 * i}:weight={nm}@{finger}"), ENTER]
+        steps += [reads(f"bend {finger} open with {nm}0 N m"), not_yet(rf"fault begins: {first + 3 * i}:"),
+                  sees(rf"fault begins: {first + 3 * i}:weight={nm}@{finger}"), ENTER]
     return (*steps, *more)
 
 
@@ -121,7 +121,9 @@ STEPS = {
         "hold": [Run("colift hal arm hold --for 60", "stop", code=(3,), here="an emergency stop 8 s after the controller's start",
                      person=(not_yet("fault begins"), reads(r"commands, measured"), not_yet("fault begins"), sees("brakes closed")),
                      says=(r"the drives are off \(power 0x00",)),
-                 Run("colift hal arm state", "stop", says=(r"monitor mode", r"power 0x00 \(all off\)"), here="nothing starts again by itself")],
+                 Run("colift hal arm state", "stop", says=(
+                     r"monitor mode", r"power 0x00 \(all off\)", r"would be refused now", r"the KRL program is stopped", r"emergency stop"),
+                     here="nothing starts again by itself")],
         "colift hal arm switch joint_impedance position cartesian_impedance --for 2": [
             Run("colift hal arm switch joint_impedance position cartesian_impedance --for 1", here="1 s in each", says=(
                 r"^joint_impedance: command mode after", r"^position: command mode after",
@@ -135,8 +137,8 @@ STEPS = {
             Run("colift hal hand state", says=(r"zero +known +known +known +known", r"supply +V +48"), here="the hand is awake now")],
         "colift hal hand watch": [
             Run(at="pushed", here="a push of 0.3 N m at F2, then Ctrl-C",
-                person=(reads(r"strain 0\.00 0\.00 0\.00"), not_yet("fault"), sees(r"fault 8:weight"), reads(r"strain -?0\.00 0\.(29|30|31)"), CTRL_C)),
-            Run("colift hal hand watch --for 3", "warm", after="fault 8:hot", says=(r"warning +the hand has \d\d C: its pucks give \d\d %",),
+                person=(reads(r"strain 0\.00 0\.00 0\.00"), not_yet("fault"), sees(r"fault begins: 8:weight"), reads(r"strain -?0\.00 0\.(29|30|31)"), CTRL_C)),
+            Run("colift hal hand watch --for 3", "warm", after="fault begins: 8:hot", says=(r"warning +the hand has \d\d C: its pucks give \d\d %",),
                 here="a hand of 50 deg C")],
         "colift hal hand tactile": [
             Run("colift hal hand finger F1 70", "ball", code=(1,), says=(r"F1 .*it was stopped by what it met",), here="F1 alone presses on the ball"),
@@ -160,7 +162,7 @@ STEPS = {
                 r"holds something", r"it holds something; strain 0\.", r"motors at rest, as read back: F1, F2, F3", r"the worm gears hold")),
             Run("colift hal hand open", "ball", code=(2,), says=(r"the hand may hold something.*--yes",), here="not without --yes while it holds something"),
             Run("colift hal hand grip --torque 0.5 --for 60", "pulled", code=(1,), here="somebody pulls at the ball, and it comes free",
-                person=(reads("holds something"), not_yet("fault"), sees("fault 8:weight")), says=(r"the grip slipped after",)),
+                person=(reads("holds something"), not_yet("fault"), sees("fault begins: 8:weight")), says=(r"the grip slipped after",)),
             Run("colift hal hand grip --torque 0.5 --for 2", "warm", code=(1,), says=(r"it holds nothing", r"its puck gives \d\d % of its torque"),
                 here="a hand of 50 deg C gives too little")],
         "colift hal hand open --yes #2": [Run("colift hal hand open --yes", "ball", says=OPENED)],
@@ -169,7 +171,7 @@ STEPS = {
                 says=(r"0\.60 N m applied", r"true torque = (0\.9[89]|1\.0[012])\d* of the curve's"))],
         "--press --yes": [
             Run("colift hal hand calibrate F2 --torques 0.2,0.4,0.6 --out hand.yaml --press --yes", "gauges", here="F2, the ball is what it presses on",
-                person=weighed("F2", 22, (reads("something rigid"), not_yet("fault 31:"), sees("fault 31:weight=0@F2"), ENTER)),
+                person=weighed("F2", 22, (reads("something rigid"), not_yet("fault begins: 31:"), sees("fault begins: 31:weight=0@F2"), ENTER)),
                 says=(r"true torque = 1\.(2[89]|3[012])\d* of the curve's", r"\d{4} units of the motor for 1 N m")),
             Run("colift hal hand open --yes", "gauges", says=OPENED),
             Run("colift hal hand watch --for 1", "gauges", robot={"calibration_file": "hand.yaml"}, says=(r"start +F3 \(puck 113\) is not in hand\.yaml",),

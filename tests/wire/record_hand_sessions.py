@@ -162,7 +162,7 @@ def reset_puck_while_holding(colift, log):
 
 def emulated_grip_over_a_slow_link(colift, log):
     with Emulated(colift, "8:late=30:60") as hand:
-        hand.wait_for("fault 8:late")
+        hand.wait_for("fault begins: 8:late")
         named(run(colift, hand, 0, "grip", "--for", "0.5", *log), "slow link", '"held":true')
 
 

@@ -78,7 +78,8 @@ hal::Result<ArmTask> move_task(const HalOptions& o, const Bench& bench) {
   const double careful = hal::rad_to_deg(kT1Velocity_rad_s);
   const double most =
       hal::rad_to_deg(0.5 * bench.guard.velocity_fraction * bench.model->velocity_rad_s()[task.joint]);
-  if (o.speed_deg_s > careful && !o.yes)
+  // what the limits' table prints (one decimal) is granted
+  if (o.speed_deg_s > std::ceil(10.0 * careful) / 10.0 && !o.yes)
     return bad("--speed",
                fmt::format("{:.1f} deg/s is more than T1 grants ({:.1f}); in another mode say --yes",
                            o.speed_deg_s, careful));

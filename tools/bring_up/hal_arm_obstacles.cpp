@@ -204,7 +204,10 @@ class Finder {
     } else if (!v_.program.heart_beats() && v_.program.watched_s() > kBeatWatch_s) {
       refuse("program",
              fmt::format("the KRL program is stopped: no heartbeat for {:.1f} s", v_.program.watched_s()),
-             "it was halted at the panel or waits for an acknowledgement: acknowledge and press start");
+             v_.m.power == 0
+                 ? "with the drives off (power 0x00) this is what an emergency stop leaves: release it, "
+                   "acknowledge at the panel, and start the program anew"
+                 : "it was halted at the panel or waits for an acknowledgement: acknowledge and press start");
     } else if (to_pc[krl::kFromState] == krl::kCloses) {
       refuse("program", "the KRL program is closing FRI", "start it anew at the panel");
     }

@@ -59,7 +59,8 @@ hal::Result<> check_together(const RobotFile& file, bool emulated, const std::st
 
 hal::Error no_pose(const std::filesystem::path& robot) {
   return {hal::ErrorCode::BadConfig, robot.string(),
-          fmt::format("no camera pose is configured; run colift calibrate --robot {} --out camera.yaml, "
+          fmt::format("no camera pose is configured; run colift calibrate --robot {} --camera-at X,Y,Z --out "
+                      "camera.yaml (X,Y,Z: about where the camera is in the arm's base, m), "
                       "and name its result: calibration: camera.yaml",
                       robot.string())};
 }

@@ -61,8 +61,9 @@ void GripPhase::ease() {
 }
 
 std::optional<std::string> GripPhase::too_weak(const GripQuality& quality) const {
-  const double limit = c_.config.task.grip.min_friction_margin;
+  const GripConfig& grip = c_.config.task.grip;
   const auto mass_kg = c_.mass_kg();
+  const double limit = mass_kg ? grip.min_friction_margin : grip.min_usual_margin;
   const double weight_n = hal::kGravity_m_s2 * mass_kg.value_or(c_.config.decision.usual_mass_kg);
   const double load_n = std::clamp(c_.record.decision->decision.share, 0.0, 1.0) * weight_n;
   const hal::Wrench load{-load_n * hal::Vec3::UnitZ(), hal::Vec3::Zero()};
@@ -93,22 +94,23 @@ std::optional<TaskEvent> GripPhase::verify() {
   if (!hand.held) return TaskEvent{Event::GripBad, "the grip was lost: " + facts};
   // a finger of somebody, a cable: thicker than what was seen. Fingers that wrap a bar do not show its width
   const GripConfig& grip = c_.config.task.grip;
+  const bool wraps = c_.chosen().kind == planner::GraspKind::Wrap;
   const double excess_m = felt_width(c_.rig.hand, hand) - c_.chosen().width;
-  if (c_.chosen().kind != planner::GraspKind::Wrap && excess_m > grip.max_excess_width_m)
+  if (!wraps && excess_m > grip.max_excess_width_m)
     return TaskEvent{
         Event::GripBad,
         fmt::format("something is between the fingers and the object: {:.0f} mm wider than it was "
                     "seen (limit {:.0f} mm)",
                     1e3 * excess_m, 1e3 * grip.max_excess_width_m)};
-  if (widest > c_.config.task.grip.finger_tolerance_rad)
+  if (widest > grip.finger_tolerance_rad)
     return TaskEvent{Event::GripBad, "that does not match the observed object: " + facts};
   // fingers that wrap a bar press with their inner links, which have no gauge
-  if (c_.chosen().kind != planner::GraspKind::Wrap && quality.held_fraction < grip.min_held_fraction)
+  if (wraps) return TaskEvent{Event::GripGood, facts};
+  if (quality.held_fraction < grip.min_held_fraction)
     return TaskEvent{Event::GripBad,
                      fmt::format("held at {:.2f} of what was asked (limit {:.2f}): not lifted; {}",
                                  quality.held_fraction, grip.min_held_fraction, facts)};
-  if (c_.chosen().kind != planner::GraspKind::Wrap)
-    if (auto weak = too_weak(quality)) return TaskEvent{Event::GripBad, *weak + "; " + facts};
+  if (auto weak = too_weak(quality)) return TaskEvent{Event::GripBad, *weak + "; " + facts};
   return TaskEvent{Event::GripGood, facts};
 }
 

@@ -172,7 +172,7 @@ FriDriver::Took FriDriver::take() {
   session.measured(m, packet.cycles, period_s_, packet.restarted);
   hand_shake->step(session.ask(), m, std::min(packet.cycles, kGapCycles) * period_s_, config.script_s, krl_);
   session.script(hand_shake->sign(), hand_shake->code(), hand_shake->detour());
-  note_misses();
+  note_misses(packet.first || packet.restarted);
   move_set_points(packet, may_before);
   publish();
   return Took::Packet;
@@ -194,7 +194,9 @@ void FriDriver::note_stall(Timestamp asked, Timestamp until) {
   }
 }
 
-void FriDriver::note_misses() {
+// Those from before this program listened are nothing that it can mend.
+void FriDriver::note_misses(bool first) {
+  if (first) misses_before_ = misses_ = m.misses;
   if (!session.may_command() || seconds(arrived_at_ - misses_at_) < 1.0) return;
   misses_before_ = misses_at_ == Timestamp{0} ? m.misses : misses_;
   misses_ = m.misses;

@@ -75,7 +75,7 @@ class FriDriver {
   void note_stall(Timestamp asked, Timestamp until);
   /// Why it is not certain that the sender is the KRC; None when it is.
   [[nodiscard]] FriReason sender_doubt() const;
-  void note_misses();
+  void note_misses(bool first);
   void move_set_points(const FriExchange::Packet& packet, bool may_before);
   void brake();
   void start_gains();

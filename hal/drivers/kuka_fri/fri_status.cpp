@@ -184,8 +184,9 @@ std::string reason_words(const FriStatus& s, const FriConfig& c) {
           "another one?",
           c.script_s, c.script);
     case FriReason::ScriptHalted:
-      return "the KRL program is stopped: it was halted at the panel, or waits for an acknowledgement "
-             "there";
+      return fmt::format(
+          "the KRL program is stopped: it was halted at the panel, or waits for an acknowledgement there{}",
+          s.power == 0 ? "; the drives are off (power 0x00): an emergency stop halts it too" : "");
     case FriReason::ScriptRefused:
       return fmt::format("the KRL program refuses: {}", c.script == "colift"
                                                             ? refusal_of_colift(s.script_code)

@@ -41,12 +41,14 @@ void blots(double percent, std::uint64_t seed, const Do& what) {
   }
 }
 
-/// The device's axes: x right, y up, z backwards.
-CameraTilt tilt_of(const Vec3& up_C) {
+/// Of the accelerometer in the device's axes (x right, y up, z backwards), and of the motor. The picture
+/// stays: the simulated camera does not turn.
+CameraTilt tilt_of(const Vec3& up_C, double motor_deg) {
   CameraTilt tilt;
   tilt.x = static_cast<std::int16_t>(std::lround(819.0 * up_C.x()));
   tilt.y = static_cast<std::int16_t>(std::lround(-819.0 * up_C.y()));
   tilt.z = static_cast<std::int16_t>(std::lround(-819.0 * up_C.z()));
+  tilt.half_degrees = static_cast<decltype(tilt.half_degrees)>(std::lround(2.0 * motor_deg));
   return tilt;
 }
 
@@ -136,7 +138,7 @@ void CameraServer::accept_client() {
   heard_.clear();
   CameraHello hello;
   std::strncpy(hello.serial, config_.serial.c_str(), sizeof hello.serial - 1);
-  hello.tilt = tilt_of(eye_->up_C());
+  hello.tilt = tilt_of(eye_->up_C(), report_.tilt_deg);
   put(CameraMessage::Hello, 0, &hello, sizeof hello, hal::Timestamp(0));
   {
     const std::lock_guard lock(mutex_);
@@ -303,7 +305,7 @@ void CameraServer::send_exposure(const CameraExposure& e, hal::Timestamp now) {
   hal::Timestamp due = now;
   if (const auto* late = now_active(Kind::Late))
     due += std::chrono::duration_cast<hal::Duration>(std::chrono::duration<double>(late->value / 1e3));
-  const CameraTilt tilt = tilt_of(e.up_C);
+  const CameraTilt tilt = tilt_of(e.up_C, report_.tilt_deg);
   put(CameraMessage::Tilt, 0, &tilt, sizeof tilt, due);
   const int copies = now_active(Kind::Double) != nullptr ? 2 : 1;
   const std::size_t pixels = now_active(Kind::Short) != nullptr ? e.codes.size() / 2 : e.codes.size();

@@ -12,7 +12,8 @@ using Kind = HandFault::Kind;
 using namespace prop;
 
 constexpr hal::Duration kTick = std::chrono::milliseconds(1);
-constexpr int kMostFrames = 1000;  // in one go: a babbling client must not hold the caller up
+constexpr double kOwnPause_s = 0.5;  // that a client leaves after a puck should be awake
+constexpr int kMostFrames = 1000;    // in one go: a babbling client must not hold the caller up
 constexpr std::array<const char*, kHandPucks> kNames{"F1", "F2", "F3", "spread"};
 
 }  // namespace
@@ -172,7 +173,7 @@ void HandEmulator::flush(hal::Timestamp now) {
 void HandEmulator::deliver(const hal::CanFrame& frame, hal::Timestamp at) {
   if (!connected() || pucks_.empty()) return;
   if (!acknowledged()) {
-    bool excused = false;
+    bool excused = t_s_ - stood_still_s_ < config_.puck.boot_s + kOwnPause_s;
     for (std::size_t p = 0; p < kHandPucks; ++p)
       excused = excused || active(Kind::Off, p) != nullptr || active(Kind::Silent, p) != nullptr;
     broke(HandRule::Unacknowledged, fmt::format("frame {:03x} while no puck is awake", frame.id), excused);

@@ -52,6 +52,11 @@ class HandEmulator {
 
   /// A fault more than configured; its time is from start().
   void inject(const HandFault& fault);
+  /// A person mends whatever is wrong: faults are over. What they have done to pucks stays done.
+  void mend();
+  /// This machine did not run the emulator for a while: for as long as a puck takes to wake, its client
+  /// cannot know when it will be awake.
+  void stood_still() { stood_still_s_ = t_s_; }
   [[nodiscard]] double elapsed_s() const { return t_s_; }
   [[nodiscard]] const HandPuck& puck(std::size_t index) const { return pucks_[index]; }
   /// A weight that bends a finger's outer link open (N m), until another.
@@ -101,7 +106,7 @@ class HandEmulator {
   std::array<double, kHandFingers> hung_nm_{};
   double turned_ = 0.0;  ///< Counts that the spread was turned from outside.
   hal::Timestamp start_{0}, next_tick_{0}, wire_free_{0};
-  double t_s_ = 0.0;
+  double t_s_ = 0.0, stood_still_s_ = -1e9;
   int foreign_ms_ = 0, noise_ms_ = 0;
   std::uint64_t dice_;
   HandEmulatorReport report_;

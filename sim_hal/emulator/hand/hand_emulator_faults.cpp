@@ -12,6 +12,7 @@ namespace {
 using Kind = HandFault::Kind;
 using namespace prop;
 
+constexpr double kNever_s = 1e9;
 constexpr double kSupply_v = 48.0;
 constexpr double kBrake = 60.0;   // units: of the spread's gear
 constexpr double kTurned = 20.0;  // counts/ms: 100 degrees/s
@@ -24,6 +25,13 @@ void HandEmulator::inject(const HandFault& fault) {
   config_.faults.push_back(fault);
   began_.push_back(false);
   ended_.push_back(false);
+}
+
+void HandEmulator::mend() {
+  for (HandFault& fault : config_.faults) {
+    fault.for_s = std::clamp(t_s_ - fault.at_s, 0.0, fault.for_s);
+    if (fault.at_s >= t_s_) fault.at_s = kNever_s;
+  }
 }
 
 void HandEmulator::act(const HandFault& f, bool begins) {
@@ -61,11 +69,12 @@ void HandEmulator::run_faults() {
     const HandFault f = config_.faults[i];
     if (f.active(t_s_) && !began_[i]) {
       began_[i] = true;
-      event(fmt::format("fault {}", f.text));
+      event(fmt::format("fault begins: {}", f.text));
       act(f, true);
     }
     if (began_[i] && !ended_[i] && !f.active(t_s_)) {
       ended_[i] = true;
+      event(fmt::format("fault ends: {}", f.text));
       act(f, false);
     }
     if (f.kind == Kind::Hot && f.active(t_s_))

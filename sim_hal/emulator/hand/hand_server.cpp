@@ -72,6 +72,7 @@ void HandServer::run() {
       ++timing_.late;
       timing_.worst_late_ms = std::max(timing_.worst_late_ms, 1e3 * hal::seconds(late));
       zero += late;
+      hand_->stood_still();
     }
     hand_->step(wall - zero);
     {

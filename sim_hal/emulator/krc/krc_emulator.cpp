@@ -46,7 +46,8 @@ KrcEmulator::KrcEmulator(KrcConfig config, const hal::ArmDynamics& dynamics, Krc
       out_(config_.faults, KrcFault::Direction::ToClient, config_.seed,
            [this](auto bytes, const hal::Endpoint& to, hal::Timestamp) { (void)link_.send(to, bytes); }),
       cycle_(config_.cycle),
-      fault_began_(config_.faults.size(), false) {}
+      fault_began_(config_.faults.size(), false),
+      fault_ended_(config_.faults.size(), false) {}
 
 KrcEmulator::~KrcEmulator() = default;
 
@@ -203,7 +204,7 @@ void KrcEmulator::cycle() {
   next_cycle_ = now + cycle_;
 
   motion_.set_measured(plant_.state());
-  begin_faults();
+  note_faults();
   if (state_ != FriState::Off) {
     count_answer();
     watch_quality();
@@ -275,7 +276,7 @@ void KrcEmulator::follow_client() {
 
 void KrcEmulator::run_program() {
   const bool restarting = restart_at_s_ && state_ == FriState::Off;
-  if (unplugged_ || restarting || t_s_ + 1e-9 < next_poll_s_) return;
+  if (unplugged_ || halted_ || restarting || t_s_ + 1e-9 < next_poll_s_) return;
   next_poll_s_ += script_->period_s();
   script_->poll(*this);
 }

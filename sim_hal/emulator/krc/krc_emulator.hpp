@@ -75,6 +75,8 @@ class KrcEmulator final : private KrlHost {
   [[nodiscard]] bool ended() const;
   /// A fault more than configured.
   void inject(const KrcFault& fault);
+  /// A person mends whatever is wrong: faults are over, and the program is acknowledged and started anew.
+  void mend();
   /// Up to this moment.
   [[nodiscard]] KrcReport report() const;
   /// KrcReport's, without making one.
@@ -103,7 +105,7 @@ class KrcEmulator final : private KrlHost {
   void count_answer();
   void watch_quality();
   void watch_client();
-  void begin_faults();
+  void note_faults();
   void act_on_faults();
   void watch_idle();
   void follow_client();
@@ -141,6 +143,7 @@ class KrcEmulator final : private KrlHost {
   // the session
   FriState state_ = FriState::Off;
   bool power_ = false, tripped_ = false, braking_ = false, off_after_braking_ = false, unplugged_ = false;
+  bool halted_ = false;   ///< The KRL program, until a person starts it anew.
   bool idle_ = false;     ///< Brakes closed because nothing moved.
   double moved_s_ = 0.0;  ///< When something did.
   std::optional<double> brakes_open_at_s_;
@@ -161,7 +164,7 @@ class KrcEmulator final : private KrlHost {
   std::optional<KrcCommand> last_command_;
   bool fresh_ = false;
   double heard_s_ = 0.0;
-  std::vector<bool> fault_began_;
+  std::vector<bool> fault_began_, fault_ended_;
   std::optional<KrcMeasurement> frozen_;
 };
 

@@ -22,7 +22,7 @@ struct KrcFault : TimedFault {
     // of the controller
     Quality,        ///< No better than `value` (0 unacceptable ... 3 perfect), whatever the answers are.
     Monitor,        ///< Out of command mode, drives stay on.
-    EmergencyStop,  ///< Out of command mode, brakes, drives off until the fault ends.
+    EmergencyStop,  ///< Out of command mode, brakes, drives off; the program halts until it is started anew.
     DriveError,     ///< Of `joint`: as an emergency stop, with its error bit.
     DriveWarning,   ///< Of `joint`: its warning bit.
     DrivesOff,      ///< Power 0 without leaving command mode.

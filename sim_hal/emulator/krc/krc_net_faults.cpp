@@ -121,4 +121,9 @@ void KrcBadWire::clear() {
   for (Active& a : faults_) a.held.clear();
 }
 
+void KrcBadWire::mend() {
+  clear();
+  faults_.clear();
+}
+
 }  // namespace colift::sim_hal

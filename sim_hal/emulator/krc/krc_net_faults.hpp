@@ -27,6 +27,8 @@ class KrcBadWire {
   [[nodiscard]] std::optional<hal::Timestamp> next_due() const;
   void clear();
   void add(const KrcFault& fault);
+  /// No fault any more; what is held back is gone.
+  void mend();
 
  private:
   struct Letter {

@@ -15,6 +15,7 @@ constexpr double kAftermath_s = 0.25;  // so long an injected fault is blamed fo
 constexpr double kStartCycles = 250;   // a slow link needs its time to show that it is good
 constexpr double kRestartTakes_s = 0.3;  // off the wire while a program is restarted
 constexpr double kBrakesOpen_s = 0.2;    // from friStart until the drives have the arm
+constexpr double kNever_s = 1e9;
 
 }  // namespace
 
@@ -164,12 +165,18 @@ void KrcEmulator::trip() {
   if (config_.restart_s) restart_at_s_ = t_s_ + *config_.restart_s;
 }
 
-void KrcEmulator::begin_faults() {
+void KrcEmulator::note_faults() {
   for (std::size_t i = 0; i < config_.faults.size(); ++i) {
-    if (fault_began_[i] || t_s_ < config_.faults[i].at_s) continue;
-    fault_began_[i] = true;
-    report_.injected.push_back({t_s_, config_.faults[i].text});
-    event(fmt::format("fault begins: {}", config_.faults[i].text));
+    const KrcFault& fault = config_.faults[i];
+    if (!fault_began_[i] && t_s_ >= fault.at_s) {
+      fault_began_[i] = true;
+      report_.injected.push_back({t_s_, fault.text});
+      event(fmt::format("fault begins: {}", fault.text));
+    }
+    if (fault_began_[i] && !fault_ended_[i] && !fault.counted && t_s_ >= fault.at_s + fault.for_s) {
+      fault_ended_[i] = true;
+      event(fmt::format("fault ends: {}", fault.text));
+    }
   }
 }
 
@@ -192,7 +199,7 @@ void KrcEmulator::act_on_faults() {
   }
   if (unplugged_) {
     unplugged_ = false;
-    tripped_ = false;
+    tripped_ = halted_ = false;
     event("the controller is on again, the program starts from the top");
     from_pc_ = {};
     script_->begin(*this);
@@ -200,6 +207,8 @@ void KrcEmulator::act_on_faults() {
   }
   const KrcFault* stop = active(Kind::EmergencyStop);
   const KrcFault* error = active(Kind::DriveError);
+  // The KRC halts its program too, until a person acknowledges and starts it anew.
+  halted_ = halted_ || stop != nullptr || error != nullptr;
   if ((stop || error) && (power_ || idle_)) {
     const std::string reason =
         stop ? "emergency stop" : fmt::format("error of drive {}", joint_name(error->joint));
@@ -214,7 +223,8 @@ void KrcEmulator::act_on_faults() {
 }
 
 void KrcEmulator::restart_when_due() {
-  if (config_.restart_s && !restart_at_s_ && script_->ended()) restart_at_s_ = t_s_ + *config_.restart_s;
+  if (config_.restart_s && !restart_at_s_ && (script_->ended() || halted_))
+    restart_at_s_ = t_s_ + *config_.restart_s;
   if (!restart_at_s_ || t_s_ < *restart_at_s_) return;
   if (active(Kind::EmergencyStop) || active(Kind::DriveError) || unplugged_) return;
   if (state_ != FriState::Off) {
@@ -223,7 +233,7 @@ void KrcEmulator::restart_when_due() {
     return;
   }
   restart_at_s_.reset();
-  tripped_ = false;
+  tripped_ = halted_ = false;
   from_pc_ = {};
   script_->begin(*this);
   next_poll_s_ = t_s_ + script_->period_s();
@@ -251,9 +261,20 @@ const KrcFault* KrcEmulator::active(KrcFault::Kind kind) const {
   return nullptr;
 }
 
+void KrcEmulator::mend() {
+  for (KrcFault& fault : config_.faults) {
+    fault.for_s = std::clamp(t_s_ - fault.at_s, 0.0, fault.for_s);
+    if (fault.at_s >= t_s_) fault.at_s = kNever_s;
+  }
+  in_.mend();
+  out_.mend();
+  restart_at_s_ = t_s_;
+}
+
 void KrcEmulator::inject(const KrcFault& fault) {
   config_.faults.push_back(fault);
   fault_began_.push_back(false);
+  fault_ended_.push_back(false);
   in_.add(fault);
   out_.add(fault);
 }

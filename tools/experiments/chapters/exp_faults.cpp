@@ -20,6 +20,14 @@ const char* word_of(control::RunRecord::Result result) {
   return result == Result::Lifted ? "lifted" : result == Result::Aborted ? "aborted" : "refused";
 }
 
+/// Of a job that stopped, how `colift recover` ended.
+std::string recovery_of(const FaultyLift& lift) {
+  if (!lift.recovery) return "";
+  const FaultyRecovery& r = *lift.recovery;
+  if (r.home) return "home";
+  return r.somebody_there ? "somebody stood there" : fmt::format("{}: {}", r.end, r.reason);
+}
+
 TrialRows run(const Trial& trial) {
   const DrawnTrial drawn = draw_faults(trial);
   const std::string name = drawn.scene.scenario.name;
@@ -28,7 +36,7 @@ TrialRows run(const Trial& trial) {
   TrialRows rows;
   std::vector<std::string> faults;
   if (!lift) {  // a scene that cannot begin says nothing of the controller
-    rows.row = {name, word(drawn.scene.wire), "", "no scene", "", "", lift.error().text(), cell(true)};
+    rows.row = {name, word(drawn.scene.wire), "", "no scene", "", "", lift.error().text(), "", cell(true)};
     rows.words = name + ": " + lift.error().text();
     return rows;
   }
@@ -50,6 +58,7 @@ TrialRows run(const Trial& trial) {
               end,
               fmt::format("{}", fmt::join(against, "; ")),
               lift->record.reason,
+              recovery_of(*lift),
               cell(survived)};
   // what only an emulated wire or the operator does is in no scenario
   if (!survived && drawn.scene.wire == Wire::None && !drawn.scene.interrupted_s)
@@ -70,12 +79,26 @@ Estimate survived(const TrialTable& table, const std::string& group) {
   return rate(good, n);
 }
 
+Estimate recovered(const TrialTable& table) {
+  int home = 0, n = 0;
+  for (const Row& row : table.rows()) {
+    const std::string how = table.text(row, "recovery");
+    if (how.empty() || how == "somebody stood there") continue;
+    ++n;
+    home += how == "home";
+  }
+  return rate(home, n);
+}
+
 std::vector<Figure> figures(const Results& r) {
   int met = 0;
   for (const Row& row : r.details.rows()) met += !std::isnan(r.details.number(row, "began_s"));
   std::vector<Figure> out{
       {"survived", "runs that ended well", survived(r.trials, ""), "%", 1.0, true},
       {"met", "of the faults drawn, met", rate(met, static_cast<int>(r.details.rows().size())), "%"}};
+  if (const Estimate home = recovered(r.trials); home.n > 0)
+    out.push_back(
+        {"recovered", "of those that stopped, brought home by colift recover", home, "%", 1.0, true});
   for (const std::string& group : fault_groups())
     out.push_back({"survived_" + group, "runs with a fault of " + group, survived(r.details, group), "%"});
   return out;
@@ -104,9 +127,11 @@ Experiment faults_experiment() {
       "the operator do what they should not: one to three faults, each at a random instant of a random "
       "state. "
       "A run ended well when the judge is silent, it came to an end by itself within 240 s, lifted was true "
-      "where it was said, and nothing moved on where a fault asked for rest.";
+      "where it was said, nothing moved on where a fault asked for rest, and from a stop colift recover "
+      "brings "
+      "the arm home with an open hand, once the causes are mended.";
   e.default_trials = 100;
-  e.columns = {"layout", "rig", "faults", "outcome", "end", "against", "because", "survived"};
+  e.columns = {"layout", "rig", "faults", "outcome", "end", "against", "because", "recovery", "survived"};
   e.detail_columns = {"group", "fault", "state", "began_s", "survived"};
   e.run = run;
   e.task = faulty_task();

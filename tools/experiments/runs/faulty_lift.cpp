@@ -7,6 +7,7 @@
 #include <exception>
 #include <stdexcept>
 
+#include "control/recovery/recovery.hpp"
 #include "control/task/run_job.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_hand.hpp"
@@ -22,6 +23,8 @@ namespace {
 using sim_hal::DeviceFaultEvent;
 
 constexpr double kSample_s = 0.01, kGrace_s = 30.0;
+constexpr double kFree_m = 0.3;  // who confirms moves nothing while anybody is nearer than that
+constexpr hal::Duration kMends = std::chrono::seconds(3);
 
 /// The three rigs: a simulated world, one device of which may be at the end of a wire.
 class FaultyRig {
@@ -71,6 +74,20 @@ class FaultyRig {
       if (event.in_state == state) inject(event);
     std::erase_if(to_come_, [&](const DeviceFaultEvent& event) { return event.in_state == state; });
   }
+  /// The robot is gone; a person removes what was wrong, which takes a while.
+  void mend() {
+    to_come_.clear();
+    world_.end_faults();
+    if (arm_) {
+      arm_->krc.mend();
+      arm_->let_pass(kMends);
+    } else if (hand_) {
+      hand_->pucks.mend();
+      hand_->let_pass(kMends);
+    } else {
+      world_.advance(kMends);
+    }
+  }
   [[nodiscard]] std::vector<std::string> broken_rules() const {
     std::vector<std::string> all;
     if (arm_)
@@ -119,6 +136,33 @@ void observe(FaultyLift& lift, sim_hal::Judge& judge, const sim_hal::TickReport&
   lift.motion.push_back({report.t_s, report.truth.q_rad, touched});
 }
 
+/// A new process at the same rig, after a job that has stopped.
+FaultyRecovery recover(sim_hal::SimWorld& world, FaultyRig& rig, const control::RigView& view,
+                       const control::Config& config, const control::JobOptions& job) {
+  rig.mend();
+  hal::Robot robot = rig.robot(config);
+  const hal::SteadyClock wall;
+  control::Recovery recovery(robot, view, config,
+                             {job.method, job.seed, control::Drive::InStep, sim_hal::SimConfig::home_rad()},
+                             wall);
+  FaultyRecovery out;
+  const double begin_s = hal::seconds(world.elapsed());
+  control::RecoveryHooks hooks;
+  hooks.confirm = [](control::RecoveryStep, const std::string&) { return control::Confirmation::Yes; };
+  hooks.may_move = [&] {
+    out.somebody_there = world.people_distance_m() < kFree_m;
+    return !out.somebody_there;
+  };
+  hooks.interrupted = [&] { return hal::seconds(world.elapsed()) - begin_s > kMaxJob_s; };
+  hooks.say = [](const std::string&) {};
+  const control::RecoveryRecord record = recovery.run(hooks);
+  out.home = record.recovered;
+  out.somebody_there = out.somebody_there && record.interrupted;
+  if (!record.steps.empty()) out.end = word(record.steps.back().step);
+  out.reason = record.reason;
+  return out;
+}
+
 }  // namespace
 
 const char* word(Wire wire) {
@@ -146,7 +190,7 @@ hal::Result<FaultyLift> run_faulty_lift(const FaultyScene& scene, const control:
   sim_hal::Judge judge(model, scene.wire != Wire::Arm);
   world.observe([&](const sim_hal::TickReport& report) { observe(lift, judge, report); });
   FaultyRig rig(world, scene.wire, seed);
-  hal::Robot robot = rig.robot(config);
+  std::optional<hal::Robot> robot = rig.robot(config);
   const control::RigView view{model, shared_hand(method).hand, shared_hand(method).tables,
                               sim_hal::camera_pose(scene.scenario.camera)};
   const hal::SteadyClock wall;
@@ -175,7 +219,7 @@ hal::Result<FaultyLift> run_faulty_lift(const FaultyScene& scene, const control:
     return endless || (scene.interrupted_s && t_s >= *scene.interrupted_s);
   };
   try {
-    auto record = control::run_job(robot, view, config, options, hooks, wall);
+    auto record = control::run_job(*robot, view, config, options, hooks, wall);
     if (record)
       lift.record = std::move(*record);
     else
@@ -184,6 +228,19 @@ hal::Result<FaultyLift> run_faulty_lift(const FaultyScene& scene, const control:
     lift.failed = fmt::format("exception: {}", e.what());
   }
   if (endless && lift.failed.empty()) lift.failed = fmt::format("no end within {:.0f} s", kMaxJob_s);
+  const double end_s = lift.end_s;
+  const bool stopped =
+      !lift.record.states.empty() && lift.record.states.back().state == control::Task::Stopped;
+  if (lift.failed.empty() && stopped) {
+    robot.reset();
+    judge.task_state("recover");
+    try {
+      lift.recovery = recover(world, rig, view, config, options);
+    } catch (const std::exception& e) {
+      lift.failed = fmt::format("exception of the recovery: {}", e.what());
+    }
+    lift.end_s = end_s;
+  }
   lift.verdict = judge.verdict(lift.record.outcome == control::RunRecord::Result::Lifted);
   lift.broken_rules = rig.broken_rules();
   lift.divergences = world.truth().divergences;

@@ -25,15 +25,24 @@ struct FaultyScene {
   std::optional<double> interrupted_s;  ///< The operator ends the program then.
 };
 
+/// `colift recover` after a job that stopped: whatever was wrong is mended, and an operator confirms every
+/// step.
+struct FaultyRecovery {
+  bool home = false;  ///< The arm is, with an open hand.
+  std::string end, reason;
+  bool somebody_there = false;  ///< It was never free to move.
+};
+
 /// How it ended, as the program says and as the world knows.
 struct FaultyLift {
   control::RunRecord record;
   sim_hal::Verdict verdict;
   std::string failed;  ///< An exception, an error at the start, or no end in time; empty: it came to its end.
-  std::map<std::string, double> entered;  ///< First entry into each state (s of the scenario).
-  std::vector<std::string> broken_rules;  ///< What the wire's far end had to complain of.
-  int divergences = 0;                    ///< Of the physics.
-  bool hit_something = false;             ///< A link of the arm met anything at any time.
+  std::map<std::string, double> entered;   ///< First entry into each state (s of the scenario).
+  std::vector<std::string> broken_rules;   ///< What the wire's far end had to complain of.
+  int divergences = 0;                     ///< Of the physics.
+  bool hit_something = false;              ///< A link of the arm met anything at any time.
+  std::optional<FaultyRecovery> recovery;  ///< Of a job that ended as stopped.
 
   /// The arm at an instant of the scenario (rad); what touches it.
   struct Sample {
@@ -42,7 +51,7 @@ struct FaultyLift {
     bool touched;
   };
   std::vector<Sample> motion;  ///< 100 a second.
-  double end_s = 0.0;          ///< Of the scenario.
+  double end_s = 0.0;          ///< Of the job, in the scenario's time.
 };
 
 /// Longest that a job may last (s of the robot's time), whatever happens.

@@ -29,6 +29,9 @@ struct ArmWire {
         hal::FriConfig{}, wire.end({0x7F000001, 49938}, sim_hal::lock_step(krc, clock)), clock);
   }
 
+  /// Time without a client.
+  void let_pass(hal::Duration by) { sim_hal::run_until(krc, clock, clock.now() + by); }
+
   static sim_hal::KrcConfig paced(sim_hal::KrcConfig c) {
     c.cycle = kCycle;
     return c;

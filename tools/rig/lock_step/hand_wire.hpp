@@ -55,7 +55,16 @@ struct HandWire {
     return c;
   }
 
-  /// The driver; to be called once, and to be run by an arm() of this wire.
+  /// Time without a client.
+  void let_pass(hal::Duration by) {
+    driver = nullptr;
+    for (const hal::Timestamp until = world.clock().now() + by; world.clock().now() < until;) {
+      world.advance(kTick);
+      catch_up();
+    }
+  }
+
+  /// The driver, one at a time; to be run by an arm() of this wire.
   [[nodiscard]] std::unique_ptr<hal::BarrettHand> hand() {
     auto made = std::make_unique<hal::BarrettHand>(*client, hal::BarrettHandConfig{}, clock);
     driver = made.get();

@@ -103,6 +103,21 @@ TEST_CASE("a grip is good when the fingers stop where the observed width says", 
     rig.c->config.decision.known_mass_kg = 0.5;
     CHECK(rig.run([&] { return rig.grip.verify(); })->event == Event::GripGood);
   }
+  SECTION("a mass that is only the usual one refuses what is far too weak, a known one what is too weak") {
+    rig.hand->now.finger_rad.fill(expected);
+    const double share = rig.c->record.decision->decision.share;
+    const double part = GENERATE(0.6, 0.85, 1.2);  // of what the usual mass needs
+    const double load_n = part * share * hal::kGravity_m_s2 * rig.c->config.decision.usual_mass_kg;
+    const double squeeze_nm = load_n / (2.0 * rig.c->rig.hand.friction) * 0.05;
+    rig.hand->now.torque_nm = {0.5 * squeeze_nm, 0.5 * squeeze_nm, squeeze_nm};
+    rig.c->config.task.grip.min_held_fraction = 0.0;
+    const bool known = GENERATE(true, false);
+    if (known) rig.c->config.decision.known_mass_kg = rig.c->config.decision.usual_mass_kg;
+    CAPTURE(part, known);
+    const auto judged = rig.run([&] { return rig.grip.verify(); });
+    CAPTURE(judged->detail);
+    CHECK((judged->event == Event::GripGood) == (part > (known ? 1.0 : 0.7)));
+  }
   SECTION("elsewhere") {
     rig.hand->now.finger_rad = {expected, expected + 0.6, expected};
     CHECK(rig.run([&] { return rig.grip.verify(); })->event == Event::GripBad);

@@ -354,6 +354,16 @@ TEST_CASE("an emergency stop while holding ends it with the reason", "[hal][arm]
   CHECK(end.reason.find("the drives are off") != std::string::npos);
   CHECK(end.commanded);
   CHECK(end.commanded_s < 19.0);
+
+  // who looks afterwards is told that the program halted, and not that nothing is in the way
+  ArmTask watch;
+  watch.for_s = 1.2;
+  CHECK(s.run(watch).how == How::Done);
+  const auto found = obstacles(s.view(), hal::built_in_robot());
+  const auto* program = test::obstacle(found, "program");
+  REQUIRE(program);
+  CHECK(program->refuses);
+  CHECK(program->next.find("emergency stop") != std::string::npos);
 }
 
 TEST_CASE("nobody on the wire is refused within the deadline", "[hal][arm]") {

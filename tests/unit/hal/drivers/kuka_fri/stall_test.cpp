@@ -71,6 +71,23 @@ TEST_CASE("answers that get lost on the network are said before an emergency sto
   CHECK((words.find("the drives are off") != std::string::npos));
 }
 
+TEST_CASE("answers that the KRC missed before this program listened are not said to be lost",
+          "[fri][faults]") {
+  FakeKrc krc;
+  krc.m.misses = 5000;
+  krc.m.power = 0;
+  krc.start_when_good = false;
+  const auto arm = krc.arm();
+  REQUIRE(arm->configure());
+  (void)arm->activate();
+  for (int i = 0; i < 3000; ++i) (void)arm->wait_cycle();
+  const std::string words = arm->health().last_error;
+  CAPTURE(words);
+  CHECK(arm->status().recent_misses == 0);
+  CHECK_FALSE(words.empty());
+  CHECK(words.find("never came") == std::string::npos);
+}
+
 TEST_CASE("a stall is forgotten once the arm is commanded again for a while", "[fri][faults]") {
   Moving run;
   run.cycles(100);
