@@ -278,6 +278,7 @@ std::optional<hal::ImpedanceCommand> ArmController::command() {
   monitor_force();
   serve_lift();
   serve_yield();
+  setpoints_.limit_stiffening(energy_.open() ? energy_.speed_scale(energy_band_j_) : 1.0);
   const hal::ImpedanceCommand joints = setpoints_.step(view_.state);
   const hal::ImpedanceCommand command = with_palm_springs(joints);
   // a contact stops the trajectory in the cycle in which it is felt; what follows from it, the task decides

@@ -178,7 +178,8 @@ hal::ImpedanceCommand SetpointGenerator::step(const hal::ArmState& state) {
     else
       step_hold(dt);
     dq_ = (q_ - before) / dt;
-    stiffness_ = towards(stiffness_, stiffness_goal_, stiffness_slope_ * dt);
+    const double part = stiffness_goal_ > stiffness_ ? stiffening_ : 1.0;
+    stiffness_ = towards(stiffness_, stiffness_goal_, part * stiffness_slope_ * dt);
     for (int i = 0; i < hal::kArmJoints; ++i)
       tau_[i] = towards(tau_[i], tau_goal_[i], limits_.torque_slope_nm_s * dt);
     watch(state, gap_s);

@@ -65,6 +65,9 @@ class SetpointGenerator {
   void superpose(const hal::JointVector& tau_nm);
   /// Stiffness from now on, ramped with `slope_nm_rad_s` (0: SetpointLimits); TaskConfig's at first.
   void set_stiffness(double nm_rad, double slope_nm_rad_s = 0.0);
+  /// Part of its slope that a growing stiffness may have from now on, 0 to 1: springs that return raise what
+  /// hangs on them, without any set point.
+  void limit_stiffening(double part) { stiffening_ = std::clamp(part, 0.0, 1.0); }
   [[nodiscard]] double stiffness() const { return stiffness_; }
   [[nodiscard]] const hal::JointVector& superposed() const { return tau_goal_; }
   [[nodiscard]] bool follows_trajectory() const { return mode_ == Mode::Trajectory; }
@@ -131,7 +134,7 @@ class SetpointGenerator {
   hal::JointVector q_ = hal::JointVector::Zero(), dq_ = hal::JointVector::Zero();
   hal::JointVector servo_q_ = hal::JointVector::Zero(), servo_before_ = hal::JointVector::Zero();
   hal::JointVector tau_ = hal::JointVector::Zero(), tau_goal_ = hal::JointVector::Zero();
-  double stiffness_, stiffness_goal_, stiffness_slope_;
+  double stiffness_, stiffness_goal_, stiffness_slope_, stiffening_ = 1.0;
 
   std::shared_ptr<const planner::Trajectory> trajectory_;
   bool on_trajectory_ = false;  ///< The command stands on the trajectory: it can be run on and back.

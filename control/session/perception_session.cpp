@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "control/session/views/camera_set.hpp"
+#include "perception/map/line_of_sight.hpp"
 
 namespace colift::control {
 
@@ -138,6 +139,19 @@ SceneAnalysis& PerceptionSession::analysis() {
 }
 const perception::WorldMap& PerceptionSession::map() const {
   return impl_->map;
+}
+
+std::size_t PerceptionSession::free_carried_off(const hal::DepthFrame& frame) {
+  return impl_->map.free_carried_off(impl_->set.lead().cloud_of(frame));
+}
+
+void PerceptionSession::keep_hidden(const hal::DepthFrame& frame,
+                                    std::vector<Eigen::Vector3f>& points_W) const {
+  const perception::OrganisedCloud cloud = impl_->set.lead().cloud_of(frame);
+  const hal::Pose X_CW = cloud.X_WC.inverse();
+  std::erase_if(points_W, [&](const Eigen::Vector3f& p) {
+    return !perception::is_hidden(cloud, X_CW, p.cast<double>());
+  });
 }
 
 double PerceptionSession::unseen() const {

@@ -85,6 +85,10 @@ class PerceptionSession {
   [[nodiscard]] SceneAnalysis& analysis();
   [[nodiscard]] const SceneAnalysis& analysis() const;
   [[nodiscard]] const perception::WorldMap& map() const;
+  /// WorldMap::free_carried_off() with a frame of the leading camera.
+  std::size_t free_carried_off(const hal::DepthFrame& frame);
+  /// Leaves those points (W) of which a frame of the leading camera says nothing.
+  void keep_hidden(const hal::DepthFrame& frame, std::vector<Eigen::Vector3f>& points_W) const;
   /// Part of the space around the object that no camera sees (0 to 1); NaN without an object.
   [[nodiscard]] double unseen() const;
 

@@ -62,8 +62,9 @@ struct JobStatus {
   SeparationStatus separation;
   ForceStatus force;
   const RunRecord* record = nullptr;  ///< As far as it is.
-  /// The collision world, made once when the scene is known; null until then. Borrowed for the call.
+  /// The collision world; null until the scene is known. Borrowed for the call.
   const perception::WorldMap* map = nullptr;
+  int map_version = 0;  ///< Another number: the map has changed.
 };
 
 /// Where object and partner are in one frame. What that frame does not show is unset: nothing here is older.

@@ -15,6 +15,7 @@ std::optional<PartnerEvent> PartnerMonitor::update() {
   }
   c_.partner_note = sight->event ? sight->event->reason : sight->partner.reason;
   compute_ms_ = sight->compute_ms;
+  scene_changed_ = sight->partner.kind == perception::PartnerKind::ObjectMoved;
   hidden_edge_ = sight->partner.hidden_edge;
   if (sight->is_new && sight->partner.kind == perception::PartnerKind::Grasp && sight->partner.grasp)
     c_.tracked.partner_W = sight->partner.grasp->position;

@@ -20,12 +20,16 @@ class PartnerMonitor {
   /// hidden.
   [[nodiscard]] const std::optional<perception::HiddenEdge>& hidden_edge() const { return hidden_edge_; }
 
+  /// Object or scene are not where they were seen, by the last frame.
+  [[nodiscard]] bool scene_changed() const { return scene_changed_; }
+
   /// Computing time of the last frame that was analysed (ms).
   [[nodiscard]] double compute_ms() const { return compute_ms_; }
 
  private:
   TaskContext& c_;
   double compute_ms_ = 0.0;
+  bool scene_changed_ = false;
   std::optional<perception::HiddenEdge> hidden_edge_;
 };
 

@@ -1,5 +1,7 @@
 #include "control/task/task_context.hpp"
 
+#include <memory>
+
 namespace colift::control {
 // every model that load_robot() lets pass has the arm that arm_geometry() describes
 TaskContext::TaskContext(hal::Robot& robot_, const RigView& rig_, const Config& config_,
@@ -34,6 +36,19 @@ void TaskContext::see_object(const hal::Pose& X_Wnow_Wscene) {
   X_WO.translation() = box.center;
   X_WO.linear() = box.axes;
   tracked.X_WO = X_Wnow_Wscene * X_WO;
+}
+
+void TaskContext::use_map() {
+  empty_scene = std::make_shared<planner::CollisionScene>(planner::make_collision_scene(
+      session.map(), session.analysis().scene.ground->plane, config.motion.scene));
+  motion_planner.set_scene(empty_scene, session.map(), hal::Vec3::UnitZ());
+  ++map_version;
+}
+
+std::size_t TaskContext::renew_map() {
+  const std::size_t freed = readings.frame ? session.free_carried_off(*readings.frame) : 0;
+  if (freed > 0) use_map();
+  return freed;
 }
 
 std::optional<double> TaskContext::mass_kg() const {

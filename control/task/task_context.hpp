@@ -71,6 +71,11 @@ struct TaskContext {
   [[nodiscard]] double in_state_s() const { return hal::seconds(now - since) - waited_s; }
   [[nodiscard]] RobotPosture posture() const { return {readings.arm.q_rad, hal::posture_of(readings.hand)}; }
   [[nodiscard]] hal::Pose palm() const { return hal::hand_pose(rig.model, readings.arm.q_rad); }
+  /// Plans are made in the session's map as it is now.
+  void use_map();
+  /// Before a decision: what was carried off since the scene was seen is no obstacle any more. Returns how
+  /// many cells became free.
+  std::size_t renew_map();
   /// The newest frame shows the object there: X takes a point of it from where the scene has it (W).
   void see_object(const hal::Pose& X_Wnow_Wscene);
   /// A copy of this cycle's frame for pictures of the scene; nothing while another camera leads than the one
@@ -99,9 +104,12 @@ struct TaskContext {
   bool arm_waits = false;                     ///< For somebody near it: it stands on its path.
   double waited_s = 0.0;  ///< Of the time in this state; a slowed arm's counts in proportion.
 
+  std::optional<std::size_t> bodies_in_view;  ///< Foreign ones, in the last frame; unset: not looked for.
+  int map_version = 0;                        ///< Counts the maps that plans were made in.
   /// The collision world without people, as the session's map has it; plans add those who are there.
   std::shared_ptr<const planner::CollisionScene> empty_scene;
-  /// Points of what obstructed the last path, without the partner (W): new paths keep away from them.
+  /// Points of things that nobody knew of when the scene was seen, and of all that obstructed the last path,
+  /// without the partner (W): new paths keep away from them.
   std::vector<Eigen::Vector3f> obstacles_W;
   double obstacle_clearance_m = 0.0;  ///< From these, so that the monitor lets the arm pass.
 

@@ -42,7 +42,7 @@ BodyFinder::BodyFinder(const ReferenceImage& reference, std::span<const Eigen::V
   row_count_.resize(width);
   depth_.resize(blocks);
   count_.resize(blocks);
-  robot_.resize(blocks);
+  robot_.resize(blocks, 0);
   foreign_.resize(blocks);
   unknown_.resize(blocks);
   for (std::size_t i = 0; i < robot_hid.size(); ++i) {
@@ -65,6 +65,22 @@ BodyFinder::BodyFinder(const ReferenceImage& reference, std::span<const Eigen::V
                                      static_cast<float>((v - intrinsics_.cy) / intrinsics_.fy), 1.0F);
     behind_m_[b] = reference.cloud.depth_m[static_cast<std::size_t>(v) * width + static_cast<std::size_t>(u)];
   }
+  renewal_.emplace(width, static_cast<std::size_t>(intrinsics_.height), noise, config.change,
+                   object_blocks());
+}
+
+std::vector<std::uint8_t> BodyFinder::object_blocks() const {
+  std::vector<std::uint8_t> found(columns_ * rows_, 0);
+  if (!has_object_) return found;
+  for (std::size_t b = 0; b < found.size(); ++b) {
+    const Eigen::Vector3f p = eye_ + behind_m_[b] * ray_[b];
+    if (!p.allFinite() || object_.nearest(p.x(), p.y(), p.z()) == ObjectGrid::kNone) continue;
+    const std::size_t row = b / columns_, column = b % columns_;
+    for (std::size_t y = row > 0 ? row - 1 : 0; y <= std::min(row + 1, rows_ - 1); ++y)
+      for (std::size_t x = column > 0 ? column - 1 : 0; x <= std::min(column + 1, columns_ - 1); ++x)
+        found[y * columns_ + x] = 1;
+  }
+  return found;
 }
 
 const std::vector<Body>& BodyFinder::find(const hal::DepthFrame& frame, std::span<const std::uint32_t> robot,
@@ -74,6 +90,7 @@ const std::vector<Body>& BodyFinder::find(const hal::DepthFrame& frame, std::spa
   if (frame.depth_m.size() != limit_m_.size()) return bodies_;
   mark(frame.depth_m);
   leave_out_robot(robot);
+  renewal_->update(frame.depth_m, robot_, limit_m_, behind_m_);
   place_blocks(X_WTnow_WTref);
   connect();
   join_parts();

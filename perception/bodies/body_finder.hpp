@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "hal/config/range.hpp"
 #include "hal/depth_camera.hpp"
+#include "perception/bodies/limit_renewal.hpp"
 #include "perception/change_limit.hpp"
 #include "perception/noise_model.hpp"
 #include "perception/object_grid.hpp"
@@ -70,7 +72,8 @@ struct Body {
 };
 
 /// Finds foreign bodies in frames of a camera at rest. A pixel is foreign when it is nearer than the
-/// reference by more than the noise explains, and neither the robot's nor the object's. Blocks of 4 x 4
+/// reference by more than the noise explains, and neither the robot's nor the object's; where something was
+/// carried off the reference is what stands behind it (LimitRenewal). Blocks of 4 x 4
 /// pixels that hold enough of them are connected over the image and, across gaps, in space; so bodies with
 /// half of their pixels missing stay whole. Keeps its buffers: does not allocate once bodies of that size
 /// were seen. One finder, one thread.
@@ -107,6 +110,8 @@ class BodyFinder {
   void grow_part(std::size_t seed);
   void join_parts();
   void make_body(int number);
+  /// By block, not 0 where the reference shows the object, or beside that.
+  [[nodiscard]] std::vector<std::uint8_t> object_blocks() const;
 
   BodyConfig config_;
   NoiseModel noise_;
@@ -124,6 +129,7 @@ class BodyFinder {
   std::vector<float> row_sum_, row_count_, depth_, count_;
   std::vector<std::uint8_t> robot_, foreign_, unknown_;
   std::vector<Eigen::Vector3f> point_;
+  std::optional<LimitRenewal> renewal_;
   std::vector<std::uint32_t> order_, stack_;
   std::vector<Part> parts_;
   std::vector<Body> bodies_;

@@ -11,6 +11,7 @@
 
 #include "perception/map/cell_tree.hpp"
 #include "perception/map/cell_view.hpp"
+#include "perception/map/line_of_sight.hpp"
 
 namespace colift::perception {
 namespace {
@@ -20,6 +21,7 @@ using hal::Vec3;
 // OctoMap's defaults: hit 0.7, miss 0.4, clamped at 0.12 and 0.97, as hundredths of log odds.
 constexpr std::int16_t kHit = 85, kMiss = -40, kMin = -200, kMost = 350;
 constexpr double kLargestGrid = 4e8;  // cells; beyond it a configuration is a mistake
+constexpr std::size_t kMinGone = 12;  // cells: a mug has more
 
 /// Whole cells around the mapped space, corners at multiples of the cell as OctoMap has them.
 CellGrid lay_out(const WorldMapConfig& config) {
@@ -90,6 +92,32 @@ struct WorldMap::Impl {
     log_odds[cell] = odds;
     grid.cells[cell] = state_of(cell);
   }
+  /// Occupied cells that a frame looks past, and beside which there is no other occupied one.
+  [[nodiscard]] std::vector<std::size_t> seen_past(const OrganisedCloud& cloud) const {
+    const hal::Pose X_CW = cloud.X_WC.inverse();
+    std::vector<std::array<int, 3>> past;
+    std::vector<std::uint8_t> is_past(log_odds.size(), 0);
+    std::size_t cell = 0;
+    for (int z = 0; z < grid.nz; ++z)
+      for (int y = 0; y < grid.ny; ++y)
+        for (int x = 0; x < grid.nx; ++x, ++cell)
+          if (log_odds[cell] > 0 && looks_past(cloud, X_CW, grid.middle(x, y, z), 0.5 * grid.cell_m)) {
+            past.push_back({x, y, z});
+            is_past[cell] = 1;
+          }
+    std::vector<std::size_t> gone;
+    for (const auto& [x, y, z] : past) {
+      bool beside = false;
+      for (int around = 0; around < 27 && !beside; ++around) {
+        const int bx = x + around % 3 - 1, by = y + around / 3 % 3 - 1, bz = z + around / 9 - 1;
+        if (!grid.contains(bx, by, bz)) continue;
+        const std::size_t b = grid.index(bx, by, bz);
+        beside = log_odds[b] > 0 && is_past[b] == 0;
+      }
+      if (!beside) gone.push_back(grid.index(x, y, z));
+    }
+    return gone;
+  }
   /// Calls `work(cell, middle)` for all cells with their middle in a box.
   template <class Work>
   void in_box(const hal::Aabb& box_W, Work work) {
@@ -131,6 +159,18 @@ void WorldMap::insert(const OrganisedCloud& cloud, std::span<const std::uint32_t
     enter(std::true_type{}, m.view);
   else
     enter(std::false_type{}, m.later);
+}
+
+std::size_t WorldMap::free_carried_off(const OrganisedCloud& cloud) {
+  Impl& m = *impl_;
+  const std::vector<std::size_t> gone = m.seen_past(cloud);
+  if (gone.size() < kMinGone) return 0;
+  m.tree.reset();
+  view_cells(m.grid, cloud, {}, m.config.max_range_m, m.later, m.config.view);
+  for (std::size_t cell = 0; cell < m.later.size(); ++cell)
+    if (m.later[cell] == CellView::Through && m.log_odds[cell] == 0) m.set(cell, kMiss);
+  for (const std::size_t cell : gone) m.set(cell, kMin);
+  return gone.size();
 }
 
 void WorldMap::carve(const hal::Aabb& box_W) {

@@ -101,6 +101,11 @@ class WorldMap {
   /// `not_scene` (target, partner; ascending) end their rays without entering an obstacle.
   void insert(const OrganisedCloud& cloud, std::span<const std::uint32_t> not_scene);
 
+  /// Something was carried off where this frame looks past occupied cells to what is clearly farther: they
+  /// become free, and so does what they hid and the frame shows. Cells beside one that may still be there
+  /// stay; a few alone are noise, and change nothing. Returns how many occupied ones became free.
+  std::size_t free_carried_off(const OrganisedCloud& cloud);
+
   /// Frees the cells that the robot's own links take, padded.
   void carve_robot(const hal::RobotModel& model, const hal::JointVector& q_rad, const hal::HandPosture& hand);
   /// Frees the cells whose middle is in a box (m, W).

@@ -133,6 +133,7 @@ struct Row {
 const Row kOnApproach[] = {
     {"27 one puck silent", {"0.5:silent@F2:60", Task::Approach}, End::Stopped, "F2 (node 12) is silent"},
     {"28 too hot", {"0.5:hot=75:60", Task::Approach}, End::Back, "may not grip"},
+    {"29 reset", {"0.3:reset@F1", Task::AwaitPartner}, End::Stopped, "F1 was reset"},
     {"29 reset", {"0.5:reset@F3", Task::Approach}, End::Stopped, "F3 was reset"},
     {"29 zero forgotten", {"0.5:jump=20000@F1", Task::Approach}, End::Stopped, "lost its zero"},
     {"30 bus-off", {"0.5:bus-off:60", Task::Approach}, End::Stopped, "bus"},
@@ -158,6 +159,8 @@ const Row kClosingAndReleasing[] = {
     {"29 reset", {"0.1:reset@F1", Task::Close}, End::Stopped, "F1 was reset"},
     {"30 bus-off", {"0.1:bus-off:60", Task::Close}, End::Stopped, "bus"},
     {"27 silent", {"0.1:silent@F3:60", Task::Release}, End::Stopped, "F3 (node 13) is silent"},
+    {"29 reset", {"0.2:reset@F2", Task::Release}, End::Stopped, "F2 was reset"},
+    {"29 reset", {"1:reset@F3", Task::Retreat}, End::Stopped, "F3 was reset"},
     {"25 does not open", {"0:stuck:60", Task::Release}, End::Stopped, "did not open"},
 };
 

@@ -91,6 +91,39 @@ TEST_CASE("what is put into the path and stays there is planned around (row 51)"
   CHECK_FALSE(lift.hit_something);
 }
 
+TEST_CASE(
+    "what is put into the path before the first plan is planned around, and never stopped for (row 51)") {
+  sim_hal::Scenario scenario = shipped("box_in_the_path");
+  scenario.clutter[0].moves[0].at_s = 0.6;  // the scene was seen, the partner comes at 3 s
+  const auto lift = tests::simulate(scenario, control::Method::Fast, 1, control::run_defaults());
+  INFO(told(lift));
+  CHECK(lift.record.outcome == Result::Lifted);
+  CHECK(lift.record.monitor.stops == 0);
+  CHECK_FALSE(lift.hit_something);
+}
+
+TEST_CASE("what is carried off before the plan is no obstacle (row 51)") {
+  sim_hal::Scenario scenario = shipped("box_in_the_path");
+  auto& box = scenario.clutter[0];
+  const hal::Vec3 away = box.xyz;
+  box.xyz = box.moves[0].to;  // where no path is, as long as it stands there
+  const bool carried_off = GENERATE(true, false);
+  box.moves[0].to = away;
+  box.moves[0].at_s = 0.6;
+  if (!carried_off) box.moves.clear();
+  const auto lift = tests::simulate(scenario, control::Method::Fast, 1, control::run_defaults());
+  INFO(told(lift));
+  const auto& states = lift.record.states;
+  const auto looks = std::count_if(states.begin(), states.end(),
+                                   [](const control::StateChange& s) { return s.state == Task::Observe; });
+  CHECK(looks == (carried_off ? 2 : 1));  // so much of the view that the partner would not be recognised
+  if (carried_off) {
+    CHECK(lift.record.outcome == Result::Lifted);
+    CHECK(lift.record.monitor.stops == 0);
+  }
+  CHECK_FALSE(lift.hit_something);
+}
+
 TEST_CASE("who stays in the path: the lift ends safely, with the reason, and nobody is touched") {
   control::Config config = control::run_defaults();
   config.task.attempts.max_approaches = 2;

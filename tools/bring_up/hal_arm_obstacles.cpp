@@ -14,7 +14,6 @@ namespace {
 using hal::FriQuality;
 
 constexpr double kMismatch_rad = 0.02;  // as the driver's own words
-constexpr double kBeatWatch_s = 0.6;    // several heartbeats and rounds of the program
 constexpr double kStatic_nm = 0.5;      // 0.2 kg at half the reach: A2 or A4 shows it in most poses
 constexpr double kStraight_deg = 15.0;
 constexpr float kGoodRate = 0.99f, kMinRate = 0.95f;
@@ -201,7 +200,7 @@ class Finder {
               version, krl::kVersion),
           "load the config/krl/colift.src of this CoLift on the KRC, or name the program with script: in the "
           "file behind --robot");
-    } else if (!v_.program.heart_beats() && v_.program.watched_s() > kBeatWatch_s) {
+    } else if (!v_.program.heart_beats() && v_.program.watched_s() > ProgramMonitor::kBeatWatch_s) {
       refuse("program",
              fmt::format("the KRL program is stopped: no heartbeat for {:.1f} s", v_.program.watched_s()),
              v_.m.power == 0

@@ -73,7 +73,7 @@ std::string abilities_text(const hal::ArmAbilities& can) {
 void ProgramMonitor::note(const hal::FriMeasurement& m, double t_s) {
   const std::int32_t beat = m.krl.integer[hal::colift_krl::kFromBeat];
   if (!any_) first_s_ = t_s;
-  if (any_ && beat != beat_) ++changes_;
+  if (any_ && beat != beat_) changed_s_ = t_s;
   any_ = true;
   beat_ = beat;
   last_s_ = t_s;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,19 +14,21 @@
 
 namespace colift::tools {
 
-/// Whether a KRL program of CoLift's own kind is seen to run: it repeats the heartbeat that it hears.
+/// Whether a KRL program of CoLift's own kind is seen to run: it repeats the heartbeat that it hears, several
+/// times in kBeatWatch_s.
 class ProgramMonitor {
  public:
   /// At any rate, with the time since the start.
   void note(const hal::FriMeasurement& m, double t_s);
-  [[nodiscard]] bool heart_beats() const { return changes_ > 0; }
+  static constexpr double kBeatWatch_s = 0.6;
+  [[nodiscard]] bool heart_beats() const { return changed_s_ && last_s_ - *changed_s_ < kBeatWatch_s; }
   [[nodiscard]] double watched_s() const { return last_s_ - first_s_; }
 
  private:
   bool any_ = false;
   std::int32_t beat_ = 0;
-  int changes_ = 0;
   double first_s_ = 0.0, last_s_ = 0.0;
+  std::optional<double> changed_s_;
 };
 
 /// Times from a datagram's arrival to its answer, as they are shown.

@@ -331,6 +331,10 @@ const SceneAnalysis& CameraView::analysis() const {
 const std::optional<perception::CameraCorrection>& CameraView::correction() const {
   return impl_->correction;
 }
+perception::OrganisedCloud CameraView::cloud_of(hal::DepthFrame frame) const {
+  correct(frame);
+  return perception::deproject(frame, impl_->X_WC);
+}
 void CameraView::correct(hal::DepthFrame& frame) const {
   impl_->correct(frame);
 }

@@ -68,6 +68,8 @@ class CameraView {
   [[nodiscard]] const SceneAnalysis& analysis() const;
   [[nodiscard]] const std::optional<perception::CameraCorrection>& correction() const;
   void correct(hal::DepthFrame& frame) const;
+  /// Points of a further frame (W).
+  [[nodiscard]] perception::OrganisedCloud cloud_of(hal::DepthFrame frame) const;
 
   /// Enters its scene into the map and appends the object's points, slivers included (W).
   void enter(perception::WorldMap& map, std::vector<hal::Vec3>& object_points) const;

@@ -53,6 +53,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Observe, Interrupted, Refused, kAsked},
 
     {AwaitPartner, PartnerGrasped, Decide, "the partner grasps the object"},
+    {AwaitPartner, SceneChanged, Observe, "the scene is another one than was seen: looks at it anew"},
     {AwaitPartner, NobodyCame, Refused, "no partner grasped the object"},
     {AwaitPartner, TimeOut, Refused, "timeout: no partner"},
     {AwaitPartner, Blocked, Yield, kPushedAtRest},

@@ -36,7 +36,8 @@ enum class Task {
 enum class Event {
   SceneKnown,
   NothingToCarry,
-  CameraOff,  ///< CameraOff: ground or arm are seen where they cannot be; the calibration does not fit.
+  SceneChanged,  ///< SceneChanged: what stood there was carried off, and nobody is in view.
+  CameraOff,     ///< CameraOff: ground or arm are seen where they cannot be; the calibration does not fit.
   PartnerGrasped,
   PartnerMoved,
   PartnerLetGo,

@@ -79,6 +79,8 @@ std::string_view word(Event event) {
       return "scene known";
     case NothingToCarry:
       return "nothing to carry";
+    case SceneChanged:
+      return "scene changed";
     case CameraOff:
       return "camera off";
     case PartnerGrasped:

@@ -41,8 +41,11 @@ std::optional<TaskEvent> ApproachPhase::approach() {
     return TaskEvent{moved ? Event::PartnerMoved : Event::PartnerLetGo, event->reason};
   }
   if (c_.arm.blocked()) return TaskEvent{Event::Blocked, c_.arm.why_blocked()};
+  const EmptyHandConfig& limits = c_.config.task.empty_hand;
   if (leg_ == Leg::Announced) {
     c_.doing = "announces that the arm will move";
+    if (c_.in_state_s() > c_.config.task.intent_lead_s + limits.approach_timeout_margin_s)
+      return TaskEvent{Event::TimeOut, "the arm takes no commands"};
     return std::nullopt;
   }
   if (const std::string closed = hand_stays_closed(); !closed.empty())
@@ -54,7 +57,6 @@ std::optional<TaskEvent> ApproachPhase::approach() {
       leg_ == Leg::Transit ? c_.arm.progress() * transit_s : transit_s + c_.arm.progress() * straight_s;
   c_.done = total_s > 0.0 ? passed_s / total_s : 1.0;
   c_.doing = leg_ == Leg::Transit ? "moving to the pre-grasp" : "straight to the grasp";
-  const EmptyHandConfig& limits = c_.config.task.empty_hand;
   if (c_.in_state_s() > limits.approach_timeout_factor * total_s / c_.config.task.slow_fraction +
                             limits.approach_timeout_margin_s)
     return TaskEvent{Event::TimeOut, "timeout"};

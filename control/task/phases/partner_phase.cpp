@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 namespace colift::control {
 namespace {
+
+constexpr double kChanged_s = 1.0;  // somebody who carries things about does not do it all at once
+constexpr int kMaxLooks = 5;        // after that the partner's timeout ends the wait
 
 std::string seconds_text(double s) {
   return fmt::format("{:.1f} s", s);
@@ -17,6 +21,7 @@ std::string seconds_text(double s) {
 void PartnerPhase::begin(Task from) {
   c_.attempts.failed = c_.attempts.regrasp = false;
   hidden_since_.reset();
+  changed_since_.reset();
   asked_.clear();
   if (from != Task::Observe) c_.session.forget_partner();
 }
@@ -37,8 +42,24 @@ void PartnerPhase::ask_to_show_hand() {
   c_.request(asked_);
 }
 
+bool PartnerPhase::has_to_look_again() {
+  // who is in view would be taken for a part of the scene; unset: nobody looks for bodies
+  if (!partner_.scene_changed() || c_.bodies_in_view != 0) {
+    changed_since_.reset();
+    return false;
+  }
+  if (!changed_since_) changed_since_ = c_.now;
+  if (hal::seconds(c_.now - *changed_since_) < kChanged_s || looked_again_ >= kMaxLooks) return false;
+  ++looked_again_;
+  return true;
+}
+
 std::optional<TaskEvent> PartnerPhase::await_partner() {
   const auto event = partner_.update();
+  if (has_to_look_again()) {
+    c_.session.forget_partner();
+    return TaskEvent{Event::SceneChanged, c_.partner_note};
+  }
   ask_to_show_hand();
   if (requests_.pending() && requests_.stays_where_he_was()) {
     c_.doing = requests_.sentence();
@@ -47,7 +68,10 @@ std::optional<TaskEvent> PartnerPhase::await_partner() {
       requests_.fulfilled();
       grasps_.forget_bearable();
     }
-    return TaskEvent{Event::PartnerGrasped, event->reason};
+    std::string reason = event->reason;
+    if (const std::size_t freed = c_.renew_map(); freed > 0)
+      reason += fmt::format("; {} cells of the map are free again: what stood there was carried off", freed);
+    return TaskEvent{Event::PartnerGrasped, std::move(reason)};
   } else {
     c_.doing = c_.partner_note;
   }

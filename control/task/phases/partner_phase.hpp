@@ -26,12 +26,15 @@ class PartnerPhase {
  private:
   /// Who stands so that his body hides where his hand may be is asked to step aside, once.
   void ask_to_show_hand();
+  /// The scene has been another one for a while, and nobody is there: a new one can be seen.
+  [[nodiscard]] bool has_to_look_again();
 
   TaskContext& c_;
   PartnerMonitor& partner_;
   PartnerRequests& requests_;
   GraspSelector& grasps_;
-  std::optional<hal::Timestamp> hidden_since_;
+  std::optional<hal::Timestamp> hidden_since_, changed_since_;
+  int looked_again_ = 0;
   std::string asked_;  ///< What he was asked.
   std::optional<hal::Vec3> aside_W_;
 };

@@ -77,9 +77,7 @@ bool ScenePhase::try_again(const std::string& error) {
 
 void ScenePhase::use_scene() {
   c_.see_object(hal::Pose::Identity());
-  c_.empty_scene = std::make_shared<planner::CollisionScene>(planner::make_collision_scene(
-      c_.session.map(), c_.session.analysis().scene.ground->plane, c_.config.motion.scene));
-  c_.motion_planner.set_scene(c_.empty_scene, c_.session.map(), hal::Vec3::UnitZ());
+  c_.use_map();
   grasps_.set_scene();
 }
 

@@ -324,6 +324,7 @@ void TaskRunner::report(const JobHooks& hooks) {
   s.share_robot = lift_phase_.share_robot();
   s.record = &c_.record;
   if (c_.record.analysis && c_.record.analysis->scene.target) s.map = &c_.session.map();
+  s.map_version = c_.map_version;
   hooks.status(s);
 }
 

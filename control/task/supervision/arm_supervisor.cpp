@@ -12,6 +12,8 @@ void ArmSupervisor::read(const std::string& slow_reason) {
   c_.readings.arm = view.state;
   if (!thread_runs()) return;
   const bool answers = view.misses == 0;
+  // commanded, and not any more before anybody looked here
+  had_command_ = had_command_ || view.starts > 0;
   if (answers && !had_command_ && !view.state.may_command) return;
   if (!answers || !view.state.may_command || !view.running) return not_commanded();
 

@@ -64,7 +64,10 @@ void SeparationSupervisor::update(double image_age_s) {
   double scale = 1.0;
   std::string why;
   blind_ = c_.readings.camera_lost || late;
-  if (c_.readings.camera_lost) bodies_.clear();  // what is not seen is not known
+  if (c_.readings.camera_lost) {  // what is not seen is not known
+    bodies_.clear();
+    c_.bodies_in_view.reset();
+  }
   if (state.to_confirm) {
     // nor does an arm continue by itself because the camera is lost: whether the way is free is not known
     scale = 0.0;
@@ -84,9 +87,22 @@ void SeparationSupervisor::update(double image_age_s) {
   note_confirmable();
   add_sample();
   if (path_obstructed()) {
-    c_.obstacles_W = seen_W_;
-    c_.obstacle_clearance_m = monitor_.free_distance_m(state.nearest.who) + kPassBeyond_m;
+    obstructed_by_ = state.nearest.who;
+    note_obstacles(nullptr);
   }
+}
+
+// What a frame shows replaces what was known; what it says nothing of may still be there.
+void SeparationSupervisor::note_obstacles(const hal::DepthFrame* frame) {
+  auto& known = c_.obstacles_W;
+  if (frame == nullptr)
+    known.clear();
+  else if (!known.empty())
+    c_.session.keep_hidden(*frame, known);
+  const auto& shown = obstructed_by_ ? seen_W_ : things_W_;
+  known.insert(known.end(), shown.begin(), shown.end());
+  if (known.empty()) obstructed_by_.reset();
+  c_.obstacle_clearance_m = monitor_.free_distance_m(obstructed_by_.value_or(Nearby::Thing)) + kPassBeyond_m;
 }
 
 void SeparationSupervisor::request(double scale, std::string why) {
@@ -199,8 +215,10 @@ void SeparationSupervisor::look(const hal::DepthFrame& frame) {
   near_.clear();
   bodies_.clear();
   seen_W_.clear();
+  things_W_.clear();
   sort_points(seen);
-  if (seen_W_.empty()) c_.obstacles_W.clear();  // carried off
+  note_obstacles(&frame);
+  c_.bodies_in_view = bodies_.size();
   const double latency_s = hal::seconds(c_.readings.frame_latency);
   monitor_.update(c_.now, is_moving(c_.state) && !holds(), near_, latency_s,
                   0.5 * c_.config.monitor.arm_mass_kg + c_.config.monitor.carried_mass_kg);
@@ -268,6 +286,8 @@ void SeparationSupervisor::sort_points(const BodySighting& seen) {
     add_neighbour(Nearby::PartnerHand, hand_, track);
     add_neighbour(Nearby::Partner, partner_, track);
     for (const auto& p : others_) seen_W_.push_back(p.p_W);
+    if (thing)
+      for (const auto& p : others_) things_W_.push_back(p.p_W);
     add_neighbour(thing ? Nearby::Thing : Nearby::Person, others_, track);
     SeparationStatus::Body view;
     view.id = track ? track->id : 0;

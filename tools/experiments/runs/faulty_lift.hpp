@@ -26,9 +26,10 @@ struct FaultyScene {
 };
 
 /// `colift recover` after a job that stopped: whatever was wrong is mended, and an operator confirms every
-/// step.
+/// step. Where the object cannot be set down from there, a person takes it, and the operator begins anew.
 struct FaultyRecovery {
-  bool home = false;  ///< The arm is, with an open hand.
+  bool home = false;       ///< The arm is, with an open hand.
+  bool by_person = false;  ///< Somebody had to take the object.
   std::string end, reason;
   bool somebody_there = false;  ///< It was never free to move.
 };

@@ -61,9 +61,10 @@ struct RunTelemetry::Impl {
   std::optional<hal::Timestamp> last_measured;
   // what was told already
   std::size_t states_told = 0, faults_told = 0, intents_told = 0;
+  int map_told = 0;  // its version
   bool bodies_told = false;
   bool robot_told = false;
-  bool look_told = false, map_told = false, plan_told = false;
+  bool look_told = false, plan_told = false;
   std::optional<Task> state;
   SceneView scene;
   std::optional<hal::Vec3> cog;
@@ -221,9 +222,8 @@ struct RunTelemetry::Impl {
     log(at, Level::Info, "look", analysis.reason);
   }
 
-  /// The job makes its collision world once; here it is only copied, encoded where somebody wants it.
+  /// The job changes its collision world seldom; here it is only copied, encoded where somebody wants it.
   void tell_map(hal::Timestamp at, const perception::WorldMap& map, const perception::Ground& ground) {
-    map_told = true;
     const auto kept = std::make_shared<const MapView>(map_view(map, ground.plane));
     publish(
         Topic::Map, at, [at, kept] { return map_message(at, *kept); }, kept->cells.size());
@@ -277,9 +277,12 @@ struct RunTelemetry::Impl {
     const control::RunRecord& record = *s.record;
     if (!correction && record.camera_correction && record.camera_correction->applied())
       correction = record.camera_correction;
-    if (!look_told && record.analysis) tell_look(at, *record.analysis);
-    if (!map_told && s.map && record.analysis->scene.ground)
+    if (record.analysis && (!look_told || (s.map && s.map_version != map_told)))
+      tell_look(at, *record.analysis);
+    if (s.map && s.map_version != map_told && record.analysis->scene.ground) {
+      map_told = s.map_version;
       tell_map(at, *s.map, *record.analysis->scene.ground);
+    }
     const bool changed = states_told != record.states.size();
     for (; states_told < record.states.size(); ++states_told) {
       const control::StateChange change = record.states[states_told];

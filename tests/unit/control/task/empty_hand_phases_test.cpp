@@ -120,6 +120,17 @@ TEST_CASE("an arm that takes no commands for a moment sets out afterwards, and f
   CHECK(rig.approach.leg() == ApproachPhase::Leg::Transit);
 }
 
+TEST_CASE("an arm that never takes commands is announced for no longer than its timeout", "[phases]") {
+  EmptyHand rig;
+  rig.arm->stop();
+  rig.idle(0.1);
+  rig.begin_approach();
+  const auto event = rig.run([&] { return rig.approach.approach(); });
+  REQUIRE(event);
+  CHECK(event->event == Event::TimeOut);
+  CHECK(rig.c->in_state_s() < 10.0);
+}
+
 TEST_CASE("an approach whose path starts elsewhere does not set out, says where, and feels no force",
           "[phases]") {
   EmptyHand rig;

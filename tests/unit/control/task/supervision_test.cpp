@@ -45,6 +45,21 @@ TEST_CASE("an arm that stays away for longer than its timeout is lost", "[superv
   CHECK_FALSE(rig.arms->fault().empty());
 }
 
+TEST_CASE("an arm that left command mode before anybody looked at it is lost, and not waited for for ever",
+          "[supervision]") {
+  PhaseRig rig;
+  REQUIRE(rig.c->arm.view().starts > 0);
+  rig.arm->stop();
+  ArmSupervisor late(*rig.c);
+  for (const hal::Timestamp end = rig.clock.now() + hal::duration_of(1.5); rig.clock.now() < end;) {
+    late.read("");
+    rig.c->arm.end_cycle();
+  }
+  CHECK_FALSE(rig.c->arm.view().state.may_command);
+  CHECK(late.lost());
+  CHECK_THAT(late.fault(), Catch::Contains("takes no commands"));
+}
+
 TEST_CASE("an arm whose link is lost is lost at once", "[supervision]") {
   PhaseRig rig;
   rig.arm->inject(sim_hal::MockArm::Fault::Unplug, next_cycle(rig), 1000);

@@ -130,6 +130,39 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("who stands where a thing was carried off is noticed; an empty room stays empty (row 51)") {
+  int found = 0, asked = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Room room(kKinds[seed % 4], seed);
+    const Vec3 eye = room.scene.X_WC.translation();
+    const Vec3 away = Vec3(room.object_at.x() - eye.x(), room.object_at.y() - eye.y(), 0.0).normalized();
+    const Vec3 side = (seed % 2 == 0 ? 1.0 : -1.0) * away.cross(Vec3::UnitZ());
+    const Vec3 at = room.object_at + 0.8 * side;
+    // a cupboard, and a child behind where its front was
+    sim_hal::World with = room.scene.world, child = room.scene.world;
+    with.shapes.push_back(
+        sim_hal::box({at.x(), at.y(), 0.6}, {0.6, 0.6, 1.2}, std::atan2(away.y(), away.x()), Label::Clutter));
+    child.shapes.push_back(
+        sim_hal::cylinder({at.x(), at.y(), 0.5}, Vec3::UnitZ(), 0.12, 1.0, Label::Partner));
+    const auto truth = sim_hal::cast_rays(child, room.scene.intrinsics, room.scene.X_WC);
+    if (std::count(truth.label.begin(), truth.label.end(), Label::Partner) < 3000) continue;
+    room.take_reference(with);
+    BodyFinder finder = room.finder();
+    INFO("seed " << seed);
+    REQUIRE(room.bodies(finder, room.frame(with, 0.0), 0.0).empty());
+    for (int i = 0; i < 18; ++i) REQUIRE(room.bodies(finder, room.frame(room.scene.world, 0.0), 0.0).empty());
+    ++asked;
+    const auto& bodies = room.bodies(finder, room.frame(child, 0.0), 0.0);
+    const bool seen = found_at(bodies, finder, {at.x(), at.y(), 0.5}, 0.3);
+    CHECK(seen);
+    found += seen ? 1 : 0;
+    // and what is put back is a thing like any other
+    CHECK_FALSE(room.bodies(finder, room.frame(with, 0.0), 0.0).empty());
+  }
+  REQUIRE(asked >= 5);
+  CHECK(found == asked);
+}
+
 TEST_CASE("an arm that reaches for the robot's hand is a body up to the padding") {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     Room room(kKinds[seed % 4], seed);

@@ -30,17 +30,22 @@ class Room {
     SelfFilterConfig padded;
     padded.padding_m = BodyConfig{}.robot_padding_m;
     filter.emplace_back(model, scene.intrinsics, scene.X_WC, NoiseModel{}, padded);
-    std::vector<hal::DepthFrame> frames;
-    for (int i = 0; i < 10; ++i) {
-      frames.push_back(frame(scene.world, 0.0));
-      robot_hid.resize(frames.back().depth_m.size());
-      for (const std::uint32_t p : filter[0].remove(frames.back(), home, hand)) robot_hid[p] = 1;
-    }
-    reference = build_reference(frames, scene.X_WC, NoiseModel{}, {.max_restless = 1.0}).value();
+    take_reference(scene.world);
     const auto truth = sim_hal::cast_rays(scene.world, scene.intrinsics, scene.X_WC);
     for (std::size_t i = 0; i < truth.label.size(); ++i)
       if (truth.label[i] == Label::Target && reference.cloud.seen(i))
         object.push_back(reference.cloud.point(i).cast<float>());
+  }
+
+  /// Of a room with other things in it.
+  void take_reference(const sim_hal::World& world) {
+    std::vector<hal::DepthFrame> frames;
+    for (int i = 0; i < 10; ++i) {
+      frames.push_back(frame(world, 0.0));
+      robot_hid.resize(frames.back().depth_m.size());
+      for (const std::uint32_t p : filter[0].remove(frames.back(), home, hand)) robot_hid[p] = 1;
+    }
+    reference = build_reference(frames, scene.X_WC, NoiseModel{}, {.max_restless = 1.0}).value();
   }
 
   /// The arm is this part of its motion away from home, 0 to 1.

@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "sim_hal/synthetic/scenes.hpp"
@@ -157,6 +158,64 @@ TEST_CASE("a thing that is taken away is freed again, and a new one enters") {
   CHECK(near() == 0);
   for (int i = 0; i < 6; ++i) insert(with);
   CHECK(near() >= there);
+}
+
+TEST_CASE("what was carried off is free with one frame, and so is what it hid; what stands stays (row 51)") {
+  Seen seen = look(sim_hal::ObjectKind::Box, 5);
+  const Vec3 at = seen.scene.cog + Vec3(0, 0, 0.45);
+  sim_hal::World with = seen.scene.world;
+  with.shapes.push_back(sim_hal::box(at, {0.16, 0.16, 0.16}, 0.3, Label::Clutter));
+  const auto cloud_of = [&](const sim_hal::World& world) {
+    hal::DepthFrame frame;
+    frame.intrinsics = seen.scene.intrinsics;
+    frame.depth_m = sim_hal::cast_rays(world, seen.scene.intrinsics, seen.scene.X_WC).depth_m;
+    return perception::deproject(frame, seen.scene.X_WC);
+  };
+  WorldMap map(seen.config), without(seen.config);
+  for (int i = 0; i < 6; ++i) {
+    map.insert(cloud_of(with), {});
+    without.insert(cloud_of(seen.scene.world), {});
+  }
+  const auto count = [&](CellState state) {
+    int n = 0;
+    for_cells(map.grid(), state, [&](const Vec3& m) { n += (m - at).norm() < 0.2; });
+    return n;
+  };
+  const int occupied = count(CellState::Occupied), hidden = count(CellState::Hidden);
+  REQUIRE(occupied > 50);
+  REQUIRE(hidden > 50);
+
+  SECTION("as it was: nothing changes") {
+    CHECK(map.free_carried_off(cloud_of(with)) == 0);
+    CHECK(count(CellState::Occupied) == occupied);
+    CHECK(count(CellState::Hidden) == hidden);
+  }
+  SECTION("carried off") {
+    CHECK(map.free_carried_off(cloud_of(seen.scene.world)) > 50);
+    CHECK(count(CellState::Occupied) == 0);
+    CHECK(count(CellState::Hidden) < hidden / 20);
+    // and of all else the map says what it would have said without it
+    int lost = 0, all = 0;
+    for_cells(without.grid(), CellState::Occupied, [&](const Vec3& m) {
+      const Eigen::Vector3i c = map.grid().cell_of(m);
+      ++all;
+      lost += map.grid().cells[map.grid().index(c.x(), c.y(), c.z())] == CellState::Free;
+    });
+    CHECK(all > 1000);
+    CHECK(lost == 0);
+  }
+  SECTION("somebody stands before it, or nothing is measured there: nobody knows") {
+    auto blind = cloud_of(seen.scene.world);
+    const bool measured = GENERATE(true, false);
+    for (float& d : blind.depth_m) d = measured ? 0.5f : std::numeric_limits<float>::quiet_NaN();
+    CHECK(map.free_carried_off(blind) == 0);
+    CHECK(count(CellState::Occupied) == occupied);
+  }
+  SECTION("a few flying pixels free nothing") {
+    auto noisy = cloud_of(with);
+    for (std::size_t i = 0; i < noisy.size(); i += 37) noisy.depth_m[i] = 6.0f;
+    CHECK(map.free_carried_off(noisy) == 0);
+  }
 }
 
 TEST_CASE("the robot's own cells are carved out with their padding, others stay") {

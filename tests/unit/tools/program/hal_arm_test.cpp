@@ -358,12 +358,17 @@ TEST_CASE("an emergency stop while holding ends it with the reason", "[hal][arm]
   // who looks afterwards is told that the program halted, and not that nothing is in the way
   ArmTask watch;
   watch.for_s = 1.2;
+  tools::ProgramMonitor program;
+  program.note(s.fri->measurement(), 0.0);
   CHECK(s.run(watch).how == How::Done);
-  const auto found = obstacles(s.view(), hal::built_in_robot());
-  const auto* program = test::obstacle(found, "program");
-  REQUIRE(program);
-  CHECK(program->refuses);
-  CHECK(program->next.find("emergency stop") != std::string::npos);
+  program.note(s.fri->measurement(), watch.for_s);
+  CHECK_FALSE(program.heart_beats());
+  const auto found =
+      obstacles(view_of(*s.fri, program, {}, s.guard.limit_margin_deg, watch.for_s), hal::built_in_robot());
+  const auto* halted = test::obstacle(found, "program");
+  REQUIRE(halted);
+  CHECK(halted->refuses);
+  CHECK(halted->next.find("emergency stop") != std::string::npos);
 }
 
 TEST_CASE("nobody on the wire is refused within the deadline", "[hal][arm]") {

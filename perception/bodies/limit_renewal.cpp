@@ -1,0 +1,92 @@
+#include "perception/bodies/limit_renewal.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "hal/types/avx2.hpp"
+
+namespace colift::perception {
+namespace {
+
+constexpr int kEvery = 3;           // frames: at 30 Hz ten looks a second
+constexpr std::uint8_t kLooks = 5;  // in a row
+constexpr float kPast_m = 0.12F;    // behind the limit, which stands before the reference
+constexpr float kMostly = 12.0F;    // of a block's 16 pixels
+constexpr int kCompany = 3;         // of its neighbours
+constexpr float kRagged_m = 0.03F;  // edges of what is seen now move by some pixels
+
+COLIFT_ALSO_AVX2 void add_past(const float* __restrict depth, const float* __restrict limit, std::size_t n,
+                               float* __restrict count) {
+  for (std::size_t u = 0; u < n; ++u) count[u] += depth[u] > limit[u] + kPast_m ? 1.0F : 0.0F;
+}
+
+}  // namespace
+
+LimitRenewal::LimitRenewal(std::size_t width, std::size_t height, const NoiseModel& noise,
+                           const ChangeConfig& config, std::vector<std::uint8_t> keeps)
+    : width_(width),
+      columns_(width / kBlock),
+      rows_(height / kBlock),
+      margin0_m_(static_cast<float>(config.sigmas * noise.sigma0_m + config.margin_m)),
+      margin2_per_m_(
+          static_cast<float>(config.sigmas * noise.sigma2_per_m + config.steps * noise.step2_per_m)),
+      keeps_(std::move(keeps)),
+      looks_(columns_ * rows_, 0),
+      past_(width, 0.0F) {
+  keeps_.resize(columns_ * rows_, 0);
+}
+
+std::size_t LimitRenewal::update(std::span<const float> depth_m, std::span<const std::uint8_t> robot,
+                                 std::span<float> limit_m, std::span<float> behind_m) {
+  if (frame_++ % kEvery != 0) return 0;
+  for (std::size_t row = 0; row < rows_; ++row) {
+    std::fill(past_.begin(), past_.end(), 0.0F);
+    for (std::size_t k = 0; k < kBlock; ++k) {
+      const std::size_t at = (row * kBlock + k) * width_;
+      add_past(depth_m.data() + at, limit_m.data() + at, width_, past_.data());
+    }
+    for (std::size_t c = 0; c < columns_; ++c) {
+      const float* p = past_.data() + c * kBlock;
+      const std::size_t b = row * columns_ + c;
+      const bool past = p[0] + p[1] + p[2] + p[3] >= kMostly && robot[b] == 0 && keeps_[b] == 0;
+      looks_[b] = past ? static_cast<std::uint8_t>(std::min<int>(looks_[b] + 1, kLooks)) : std::uint8_t{0};
+    }
+  }
+  std::size_t moved = 0;
+  for (std::size_t row = 0; row < rows_; ++row)
+    for (std::size_t c = 0; c < columns_; ++c) {
+      if (looks_[row * columns_ + c] < kLooks || !has_company(row, c)) continue;
+      move_back(row, c, depth_m, limit_m, behind_m);
+      ++moved;
+    }
+  return moved;
+}
+
+bool LimitRenewal::has_company(std::size_t row, std::size_t column) const {
+  int company = 0;
+  for (std::size_t y = row > 0 ? row - 1 : 0; y <= std::min(row + 1, rows_ - 1); ++y)
+    for (std::size_t x = column > 0 ? column - 1 : 0; x <= std::min(column + 1, columns_ - 1); ++x)
+      company += looks_[y * columns_ + x] > 0 && !(y == row && x == column) ? 1 : 0;
+  return company >= kCompany;
+}
+
+void LimitRenewal::move_back(std::size_t row, std::size_t column, std::span<const float> depth_m,
+                             std::span<float> limit_m, std::span<float> behind_m) const {
+  // the nearest of what is seen: a NaN is never nearer
+  float near_m = std::numeric_limits<float>::max();
+  const auto each = [&](auto&& what) {
+    for (std::size_t v = row * kBlock; v < (row + 1) * kBlock; ++v)
+      for (std::size_t u = column * kBlock; u < (column + 1) * kBlock; ++u) what(v * width_ + u);
+  };
+  each([&](std::size_t i) {
+    if (depth_m[i] > limit_m[i] + kPast_m) near_m = std::min(near_m, depth_m[i]);
+  });
+  const float limit = near_m - (margin0_m_ + margin2_per_m_ * near_m * near_m) - kRagged_m;
+  each([&](std::size_t i) {
+    if (limit > limit_m[i]) limit_m[i] = limit;
+  });
+  behind_m[row * columns_ + column] = near_m;
+}
+
+}  // namespace colift::perception

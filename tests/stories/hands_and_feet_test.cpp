@@ -1,0 +1,82 @@
+// What a person puts where it does not belong: fingers between palm and object, a foot under the object.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "tests/support/fault_table.hpp"
+#include "tools/experiments/runs/people_scene.hpp"
+#include "tools/experiments/runs/whole_lift.hpp"
+
+namespace {
+
+using namespace colift;
+using namespace colift::experiments;
+using control::Task;
+
+constexpr std::uint64_t kSeed = 41;
+
+/// The nth layout of the people experiment, where somebody does this once the job is in a state.
+sim_hal::Scenario scene(PeopleScene what, int nth, Task in, double after_s) {
+  Trial trial;
+  trial.seed = kSeed;
+  trial.index = static_cast<int>(kPeopleScenes.size()) * nth + static_cast<int>(what);
+  sim_hal::Scenario scenario = people_trial(trial).scenario;
+  scenario.people[0].in_state = control::word(in);
+  scenario.people[0].enters_s = after_s;
+  return scenario;
+}
+
+struct Told {
+  WholeLift lift;
+  double most_n = 0.0;  ///< On him, by robot or object.
+};
+
+Told tell(const sim_hal::Scenario& scenario) {
+  auto lift = run_whole_lift(scenario, control::Method::Fast, kSeed);
+  REQUIRE(lift);
+  Told out{std::move(*lift), 0.0};
+  for (const auto& c : out.lift.verdict.contacts) out.most_n = std::max(out.most_n, c.force_n);
+  return out;
+}
+
+std::string words(const Told& t) {
+  std::string out = t.lift.record.reason + fmt::format("; {:.0f} N at most", t.most_n);
+  for (const auto& s : t.lift.record.states)
+    out += fmt::format("\n{:.2f} {}: {}", hal::seconds(s.at), control::word(s.state), s.reason);
+  for (const auto& f : t.lift.record.faults)
+    out += fmt::format("\n{:.2f} {}: {}", hal::seconds(f.at), f.device, f.what);
+  for (const auto& c : t.lift.verdict.contacts)
+    out += fmt::format("\ntouched at {:.2f} s: {} by {}, {:.0f} N, for {:.2f} s", c.t_s, c.region, c.by,
+                       c.force_n, c.clamped_s);
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("hands and feet in the way here", "[.fault-table]") {
+  tests::print_fault("16 something between palm and object", Task::Close, true);
+  for (const Task in : {Task::Lift, Task::Hold, Task::Lower})
+    tests::print_fault("24 object meets something", in, true);
+}
+
+TEST_CASE("fingers that are between palm and object are never gripped on, and not squeezed (row 16)") {
+  for (int nth = 0; nth < 4; ++nth) {
+    const Told told = tell(scene(PeopleScene::HandInFingers, nth, Task::Close, 0.0));
+    INFO(nth << ": " << words(told));
+    CHECK(fmt::format("{}", fmt::join(told.lift.verdict.breaches, "; ")) == "");
+  }
+}
+
+TEST_CASE("a foot under the object is not crushed, whatever the state (row 24)") {
+  const Task in = GENERATE(Task::Lift, Task::Hold, Task::Lower);
+  for (int nth = 0; nth < 4; ++nth) {
+    const Told told = tell(scene(PeopleScene::FootUnder, nth, in, 0.0));
+    INFO(control::word(in) << ", " << nth << ": " << words(told));
+    CHECK(fmt::format("{}", fmt::join(told.lift.verdict.breaches, "; ")) == "");
+    CHECK(told.most_n <= 65.0);
+  }
+}
