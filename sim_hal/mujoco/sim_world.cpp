@@ -111,11 +111,6 @@ void SimWorld::task_state(const std::string& name) {
   }
 }
 
-void SimWorld::take_object() {
-  const std::scoped_lock lock(impl_->mutex);
-  impl_->taken_at = impl_->physics->object_pose();
-}
-
 void SimWorld::end_faults() {
   const std::scoped_lock lock(impl_->mutex);
   impl_->scenario.faults.clear();

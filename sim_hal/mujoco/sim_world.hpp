@@ -112,9 +112,6 @@ class SimWorld {
   /// there is nothing to hold or no room to stand.
   bool ask_partner(const std::optional<Vec3>& grasp_W, const std::optional<Vec3>& aside_W = {});
 
-  /// Somebody takes the object with both hands, bears it and keeps it where it is, from now on.
-  void take_object();
-
   /// The partner confirmed since the last call that a paused object may be lowered (do: confirm-lower).
   bool take_lower_confirmed();
   /// The same of an arm that stopped and may continue (do: confirm-continue).

@@ -63,7 +63,6 @@ struct SimWorld::Impl {
   HandReading hand_reading = {};
   hal::JointVector external_nm = hal::JointVector::Zero();
   std::optional<SimPartner::Action> partner_action = {};
-  std::optional<Pose> taken_at = {};  ///< Where somebody holds the object with both hands.
   Pose X_WT0 = Pose::Identity();
 
   // the grasp: which one counts, where its middle lies, and how the object lay in the palm
@@ -80,7 +79,6 @@ struct SimWorld::Impl {
   [[nodiscard]] double now_s() const { return hal::seconds(clock.now() - hal::Timestamp(start.load())); }
   void place_partners();
   [[nodiscard]] World around_partner() const;  ///< Where he cannot stand.
-  [[nodiscard]] SimPartner::Action both_hands(const PartnerView& view) const;
   bool partner_steps_aside(const Vec3& direction_W);
   void report();
   [[nodiscard]] SimTruth truth() const;

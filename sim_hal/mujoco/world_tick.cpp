@@ -2,7 +2,6 @@
 #include <cmath>
 #include <utility>
 
-#include "hal/types/units.hpp"
 #include "sim_hal/mujoco/sim_world_impl.hpp"
 
 namespace colift::sim_hal {
@@ -29,7 +28,6 @@ void SimWorld::Impl::tick() {
   PartnerView view{now_s(), physics->object_pose(), physics->object_velocity_W(), physics->object_turning_W(),
                    robot_T};
   partner_action = partner.tick(view);
-  if (taken_at) partner_action = both_hands(view);
   if (figures.size() < partner.holds().size()) place_partners();
   if (partner_action) {
     physics->set_object_load(partner_action->at_W, partner_action->force_W, partner_action->torque_W);
@@ -125,22 +123,6 @@ void SimWorld::Impl::place_partners() {
     figures.push_back(place_partner(around, contact_W, contact_W - middle_W));
   }
   aside.resize(figures.size());
-}
-
-// who bears all of it and lets nothing move it
-SimPartner::Action SimWorld::Impl::both_hands(const PartnerView& view) const {
-  constexpr double kStiffness_n_m = 3000.0, kStiffness_nm_rad = 300.0, kRadius_m = 0.3;  // of gyration, about
-  const double m = object.mass_kg;
-  const Vec3 cog_W = view.X_WT * object.cog_T;
-  const Vec3 v_W = view.v_W + view.w_W.cross(cog_W - view.X_WT.translation());
-  const Eigen::AngleAxisd turned(Eigen::Matrix3d(taken_at->linear() * view.X_WT.linear().transpose()));
-  SimPartner::Action a;
-  a.at_W = cog_W;
-  a.force_W = kStiffness_n_m * (*taken_at * object.cog_T - cog_W) -
-              2.0 * std::sqrt(kStiffness_n_m * m) * v_W + m * hal::kGravity_m_s2 * Vec3::UnitZ();
-  a.torque_W = kStiffness_nm_rad * turned.angle() * turned.axis() -
-               2.0 * kRadius_m * std::sqrt(kStiffness_nm_rad * m) * view.w_W;
-  return a;
 }
 
 // his hand stays where it is

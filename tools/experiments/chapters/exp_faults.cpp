@@ -24,7 +24,7 @@ const char* word_of(control::RunRecord::Result result) {
 std::string recovery_of(const FaultyLift& lift) {
   if (!lift.recovery) return "";
   const FaultyRecovery& r = *lift.recovery;
-  if (r.home) return r.by_person ? "home, a person took the object" : "home";
+  if (r.home) return "home";
   return r.somebody_there ? "somebody stood there" : fmt::format("{}: {}", r.end, r.reason);
 }
 
@@ -85,7 +85,7 @@ Estimate recovered(const TrialTable& table) {
     const std::string how = table.text(row, "recovery");
     if (how.empty() || how == "somebody stood there") continue;
     ++n;
-    home += how.rfind("home", 0) == 0;
+    home += how == "home";
   }
   return rate(home, n);
 }

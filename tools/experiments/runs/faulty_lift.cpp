@@ -80,15 +80,12 @@ class FaultyRig {
     world_.end_faults();
     if (arm_) arm_->krc.mend();
     if (hand_) hand_->pucks.mend();
-    let_pass(kMends);
-  }
-  void let_pass(hal::Duration by) {
     if (arm_)
-      arm_->let_pass(by);
+      arm_->let_pass(kMends);
     else if (hand_)
-      hand_->let_pass(by);
+      hand_->let_pass(kMends);
     else
-      world_.advance(by);
+      world_.advance(kMends);
   }
   [[nodiscard]] std::vector<std::string> broken_rules() const {
     std::vector<std::string> all;
@@ -138,48 +135,26 @@ void observe(FaultyLift& lift, sim_hal::Judge& judge, const sim_hal::TickReport&
   lift.motion.push_back({report.t_s, report.truth.q_rad, touched});
 }
 
-/// A new process at the same rig.
-control::RecoveryRecord recover_once(sim_hal::SimWorld& world, FaultyRig& rig, const control::RigView& view,
-                                     const control::Config& config, const control::JobOptions& job,
-                                     FaultyRecovery& out) {
+/// A new process at the same rig, after a job that has stopped.
+FaultyRecovery recover(sim_hal::SimWorld& world, FaultyRig& rig, const control::RigView& view,
+                       const control::Config& config, const control::JobOptions& job) {
+  rig.mend();
   hal::Robot robot = rig.robot(config);
   const hal::SteadyClock wall;
   control::Recovery recovery(robot, view, config,
                              {job.method, job.seed, control::Drive::InStep, sim_hal::SimConfig::home_rad()},
                              wall);
+  FaultyRecovery out;
   const double begin_s = hal::seconds(world.elapsed());
   control::RecoveryHooks hooks;
-  hooks.confirm = [&](control::RecoveryStep step, const std::string&) {
-    const bool taken = out.by_person && step == control::RecoveryStep::Lower;
-    return taken ? control::Confirmation::PersonHolds : control::Confirmation::Yes;
-  };
+  hooks.confirm = [](control::RecoveryStep, const std::string&) { return control::Confirmation::Yes; };
   hooks.may_move = [&] {
     out.somebody_there = world.people_distance_m() < kFree_m;
     return !out.somebody_there;
   };
   hooks.interrupted = [&] { return hal::seconds(world.elapsed()) - begin_s > kMaxJob_s; };
   hooks.say = [](const std::string&) {};
-  return recovery.run(hooks);
-}
-
-/// The object is in the hand, and the robot could not set it down.
-bool not_set_down(const control::RecoveryRecord& record) {
-  const auto& steps = record.steps;
-  return !record.recovered && !record.device_failed && !record.interrupted && steps.size() > 1 &&
-         steps[steps.size() - 2].step == control::RecoveryStep::Lower;
-}
-
-FaultyRecovery recover(sim_hal::SimWorld& world, FaultyRig& rig, const control::RigView& view,
-                       const control::Config& config, const control::JobOptions& job) {
-  FaultyRecovery out;
-  rig.mend();
-  control::RecoveryRecord record = recover_once(world, rig, view, config, job, out);
-  if (not_set_down(record)) {
-    out.by_person = true;
-    world.take_object();
-    rig.let_pass(kMends);
-    record = recover_once(world, rig, view, config, job, out);
-  }
+  const control::RecoveryRecord record = recovery.run(hooks);
   out.home = record.recovered;
   out.somebody_there = out.somebody_there && record.interrupted;
   if (!record.steps.empty()) out.end = word(record.steps.back().step);

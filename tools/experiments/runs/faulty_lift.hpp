@@ -26,10 +26,9 @@ struct FaultyScene {
 };
 
 /// `colift recover` after a job that stopped: whatever was wrong is mended, and an operator confirms every
-/// step. Where the object cannot be set down from there, a person takes it, and the operator begins anew.
+/// step.
 struct FaultyRecovery {
-  bool home = false;       ///< The arm is, with an open hand.
-  bool by_person = false;  ///< Somebody had to take the object.
+  bool home = false;  ///< The arm is, with an open hand.
   std::string end, reason;
   bool somebody_there = false;  ///< It was never free to move.
 };
