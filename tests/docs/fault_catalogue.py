@@ -83,7 +83,7 @@ FAULTS = [
     (22, "object falls", "holds", ["a lift ends with the grip, a slipping or hot hand, and too much load"], letters(e="await plan approach close release retreat")),
     (23, "object heavier than expected, or stuck", "stops, sets down, says so",
      ["a lift ends with the grip, a slipping or hot hand, and too much load"], letters(e="await plan approach retreat", s="close release")),
-    (24, "object meets something", "stops and yields", [], letters(e="await plan approach close release retreat")),
+    (24, "object meets something", "stops, the grip stays closed", [], letters(e="await plan approach close release retreat")),
     (25, "hand does not close or open", "tries once more, else home", [], letters(s="await plan lift hold lower", n="approach retreat")),
     (26, "hand closes on nothing", "opens, tries once more, else home", [], letters(s="await plan approach lift hold lower release retreat")),
     (27, "one finger fails", "empty: opens the others; loaded: holds", [], letters(n="await retreat", p="plan")),
