@@ -65,8 +65,7 @@ BodyFinder::BodyFinder(const ReferenceImage& reference, std::span<const Eigen::V
                                      static_cast<float>((v - intrinsics_.cy) / intrinsics_.fy), 1.0F);
     behind_m_[b] = reference.cloud.depth_m[static_cast<std::size_t>(v) * width + static_cast<std::size_t>(u)];
   }
-  renewal_.emplace(width, static_cast<std::size_t>(intrinsics_.height), noise, config.change,
-                   object_blocks());
+  renewal_.emplace(reference.cloud.depth_m, width, noise, config.change, object_blocks());
 }
 
 std::vector<std::uint8_t> BodyFinder::object_blocks() const {

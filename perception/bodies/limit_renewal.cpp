@@ -11,30 +11,36 @@ namespace {
 
 constexpr int kEvery = 3;           // frames: at 30 Hz ten looks a second
 constexpr std::uint8_t kLooks = 5;  // in a row
-constexpr float kPast_m = 0.12F;    // behind the limit, which stands before the reference
+constexpr float kPast_m = 0.08F;    // behind what the reference and its noise explain
 constexpr float kMostly = 12.0F;    // of a block's 16 pixels
 constexpr int kCompany = 3;         // of its neighbours
 constexpr float kRagged_m = 0.03F;  // edges of what is seen now move by some pixels
 
-COLIFT_ALSO_AVX2 void add_past(const float* __restrict depth, const float* __restrict limit, std::size_t n,
+COLIFT_ALSO_AVX2 void add_past(const float* __restrict depth, const float* __restrict far, std::size_t n,
                                float* __restrict count) {
-  for (std::size_t u = 0; u < n; ++u) count[u] += depth[u] > limit[u] + kPast_m ? 1.0F : 0.0F;
+  for (std::size_t u = 0; u < n; ++u) count[u] += depth[u] > far[u] ? 1.0F : 0.0F;
 }
 
 }  // namespace
 
-LimitRenewal::LimitRenewal(std::size_t width, std::size_t height, const NoiseModel& noise,
+LimitRenewal::LimitRenewal(std::span<const float> reference_m, std::size_t width, const NoiseModel& noise,
                            const ChangeConfig& config, std::vector<std::uint8_t> keeps)
     : width_(width),
       columns_(width / kBlock),
-      rows_(height / kBlock),
+      rows_(reference_m.size() / width / kBlock),
       margin0_m_(static_cast<float>(config.sigmas * noise.sigma0_m + config.margin_m)),
       margin2_per_m_(
           static_cast<float>(config.sigmas * noise.sigma2_per_m + config.steps * noise.step2_per_m)),
       keeps_(std::move(keeps)),
       looks_(columns_ * rows_, 0),
+      far_m_(reference_m.begin(), reference_m.end()),
       past_(width, 0.0F) {
   keeps_.resize(columns_ * rows_, 0);
+  for (float& depth : far_m_) depth += margin(depth) + kPast_m;
+}
+
+float LimitRenewal::margin(float depth_m) const {
+  return margin0_m_ + margin2_per_m_ * depth_m * depth_m;
 }
 
 std::size_t LimitRenewal::update(std::span<const float> depth_m, std::span<const std::uint8_t> robot,
@@ -44,7 +50,7 @@ std::size_t LimitRenewal::update(std::span<const float> depth_m, std::span<const
     std::fill(past_.begin(), past_.end(), 0.0F);
     for (std::size_t k = 0; k < kBlock; ++k) {
       const std::size_t at = (row * kBlock + k) * width_;
-      add_past(depth_m.data() + at, limit_m.data() + at, width_, past_.data());
+      add_past(depth_m.data() + at, far_m_.data() + at, width_, past_.data());
     }
     for (std::size_t c = 0; c < columns_; ++c) {
       const float* p = past_.data() + c * kBlock;
@@ -72,7 +78,7 @@ bool LimitRenewal::has_company(std::size_t row, std::size_t column) const {
 }
 
 void LimitRenewal::move_back(std::size_t row, std::size_t column, std::span<const float> depth_m,
-                             std::span<float> limit_m, std::span<float> behind_m) const {
+                             std::span<float> limit_m, std::span<float> behind_m) {
   // the nearest of what is seen: a NaN is never nearer
   float near_m = std::numeric_limits<float>::max();
   const auto each = [&](auto&& what) {
@@ -80,11 +86,12 @@ void LimitRenewal::move_back(std::size_t row, std::size_t column, std::span<cons
       for (std::size_t u = column * kBlock; u < (column + 1) * kBlock; ++u) what(v * width_ + u);
   };
   each([&](std::size_t i) {
-    if (depth_m[i] > limit_m[i] + kPast_m) near_m = std::min(near_m, depth_m[i]);
+    if (depth_m[i] > far_m_[i]) near_m = std::min(near_m, depth_m[i]);
   });
-  const float limit = near_m - (margin0_m_ + margin2_per_m_ * near_m * near_m) - kRagged_m;
+  const float limit = near_m - margin(near_m) - kRagged_m, far = near_m + margin(near_m) + kPast_m;
   each([&](std::size_t i) {
     if (limit > limit_m[i]) limit_m[i] = limit;
+    if (far > far_m_[i]) far_m_[i] = far;
   });
   behind_m[row * columns_ + column] = near_m;
 }

@@ -17,9 +17,10 @@ class LimitRenewal {
  public:
   static constexpr std::size_t kBlock = 4;
 
-  /// `keeps`: by block, not 0 where nothing is renewed: the object, which moves and comes back.
-  LimitRenewal(std::size_t width, std::size_t height, const NoiseModel& noise, const ChangeConfig& config,
-               std::vector<std::uint8_t> keeps);
+  /// `reference_m`: its depth by pixel, NaN where nothing was measured; `keeps`: by block, not 0 where
+  /// nothing is renewed: the object, which moves and comes back.
+  LimitRenewal(std::span<const float> reference_m, std::size_t width, const NoiseModel& noise,
+               const ChangeConfig& config, std::vector<std::uint8_t> keeps);
 
   /// With every frame: looks at one in three. `robot`: by block, not 0 where nothing is known because of it;
   /// `limit_m`: by pixel, as of change_limits(); `behind_m`: depth of the background by block. Both are moved
@@ -30,12 +31,14 @@ class LimitRenewal {
  private:
   [[nodiscard]] bool has_company(std::size_t row, std::size_t column) const;
   void move_back(std::size_t row, std::size_t column, std::span<const float> depth_m,
-                 std::span<float> limit_m, std::span<float> behind_m) const;
+                 std::span<float> limit_m, std::span<float> behind_m);
+  [[nodiscard]] float margin(float depth_m) const;
 
   std::size_t width_, columns_, rows_;
   float margin0_m_, margin2_per_m_;
   std::vector<std::uint8_t> keeps_, looks_;  // by block; looks in a row that showed what lies behind
-  std::vector<float> past_;                  // by column of pixels: how many of a block's row
+  std::vector<float> far_m_;  // by pixel: beyond it nothing is left of what the reference shows
+  std::vector<float> past_;   // by column of pixels: how many of a block's row
   int frame_ = 0;
 };
 
