@@ -46,6 +46,7 @@ set(COLIFT_PUBLIC_HEADERS
   perception/map/world_map.hpp
   perception/bodies/body_finder.hpp
   perception/bodies/body_tracker.hpp
+  perception/bodies/limit_renewal.hpp
   perception/motion/object_motion.hpp
   perception/organised_cloud.hpp
   perception/partner/partner_grasp.hpp

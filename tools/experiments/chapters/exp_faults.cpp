@@ -40,7 +40,9 @@ TrialRows run(const Trial& trial) {
     rows.words = name + ": " + lift.error().text();
     return rows;
   }
-  const std::vector<std::string> against = objections(*lift, drawn.faults);
+  std::vector<std::string> against = objections(*lift, drawn.faults);
+  if (const auto& r = lift->recovery; r && !r->home && !r->somebody_there)
+    against.push_back(fmt::format("recover ended in {}: {}", r->end, r->reason));
   const bool survived = against.empty();
   for (const DrawnFault& fault : drawn.faults) {
     const double began = began_s(*lift, fault);

@@ -62,8 +62,6 @@ std::vector<std::string> objections(const FaultyLift& lift, const std::vector<Dr
   if (!control::is_end(end)) all.push_back(fmt::format("ended in {}", word(end)));
   for (const DrawnFault& fault : faults)
     if (auto broken = demand_broken(lift, fault); !broken.empty()) all.push_back(std::move(broken));
-  if (const auto& r = lift.recovery; r && !r->home && !r->somebody_there)
-    all.push_back(fmt::format("recover ended in {}: {}", r->end, r->reason));
   for (const std::string& rule : lift.broken_rules) all.push_back("broke a rule of the wire: " + rule);
   if (lift.divergences > 0) all.push_back("the physics diverged");
   return all;
