@@ -8,7 +8,7 @@
 namespace colift::perception {
 namespace {
 
-constexpr int kBlock = 4;               // pixels; 3 cm at 4 m
+constexpr int kBlock = static_cast<int>(LimitRenewal::kBlock);  // pixels; 3 cm at 4 m
 constexpr double kMoved_m = 0.002;      // an object that moved by less stands where it stood
 constexpr std::size_t kMaxParts = 256;  // small ones beyond are noise everywhere: the largest count
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,6 +25,11 @@ struct TimedFault {
   std::string text;  ///< As it was asked for.
 
   [[nodiscard]] bool active(double t_s) const { return t_s >= at_s && t_s < at_s + for_s; }
+  /// Over by then; what has not begun never does.
+  void end(double t_s) {
+    for_s = std::clamp(t_s - at_s, 0.0, for_s);
+    if (at_s >= t_s) at_s = std::numeric_limits<double>::infinity();
+  }
 };
 
 /// A row of a device's table. Several names may stand for one kind: scenarios have words of their own.

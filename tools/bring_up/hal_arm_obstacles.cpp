@@ -200,9 +200,9 @@ class Finder {
               version, krl::kVersion),
           "load the config/krl/colift.src of this CoLift on the KRC, or name the program with script: in the "
           "file behind --robot");
-    } else if (!v_.program.heart_beats() && v_.program.watched_s() > ProgramMonitor::kBeatWatch_s) {
+    } else if (!v_.program.heart_beats() && v_.program.silent_s() > ProgramMonitor::kBeatWatch_s) {
       refuse("program",
-             fmt::format("the KRL program is stopped: no heartbeat for {:.1f} s", v_.program.watched_s()),
+             fmt::format("the KRL program is stopped: no heartbeat for {:.1f} s", v_.program.silent_s()),
              v_.m.power == 0
                  ? "with the drives off (power 0x00) this is what an emergency stop leaves: release it, "
                    "acknowledge at the panel, and start the program anew"

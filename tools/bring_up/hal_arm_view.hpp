@@ -18,11 +18,13 @@ namespace colift::tools {
 /// times in kBeatWatch_s.
 class ProgramMonitor {
  public:
+  static constexpr double kBeatWatch_s = 0.6;
+
   /// At any rate, with the time since the start.
   void note(const hal::FriMeasurement& m, double t_s);
-  static constexpr double kBeatWatch_s = 0.6;
-  [[nodiscard]] bool heart_beats() const { return changed_s_ && last_s_ - *changed_s_ < kBeatWatch_s; }
-  [[nodiscard]] double watched_s() const { return last_s_ - first_s_; }
+  [[nodiscard]] bool heart_beats() const { return changed_s_ && silent_s() < kBeatWatch_s; }
+  /// Since the last beat; without one, since the first measurement.
+  [[nodiscard]] double silent_s() const { return last_s_ - changed_s_.value_or(first_s_); }
 
  private:
   bool any_ = false;

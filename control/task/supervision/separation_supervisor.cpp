@@ -86,19 +86,13 @@ void SeparationSupervisor::update(double image_age_s) {
   note_wait();
   note_confirmable();
   add_sample();
-  if (path_obstructed()) {
-    obstructed_by_ = state.nearest.who;
-    note_obstacles(nullptr);
-  }
+  if (path_obstructed()) obstructed_by_ = state.nearest.who;
 }
 
 // What a frame shows replaces what was known; what it says nothing of may still be there.
-void SeparationSupervisor::note_obstacles(const hal::DepthFrame* frame) {
+void SeparationSupervisor::note_obstacles(const hal::DepthFrame& frame) {
   auto& known = c_.obstacles_W;
-  if (frame == nullptr)
-    known.clear();
-  else if (!known.empty())
-    c_.session.keep_hidden(*frame, known);
+  if (!known.empty()) c_.session.keep_hidden(frame, known);
   const auto& shown = obstructed_by_ ? seen_W_ : things_W_;
   known.insert(known.end(), shown.begin(), shown.end());
   if (known.empty()) obstructed_by_.reset();
@@ -217,7 +211,7 @@ void SeparationSupervisor::look(const hal::DepthFrame& frame) {
   seen_W_.clear();
   things_W_.clear();
   sort_points(seen);
-  note_obstacles(&frame);
+  note_obstacles(frame);
   c_.bodies_in_view = bodies_.size();
   const double latency_s = hal::seconds(c_.readings.frame_latency);
   monitor_.update(c_.now, is_moving(c_.state) && !holds(), near_, latency_s,

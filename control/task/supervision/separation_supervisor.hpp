@@ -61,8 +61,8 @@ class SeparationSupervisor {
   /// Of an arm that stands after a stop which is to be confirmed.
   [[nodiscard]] std::string why_it_stands() const;
   void note_confirmable();
-  /// TaskContext::obstacles_W by a frame; without one, by what was last seen alone.
-  void note_obstacles(const hal::DepthFrame* frame);
+  /// TaskContext::obstacles_W by a frame whose bodies are known.
+  void note_obstacles(const hal::DepthFrame& frame);
   /// Counts and notes that the arm waits, or continues.
   void note_wait();
   /// A person nearer than that slows the arm (m).
@@ -76,9 +76,9 @@ class SeparationSupervisor {
   std::vector<Neighbour> near_;
   std::vector<perception::BodyPoint> hand_, partner_, others_;
   std::vector<SeparationStatus::Body> bodies_;
-  std::vector<Eigen::Vector3f> seen_W_,
-      things_W_;                         ///< Of the last frame, without the partner; things at rest.
-  std::optional<Nearby> obstructed_by_;  ///< The last path; until neither it nor anything else is seen.
+  std::vector<Eigen::Vector3f> seen_W_;    ///< Of the last frame, without the partner.
+  std::vector<Eigen::Vector3f> things_W_;  ///< Those of things at rest.
+  std::optional<Nearby> obstructed_by_;    ///< The last path; until neither it nor anything else is seen.
   hal::Timestamp updated_at_{0};
   hal::Timestamp sampled_at_{0};
   double scale_ = 1.0, waited_s_ = 0.0, compute_ms_ = 0.0;

@@ -12,7 +12,6 @@ namespace {
 using Kind = HandFault::Kind;
 using namespace prop;
 
-constexpr double kNever_s = 1e9;
 constexpr double kSupply_v = 48.0;
 constexpr double kBrake = 60.0;   // units: of the spread's gear
 constexpr double kTurned = 20.0;  // counts/ms: 100 degrees/s
@@ -28,10 +27,7 @@ void HandEmulator::inject(const HandFault& fault) {
 }
 
 void HandEmulator::mend() {
-  for (HandFault& fault : config_.faults) {
-    fault.for_s = std::clamp(t_s_ - fault.at_s, 0.0, fault.for_s);
-    if (fault.at_s >= t_s_) fault.at_s = kNever_s;
-  }
+  for (HandFault& fault : config_.faults) fault.end(t_s_);
 }
 
 void HandEmulator::act(const HandFault& f, bool begins) {

@@ -15,7 +15,6 @@ constexpr double kAftermath_s = 0.25;  // so long an injected fault is blamed fo
 constexpr double kStartCycles = 250;   // a slow link needs its time to show that it is good
 constexpr double kRestartTakes_s = 0.3;  // off the wire while a program is restarted
 constexpr double kBrakesOpen_s = 0.2;    // from friStart until the drives have the arm
-constexpr double kNever_s = 1e9;
 
 }  // namespace
 
@@ -262,10 +261,7 @@ const KrcFault* KrcEmulator::active(KrcFault::Kind kind) const {
 }
 
 void KrcEmulator::mend() {
-  for (KrcFault& fault : config_.faults) {
-    fault.for_s = std::clamp(t_s_ - fault.at_s, 0.0, fault.for_s);
-    if (fault.at_s >= t_s_) fault.at_s = kNever_s;
-  }
+  for (KrcFault& fault : config_.faults) fault.end(t_s_);
   in_.mend();
   out_.mend();
   restart_at_s_ = t_s_;
