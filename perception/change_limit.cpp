@@ -37,6 +37,10 @@ void fill_row(const float* near, float* filled, int width, float shadow_step) {
 
 }  // namespace
 
+ChangeMargin::ChangeMargin(const NoiseModel& noise, const ChangeConfig& config)
+    : constant_m(static_cast<float>(config.sigmas * noise.sigma0_m + config.margin_m)),
+      per_m(static_cast<float>(config.sigmas * noise.sigma2_per_m + config.steps * noise.step2_per_m)) {}
+
 std::vector<float> change_limits(const ReferenceImage& reference, const NoiseModel& noise,
                                  const ChangeConfig& config, const PixelWindow& window) {
   std::vector<float> limits(reference.near_m.size(), kNan);
@@ -55,9 +59,7 @@ std::vector<float> change_limits(const ReferenceImage& reference, const NoiseMod
              static_cast<float>(config.shadow_step_m));
   }
   std::vector<float> down(width + 2 * pad, kFar), nearest(width);
-  const auto margin0 = static_cast<float>(config.sigmas * noise.sigma0_m + config.margin_m);
-  const auto margin2 =
-      static_cast<float>(config.sigmas * noise.sigma2_per_m + config.steps * noise.step2_per_m);
+  const ChangeMargin margin(noise, config);
   const auto slope0 = static_cast<float>(config.edge_step_m + 4.0 * noise.sigma0_m);
   const auto slope2 = static_cast<float>(4.0 * noise.sigma2_per_m);
   for (int v = window.v_begin; v < window.v_end; ++v) {
@@ -81,7 +83,7 @@ std::vector<float> change_limits(const ReferenceImage& reference, const NoiseMod
       const float z = nearest[u], squared = std::min(z, kFarSide) * std::min(z, kFarSide);
       const float standard = typical[u] - z < slope0 + slope2 * squared ? typical[u] : z;
       // noise at a missing background is nobody's: any depth that appears there is new
-      limit[u] = z >= kFar ? kFar : standard - (margin0 + margin2 * squared);
+      limit[u] = z >= kFar ? kFar : standard - margin.of_squared(squared);
     }
   }
   return limits;

@@ -36,6 +36,16 @@ struct ChangeConfig {
   }
 };
 
+/// By how much a depth must differ from another one to count as changed: what noise, quantisation and drift
+/// explain (ChangeConfig::sigmas, steps, margin_m).
+struct ChangeMargin {
+  float constant_m = 0.0F, per_m = 0.0F;  ///< Both in metres of depth difference; the second times depth².
+
+  ChangeMargin(const NoiseModel& noise, const ChangeConfig& config);
+  [[nodiscard]] float of_squared(float depth_squared) const { return constant_m + per_m * depth_squared; }
+  [[nodiscard]] float operator()(float depth_m) const { return of_squared(depth_m * depth_m); }
+};
+
 /// A rectangle of pixels: begin included, end not.
 struct PixelWindow {
   int u_begin = 0, v_begin = 0, u_end = 0, v_end = 0;

@@ -9,7 +9,7 @@
 namespace colift::perception {
 namespace {
 
-constexpr int kEvery = 3;           // frames: at 30 Hz ten looks a second
+constexpr std::size_t kEvery = 3;   // a row of blocks every so many frames: at 30 Hz ten looks a second
 constexpr std::uint8_t kLooks = 5;  // in a row
 constexpr float kPast_m = 0.08F;    // behind what the reference and its noise explain
 constexpr float kMostly = 12.0F;    // of a block's 16 pixels
@@ -28,45 +28,42 @@ LimitRenewal::LimitRenewal(std::span<const float> reference_m, std::size_t width
     : width_(width),
       columns_(width / kBlock),
       rows_(reference_m.size() / width / kBlock),
-      margin0_m_(static_cast<float>(config.sigmas * noise.sigma0_m + config.margin_m)),
-      margin2_per_m_(
-          static_cast<float>(config.sigmas * noise.sigma2_per_m + config.steps * noise.step2_per_m)),
+      margin_(noise, config),
       keeps_(std::move(keeps)),
       looks_(columns_ * rows_, 0),
       far_m_(reference_m.begin(), reference_m.end()),
       past_(width, 0.0F) {
   keeps_.resize(columns_ * rows_, 0);
-  for (float& depth : far_m_) depth += margin(depth) + kPast_m;
-}
-
-float LimitRenewal::margin(float depth_m) const {
-  return margin0_m_ + margin2_per_m_ * depth_m * depth_m;
+  for (float& depth : far_m_) depth += margin_(depth) + kPast_m;
 }
 
 std::size_t LimitRenewal::update(std::span<const float> depth_m, std::span<const std::uint8_t> robot,
                                  std::span<float> limit_m, std::span<float> behind_m) {
-  if (frame_++ % kEvery != 0) return 0;
-  for (std::size_t row = 0; row < rows_; ++row) {
-    std::fill(past_.begin(), past_.end(), 0.0F);
-    for (std::size_t k = 0; k < kBlock; ++k) {
-      const std::size_t at = (row * kBlock + k) * width_;
-      add_past(depth_m.data() + at, far_m_.data() + at, width_, past_.data());
-    }
-    for (std::size_t c = 0; c < columns_; ++c) {
-      const float* p = past_.data() + c * kBlock;
-      const std::size_t b = row * columns_ + c;
-      const bool past = p[0] + p[1] + p[2] + p[3] >= kMostly && robot[b] == 0 && keeps_[b] == 0;
-      looks_[b] = past ? static_cast<std::uint8_t>(std::min<int>(looks_[b] + 1, kLooks)) : std::uint8_t{0};
-    }
-  }
   std::size_t moved = 0;
-  for (std::size_t row = 0; row < rows_; ++row)
+  for (std::size_t row = frame_++ % kEvery; row < rows_; row += kEvery) {
+    look(row, depth_m, robot);
     for (std::size_t c = 0; c < columns_; ++c) {
       if (looks_[row * columns_ + c] < kLooks || !has_company(row, c)) continue;
       move_back(row, c, depth_m, limit_m, behind_m);
       ++moved;
     }
+  }
   return moved;
+}
+
+void LimitRenewal::look(std::size_t row, std::span<const float> depth_m,
+                        std::span<const std::uint8_t> robot) {
+  std::fill(past_.begin(), past_.end(), 0.0F);
+  for (std::size_t k = 0; k < kBlock; ++k) {
+    const std::size_t at = (row * kBlock + k) * width_;
+    add_past(depth_m.data() + at, far_m_.data() + at, width_, past_.data());
+  }
+  for (std::size_t c = 0; c < columns_; ++c) {
+    const float* p = past_.data() + c * kBlock;
+    const std::size_t b = row * columns_ + c;
+    const bool past = p[0] + p[1] + p[2] + p[3] >= kMostly && robot[b] == 0 && keeps_[b] == 0;
+    looks_[b] = past ? static_cast<std::uint8_t>(std::min<int>(looks_[b] + 1, kLooks)) : std::uint8_t{0};
+  }
 }
 
 bool LimitRenewal::has_company(std::size_t row, std::size_t column) const {
@@ -88,7 +85,7 @@ void LimitRenewal::move_back(std::size_t row, std::size_t column, std::span<cons
   each([&](std::size_t i) {
     if (depth_m[i] > far_m_[i]) near_m = std::min(near_m, depth_m[i]);
   });
-  const float limit = near_m - margin(near_m) - kRagged_m, far = near_m + margin(near_m) + kPast_m;
+  const float limit = near_m - margin_(near_m) - kRagged_m, far = near_m + margin_(near_m) + kPast_m;
   each([&](std::size_t i) {
     if (limit > limit_m[i]) limit_m[i] = limit;
     if (far > far_m_[i]) far_m_[i] = far;

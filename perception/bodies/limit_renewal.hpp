@@ -22,24 +22,24 @@ class LimitRenewal {
   LimitRenewal(std::span<const float> reference_m, std::size_t width, const NoiseModel& noise,
                const ChangeConfig& config, std::vector<std::uint8_t> keeps);
 
-  /// With every frame: looks at one in three. `robot`: by block, not 0 where nothing is known because of it;
-  /// `limit_m`: by pixel, as of change_limits(); `behind_m`: depth of the background by block. Both are moved
-  /// back where it is due. Returns how many blocks were.
+  /// With every frame, of which each looks at a third of the rows of blocks. `robot`: by block, not 0 where
+  /// nothing is known because of it; `limit_m`: by pixel, as of change_limits(); `behind_m`: depth of the
+  /// background by block. Both are moved back where it is due. Returns how many blocks were.
   std::size_t update(std::span<const float> depth_m, std::span<const std::uint8_t> robot,
                      std::span<float> limit_m, std::span<float> behind_m);
 
  private:
+  void look(std::size_t row, std::span<const float> depth_m, std::span<const std::uint8_t> robot);
   [[nodiscard]] bool has_company(std::size_t row, std::size_t column) const;
   void move_back(std::size_t row, std::size_t column, std::span<const float> depth_m,
                  std::span<float> limit_m, std::span<float> behind_m);
-  [[nodiscard]] float margin(float depth_m) const;
 
   std::size_t width_, columns_, rows_;
-  float margin0_m_, margin2_per_m_;
+  ChangeMargin margin_;
   std::vector<std::uint8_t> keeps_, looks_;  // by block; looks in a row that showed what lies behind
   std::vector<float> far_m_;  // by pixel: beyond it nothing is left of what the reference shows
   std::vector<float> past_;   // by column of pixels: how many of a block's row
-  int frame_ = 0;
+  std::size_t frame_ = 0;
 };
 
 }  // namespace colift::perception

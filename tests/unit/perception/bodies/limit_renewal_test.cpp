@@ -55,7 +55,7 @@ TEST_CASE("where a thing was carried off, what stood behind it is the scene half
   LimitRenewal renewal = wall.renewal();
   const std::vector<float> gone(kWidth * kHeight, 3.0F);
   CHECK(wall.look(renewal, gone, 12) == 0);  // four looks
-  CHECK(wall.look(renewal, gone, 1) == 16);  // its 4 x 4 blocks
+  CHECK(wall.look(renewal, gone, 3) == 16);  // its 4 x 4 blocks, a third of the rows with each frame
   CHECK(wall.limit_m[24 * kWidth + 24] > 2.8F);
   CHECK(wall.limit_m[24 * kWidth + 24] < 3.0F);
   CHECK(wall.limit_m[12 * kWidth + 12] == 0.95F);  // beside it the reference has not changed
