@@ -8,7 +8,8 @@
 namespace colift::perception {
 namespace {
 
-constexpr int kBlock = static_cast<int>(LimitRenewal::kBlock);  // pixels; 3 cm at 4 m
+constexpr std::size_t kSide = BlockGrid::kSide;
+constexpr double kMiddle_px = 0.5 * (static_cast<double>(kSide) - 1.0);  // of a block
 constexpr double kMoved_m = 0.002;      // an object that moved by less stands where it stood
 constexpr std::size_t kMaxParts = 256;  // small ones beyond are noise everywhere: the largest count
 
@@ -34,19 +35,17 @@ BodyFinder::BodyFinder(const ReferenceImage& reference, std::span<const Eigen::V
       object_(object, 0.015, std::max(config.object_margin_m, config.moved_object_margin_m) + 0.03),
       has_object_(!object.empty()),
       limit_m_(change_limits(reference, noise, config.change, {0, 0, intrinsics_.width, intrinsics_.height})),
-      columns_(static_cast<std::size_t>(intrinsics_.width / kBlock)),
-      rows_(static_cast<std::size_t>(intrinsics_.height / kBlock)) {
-  const std::size_t blocks = columns_ * rows_;
-  const auto width = static_cast<std::size_t>(intrinsics_.width);
-  row_sum_.resize(width);
-  row_count_.resize(width);
+      grid_(static_cast<std::size_t>(intrinsics_.width), static_cast<std::size_t>(intrinsics_.height)) {
+  const std::size_t blocks = grid_.size();
+  row_sum_.resize(grid_.width);
+  row_count_.resize(grid_.width);
   depth_.resize(blocks);
   count_.resize(blocks);
   robot_.resize(blocks, 0);
   foreign_.resize(blocks);
   unknown_.resize(blocks);
   for (std::size_t i = 0; i < robot_hid.size(); ++i) {
-    const std::size_t b = i / width / kBlock * columns_ + i % width / kBlock;
+    const std::size_t b = grid_.of_pixel(i);
     if (robot_hid[i] != 0 && !reference.cloud.seen(i) && b < blocks) unknown_[b] = 1;
   }
   point_.resize(blocks);
@@ -59,25 +58,23 @@ BodyFinder::BodyFinder(const ReferenceImage& reference, std::span<const Eigen::V
   points_.reserve(16 * static_cast<std::size_t>(config.max_points));
   const Eigen::Matrix3f R_WC = X_WC_.linear().cast<float>();
   for (std::size_t b = 0; b < blocks; ++b) {
-    const double u = static_cast<double>(kBlock * (b % columns_)) + 0.5 * (kBlock - 1);
-    const double v = static_cast<double>(kBlock * (b / columns_)) + 0.5 * (kBlock - 1);
+    const double u = static_cast<double>(grid_.u(b)) + kMiddle_px;
+    const double v = static_cast<double>(grid_.v(b)) + kMiddle_px;
     ray_[b] = R_WC * Eigen::Vector3f(static_cast<float>((u - intrinsics_.cx) / intrinsics_.fx),
                                      static_cast<float>((v - intrinsics_.cy) / intrinsics_.fy), 1.0F);
-    behind_m_[b] = reference.cloud.depth_m[static_cast<std::size_t>(v) * width + static_cast<std::size_t>(u)];
+    behind_m_[b] =
+        reference.cloud.depth_m[static_cast<std::size_t>(v) * grid_.width + static_cast<std::size_t>(u)];
   }
-  renewal_.emplace(reference.cloud.depth_m, width, noise, config.change, object_blocks());
+  renewal_.emplace(reference.cloud.depth_m, grid_.width, noise, config.change, object_blocks());
 }
 
 std::vector<std::uint8_t> BodyFinder::object_blocks() const {
-  std::vector<std::uint8_t> found(columns_ * rows_, 0);
+  std::vector<std::uint8_t> found(grid_.size(), 0);
   if (!has_object_) return found;
   for (std::size_t b = 0; b < found.size(); ++b) {
     const Eigen::Vector3f p = eye_ + behind_m_[b] * ray_[b];
     if (!p.allFinite() || object_.nearest(p.x(), p.y(), p.z()) == ObjectGrid::kNone) continue;
-    const std::size_t row = b / columns_, column = b % columns_;
-    for (std::size_t y = row > 0 ? row - 1 : 0; y <= std::min(row + 1, rows_ - 1); ++y)
-      for (std::size_t x = column > 0 ? column - 1 : 0; x <= std::min(column + 1, columns_ - 1); ++x)
-        found[y * columns_ + x] = 1;
+    grid_.around(b, [&](std::size_t n) { found[n] = 1; });
   }
   return found;
 }
@@ -98,20 +95,17 @@ const std::vector<Body>& BodyFinder::find(const hal::DepthFrame& frame, std::spa
 
 // Sums and counts of foreign depths by block.
 void BodyFinder::mark(const std::vector<float>& depth_m) {
-  const auto width = static_cast<std::size_t>(intrinsics_.width);
-  for (std::size_t row = 0; row < rows_; ++row) {
+  for (std::size_t row = 0; row < grid_.rows; ++row) {
     std::fill(row_sum_.begin(), row_sum_.end(), 0.0F);
     std::fill(row_count_.begin(), row_count_.end(), 0.0F);
     float* sum = row_sum_.data();
     float* count = row_count_.data();
-    for (std::size_t k = 0; k < kBlock; ++k) {
-      const std::size_t at = (row * kBlock + k) * width;
-      const float* depth = depth_m.data() + at;
-      const float* limit = limit_m_.data() + at;
-      add_foreign(depth, limit, width, sum, count);
+    for (std::size_t k = 0; k < kSide; ++k) {
+      const std::size_t at = (row * kSide + k) * grid_.width;
+      add_foreign(depth_m.data() + at, limit_m_.data() + at, grid_.width, sum, count);
     }
-    for (std::size_t c = 0; c < columns_; ++c) {
-      const std::size_t u = c * kBlock, b = row * columns_ + c;
+    for (std::size_t c = 0; c < grid_.columns; ++c) {
+      const std::size_t u = c * kSide, b = row * grid_.columns + c;
       depth_[b] = sum[u] + sum[u + 1] + sum[u + 2] + sum[u + 3];
       count_[b] = count[u] + count[u + 1] + count[u + 2] + count[u + 3];
     }
@@ -121,20 +115,11 @@ void BodyFinder::mark(const std::vector<float>& depth_m) {
 // Beside the robot the sensor mixes its depth with what is behind it: nothing there is trusted.
 void BodyFinder::leave_out_robot(std::span<const std::uint32_t> robot) {
   std::fill(robot_.begin(), robot_.end(), std::uint8_t{0});
-  const auto width = static_cast<std::uint32_t>(intrinsics_.width);
-  const auto columns = static_cast<std::uint32_t>(columns_);
-  for (const std::uint32_t i : robot) {
-    const std::uint32_t b = i / width / kBlock * columns + i % width / kBlock;
-    if (b < robot_.size()) robot_[b] = 1;
-  }
+  for (const std::uint32_t i : robot)
+    if (const std::size_t b = grid_.of_pixel(i); b < robot_.size()) robot_[b] = 1;
   if (robot.empty()) return;
-  for (std::size_t r = 0; r < rows_; ++r)
-    for (std::size_t c = 0; c < columns_; ++c) {
-      if (robot_[r * columns_ + c] != 1) continue;
-      for (std::size_t y = r > 0 ? r - 1 : 0; y <= std::min(r + 1, rows_ - 1); ++y)
-        for (std::size_t x = c > 0 ? c - 1 : 0; x <= std::min(c + 1, columns_ - 1); ++x)
-          count_[y * columns_ + x] = 0.0F;
-    }
+  for (std::size_t b = 0; b < robot_.size(); ++b)
+    if (robot_[b] != 0) grid_.around(b, [&](std::size_t n) { count_[n] = 0.0F; });
 }
 
 void BodyFinder::place_blocks(const hal::Pose& X_WTnow_WTref) {
@@ -187,14 +172,11 @@ void BodyFinder::grow_part(std::size_t seed) {
     part.area_m2 += area_m2;
     part.unknown_m2 += unknown_[b] != 0 ? area_m2 : 0.0;
     part.box.extend(point_[b].cast<double>());
-    const std::size_t r = b / columns_, c = b % columns_;
-    for (std::size_t y = r > 0 ? r - 1 : 0; y <= std::min(r + 1, rows_ - 1); ++y)
-      for (std::size_t x = c > 0 ? c - 1 : 0; x <= std::min(c + 1, columns_ - 1); ++x) {
-        const std::size_t n = y * columns_ + x;
-        if (foreign_[n] != 1 || std::abs(depth_[n] - z) > jump0 + jump2 * z * z) continue;
-        foreign_[n] = 2;
-        stack_.push_back(static_cast<std::uint32_t>(n));
-      }
+    grid_.around(b, [&](std::size_t n) {
+      if (foreign_[n] != 1 || std::abs(depth_[n] - z) > jump0 + jump2 * z * z) return;
+      foreign_[n] = 2;
+      stack_.push_back(static_cast<std::uint32_t>(n));
+    });
   }
   part.count = order_.size() - part.first;
   if (part.area_m2 >= config_.min_part_m2 && part.unknown_m2 <= config_.max_unknown_fraction * part.area_m2)
@@ -248,10 +230,10 @@ void BodyFinder::make_body(int number) {
     if (part.body != number) continue;
     for (std::size_t i = part.first; i < part.first + part.count; ++i) {
       const std::size_t b = order_[i];
-      const int u = kBlock * static_cast<int>(b % columns_), v = kBlock * static_cast<int>(b / columns_);
+      const int u = static_cast<int>(grid_.u(b)), v = static_cast<int>(grid_.v(b));
       left = std::min(left, u);
       upper = std::min(upper, v);
-      right = std::max(right, u + kBlock);
+      right = std::max(right, u + static_cast<int>(kSide));
       sum += point_[b];
       if (at++ % stride != 0) continue;
       const float along = ray_[b].norm();

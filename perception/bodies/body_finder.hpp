@@ -7,6 +7,7 @@
 
 #include "hal/config/range.hpp"
 #include "hal/depth_camera.hpp"
+#include "perception/bodies/block_grid.hpp"
 #include "perception/bodies/limit_renewal.hpp"
 #include "perception/change_limit.hpp"
 #include "perception/noise_model.hpp"
@@ -122,8 +123,8 @@ class BodyFinder {
   ObjectGrid object_;
   bool has_object_ = false;
   std::vector<float> limit_m_, behind_m_;  // by pixel; by block
-  std::size_t columns_ = 0, rows_ = 0;     // of blocks
-  std::vector<Eigen::Vector3f> ray_;       // of each block, W, z along the optical axis is 1
+  BlockGrid grid_;
+  std::vector<Eigen::Vector3f> ray_;  // of each block, W, z along the optical axis is 1
 
   // by block
   std::vector<float> row_sum_, row_count_, depth_, count_;

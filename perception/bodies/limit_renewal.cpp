@@ -25,26 +25,24 @@ COLIFT_ALSO_AVX2 void add_past(const float* __restrict depth, const float* __res
 
 LimitRenewal::LimitRenewal(std::span<const float> reference_m, std::size_t width, const NoiseModel& noise,
                            const ChangeConfig& config, std::vector<std::uint8_t> keeps)
-    : width_(width),
-      columns_(width / kBlock),
-      rows_(reference_m.size() / width / kBlock),
+    : grid_(width, reference_m.size() / width),
       margin_(noise, config),
       keeps_(std::move(keeps)),
-      looks_(columns_ * rows_, 0),
+      looks_(grid_.size(), 0),
       far_m_(reference_m.begin(), reference_m.end()),
       past_(width, 0.0F) {
-  keeps_.resize(columns_ * rows_, 0);
+  keeps_.resize(grid_.size(), 0);
   for (float& depth : far_m_) depth += margin_(depth) + kPast_m;
 }
 
 std::size_t LimitRenewal::update(std::span<const float> depth_m, std::span<const std::uint8_t> robot,
                                  std::span<float> limit_m, std::span<float> behind_m) {
   std::size_t moved = 0;
-  for (std::size_t row = frame_++ % kEvery; row < rows_; row += kEvery) {
+  for (std::size_t row = frame_++ % kEvery; row < grid_.rows; row += kEvery) {
     look(row, depth_m, robot);
-    for (std::size_t c = 0; c < columns_; ++c) {
-      if (looks_[row * columns_ + c] < kLooks || !has_company(row, c)) continue;
-      move_back(row, c, depth_m, limit_m, behind_m);
+    for (std::size_t b = row * grid_.columns; b < (row + 1) * grid_.columns; ++b) {
+      if (looks_[b] < kLooks || !has_company(b)) continue;
+      move_back(b, depth_m, limit_m, behind_m);
       ++moved;
     }
   }
@@ -54,43 +52,37 @@ std::size_t LimitRenewal::update(std::span<const float> depth_m, std::span<const
 void LimitRenewal::look(std::size_t row, std::span<const float> depth_m,
                         std::span<const std::uint8_t> robot) {
   std::fill(past_.begin(), past_.end(), 0.0F);
-  for (std::size_t k = 0; k < kBlock; ++k) {
-    const std::size_t at = (row * kBlock + k) * width_;
-    add_past(depth_m.data() + at, far_m_.data() + at, width_, past_.data());
+  for (std::size_t k = 0; k < BlockGrid::kSide; ++k) {
+    const std::size_t at = (row * BlockGrid::kSide + k) * grid_.width;
+    add_past(depth_m.data() + at, far_m_.data() + at, grid_.width, past_.data());
   }
-  for (std::size_t c = 0; c < columns_; ++c) {
-    const float* p = past_.data() + c * kBlock;
-    const std::size_t b = row * columns_ + c;
+  for (std::size_t c = 0; c < grid_.columns; ++c) {
+    const float* p = past_.data() + c * BlockGrid::kSide;
+    const std::size_t b = row * grid_.columns + c;
     const bool past = p[0] + p[1] + p[2] + p[3] >= kMostly && robot[b] == 0 && keeps_[b] == 0;
     looks_[b] = past ? static_cast<std::uint8_t>(std::min<int>(looks_[b] + 1, kLooks)) : std::uint8_t{0};
   }
 }
 
-bool LimitRenewal::has_company(std::size_t row, std::size_t column) const {
-  int company = 0;
-  for (std::size_t y = row > 0 ? row - 1 : 0; y <= std::min(row + 1, rows_ - 1); ++y)
-    for (std::size_t x = column > 0 ? column - 1 : 0; x <= std::min(column + 1, columns_ - 1); ++x)
-      company += looks_[y * columns_ + x] > 0 && !(y == row && x == column) ? 1 : 0;
+bool LimitRenewal::has_company(std::size_t block) const {
+  int company = -1;  // its own look
+  grid_.around(block, [&](std::size_t b) { company += looks_[b] > 0 ? 1 : 0; });
   return company >= kCompany;
 }
 
-void LimitRenewal::move_back(std::size_t row, std::size_t column, std::span<const float> depth_m,
-                             std::span<float> limit_m, std::span<float> behind_m) {
+void LimitRenewal::move_back(std::size_t block, std::span<const float> depth_m, std::span<float> limit_m,
+                             std::span<float> behind_m) {
   // the nearest of what is seen: a NaN is never nearer
   float near_m = std::numeric_limits<float>::max();
-  const auto each = [&](auto&& what) {
-    for (std::size_t v = row * kBlock; v < (row + 1) * kBlock; ++v)
-      for (std::size_t u = column * kBlock; u < (column + 1) * kBlock; ++u) what(v * width_ + u);
-  };
-  each([&](std::size_t i) {
+  grid_.pixels(block, [&](std::size_t i) {
     if (depth_m[i] > far_m_[i]) near_m = std::min(near_m, depth_m[i]);
   });
   const float limit = near_m - margin_(near_m) - kRagged_m, far = near_m + margin_(near_m) + kPast_m;
-  each([&](std::size_t i) {
+  grid_.pixels(block, [&](std::size_t i) {
     if (limit > limit_m[i]) limit_m[i] = limit;
     if (far > far_m_[i]) far_m_[i] = far;
   });
-  behind_m[row * columns_ + column] = near_m;
+  behind_m[block] = near_m;
 }
 
 }  // namespace colift::perception

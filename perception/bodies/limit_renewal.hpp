@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "perception/bodies/block_grid.hpp"
 #include "perception/change_limit.hpp"
 #include "perception/noise_model.hpp"
 
@@ -15,8 +16,6 @@ namespace colift::perception {
 /// seen now, so that somebody who stands where it stood is noticed. Allocation-free after construction.
 class LimitRenewal {
  public:
-  static constexpr std::size_t kBlock = 4;
-
   /// `reference_m`: its depth by pixel, NaN where nothing was measured; `keeps`: by block, not 0 where
   /// nothing is renewed: the object, which moves and comes back.
   LimitRenewal(std::span<const float> reference_m, std::size_t width, const NoiseModel& noise,
@@ -30,11 +29,11 @@ class LimitRenewal {
 
  private:
   void look(std::size_t row, std::span<const float> depth_m, std::span<const std::uint8_t> robot);
-  [[nodiscard]] bool has_company(std::size_t row, std::size_t column) const;
-  void move_back(std::size_t row, std::size_t column, std::span<const float> depth_m,
-                 std::span<float> limit_m, std::span<float> behind_m);
+  [[nodiscard]] bool has_company(std::size_t block) const;
+  void move_back(std::size_t block, std::span<const float> depth_m, std::span<float> limit_m,
+                 std::span<float> behind_m);
 
-  std::size_t width_, columns_, rows_;
+  BlockGrid grid_;
   ChangeMargin margin_;
   std::vector<std::uint8_t> keeps_, looks_;  // by block; looks in a row that showed what lies behind
   std::vector<float> far_m_;  // by pixel: beyond it nothing is left of what the reference shows

@@ -44,6 +44,7 @@ set(COLIFT_PUBLIC_HEADERS
   # perception: from a frame to a scene, a partner, a motion
   perception/calibration/calibration_file.hpp
   perception/map/world_map.hpp
+  perception/bodies/block_grid.hpp
   perception/bodies/body_finder.hpp
   perception/bodies/body_tracker.hpp
   perception/bodies/limit_renewal.hpp
