@@ -20,13 +20,15 @@ bool SlipDetector::drops(Trace& trace, const std::array<double, kFingers>& value
     if (of[f]) sum += values[f];
   }
   if (of != trace.of) {
-    trace = {sum, of, 0};
+    trace = {sum, sum, of, 0};
     return false;
   }
   trace.below = trace.reference >= least && sum < limits_.share * trace.reference ? trace.below + 1 : 0;
-  if (trace.below == 0)
-    trace.reference +=
-        std::min(1.0, dt_s / (sum > trace.reference ? kRisen_s : kFallen_s)) * (sum - trace.reference);
+  if (trace.below == 0) {
+    const double in_s = sum > trace.reference ? kRisen_s : kFallen_s;
+    trace.reference += std::min(1.0, dt_s / in_s) * (sum - trace.reference);
+    trace.reference = std::min(trace.reference, trace.begin);
+  }
   return trace.below >= kInARow;
 }
 

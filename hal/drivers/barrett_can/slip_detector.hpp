@@ -18,8 +18,9 @@ struct SlipLimits {
 /// Tells from what the fingers measure that the object leaves the grip. Judged are all holding fingers
 /// together: a weight that is lifted shifts from one finger to the next, but takes nothing from what presses
 /// on the object; only where the grip itself gives way the sum falls, or all close. A drop has to show in two
-/// measurements in a row, so that a single bad one is no alarm. The reference is smooth, so that a jerk does
-/// not raise it, and follows slow changes (a moved load).
+/// measurements in a row, so that a single bad one is no alarm. The reference is smooth, and follows slow
+/// changes (a moved load), but never above the grip's beginning: what the load adds to that comes and goes
+/// without a slip.
 class SlipDetector {
  public:
   explicit SlipDetector(const SlipLimits& limits) : limits_(limits) {}
@@ -36,7 +37,7 @@ class SlipDetector {
 
  private:
   struct Trace {
-    double reference = 0.0;
+    double begin = 0.0, reference = 0.0;
     std::array<bool, kFingers> of{};  ///< The fingers in it; with others it starts anew.
     int below = 0;
   };

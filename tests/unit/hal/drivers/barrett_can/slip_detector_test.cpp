@@ -79,6 +79,13 @@ TEST_CASE("a weight that is lifted shifts between the fingers, which is no slip"
         const double k = since < 30ms ? 3.0 : 1.0;
         g.strain_nm = {0.3 * k, 0.3 * k, 0.6 * k}, g.pad_n = {3.0 * k, 3.0 * k, 6.0 * k};
       },
+      // the load presses on the fingers, by three quarters of the grip for a second, and goes again, by more
+      [](Grip& g, hal::Duration since) {
+        const double t = hal::seconds(since);
+        const double k =
+            t < 1.0 ? 1.0 + 0.75 * std::min(1.0, 2.0 * t) : std::max(0.65, 1.75 - 2.5 * (t - 1.0));
+        g.strain_nm = {0.3 * k, 0.3 * k, 0.6 * k}, g.pad_n = {3.0 * k, 3.0 * k, 6.0 * k};
+      },
       // the load goes within a second
       [](Grip& g, hal::Duration since) {
         const double k = std::max(0.5, 1.0 - 0.5 * hal::seconds(since));
@@ -93,6 +100,13 @@ TEST_CASE("a weight that is lifted shifts between the fingers, which is no slip"
       [](Grip& g, hal::Duration) { g.strain_nm[2] = g.pad_n[2] = std::nan(""); },
       [](Grip& g, hal::Duration) { g.holding[2] = false; });
   CHECK_FALSE(alarm_after(change));
+}
+
+TEST_CASE("a grip that gives way under a load which presses on it is a slip, too", "[slip]") {
+  CHECK(alarm_after([](Grip& g, hal::Duration since) {
+          const double k = since < 1s ? 1.75 : 0.4;
+          g.strain_nm = {0.3 * k, 0.3 * k, 0.6 * k}, g.pad_n = {3.0 * k, 3.0 * k, 6.0 * k};
+        }) == 1s + 10ms);
 }
 
 TEST_CASE("an alarm stays until the grip is taken for a good one anew", "[slip]") {
