@@ -1,14 +1,16 @@
 #include "tools/telemetry/record/flight_request.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <chrono>
-#include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <thread>
+#include <utility>
 
 namespace colift::telemetry {
 namespace {
@@ -39,8 +41,27 @@ fs::path request(const fs::path& folder, pid_t pid) {
   return folder / fmt::format("request-{}", pid);
 }
 
-bool alive(pid_t pid) {
-  return pid > 0 && ::kill(pid, 0) == 0;
+// a run locks its announcement for its life: the number of a process that was killed may be another's today
+bool announced(const fs::path& announcement) {
+  const int fd = ::open(announcement.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return false;
+  const bool locked = ::flock(fd, LOCK_SH | LOCK_NB) != 0;
+  ::close(fd);
+  return locked;
+}
+
+/// Descriptor of the locked file; -1: it cannot be written.
+int announce(const fs::path& announcement) {
+  for (;;) {
+    const int fd = ::open(announcement.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+    if (fd < 0 || ::flock(fd, LOCK_EX) != 0) return fd;
+    // somebody who looked just before it was locked has removed it
+    struct stat own {
+    }, there{};
+    if (::fstat(fd, &own) == 0 && ::stat(announcement.c_str(), &there) == 0 && own.st_ino == there.st_ino)
+      return fd;
+    ::close(fd);
+  }
 }
 
 std::optional<pid_t> newest_run(const fs::path& folder) {
@@ -51,7 +72,7 @@ std::optional<pid_t> newest_run(const fs::path& folder) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with("run-")) continue;
     const auto pid = static_cast<pid_t>(std::strtol(name.c_str() + 4, nullptr, 10));
-    if (!alive(pid)) {
+    if (!announced(entry.path())) {
       fs::remove(entry.path(), error);  // left behind by a run that was killed
       continue;
     }
@@ -71,6 +92,7 @@ FlightPost::FlightPost(fs::path folder)
 FlightPost::FlightPost(FlightPost&& other) noexcept
     : announcement_(std::move(other.announcement_)),
       request_(std::move(other.request_)),
+      lock_(std::exchange(other.lock_, -1)),
       answering_(other.answering_) {
   other.announcement_.clear();
 }
@@ -78,10 +100,14 @@ FlightPost::FlightPost(FlightPost&& other) noexcept
 hal::Result<FlightPost> FlightPost::open() {
   const auto folder = own_folder();
   if (!folder) return tl::unexpected(folder.error());
+  (void)newest_run(*folder);  // removes what killed runs have left behind
   FlightPost post(*folder);
   std::error_code ignored;
   fs::remove(post.request_, ignored);
-  std::ofstream(post.announcement_) << ::getpid() << '\n';
+  post.lock_ = announce(post.announcement_);
+  if (post.lock_ < 0)
+    return hal::failure(hal::ErrorCode::NotReady, post.announcement_.string(),
+                        "cannot be written; snapshots cannot be asked for");
   return post;
 }
 
@@ -90,6 +116,7 @@ FlightPost::~FlightPost() {
   std::error_code ignored;
   fs::remove(announcement_, ignored);
   fs::remove(request_, ignored);
+  if (lock_ >= 0) ::close(lock_);
 }
 
 std::optional<fs::path> FlightPost::asked() {
@@ -112,7 +139,7 @@ hal::Result<> ask_for_flight(const fs::path& file, std::optional<pid_t> run, dou
   const auto folder = own_folder();
   if (!folder) return tl::unexpected(folder.error());
   if (!run) run = newest_run(*folder);
-  if (!run || !alive(*run) || !fs::exists(announcement(*folder, *run)))
+  if (!run || !announced(announcement(*folder, *run)))
     return hal::failure(
         hal::ErrorCode::NotFound, "snapshot",
         run ? fmt::format("process {} is no run that records; start it with --record or --flight", *run)

@@ -29,6 +29,7 @@ class FlightPost {
  private:
   explicit FlightPost(std::filesystem::path folder);
   std::filesystem::path announcement_, request_;
+  int lock_ = -1;  ///< Of the announcement.
   bool answering_ = false;
 };
 
