@@ -142,9 +142,11 @@ PadContact contact_at_width(const HandModel& hand, double width_m) {
   return {low, height};
 }
 
-double stopped_angle(const HandModel& hand, const GraspCandidate& candidate) {
-  if (candidate.kind != GraspKind::Wrap) return contact_at_width(hand, candidate.width).q_rad;
-  const double radius = 0.5 * candidate.width, middle = hand.gap(candidate) + radius;
+double stopped_angle(const HandModel& hand, const GraspCandidate& candidate, double between_m) {
+  if (candidate.kind != GraspKind::Wrap)
+    return contact_at_width(hand, candidate.width + 2.0 * between_m).q_rad;
+  const double middle = hand.gap(candidate) + 0.5 * candidate.width;
+  const double radius = 0.5 * candidate.width + between_m;
   const auto meets = [&](double q) {
     const FingerPose pose = finger_at(hand, HandFinger{"", 0.0, 1}, q);
     const auto near = [&](const HandBox& link) {

@@ -180,7 +180,8 @@ struct PadContact {
 
 /// Inner joint's angle at which the fingers are stopped by what a candidate grasps (rad): by its width
 /// between the pads; by a cylinder where the first link meets it, which for a thin one is far from where pads
-/// that wide would be.
-[[nodiscard]] double stopped_angle(const HandModel& hand, const GraspCandidate& candidate);
+/// that wide would be. With something else of the given thickness on it (m), it is stopped so much sooner.
+[[nodiscard]] double stopped_angle(const HandModel& hand, const GraspCandidate& candidate,
+                                   double between_m = 0.0);
 
 }  // namespace colift::planner

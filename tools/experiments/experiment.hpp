@@ -109,6 +109,7 @@ struct Experiment {
 [[nodiscard]] Experiment let_go_experiment();
 [[nodiscard]] Experiment people_experiment();
 [[nodiscard]] Experiment false_stops_experiment();
+[[nodiscard]] Experiment fingers_experiment();
 [[nodiscard]] Experiment faults_experiment();
 [[nodiscard]] Experiment stalls_experiment();
 [[nodiscard]] Experiment mass_experiment();

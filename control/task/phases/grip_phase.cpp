@@ -78,6 +78,31 @@ std::optional<std::string> GripPhase::too_weak(const GripQuality& quality) const
       margin, limit);
 }
 
+// A finger of somebody, a cable: thicker than what was seen. Between pads the width tells, wherever in it the
+// object lies; of fingers that wrap a bar each tells by itself how far it is from its middle.
+std::optional<std::string> GripPhase::something_between(const hal::HandState& hand) const {
+  const double limit_m = c_.config.task.grip.max_excess_width_m;
+  const planner::GraspCandidate& grasp = c_.chosen();
+  if (grasp.kind == planner::GraspKind::Wrap) {
+    const double limit_rad = planner::stopped_angle(c_.rig.hand, grasp, limit_m);
+    for (std::size_t f = 0; f < hand.finger_rad.size(); ++f)
+      if (hand.finger_rad[f] < limit_rad)
+        return fmt::format(
+            "something is between F{} and the object: it stops at {:.0f} deg (by what was seen at {:.0f}; "
+            "{:.0f} "
+            "with {:.0f} mm between)",
+            f + 1, hal::rad_to_deg(hand.finger_rad[f]),
+            hal::rad_to_deg(planner::stopped_angle(c_.rig.hand, grasp)), hal::rad_to_deg(limit_rad),
+            1e3 * limit_m);
+    return std::nullopt;
+  }
+  const double excess_m = felt_width(c_.rig.hand, hand) - grasp.width;
+  if (excess_m <= limit_m) return std::nullopt;
+  return fmt::format(
+      "something is between the fingers and the object: {:.0f} mm wider than it was seen (limit {:.0f} mm)",
+      1e3 * excess_m, 1e3 * limit_m);
+}
+
 std::optional<TaskEvent> GripPhase::verify() {
   const hal::HandState& hand = c_.readings.hand;
   if (auto gone = let_go()) return gone;
@@ -92,16 +117,9 @@ std::optional<TaskEvent> GripPhase::verify() {
   const std::string facts = fmt::format("fingers within {:.0f} deg of the observed width; {}",
                                         hal::rad_to_deg(widest), describe(quality));
   if (!hand.held) return TaskEvent{Event::GripBad, "the grip was lost: " + facts};
-  // a finger of somebody, a cable: thicker than what was seen. Fingers that wrap a bar do not show its width
   const GripConfig& grip = c_.config.task.grip;
   const bool wraps = c_.chosen().kind == planner::GraspKind::Wrap;
-  const double excess_m = felt_width(c_.rig.hand, hand) - c_.chosen().width;
-  if (!wraps && excess_m > grip.max_excess_width_m)
-    return TaskEvent{
-        Event::GripBad,
-        fmt::format("something is between the fingers and the object: {:.0f} mm wider than it was "
-                    "seen (limit {:.0f} mm)",
-                    1e3 * excess_m, 1e3 * grip.max_excess_width_m)};
+  if (auto between = something_between(hand)) return TaskEvent{Event::GripBad, *between + "; " + facts};
   if (widest > grip.finger_tolerance_rad)
     return TaskEvent{Event::GripBad, "that does not match the observed object: " + facts};
   // fingers that wrap a bar press with their inner links, which have no gauge

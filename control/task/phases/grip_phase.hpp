@@ -27,6 +27,8 @@ class GripPhase {
  private:
   /// By tracker or by what is seen at his contact, whichever is first.
   [[nodiscard]] std::optional<TaskEvent> let_go();
+  /// What tells that the fingers do not hold the object alone; nothing: they do.
+  [[nodiscard]] std::optional<std::string> something_between(const hal::HandState& hand) const;
   /// What speaks against lifting with this grip, by the load that is expected; nothing: it bears it.
   [[nodiscard]] std::optional<std::string> too_weak(const GripQuality& quality) const;
   /// Lets go of what the closing fingers have strained.

@@ -68,6 +68,7 @@ hal::Result<WholeLift> run_whole_lift(const sim_hal::Scenario& scenario, control
     entered(to);
     const bool lifted = from == control::Task::Lower;
     const bool let_go = !std::isnan(lift.let_go_s);
+    enough = enough || std::find(with.cut.at.begin(), with.cut.at.end(), to) != with.cut.at.end();
     enough = enough || (with.cut.at_release_before_lift && to == control::Task::Release && !lifted && let_go);
   };
   hooks.interrupted = [&] { return enough; };

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "control/config/config.hpp"
 #include "control/task/run_record.hpp"
@@ -31,7 +32,8 @@ struct WholeLift {
 struct CutShort {
   /// When the hand opens without having lifted, after the partner has let go.
   bool at_release_before_lift = false;
-  double paused_s = INFINITY;  ///< After this time in Pause.
+  double paused_s = INFINITY;          ///< After this time in Pause.
+  std::vector<control::Task> at = {};  ///< When it enters one of these.
 };
 
 /// What a trial changes and observes. All of it may be empty.

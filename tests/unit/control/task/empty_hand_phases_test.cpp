@@ -314,6 +314,23 @@ TEST_CASE("a retreat goes from the object, then home, and says how the job stand
   CHECK(rig.off(phase_home()) < 0.01);
 }
 
+TEST_CASE("a retreat without a path home stays clear of the object, and says why", "[phases][faults]") {
+  EmptyHand rig;
+  rig.begin_approach();
+  REQUIRE(rig.run([&] { return rig.approach.approach(); }));
+  JointVector beyond = phase_home();
+  beyond[0] = 4.0;  // home is elsewhere than where the plan began, and nothing leads there
+  rig.retreat.set_home(beyond);
+  rig.enter(Task::Retreat);
+  rig.retreat.begin_retreat();
+  const auto event = rig.run([&] { return rig.retreat.retreat(); });
+  REQUIRE(event);
+  CHECK(event->event == Event::TimeOut);
+  CHECK_THAT(event->detail, Catch::Contains("A1"));
+  CHECK(rig.off(rig.c->record.plan->retreat.goal()) < 0.01);
+  CHECK(rig.c->arm.at_rest());
+}
+
 TEST_CASE("a retreat keeps the acceleration that the configuration allows planned motions", "[phases]") {
   const auto hardest = [](double allowed_rad_s2) {
     Config config = unannounced();

@@ -129,6 +129,20 @@ TEST_CASE("a grip is good when the fingers stop where the observed width says", 
     CHECK(judged->event == Event::GripBad);
     CHECK_THAT(judged->detail, Catch::Contains("something is between the fingers and the object"));
   }
+  SECTION("one finger that wraps a bar is stopped sooner than the others: something is under it") {
+    planner::GraspCandidate& bar = rig.c->record.decision->candidates[0];
+    bar.kind = planner::GraspKind::Wrap;
+    bar.width = 0.05;
+    const double alone = planner::stopped_angle(rig.hand_model, bar);
+    const double between_m = GENERATE(0.008, 0.020);
+    rig.hand->now.finger_rad.fill(alone);
+    rig.hand->now.finger_rad[1] = planner::stopped_angle(rig.hand_model, bar, between_m);
+    rig.hand->now.torque_nm.fill(0.9);
+    const auto judged = rig.run([&] { return rig.grip.verify(); });
+    INFO(judged->detail);
+    CHECK((judged->event == Event::GripBad) == (between_m > 0.012));
+    if (between_m > 0.012) CHECK_THAT(judged->detail, Catch::Contains("between F2 and the object"));
+  }
   SECTION("lost") {
     rig.hand->now.finger_rad.fill(expected);
     rig.hand->now.held = false;
