@@ -65,7 +65,7 @@ void ContactLog::add(double t_s, const BodyContact& c, bool opposed, const Robot
   double& peak = opposed || lasts ? touch.clamped_n : touch.transient_n;
   peak = std::max(peak, c.force_n);
   if ((opposed || lasts) && t_s - touch.first_s > kTransient_s)
-    touch.kept_n = std::max(touch.kept_n, c.force_n);
+    touch.judged.kept_n = std::max(touch.judged.kept_n, c.force_n);
   touch.gripped |=
       c.by == BodyContact::By::Robot && robot.closes_at_W && (c.at_W - *robot.closes_at_W).norm() < kHand_m;
   if (c.by == BodyContact::By::Robot) robot_peak_n_ = std::max(robot_peak_n_, c.force_n);
@@ -98,7 +98,7 @@ void ContactLog::add_to(Verdict& verdict) const {
                             ? touch.motion != RobotMotion::Driven && touch.peak_motion == RobotMotion::Pushed
                             : touch.stood && touch.peak_motion != RobotMotion::Driven;
     const bool gives_way = pushed && judged.commanded_j <= kGivesWay_j;
-    judged.his_own = (came_not || gives_way) && !touch.gripped && touch.kept_n <= limit.quasi_static_n;
+    judged.his_own = (came_not || gives_way) && !touch.gripped && judged.kept_n <= limit.quasi_static_n;
     if (counts_n > judged.limit_n && !judged.his_own)
       verdict.breaches.push_back(fmt::format("{}: {:.0f} N {} by the {} at {:.3f} s (limit {:.0f} N)",
                                              judged.region, counts_n, clamped_is_worse ? "clamped" : "hit",

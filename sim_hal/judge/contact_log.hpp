@@ -40,8 +40,7 @@ class ContactLog {
     bool left = false;
     double first_s = 0.0, pressed_s = 0.0, last_s = 0.0;  // begun; pressed without a pause since; last seen
     double transient_n = 0.0, clamped_n = 0.0;
-    double kept_n = 0.0;                       // clamped, after who came against it had the time to be let go
-    RobotMotion motion = RobotMotion::Driven;  // when it began
+    RobotMotion motion = RobotMotion::Driven;       // when it began
     RobotMotion peak_motion = RobotMotion::Driven;  // when it was hardest
     bool stood = false;                             // the robot, until somebody pushed it
     bool gripped = false;                           // by fingers that closed meanwhile

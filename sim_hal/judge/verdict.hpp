@@ -16,6 +16,7 @@ struct JudgedContact {
   double force_n = 0.0, limit_n = 0.0;  ///< Peak, and the limit that counts for it (transient or clamped).
   double counts_n = 0.0;                ///< Peak of the kind (transient or clamped) that the limit is for.
   double clamped_s = 0.0;               ///< Pressed against something else, or without a pause beyond 0.5 s.
+  double kept_n = 0.0;                  ///< Peak of what clamped him after the first half second.
   double closing_m_s = 0.0;             ///< How fast they came together, the person's own motion in it.
   double commanded_j = 0.0;  ///< What commands had put into the arm since it last rested, at the peak (J).
   double robot_m_s = 0.0;    ///< How fast the robot's (the object's) surface came towards him, at most.

@@ -236,6 +236,7 @@ Json judge_json(const std::optional<sim_hal::Verdict>& verdict) {
                         {"force_n", c.force_n},
                         {"limit_n", c.limit_n},
                         {"clamped_s", c.clamped_s},
+                        {"kept_n", c.kept_n},
                         {"closing_m_s", c.closing_m_s},
                         {"robot_m_s", c.robot_m_s},
                         {"commanded_j", c.commanded_j},

@@ -16,6 +16,7 @@ namespace colift::experiments {
 namespace people_trials {
 namespace {
 
+constexpr double kMostKept_n = 65.0;   // what still clamps somebody after half a second
 constexpr double kSeenBefore_s = 0.5;  // in view so long before: the arm has to be at rest when he is touched
 
 /// What the robot did to people in one lift.
@@ -25,7 +26,7 @@ struct Touches {
   /// one nearest to its limit.
   std::string region;
   double peak_n = NAN, of_limit = NAN, robot_m_s = NAN, commanded_j = NAN;
-  double clamped_s = 0.0;
+  double clamped_s = 0.0, kept_n = 0.0;
   int worst = -1;  ///< 0 within, 1 his own beyond, 2 the robot's beyond.
 
   [[nodiscard]] const char* forces() const { return worst == 2 ? "beyond" : worst == 1 ? "own" : "within"; }
@@ -37,6 +38,7 @@ Touches touches(const sim_hal::Verdict& verdict) {
     // whatever pressed him, the object too; who ran into an arm at rest is counted on its own
     if (c.by == "robot" && c.person >= 0) ++t.count;
     t.clamped_s = std::max(t.clamped_s, c.clamped_s);
+    t.kept_n = std::max(t.kept_n, c.kept_n);
     const double of_limit = c.counts_n / c.limit_n;
     const int kind = of_limit <= 1.0 ? 0 : c.his_own ? 1 : 2;
     if (kind < t.worst || (kind == t.worst && of_limit <= t.of_limit)) continue;
@@ -64,7 +66,7 @@ TrialRows run(const Trial& trial) {
   hooks.each_tick = [&](const sim_hal::TickReport& report) { view->tick(report); };
   const auto lift = run_whole_lift(scene.scenario, trial.method, seed, hooks);
   if (!lift) {
-    rows.row.resize(rows.row.size() + 19);
+    rows.row.resize(rows.row.size() + 20);
     rows.row.push_back(lift.error().text());
     rows.words = name + ": " + lift.error().text();
     return rows;
@@ -103,6 +105,7 @@ TrialRows run(const Trial& trial) {
                                   cell(t.of_limit),
                                   std::string(t.forces()),
                                   cell(t.clamped_s),
+                                  cell(t.kept_n),
                                   cell(t.robot_m_s),
                                   cell(t.commanded_j),
                                   touched ? cell(view->joint_rad_s()) : std::string(),
@@ -123,7 +126,8 @@ TrialRows run(const Trial& trial) {
 }
 
 std::vector<Figure> figures(const Results& r) {
-  int n = 0, came = 0, touched = 0, silent = 0, within = 0, own = 0, beyond = 0, seen = 0, rested = 0;
+  int n = 0, came = 0, touched = 0, silent = 0, within = 0, own = 0, beyond = 0, seen = 0, rested = 0,
+      kept = 0, eased = 0;
   std::vector<double> distances, latencies;
   for (const Row& row : r.trials.rows()) {
     if (r.trials.text(row, "outcome").empty()) continue;
@@ -132,6 +136,10 @@ std::vector<Figure> figures(const Results& r) {
     within += r.trials.text(row, "forces") == "within";
     own += r.trials.text(row, "forces") == "own";
     beyond += r.trials.text(row, "forces") == "beyond";
+    if (const double n_kept = r.trials.number(row, "kept_n"); n_kept > 0.0) {
+      ++kept;
+      eased += n_kept <= kMostKept_n;
+    }
     if (r.trials.number(row, "came") == 0.0) continue;
     ++came;
     distances.push_back(r.trials.number(row, "min_distance_m"));
@@ -148,6 +156,7 @@ std::vector<Figure> figures(const Results& r) {
           {"within_limits", "all forces within the region's limits", rate(within, n), "%", 1.0, true},
           {"own", "beyond them by his own motion alone", rate(own, n), "%"},
           {"beyond", "beyond them, and the robot had a part in it", rate(beyond, n), "%", 0.0, false},
+          {"eased", "clamped for more than 0.5 s: with at most 65 N then", rate(eased, kept), "%", 1.0, true},
           {"silent", "trials without a breach of the judge", rate(silent, n), "%", 1.0, true},
           {"distance_p05", "smallest distance, 5 % below", quantile_estimate(distances, 0.05), "m"},
           {"stop_latency_p95", "45 N to the first slower command, 95 % below",
@@ -189,11 +198,11 @@ Experiment people_experiment() {
       "those "
       "of the simulation's judge. In view: at least 10 of 160 x 120 rays of the camera meet him first.";
   e.default_trials = 1000;
-  e.columns = {"scene",          "object",      "state",   "enters_s",  "speed",
-               "outcome",        "came",        "touches", "touched_s", "region",
-               "peak_n",         "of_limit",    "forces",  "clamped_s", "robot_m_s",
-               "commanded_j",    "joint_rad_s", "in_view", "rested",    "min_distance_m",
-               "stop_latency_s", "breaches",    "missed",  "reason",    "because"};
+  e.columns = {"scene",   "object",    "state",          "enters_s",       "speed",       "outcome",
+               "came",    "touches",   "touched_s",      "region",         "peak_n",      "of_limit",
+               "forces",  "clamped_s", "kept_n",         "robot_m_s",      "commanded_j", "joint_rad_s",
+               "in_view", "rested",    "min_distance_m", "stop_latency_s", "breaches",    "missed",
+               "reason",  "because"};
   e.run = run;
   e.figures = figures;
   e.plot = plot;
