@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
-#include <numbers>
 #include <string>
 #include <string_view>
 
@@ -162,7 +161,8 @@ TEST_CASE("the faults of wire and controller that are injected here", "[.fault-t
       if (row.ends[p] != ' ')
         tests::print_fault(row.rows, kPhases[p].task,
                            p < kPhasesOfEvery && tests::chosen(static_cast<std::size_t>(&row - kRows), p));
-  for (const Task in : {Task::Lift, Task::Plan}) tests::print_fault("45, joint near its limit", in, true);
+  for (const Task in : {Task::Plan, Task::Approach, Task::Lift, Task::Hold, Task::Lower, Task::Retreat})
+    tests::print_fault("45, joint near its limit", in, true);
 }
 
 TEST_CASE("faults of wire and controller until the hand is closed end as they have to", "[wire][faults]") {
@@ -295,10 +295,6 @@ TEST_CASE(
   scenario->camera.noise = "none";
   control::Config config = control::run_defaults();
   const hal::RobotModel robot = hal::built_in_robot();
-  const auto to_limit_deg = [&](const tests::SimulatedLift& lift) {
-    const hal::JointVector& q = lift.at_end.q_rad;
-    return (q - robot.lower_rad()).cwiseMin(robot.upper_rad() - q).minCoeff() * 180.0 / std::numbers::pi;
-  };
 
   // while it lifts this box from above, A4 comes as near as 17.5 deg: a plan that knows nothing of it
   config.task.limit_margin_deg = 19.0;
@@ -310,15 +306,17 @@ TEST_CASE(
   CHECK(stopped.record.hand_keeps_grip);
   CHECK(stopped.at_end.robot_touches_object);
   CHECK(stopped.at_end.height_m > 0.005);
-  CHECK(to_limit_deg(stopped) > 19.0 - 0.3);  // the springs of the impedance give a little
+  CHECK(tests::to_limit_deg(robot, stopped.at_end.q_rad) >
+        19.0 - 0.3);  // the springs of the impedance give a little
   CHECK(stopped.record.faults.empty());
   CHECK(stopped.wire->broken_rules_in_all == 0);
 
-  // a plan that knows it takes another grasp or posture
+  // a plan that knows it takes another grasp or posture, and keeps away from it on every way
   config.motion.limit_margin_deg = 19.0;
   const auto around = tests::simulate(*scenario, control::Method::Fast, 1, config, tests::OverWire{});
   INFO(around.record.reason);
   CHECK(around.record.outcome == Result::Lifted);
+  CHECK(around.to_limit_deg > 19.0 - 0.3);
   CHECK(around.tilt_deg < 1.0);
 }
 

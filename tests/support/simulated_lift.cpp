@@ -9,6 +9,7 @@
 #include "control/task/run_job.hpp"
 #include "hal/guards/guarded_arm.hpp"
 #include "hal/guards/guarded_hand.hpp"
+#include "hal/types/units.hpp"
 #include "sim_hal/mujoco/devices/sim_devices.hpp"
 #include "tools/rig/lock_step/arm_wire.hpp"
 #include "tools/rig/lock_step/hand_wire.hpp"
@@ -142,6 +143,7 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
   hooks.status = [&](const control::JobStatus& status) {
     const sim_hal::SimTruth truth = world->truth();
     grip.see(status.state, world->hand_state());
+    lift.to_limit_deg = std::min(lift.to_limit_deg, to_limit_deg(model, truth.q_rad));
     const bool decided = status.state == control::Task::Plan || status.state == control::Task::Approach;
     if (status.state == control::Task::Decide || (decided && !partner)) partner = truth.partner_W;
     if (status.state != control::Task::Hold) return;
@@ -186,6 +188,10 @@ SimulatedLift simulate(const sim_hal::Scenario& scenario, control::Method method
   if (bus) lift.frames_lost = bus->frames_lost();
   lift.most_open_while_loaded_rad = grip.opened_rad();
   return lift;
+}
+
+double to_limit_deg(const hal::RobotModel& robot, const hal::JointVector& q_rad) {
+  return hal::rad_to_deg((q_rad - robot.lower_rad()).cwiseMin(robot.upper_rad() - q_rad).minCoeff());
 }
 
 double quantile(std::vector<double> values, double p) {

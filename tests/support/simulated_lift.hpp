@@ -29,6 +29,7 @@ struct SimulatedLift {
   double slip_m = NAN;
   double partner_error_m = NAN;  ///< Of the seen grasp.
   bool hit_something = false;
+  double to_limit_deg = INFINITY;          ///< Least distance of any joint from its limit, in the whole job.
   int person_contacts = 0;                 ///< Cycles in which the robot touched people beside the partner.
   sim_hal::SimTruth at_end;                ///< The world when the job was over.
   std::optional<sim_hal::KrcReport> wire;  ///< Of a lift over the arm's wire.
@@ -73,6 +74,9 @@ using ThroughCamera = std::function<std::unique_ptr<hal::DepthCamera>(std::uniqu
                                      std::uint64_t seed, control::Config config = control::run_defaults(),
                                      const std::optional<OverWire>& wire = std::nullopt,
                                      const ThroughCamera& through = {});
+
+/// Distance of the joint that is nearest to its limit.
+[[nodiscard]] double to_limit_deg(const hal::RobotModel& robot, const hal::JointVector& q_rad);
 
 /// Value below which the part `p` of the numbers lies; NaN of none.
 [[nodiscard]] double quantile(std::vector<double> values, double p);
