@@ -18,6 +18,7 @@ struct RecoveryConfig {
   double supported_sideways_n = 8.0;
   double press_n = 15.0;
   double settle_s = 0.4;
+  double take_over_s = 5.0;
   double clear_m = 0.12;
   double speed_scale = 0.3;
   double hold_to_run_s = 0.7;
@@ -48,6 +49,8 @@ struct RecoveryConfig {
     v("press_n", press_n, hal::Range{1, 60},
       "It is supported, too, when it is pressed on the ground with this force; lowering ends there (N).");
     v("settle_s", settle_s, hal::Range{0.05, 10}, "For so long, before it is believed (s).");
+    v("take_over_s", take_over_s, hal::Range{0.5, 60},
+      "A person who is said to hold the object gets so long until the load is his (s).");
     v("clear_m", clear_m, hal::Range{0, 0.5},
       "The open hand is drawn back straight by this before the motion home (m).");
     v("speed_scale", speed_scale, hal::Range{0.01, 1}, "Speed scale of the motion home.");

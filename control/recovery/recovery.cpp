@@ -14,6 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr hal::Duration kBrakes = 3s, kShows = 100ms;  // until a request shows in the view
 constexpr int kDrawBackPoints = 12;
 constexpr double kLargestStep_rad = 0.2;  // between two of them
 
@@ -91,6 +92,8 @@ Recovery::Finding Recovery::assess_now() {
 void Recovery::apply(const Finding& finding) {
   const auto rule = next(step_, finding.event);
   if (!rule) return;
+  tried_ = rule->to == step_;
+  if (tried_) arm_.hold();
   step_ = rule->to;
   since_ = now_;
   record_.reason = std::string(rule->reason);
@@ -109,8 +112,14 @@ std::string Recovery::announcement() const {
       return fmt::format(
           "lowers the hand straight down, with {:.0f} mm/s, until the load is borne, at most {:.0f} cm",
           1e3 * c.lower_speed_m_s, 1e2 * c.max_lower_m);
+    case RecoveryStep::TakeOver:
+      return fmt::format("holds still until a person bears the object, of which the hand bears {:.0f} N",
+                         arm_.view().load_n);
     case RecoveryStep::Release:
-      return "opens the hand";
+      if (arm_.view().load_n < c.supported_n) return "opens the hand";
+      return fmt::format(
+          "opens the hand, which bears {:.0f} N: whoever holds the object has to bear them then",
+          arm_.view().load_n);
     case RecoveryStep::DrawBack:
       return fmt::format("draws the open hand straight back by {:.0f} cm", 1e2 * c.clear_m);
     case RecoveryStep::Home:
@@ -121,17 +130,38 @@ std::string Recovery::announcement() const {
   }
 }
 
+// what met something comes to rest, and no longer wants to be where it did not come to
+std::optional<Recovery::Finding> Recovery::stop_pressing() {
+  const auto rest = [&]() -> std::optional<Finding> {
+    const hal::Timestamp begun = now_;
+    while (now_ - begun < kBrakes && (now_ - begun < kShows || !arm_.view().at_rest)) {
+      auto lost = read_devices();
+      arm_.end_cycle();
+      if (lost) return lost;
+    }
+    return std::nullopt;
+  };
+  if (auto lost = rest()) return lost;
+  arm_.ease();
+  return rest();
+}
+
 std::optional<Recovery::Finding> Recovery::begin() {
+  if (tried_)
+    if (auto lost = stop_pressing()) return lost;
   if (step_ == RecoveryStep::Home)
     if (auto failed = prepare_home()) return failed;
-  const Confirmation answer = hooks_->confirm(step_, announcement());
+  const bool told = step_ == RecoveryStep::TakeOver && person_holds_;
+  const Confirmation answer = told ? Confirmation::PersonHolds : hooks_->confirm(step_, announcement());
+  if (step_ == RecoveryStep::TakeOver && answer != Confirmation::PersonHolds)
+    return Finding{Event::Declined, record_.reason};
   if (answer == Confirmation::No) return Finding{Event::Declined, ""};
   if (!arm_started_) {
     if (auto started = arm_.start(); !started) return Finding{Event::DeviceLost, started.error().text()};
     arm_started_ = true;
   }
-  if (answer == Confirmation::PersonHolds && step_ == RecoveryStep::Lower)
-    return Finding{Event::PersonHolds, ""};
+  person_holds_ = answer == Confirmation::PersonHolds;
+  if (person_holds_ && step_ == RecoveryStep::Lower) return Finding{Event::PersonHolds, ""};
   auto finding = read_devices();  // a confirmation takes its time
   since_ = unsupported_at_ = now_;
   paused_ = presses_ = false;
@@ -150,6 +180,9 @@ std::optional<Recovery::Finding> Recovery::begin_step() {
     case RecoveryStep::Lower:
       load_before_n_ = arm_.view().load_n;
       arm_.start_lift(LiftController::Role::Lead, -c.max_lower_m, c.max_lower_m / c.lower_speed_m_s);
+      return std::nullopt;
+    case RecoveryStep::TakeOver:
+      arm_.hold();
       return std::nullopt;
     case RecoveryStep::Release:
       arm_.hold();
@@ -184,6 +217,12 @@ std::optional<Recovery::Finding> Recovery::read_devices() {
   const ArmView& view = arm_.view();
   if (view.link_lost || view.misses > limits.arm_max_misses)
     return Finding{Event::DeviceLost, view.fault.str()};
+  if (std::exchange(refused_commands_, view.refused_commands) == view.refused_commands)
+    refused_since_.reset();
+  else if (!refused_since_)
+    refused_since_ = now_;
+  else if (hal::seconds(now_ - *refused_since_) > config_.task.arm_timeout_s)
+    return Finding{Event::DeviceLost, "it refuses commands: " + view.refusal.str()};
   if (view.misses == 0 && (!view.state.may_command || !view.running)) {
     if (!not_commanded_since_) not_commanded_since_ = now_;
     if (hal::seconds(now_ - *not_commanded_since_) > config_.task.arm_timeout_s)
@@ -208,6 +247,8 @@ std::optional<Recovery::Finding> Recovery::work() {
   switch (step_) {
     case RecoveryStep::Lower:
       return lower();
+    case RecoveryStep::TakeOver:
+      return take_over();
     case RecoveryStep::Release:
       return release();
     case RecoveryStep::DrawBack:
@@ -285,8 +326,22 @@ std::optional<Recovery::Finding> Recovery::lower() {
                                               -1e3 * view.height_m, view.load_n)};
 }
 
+// a person's word is believed, but the hand waits until he bears what it bore, and else says how much it
+// still does
+std::optional<Recovery::Finding> Recovery::take_over() {
+  const RecoveryConfig& c = config_.recovery;
+  const double load_n = arm_.view().load_n;
+  if (std::abs(load_n) > c.supported_n) unsupported_at_ = now_;
+  if (hal::seconds(now_ - unsupported_at_) > c.settle_s)
+    return Finding{Event::Supported, fmt::format("{:.0f} N are left on the hand", load_n)};
+  if (in_step_s() > c.take_over_s)
+    return Finding{Event::PersonHolds, fmt::format("{:.0f} N are left on the hand", load_n)};
+  return std::nullopt;
+}
+
 std::optional<Recovery::Finding> Recovery::release() {
-  if (in_step_s() > config_.task.grip.hand_timeout_s) return Finding{Event::TimeOut, ""};
+  if (in_step_s() > config_.task.grip.hand_timeout_s)
+    return Finding{tried_ ? Event::TimeOut : Event::Obstructed, ""};
   if (in_step_s() < config_.task.grip.command_shows_s || hand_->moving || hand_->held) return std::nullopt;
   const auto& q = hand_->finger_rad;
   if (*std::max_element(q.begin(), q.end()) > config_.recovery.open_tolerance_rad) return std::nullopt;
@@ -295,7 +350,7 @@ std::optional<Recovery::Finding> Recovery::release() {
 
 std::optional<Recovery::Finding> Recovery::move(Event arrived) {
   if (pausing()) return std::nullopt;
-  if (arm_.blocked()) return Finding{Event::Blocked, arm_.why_blocked()};
+  if (arm_.blocked()) return Finding{tried_ ? Event::Blocked : Event::Obstructed, arm_.why_blocked()};
   if (!arm_.done() || !arm_.at_rest()) return std::nullopt;
   return Finding{arrived, ""};
 }

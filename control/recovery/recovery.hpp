@@ -21,7 +21,8 @@ enum class Confirmation { Yes, No, PersonHolds };
 
 /// The operator, as the recovery sees him.
 struct RecoveryHooks {
-  /// Before each step that moves something: what is about to happen.
+  /// Before each step that moves something: what is about to happen. Before RecoveryStep::TakeOver only
+  /// PersonHolds counts.
   std::function<Confirmation(RecoveryStep, const std::string&)> confirm;
   /// In each cycle of a motion of the arm: it may go on (a key is held). The arm stops while it may not.
   std::function<bool()> may_move;
@@ -75,6 +76,7 @@ class Recovery {
   /// Plans, asks and begins a step.
   [[nodiscard]] std::optional<Finding> begin();
   [[nodiscard]] std::optional<Finding> begin_step();
+  [[nodiscard]] std::optional<Finding> stop_pressing();
   [[nodiscard]] std::optional<Finding> cycle();
   /// Begins a cycle of the arm. A finding: who is lost, or that the operator wants to end.
   [[nodiscard]] std::optional<Finding> read_devices();
@@ -83,6 +85,7 @@ class Recovery {
   [[nodiscard]] std::string announcement() const;
 
   [[nodiscard]] std::optional<Finding> lower();
+  [[nodiscard]] std::optional<Finding> take_over();
   [[nodiscard]] std::optional<Finding> release();
   [[nodiscard]] std::optional<Finding> move(Event arrived);
   void lower_on();
@@ -108,11 +111,14 @@ class Recovery {
   RecoveryRecord record_;
   RecoveryStep step_ = RecoveryStep::Assess;
   hal::Timestamp began_{0}, now_{0}, read_at_{0}, since_{0}, unsupported_at_{0}, hand_at_{0};
-  std::optional<hal::Timestamp> not_commanded_since_;
+  std::optional<hal::Timestamp> not_commanded_since_, refused_since_;
+  std::uint64_t refused_commands_ = 0;
   std::optional<hal::HandState> hand_;
   double load_before_n_ = 0.0;
   bool arm_started_ = false, paused_ = false;
-  bool presses_ = false;  ///< Lowered as far as it may press; waits whether that stays.
+  bool tried_ = false;         ///< This step, before.
+  bool person_holds_ = false;  ///< As the operator says.
+  bool presses_ = false;       ///< Lowered as far as it may press; waits whether that stays.
   planner::Trajectory home_;
   bool planned_ = false;  ///< home_ is collision-free, as far as the camera observes.
   BeatMonitor arm_thread_;

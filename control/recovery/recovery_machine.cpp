@@ -12,6 +12,7 @@ using enum RecoveryEvent;
 constexpr std::string_view kDeclined = "not confirmed: the arm holds, the grip stays as it is";
 constexpr std::string_view kInterrupted = "interrupted: the arm holds, the grip stays as it is";
 constexpr std::string_view kLost = "arm or hand does not answer: it has stopped by itself";
+constexpr std::string_view kMet = "unexpected contact: free the arm and the hand, then it is tried once more";
 constexpr std::string_view kHit = "unexpected contact: the arm holds";
 
 constexpr auto kRules = std::to_array<RecoveryRule>({
@@ -24,21 +25,31 @@ constexpr auto kRules = std::to_array<RecoveryRule>({
     {Assess, TimeOut, Held, "timeout: the devices did not report their state"},
 
     {Lower, Supported, Release, "the object is supported"},
-    {Lower, PersonHolds, Release, "the operator confirmed that a person holds the object"},
-    {Lower, NoGround, Held, "found no ground under the object: the arm holds, the grip stays closed"},
-    {Lower, EndOfReach, Held, "a joint is near its limit: the arm holds, the grip stays closed"},
+    {Lower, PersonHolds, TakeOver, "the operator says that a person holds the object"},
+    {Lower, NoGround, TakeOver, "found no ground under the object: a person has to take it"},
+    {Lower, EndOfReach, TakeOver,
+     "a joint is near its limit, it cannot be lowered on: a person has to take it"},
     {Lower, Blocked, Held, kHit},
     {Lower, Declined, Held, kDeclined},
     {Lower, Interrupted, Held, kInterrupted},
     {Lower, DeviceLost, Held, kLost},
     {Lower, TimeOut, Held, "timeout: not lowered"},
 
+    {TakeOver, Supported, Release, "a person bears the object"},
+    {TakeOver, PersonHolds, Release, "a person holds the object, as the operator says"},
+    {TakeOver, Declined, Held, kDeclined},
+    {TakeOver, Interrupted, Held, kInterrupted},
+    {TakeOver, DeviceLost, Held, kLost},
+    {TakeOver, TimeOut, Held, "timeout: nobody took the object"},
+
+    {Release, Obstructed, Release, "the hand did not open: free the fingers, then it is tried once more"},
     {Release, HandOpened, DrawBack, "the hand is open"},
     {Release, Declined, Held, kDeclined},
     {Release, Interrupted, Held, kInterrupted},
     {Release, DeviceLost, Held, kLost},
     {Release, TimeOut, Held, "the hand did not open: the arm holds"},
 
+    {DrawBack, Obstructed, DrawBack, kMet},
     {DrawBack, Clear, Home, "the hand is clear of the object"},
     {DrawBack, Blocked, Held, kHit},
     {DrawBack, Declined, Held, kDeclined},
@@ -46,6 +57,7 @@ constexpr auto kRules = std::to_array<RecoveryRule>({
     {DrawBack, DeviceLost, Held, kLost},
     {DrawBack, TimeOut, Held, "timeout: the hand was not drawn back"},
 
+    {Home, Obstructed, Home, kMet},
     {Home, RecoveryEvent::AtHome, Done, "the arm is at home"},
     {Home, Blocked, Held, kHit},
     {Home, Declined, Held, kDeclined},
@@ -68,16 +80,16 @@ std::optional<RecoveryRule> next(RecoveryStep now, RecoveryEvent event) {
 }
 
 std::string_view word(RecoveryStep step) {
-  constexpr std::array<std::string_view, kRecoverySteps> kWords{"assess", "lower", "release", "draw-back",
-                                                                "home",   "done",  "held"};
+  constexpr std::array<std::string_view, kRecoverySteps> kWords{"assess",    "lower", "take-over", "release",
+                                                                "draw-back", "home",  "done",      "held"};
   return kWords[static_cast<std::size_t>(step)];
 }
 
 std::string_view word(RecoveryEvent event) {
   constexpr std::array<std::string_view, kRecoveryEvents> kWords{
-      "hand holds",   "hand open", "at home",      "hand unknown", "supported",
-      "person holds", "no ground", "end of reach", "hand opened",  "clear",
-      "blocked",      "declined",  "interrupted",  "device lost",  "time out"};
+      "hand holds", "hand open",    "at home",     "hand unknown", "supported",  "person holds",
+      "no ground",  "end of reach", "hand opened", "clear",        "obstructed", "blocked",
+      "declined",   "interrupted",  "device lost", "time out"};
   return kWords[static_cast<std::size_t>(event)];
 }
 

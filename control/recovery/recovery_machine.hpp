@@ -6,11 +6,12 @@
 
 namespace colift::control {
 
-/// Steps of a recovery after a stop. Each of Lower, Release, DrawBack and Home is begun on an operator's
-/// confirmation only.
+/// Steps of a recovery after a stop. Each of Lower, TakeOver, Release, DrawBack and Home is begun on an
+/// operator's confirmation only.
 enum class RecoveryStep {
   Assess,    ///< Nothing moves: what state arm, hand and load are in.
   Lower,     ///< The palm goes straight down until the object is supported.
+  TakeOver,  ///< The arm holds still until a person bears the object.
   Release,   ///< Opens the hand: the only step that does.
   DrawBack,  ///< The open hand goes straight back, away from the object.
   Home,      ///< To the position where a job begins.
@@ -23,14 +24,15 @@ enum class RecoveryEvent {
   HandOpen,     ///< Every finger is open.
   AtHome,       ///< And the arm is where a job begins.
   HandUnknown,  ///< The hand does not answer.
-  Supported,    ///< Lowered until something bears the object.
-  PersonHolds,  ///< The operator confirmed that a person holds the object.
+  Supported,    ///< Something or somebody bears the object: the hand hardly does.
+  PersonHolds,  ///< The operator says that a person holds the object.
   NoGround,     ///< Lowered as far as allowed, and the load is still there.
   EndOfReach,
   HandOpened,
-  Clear,     ///< The hand is away from the object.
-  Blocked,   ///< Unexpected contact, or the arm does not follow.
-  Declined,  ///< The operator did not confirm.
+  Clear,       ///< The hand is away from the object.
+  Obstructed,  ///< Unexpected contact of the open hand, or fingers that did not open: tried once more.
+  Blocked,     ///< The same again.
+  Declined,    ///< The operator did not confirm.
   Interrupted,
   DeviceLost,  ///< Arm or hand.
   TimeOut,

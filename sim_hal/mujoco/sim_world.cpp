@@ -98,6 +98,11 @@ bool SimWorld::ask_partner(const std::optional<Vec3>& grasp_W, const std::option
   return true;
 }
 
+void SimWorld::take_object() {
+  const std::scoped_lock lock(impl_->mutex);
+  if (!impl_->helpers.hold()) impl_->helpers.take(impl_->physics->object_pose(), impl_->palm().translation());
+}
+
 void SimWorld::task_state(const std::string& name) {
   const std::scoped_lock lock(impl_->mutex);
   if (std::find(impl_->entered.begin(), impl_->entered.end(), name) != impl_->entered.end()) return;

@@ -112,6 +112,9 @@ class SimWorld {
   /// there is nothing to hold or no room to stand.
   bool ask_partner(const std::optional<Vec3>& grasp_W, const std::optional<Vec3>& aside_W = {});
 
+  /// People come who take the object off the robot's hand, and keep it where it is then: SimHelpers.
+  void take_object();
+
   /// The partner confirmed since the last call that a paused object may be lowered (do: confirm-lower).
   bool take_lower_confirmed();
   /// The same of an arm that stopped and may continue (do: confirm-continue).

@@ -9,6 +9,7 @@
 #include "hal/os/inheriting_mutex.hpp"
 #include "sim_hal/mujoco/arm_control.hpp"
 #include "sim_hal/mujoco/physics.hpp"
+#include "sim_hal/mujoco/sim_helpers.hpp"
 #include "sim_hal/mujoco/sim_partner.hpp"
 #include "sim_hal/mujoco/sim_people.hpp"
 #include "sim_hal/mujoco/sim_person.hpp"
@@ -41,6 +42,7 @@ struct SimWorld::Impl {
   ArmControl arm;
   HandDrive hand;
   SimPartner partner;
+  SimHelpers helpers = {};
   std::optional<SupportBlock> support;
   bool support_stands = false;
   WorldClock clock = {};

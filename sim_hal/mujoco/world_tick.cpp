@@ -34,6 +34,11 @@ void SimWorld::Impl::tick() {
   } else {
     physics->set_object_load(view.X_WT.translation(), Vec3::Zero(), Vec3::Zero());
   }
+  if (helpers.hold())
+    for (const SimHelpers::Hand& hand :
+         helpers.tick(view.X_WT, view.v_W, view.w_W, physics->contacts().robot_force_W,
+                      physics->contacts().robot_torque_W))
+      physics->push_object(hand.at_W, hand.force_W);
   if (support && !support_stands && now_s() >= scenario.partner.arrives_s) {
     physics->place_support(support->center_W);
     support_stands = true;

@@ -46,6 +46,8 @@ struct KeyboardOperator::Impl {
     print(fmt::format("next: {}", what));
     if (step == RecoveryStep::Lower)
       print("  hold SPACE to do it; p: a person holds the object, open the hand here; n: no");
+    else if (step == RecoveryStep::TakeOver)
+      print("  p: a person holds the object; n: no");
     else if (step == RecoveryStep::Release)
       print("  y: open the hand; n: no");
     else
@@ -55,9 +57,10 @@ struct KeyboardOperator::Impl {
       if (interrupted()) return Confirmation::No;
       const char c = key();
       if (c == 'n' || c == 'N') return Confirmation::No;
-      if (step == RecoveryStep::Lower && (c == 'p' || c == 'P')) return Confirmation::PersonHolds;
+      const bool may_be_held = step == RecoveryStep::Lower || step == RecoveryStep::TakeOver;
+      if (may_be_held && (c == 'p' || c == 'P')) return Confirmation::PersonHolds;
       if (step == RecoveryStep::Release && (c == 'y' || c == 'Y')) return Confirmation::Yes;
-      if (step != RecoveryStep::Release && c == ' ') {
+      if (step != RecoveryStep::Release && step != RecoveryStep::TakeOver && c == ' ') {
         space_at = clock.now();
         return Confirmation::Yes;
       }

@@ -33,6 +33,7 @@ class SimArm final : public hal::Arm {
     if (life_ < Life::Configured) return fail(ErrorCode::NotReady, "arm.activate", "configure() comes first");
     life_ = Life::Active;
     cycle_open_ = false;
+    begins_ = true;
     return {};
   }
 
@@ -84,7 +85,7 @@ class SimArm final : public hal::Arm {
       return fail(ErrorCode::NotReady, "arm.command",
                   "one command answers one cycle, and this one is answered");
     if (auto done = check(command); !done) return done;
-    cycle_open_ = false;
+    cycle_open_ = begins_ = false;
     world_.command_arm(command);
     return {};
   }
@@ -111,7 +112,9 @@ class SimArm final : public hal::Arm {
     if (!c.q_rad.allFinite() || !c.stiffness_nm_rad.allFinite() || !c.damping_ratio.allFinite() ||
         !c.tau_superposed_nm.allFinite())
       return fail(ErrorCode::LimitExceeded, "arm.command", "the command holds a number that is none");
-    const hal::JointVector from = world_.arm_state().q_commanded_rad;
+    // a client begins where the arm is, which on soft springs is beside where the last one left it
+    const hal::ArmState now = world_.arm_state();
+    const hal::JointVector from = begins_ ? now.q_rad : now.q_commanded_rad;
     for (int i = 0; i < hal::kArmJoints; ++i) {
       const std::string where = fmt::format("arm.command.a{}", i + 1);
       if (c.q_rad[i] < lower_rad_[i] || c.q_rad[i] > upper_rad_[i])
@@ -134,7 +137,7 @@ class SimArm final : public hal::Arm {
   SimWorld& world_;
   hal::JointVector lower_rad_, upper_rad_, step_rad_;
   Life life_ = Life::Absent;
-  bool cycle_open_ = false, missed_ = false;
+  bool cycle_open_ = false, missed_ = false, begins_ = true;
   hal::ArmState last_;
   hal::DeviceHealth health_;
 };

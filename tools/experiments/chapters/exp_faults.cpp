@@ -25,7 +25,7 @@ std::string recovery_of(const FaultyLift& lift) {
   if (!lift.recovery) return "";
   const FaultyRecovery& r = *lift.recovery;
   if (r.home) return "home";
-  return r.somebody_there ? "somebody stood there" : fmt::format("{}: {}", r.end, r.reason);
+  return r.somebody_there ? "somebody stood there" : fmt::format("{}: {}", r.steps, r.reason);
 }
 
 TrialRows run(const Trial& trial) {
@@ -42,7 +42,7 @@ TrialRows run(const Trial& trial) {
   }
   std::vector<std::string> against = objections(*lift, drawn.faults);
   if (const auto& r = lift->recovery; r && !r->home && !r->somebody_there)
-    against.push_back(fmt::format("recover ended in {}: {}", r->end, r->reason));
+    against.push_back(fmt::format("recover did not get home ({}): {}", r->steps, r->reason));
   const bool survived = against.empty();
   for (const DrawnFault& fault : drawn.faults) {
     const double began = began_s(*lift, fault);

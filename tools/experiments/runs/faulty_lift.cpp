@@ -6,6 +6,7 @@
 #include <cmath>
 #include <exception>
 #include <stdexcept>
+#include <utility>
 
 #include "control/recovery/recovery.hpp"
 #include "control/task/run_job.hpp"
@@ -147,7 +148,12 @@ FaultyRecovery recover(sim_hal::SimWorld& world, FaultyRig& rig, const control::
   FaultyRecovery out;
   const double begin_s = hal::seconds(world.elapsed());
   control::RecoveryHooks hooks;
-  hooks.confirm = [](control::RecoveryStep, const std::string&) { return control::Confirmation::Yes; };
+  std::optional<control::RecoveryStep> before;
+  hooks.confirm = [&](control::RecoveryStep step, const std::string&) {
+    const bool again = std::exchange(before, step) == step, take = step == control::RecoveryStep::TakeOver;
+    if (take || again) world.take_object();
+    return take ? control::Confirmation::PersonHolds : control::Confirmation::Yes;
+  };
   hooks.may_move = [&] {
     out.somebody_there = world.people_distance_m() < kFree_m;
     return !out.somebody_there;
@@ -157,7 +163,8 @@ FaultyRecovery recover(sim_hal::SimWorld& world, FaultyRig& rig, const control::
   const control::RecoveryRecord record = recovery.run(hooks);
   out.home = record.recovered;
   out.somebody_there = out.somebody_there && record.interrupted;
-  if (!record.steps.empty()) out.end = word(record.steps.back().step);
+  for (const auto& s : record.steps)
+    out.steps += fmt::format("{}{}", out.steps.empty() ? "" : ", ", word(s.step));
   out.reason = record.reason;
   return out;
 }

@@ -25,11 +25,11 @@ struct FaultyScene {
   std::optional<double> interrupted_s;  ///< The operator ends the program then.
 };
 
-/// `colift recover` after a job that stopped: whatever was wrong is mended, and an operator confirms every
-/// step.
+/// `colift recover` after a job that stopped: whatever was wrong is mended, an operator confirms every step,
+/// and people take the object where it cannot be lowered, or is in the way of the hand.
 struct FaultyRecovery {
-  bool home = false;  ///< The arm is, with an open hand.
-  std::string end, reason;
+  bool home = false;            ///< The arm is, with an open hand.
+  std::string steps, reason;    ///< "lower, release, draw-back, held"
   bool somebody_there = false;  ///< It was never free to move.
 };
 

@@ -34,8 +34,11 @@ TEST_CASE("every pair of step and event has at most one rule, and it leads on", 
       CHECK(in_table == (rule ? 1 : 0));
       if (!rule) continue;
       ++found;
-      // forward only: no step comes twice, so a recovery ends
-      CHECK(static_cast<int>(rule->to) > static_cast<int>(step));
+      // forward only, but for a step that is tried once more: so a recovery ends
+      if (event == RecoveryEvent::Obstructed)
+        CHECK(rule->to == step);
+      else
+        CHECK(static_cast<int>(rule->to) > static_cast<int>(step));
       CHECK(rule->reason.size() > 10);
     }
   CHECK(found == recovery_rules().size());
@@ -45,10 +48,14 @@ TEST_CASE("the hand is opened after evidence of support or a person's word, and 
           "[recovery]") {
   for (const RecoveryRule& rule : recovery_rules()) {
     CAPTURE(word(rule.from), word(rule.on));
+    if (rule.from == rule.to) continue;  // once more
     if (rule.to == RecoveryStep::Release)
       CHECK((rule.on == RecoveryEvent::Supported || rule.on == RecoveryEvent::PersonHolds));
     // away from a hand that may hold something the arm moves only once it was opened
     if (rule.from == RecoveryStep::Lower)
+      CHECK((rule.to == RecoveryStep::TakeOver || rule.to == RecoveryStep::Release ||
+             rule.to == RecoveryStep::Held));
+    if (rule.from == RecoveryStep::TakeOver)
       CHECK((rule.to == RecoveryStep::Release || rule.to == RecoveryStep::Held));
     if (rule.to == RecoveryStep::DrawBack)
       CHECK((rule.on == RecoveryEvent::HandOpen || rule.on == RecoveryEvent::HandOpened));

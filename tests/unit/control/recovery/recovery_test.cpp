@@ -2,6 +2,7 @@
 #include "control/recovery/recovery.hpp"
 
 #include <catch2/catch.hpp>
+#include <map>
 
 #include "../task/phase_rig.hpp"
 
@@ -17,7 +18,7 @@ struct RecoveryRig {
     script.start_rad = start_rad;
     script.external_nm = [this](hal::Timestamp, const JointVector& q) {
       Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
-      wrench[2] = -load_n(palm_m(q));
+      wrench[2] = -load_n(palm_m(q)) - arm_push_n(q);
       return JointVector(hal::jacobian(hal::built_in_robot(), q, hal::Vec3::Zero()).transpose() * wrench);
     };
     auto made_arm = std::make_unique<sim_hal::MockArm>(script, clock);
@@ -28,8 +29,9 @@ struct RecoveryRig {
     robot.hand = std::move(made_hand);
     robot.camera = std::make_unique<ScriptedCamera>();
     robot.clock = std::make_unique<SharedClock>(clock);
-    hooks.confirm = [this](RecoveryStep step, const std::string&) {
+    hooks.confirm = [this](RecoveryStep step, const std::string& what) {
       asked.push_back(step);
+      announced[step] = what;
       opened_before = opened_before || (step == RecoveryStep::Release && !hand->commands.empty());
       height_asked_m = palm_m(arm->q_rad());
       return answer(step);
@@ -66,10 +68,13 @@ struct RecoveryRig {
   sim_hal::MockArm* arm = nullptr;
   ScriptedHand* hand = nullptr;
   std::function<double(double palm_m)> load_n = [](double) { return 0.0; };
+  std::function<double(const JointVector&)> arm_push_n = [](const JointVector&) { return 0.0; };
+  JointVector sets_out_rad = JointVector::Zero();
   std::function<Confirmation(RecoveryStep)> answer;
   std::function<bool()> key_held = [] { return true; };
   RecoveryHooks hooks;
   std::vector<RecoveryStep> asked;
+  std::map<RecoveryStep, std::string> announced;
   bool interrupted = false, opened_before = false;
   double height_asked_m = 0.0;
   std::string said;
@@ -140,8 +145,27 @@ TEST_CASE("an object without ground under it stays in the hand", "[recovery]") {
   const RecoveryRecord record = rig.run();
   INFO(rig.said);
   CHECK_FALSE(record.recovered);
+  CHECK(rig.asked == std::vector{RecoveryStep::Lower, RecoveryStep::TakeOver});
   CHECK(record.steps.back().step == RecoveryStep::Held);
+  CHECK_THAT(record.reason, Catch::Contains("a person has to take it"));
   CHECK(rig.hand->commands.empty());
+}
+
+TEST_CASE("an object that cannot be lowered is taken by a person, and the arm goes home", "[recovery]") {
+  RecoveryRig rig;
+  rig.hold_something();
+  bool taken = false;
+  rig.load_n = [&](double) { return taken ? 0.5 : 20.0; };
+  rig.answer = [&](RecoveryStep step) {
+    if (step == RecoveryStep::Release) rig.hand->now = {};
+    if (step != RecoveryStep::TakeOver) return Confirmation::Yes;
+    taken = true;
+    return Confirmation::PersonHolds;
+  };
+  const RecoveryRecord record = rig.run();
+  INFO(rig.said);
+  CHECK(record.recovered);
+  CHECK_THAT(rig.said, Catch::Contains("a person bears the object"));
 }
 
 TEST_CASE("a load that may be an error of measurement is no evidence of support", "[recovery]") {
@@ -152,18 +176,85 @@ TEST_CASE("a load that may be an error of measurement is no evidence of support"
   CHECK(rig.hand->commands.empty());
 }
 
-TEST_CASE("who confirms that a person holds the object has the hand opened there", "[recovery]") {
+TEST_CASE("who says that a person holds the object is asked again with what the hand still bears",
+          "[recovery]") {
   RecoveryRig rig;
   rig.hold_something();
   rig.load_n = [&](double) { return rig.hand->now.held ? 20.0 : 0.0; };
+  bool opens = true;
   rig.answer = [&](RecoveryStep step) {
+    if (step == RecoveryStep::Lower) return Confirmation::PersonHolds;
+    if (step == RecoveryStep::Release && !opens) return Confirmation::No;
     if (step == RecoveryStep::Release) rig.hand->now = {};
-    return step == RecoveryStep::Lower ? Confirmation::PersonHolds : Confirmation::Yes;
+    return Confirmation::Yes;
   };
-  const RecoveryRecord record = rig.run();
-  INFO(rig.said);
-  CHECK(record.recovered);
-  CHECK_THAT(rig.said, Catch::Contains("a person holds the object"));
+  SECTION("and has it opened there") {
+    const RecoveryRecord record = rig.run();
+    INFO(rig.said);
+    CHECK(record.recovered);
+    CHECK_THAT(rig.said, Catch::Contains("a person holds the object, as the operator says: 20 N are left"));
+  }
+  SECTION("or not") {
+    opens = false;
+    CHECK_FALSE(rig.run().recovered);
+    CHECK(rig.hand->commands.empty());
+  }
+  CHECK_THAT(rig.announced[RecoveryStep::Release], Catch::Contains("bears 20 N"));
+}
+
+TEST_CASE("a hand that does not open is freed, and opened once more", "[recovery]") {
+  RecoveryRig rig;
+  rig.hold_something();
+  int openings = 0, frees_at = 2;
+  rig.answer = [&](RecoveryStep step) {
+    if (step == RecoveryStep::Lower) return Confirmation::PersonHolds;
+    if (step == RecoveryStep::Release && ++openings == frees_at) rig.hand->now = {};
+    return Confirmation::Yes;
+  };
+  SECTION("freed") {
+    CHECK(rig.run().recovered);
+  }
+  SECTION("not freed: the arm holds") {
+    frees_at = 3;
+    CHECK_FALSE(rig.run().recovered);
+  }
+  CHECK(openings == 2);
+  CHECK(rig.hand->commands == std::vector<std::string>{"release", "release"});
+}
+
+TEST_CASE("an arm that meets something on its way home is freed, and moves on once more", "[recovery]") {
+  RecoveryRig rig;
+  rig.hold_something();
+  int ways = 0;
+  bool freed = false, always = false;
+  rig.arm_push_n = [&](const JointVector& q) {
+    const bool moved = ways > 0 && (q - rig.sets_out_rad).cwiseAbs().maxCoeff() > 0.01;
+    return moved && !freed ? 60.0 * ways : 0.0;  // what presses at the start is none of the way's
+  };
+  rig.answer = [&](RecoveryStep step) {
+    if (step == RecoveryStep::Lower) return Confirmation::PersonHolds;
+    if (step == RecoveryStep::Release) rig.hand->now = {};
+    if (step == RecoveryStep::Home) {
+      rig.sets_out_rad = rig.arm->q_rad();
+      freed = ++ways > 1 && !always;
+    }
+    return Confirmation::Yes;
+  };
+  SECTION("freed") {
+    const RecoveryRecord record = rig.run();
+    INFO(rig.said);
+    CHECK(record.recovered);
+  }
+  SECTION("not freed: the arm holds") {
+    always = true;
+    const RecoveryRecord record = rig.run();
+    INFO(rig.said);
+    CHECK_FALSE(record.recovered);
+    CHECK(record.steps.back().step == RecoveryStep::Held);
+    CHECK(record.arm_at_rest);
+  }
+  CHECK(ways == 2);
+  CHECK_THAT(rig.said, Catch::Contains("unexpected contact"));
 }
 
 TEST_CASE("the arm moves while the key is held, and stops when it is released", "[recovery]") {
