@@ -131,6 +131,26 @@ TEST_CASE("the device refuses what does not fit its state") {
   CHECK(arm->command(hold_at(state->q_rad)));
 }
 
+TEST_CASE("a client begins where the arm is, beside where soft springs have left its set point") {
+  const auto world =
+      empty_world({{.at_s = 0.0, .device = "arm", .action = "push", .for_s = 60.0, .value = 30.0}});
+  hal::ImpedanceCommand soft = hold_at(world->arm_state().q_rad);
+  soft.stiffness_nm_rad.setConstant(150.0);
+  world->command_arm(soft);
+  world->advance(3000 * kMs);
+  world->hold_arm();
+  const auto arm = make_sim_arm(*world);
+  REQUIRE(arm->configure());
+  REQUIRE(arm->activate());
+  auto state = arm->wait_cycle();
+  REQUIRE(state);
+  REQUIRE((state->q_rad - state->q_commanded_rad).cwiseAbs().maxCoeff() > 0.04);
+  CHECK(arm->command(hold_at(state->q_commanded_rad)).error().code == ErrorCode::LimitExceeded);
+  CHECK(arm->command(hold_at(state->q_rad)));
+  state = arm->wait_cycle();
+  CHECK(arm->command(hold_at(state->q_commanded_rad)));
+}
+
 TEST_CASE("a command with NaN, beyond a limit or with a leap changes nothing") {
   const auto world = empty_world();
   const auto arm = make_sim_arm(*world);

@@ -110,7 +110,7 @@ TEST_CASE("the judge's verdict stands in the document, and none is null", "[run]
   CHECK(document(e)["judge"].is_null());
   sim_hal::Verdict v;
   v.breaches = {"hand: 150 N clamped"};
-  v.contacts.push_back({5.7, "hand", "robot", 0, 150.0, 140.0, 150.0, 0.6, 0.3, 0.2, 0.25, false});
+  v.contacts.push_back({5.7, "hand", "robot", 0, 150.0, 140.0, 150.0, 0.6, 120.0, 0.3, 0.2, 0.25, false});
   v.min_distance_m = -0.001;
   v.distances = {{0.1, INFINITY, 0.7}, {0.2, 0.3, 0.6}};
   e.truth.verdict = v;
@@ -119,6 +119,7 @@ TEST_CASE("the judge's verdict stands in the document, and none is null", "[run]
   CHECK(j["contacts"][0]["body"] == "hand");
   CHECK(j["contacts"][0]["limit_n"] == 140.0);
   CHECK(j["contacts"][0]["clamped_s"] == 0.6);
+  CHECK(j["contacts"][0]["kept_n"] == 120.0);
   CHECK(j["contacts"][0]["closing_m_s"] == 0.3);
   CHECK(j["contacts"][0]["robot_m_s"] == 0.25);
   CHECK(j["distance"]["people_m"] == Json::array({nullptr, 0.3}));
