@@ -327,11 +327,10 @@ std::optional<Recovery::Finding> Recovery::take_over() {
   const RecoveryConfig& c = config_.recovery;
   const double load_n = arm_.view().load_n;
   if (std::abs(load_n) > c.supported_n) unsupported_at_ = now_;
-  if (hal::seconds(now_ - unsupported_at_) > c.settle_s)
-    return Finding{Event::Supported, fmt::format("{:.0f} N are left on the hand", load_n)};
-  if (in_step_s() > c.take_over_s)
-    return Finding{Event::PersonHolds, fmt::format("{:.0f} N are left on the hand", load_n)};
-  return std::nullopt;
+  const bool borne = hal::seconds(now_ - unsupported_at_) > c.settle_s;
+  if (!borne && in_step_s() <= c.take_over_s) return std::nullopt;
+  return Finding{borne ? Event::Supported : Event::PersonHolds,
+                 fmt::format("{:.0f} N are left on the hand", load_n)};
 }
 
 std::optional<Recovery::Finding> Recovery::release() {

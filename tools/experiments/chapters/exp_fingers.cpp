@@ -26,6 +26,7 @@ constexpr double kAside_m = 0.0375;  // of a thing under F1 or F2 alone: its end
 constexpr double kComesFrom_m = 1.5, kComes_m_s = 3.0, kComesBefore_s = 0.25;
 constexpr double kLevel = 0.3, kUpright = 0.95;  // vertical part of a unit vector: at most, at least
 constexpr double kSameGrasp_m = 0.002;
+enum Place { kF1, kF2, kF1AndF2, kF3 };
 constexpr const char* kPlaces[] = {"F1", "F2", "F1 and F2", "F3"};
 
 /// Where the fingers of a run closed first, and what came of it.
@@ -59,18 +60,17 @@ Grip grip_of(const control::RunRecord& record) {
 /// level fingers that come from above, upright under one of them. nullopt where no piece of clutter can lie
 /// so: fingers that close at a slant, or two that one upright thing would have to be under.
 std::optional<sim_hal::ScenarioClutter> thing_between(const planner::GraspCandidate& grasp,
-                                                      const planner::HandModel& hand, int place,
+                                                      const planner::HandModel& hand, Place place,
                                                       double close_s) {
   const hal::Vec3 across = grasp.closing.cross(grasp.approach);
   const bool upright = std::abs(across.z()) > kUpright, level = std::abs(grasp.closing.z()) < kLevel;
   const bool flat = std::abs(grasp.closing.z()) > kUpright && std::abs(across.z()) < kLevel;
   if (!upright && !level && !flat) return std::nullopt;
   const bool stands = !upright && level;
-  if (stands && place == 2) return std::nullopt;
-  const double x_m = place == 3 ? 0.0 : hand.fingers[static_cast<std::size_t>(place % 2)].x_m;
-  double aside_m = x_m;
-  if (!stands) aside_m = place < 2 ? std::copysign(kAside_m, x_m) : 0.0;
-  const double side = place == 3 ? 1.0 : -1.0;
+  if (stands && place == kF1AndF2) return std::nullopt;
+  const double x_m = place == kF1 || place == kF2 ? hand.fingers[place].x_m : 0.0;
+  const double aside_m = stands || x_m == 0.0 ? x_m : std::copysign(kAside_m, x_m);
+  const double side = place == kF3 ? 1.0 : -1.0;
   const hal::Vec3 middle = planner::load_point(grasp) + aside_m * across +
                            side * (0.5 * (grasp.width + kThick_m) + kOff_m) * grasp.closing;
   sim_hal::ScenarioClutter thing;
@@ -94,7 +94,7 @@ std::optional<sim_hal::ScenarioClutter> thing_between(const planner::GraspCandid
 TrialRows run(const Trial& trial) {
   const std::uint64_t seed = trial.own_seed(51);
   sim_hal::Draws draws(seed, 9100);
-  const int place = std::min(static_cast<int>(4.0 * draws.between(0.0, 1.0)), 3);
+  const auto place = static_cast<Place>(std::min(static_cast<int>(4.0 * draws.between(0.0, 1.0)), 3));
   sim_hal::Scenario scenario = mixed_layout(trial.index, trial.seed);
   const std::string& object = scenario.object.kind;
   const auto without = [&](const std::string& why) {
