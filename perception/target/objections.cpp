@@ -124,6 +124,13 @@ std::optional<RejectedObject> object_to_outline(const Fragment& object, const Ou
             "along {:.0f} % of its outline it meets the ground, {:.0f} % are needed to know that it stands "
             "on it",
             100 * outline.ground, 100 * c.min_on_ground)};
+  if (outline.nearer > c.max_hidden && object.area_m2 < c.min_hidden_area_m2)
+    return RejectedObject{
+        RejectedObject::Kind::Attached, object.box.center(), object.pixels,
+        fmt::format(
+            "something in front hides {:.0f} % of its outline, and the {:.0f} cm2 that are seen of it "
+            "do not tell what it is (limits {:.0f} %, {:.0f} cm2)",
+            100 * outline.nearer, 1e4 * object.area_m2, 100 * c.max_hidden, 1e4 * c.min_hidden_area_m2)};
   const double attached = outline.same + outline.nearer + outline.rim;
   if (attached <= c.max_attached) return std::nullopt;
   return RejectedObject{

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "perception/scene.hpp"
-#include "perception/target/fragments.hpp"
 #include "perception/target/outline.hpp"
-#include "perception/target/silhouette.hpp"
+#include "perception/target/regions/fragments.hpp"
+#include "perception/target/regions/silhouette.hpp"
 #include "perception/target/target_config.hpp"
 
 namespace colift::perception {

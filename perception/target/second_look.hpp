@@ -8,8 +8,8 @@
 #include "perception/noise_model.hpp"
 #include "perception/organised_cloud.hpp"
 #include "perception/scene.hpp"
-#include "perception/target/components.hpp"
-#include "perception/target/fragments.hpp"
+#include "perception/target/regions/components.hpp"
+#include "perception/target/regions/fragments.hpp"
 
 namespace colift::perception {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "perception/target/components.hpp"
+#include "perception/target/regions/components.hpp"
 
 namespace colift::perception {
 namespace {

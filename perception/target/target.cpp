@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "perception/ground/image_border.hpp"
-#include "perception/target/raised_pixels.hpp"
+#include "perception/target/regions/raised_pixels.hpp"
 
 namespace colift::perception {
 namespace {
@@ -171,8 +171,8 @@ class Search {
   void drop_limbs() {
     std::erase_if(candidates, [&](const Candidate& k) {
       for (const Fragment& body : bodies_) {
-        if (static_cast<double>(k.object.pixels) > c_.max_limb_fraction * static_cast<double>(body.pixels))
-          continue;
+        const double limit = k.cut_out ? c_.max_cut_out_limb_fraction : c_.max_limb_fraction;
+        if (static_cast<double>(k.object.pixels) > limit * static_cast<double>(body.pixels)) continue;
         if (footprint_gap(k.object, body) > c_.max_limb_gap_m) continue;
         reject(k.object, *k.components,
                {RejectedObject::Kind::Person, k.object.box.center(), k.object.pixels,
@@ -201,7 +201,28 @@ class Search {
       no.whole = true;
       return no;
     }
-    return object_to_bulk(object, silhouette, c_);
+    if (auto no = object_to_bulk(object, silhouette, c_)) return no;
+    if (const auto limb = find_limb(cloud_, components, object, silhouette, noise_, c_.limb)) {
+      RejectedObject no{
+          RejectedObject::Kind::Person, object.box.center(), object.pixels,
+          fmt::format("it is round all over, with a radius of about {:.0f} mm, and no pipe that "
+                      "lies: a part of a person, perhaps",
+                      1e3 * limb->radius_m)};
+      no.whole = true;
+      return no;
+    }
+    return std::nullopt;
+  }
+
+  // refused for what the view or something else hides of it, whatever it is
+  static bool may_hide_limb(RejectedObject::Kind kind) {
+    using Kind = RejectedObject::Kind;
+    return kind == Kind::Cut || kind == Kind::Attached || kind == Kind::Floating;
+  }
+
+  [[nodiscard]] bool is_round(const Fragment& object, const Components& components) const {
+    const Silhouette silhouette(cloud_, components, object, ground_);
+    return find_limb(cloud_, components, object, silhouette, noise_, c_.limb).has_value();
   }
 
   void reject(const Fragment& object, const Components& components, RejectedObject no) {
@@ -209,7 +230,9 @@ class Search {
     const bool tall =
         no.kind == RejectedObject::Kind::Person ||
         (no.kind == RejectedObject::Kind::Cut && object.max_height_m > c_.person.min_top_height_m);
-    if (no.whole || (tall && footprint_span(object) < c_.max_person_span_m)) bodies_.push_back(object);
+    if (no.whole || (footprint_span(object) < c_.max_person_span_m &&
+                     (tall || (may_hide_limb(no.kind) && is_round(object, components)))))
+      bodies_.push_back(object);
     rejected.push_back(std::move(no));
   }
 

@@ -3,11 +3,12 @@
 #include "hal/config/range.hpp"
 #include "perception/footprint.hpp"
 #include "perception/ground/walls.hpp"
-#include "perception/target/enclosed_pixels.hpp"
-#include "perception/target/fragments.hpp"
 #include "perception/target/on_table.hpp"
 #include "perception/target/outline.hpp"
-#include "perception/target/person_shape.hpp"
+#include "perception/target/person/limb_shape.hpp"
+#include "perception/target/person/person_shape.hpp"
+#include "perception/target/regions/enclosed_pixels.hpp"
+#include "perception/target/regions/fragments.hpp"
 #include "perception/target/second_look.hpp"
 #include "perception/target/slivers.hpp"
 
@@ -38,11 +39,14 @@ struct TargetConfig {
   double min_massive_width_m = 0.7;
   double unseen_depth_m = 0.35;
   double max_attached = 0.5;
+  double max_hidden = 0.2;
+  double min_hidden_area_m2 = 0.04;
   double min_on_ground = 0.0;
   double min_confidence = 0.3;
   double max_person_span_m = 1.2;
   double max_limb_gap_m = 0.3;
   double max_limb_fraction = 0.4;
+  double max_cut_out_limb_fraction = 1.0;
   double max_person_top_cut = 0.1;
   double max_person_side_cut = 0.15;
   double min_person_part_m = 0.5;
@@ -55,6 +59,7 @@ struct TargetConfig {
   SecondLookConfig second_look;
   OutlineConfig outline;
   PersonShapeConfig person;
+  LimbShapeConfig limb;
   BoxTrim box;
   OnTableConfig on_table;
 
@@ -101,6 +106,11 @@ struct TargetConfig {
     v("max_attached", max_attached, hal::kFraction,
       "Max fraction of a target's outline along which something is at its own depth, in front of it, or the "
       "view ends.");
+    v("max_hidden", max_hidden, hal::kFraction,
+      "Max fraction of a target's outline that something in front of it hides, where little of it is seen "
+      "...");
+    v("min_hidden_area_m2", min_hidden_area_m2, hal::kNotNegative,
+      "... namely less than this area (m^2): it may be anything.");
     v("min_confidence", min_confidence, hal::kFraction,
       "Min confidence with which an object is taken for the target; below it a person has to point at it.");
     v("min_on_ground", min_on_ground, hal::kFraction,
@@ -111,6 +121,8 @@ struct TargetConfig {
       "Max distance from a person of what may be the person's arm or leg (m).");
     v("max_limb_fraction", max_limb_fraction, hal::kFraction,
       "Max number of pixels of such an arm or leg, as a fraction of the person's.");
+    v("max_cut_out_limb_fraction", max_cut_out_limb_fraction, hal::kNotNegative,
+      "The same of what had to be cut out of what it hangs together with.");
     v("max_person_top_cut", max_person_top_cut, hal::kFraction,
       "A slender object, of whose upper side the view cuts off more than this fraction, may be a person.");
     v("max_person_side_cut", max_person_side_cut, hal::kFraction,
@@ -129,6 +141,7 @@ struct TargetConfig {
     v("second_look", second_look, "How what hangs together with its background is cut apart.");
     v("outline", outline, "How the outline of an object is read.");
     v("person", person, "What a head on shoulders looks like.");
+    v("limb", limb, "What is as round as a part of a person.");
     v("on_table", on_table, "What counts as a target where the support is a table top.");
   }
 };

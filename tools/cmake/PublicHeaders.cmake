@@ -71,15 +71,17 @@ set(COLIFT_PUBLIC_HEADERS
   perception/ground/level_planes.hpp
   perception/ground/plane_vote.hpp
   perception/ground/walls.hpp
-  perception/target/components.hpp
-  perception/target/enclosed_pixels.hpp
-  perception/target/fragments.hpp
   perception/target/objections.hpp
   perception/target/on_table.hpp
   perception/target/outline.hpp
-  perception/target/person_shape.hpp
+  perception/target/person/limb_shape.hpp
+  perception/target/person/person_shape.hpp
+  perception/target/regions/components.hpp
+  perception/target/regions/enclosed_pixels.hpp
+  perception/target/regions/fragments.hpp
+  perception/target/regions/silhouette.hpp
+  perception/target/regions/surface_curvature.hpp
   perception/target/second_look.hpp
-  perception/target/silhouette.hpp
   perception/target/slivers.hpp
   perception/target/target.hpp
   perception/target/target_config.hpp

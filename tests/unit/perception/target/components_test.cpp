@@ -1,4 +1,4 @@
-#include "perception/target/components.hpp"
+#include "perception/target/regions/components.hpp"
 
 #include <catch2/catch.hpp>
 #include <cstdint>

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "perception/target/enclosed_pixels.hpp"
+#include "perception/target/regions/enclosed_pixels.hpp"
 #include "synthetic.hpp"
 
 using namespace colift;

@@ -8,7 +8,7 @@
 #include "perception/ground/image_border.hpp"
 #include "perception/noise_model.hpp"
 #include "perception/scene.hpp"
-#include "perception/target/components.hpp"
+#include "perception/target/regions/components.hpp"
 
 namespace colift::perception {
 

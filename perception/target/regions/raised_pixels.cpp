@@ -1,4 +1,4 @@
-#include "perception/target/raised_pixels.hpp"
+#include "perception/target/regions/raised_pixels.hpp"
 
 #include <algorithm>
 #include <cmath>

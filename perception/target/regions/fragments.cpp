@@ -1,4 +1,4 @@
-#include "perception/target/fragments.hpp"
+#include "perception/target/regions/fragments.hpp"
 
 #include <algorithm>
 #include <array>

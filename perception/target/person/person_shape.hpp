@@ -5,7 +5,7 @@
 #include "hal/config/range.hpp"
 #include "perception/noise_model.hpp"
 #include "perception/scene.hpp"
-#include "perception/target/silhouette.hpp"
+#include "perception/target/regions/silhouette.hpp"
 
 namespace colift::perception {
 

@@ -5,8 +5,8 @@
 
 #include "perception/organised_cloud.hpp"
 #include "perception/scene.hpp"
-#include "perception/target/components.hpp"
-#include "perception/target/fragments.hpp"
+#include "perception/target/regions/components.hpp"
+#include "perception/target/regions/fragments.hpp"
 
 namespace colift::perception {
 

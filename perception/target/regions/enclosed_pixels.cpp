@@ -1,4 +1,4 @@
-#include "perception/target/enclosed_pixels.hpp"
+#include "perception/target/regions/enclosed_pixels.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "perception/target/person_shape.hpp"
+#include "perception/target/person/person_shape.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

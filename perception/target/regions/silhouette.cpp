@@ -1,4 +1,4 @@
-#include "perception/target/silhouette.hpp"
+#include "perception/target/regions/silhouette.hpp"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,7 @@
 #include "perception/noise_model.hpp"
 #include "perception/organised_cloud.hpp"
 #include "perception/scene.hpp"
-#include "perception/target/components.hpp"
+#include "perception/target/regions/components.hpp"
 
 namespace colift::perception {
 

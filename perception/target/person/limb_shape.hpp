@@ -1,0 +1,63 @@
+#pragma once
+
+#include <optional>
+
+#include "hal/config/range.hpp"
+#include "perception/target/regions/silhouette.hpp"
+#include "perception/target/regions/surface_curvature.hpp"
+
+namespace colift::perception {
+
+/// What is as round as a limb, a trunk or a head. The bounds of the curvature are those of radii from an
+/// infant's wrist to a trunk (DIN 33402-2), those of slimness and upward direction what separates a pipe that
+/// lies from a leg; chosen on random rooms (`colift experiment rooms --seed 405`).
+struct LimbShapeConfig {
+  double min_curvature_per_m = 6.5;
+  double max_curvature_per_m = 70.0;
+  double sure_curvature_per_m = 4.5;
+  double min_convex = 0.6;
+  double headless = 0.75;
+  double min_measured = 0.08;
+  int min_pieces = 3;
+  double min_length_m = 0.25;
+  double max_pipe_slimness = 0.45;
+  double max_pipe_upward = 0.3;
+  CurvatureConfig curvature;
+
+  template <class Visitor>
+  void visit(Visitor& v) {
+    v("min_curvature_per_m", min_curvature_per_m, hal::kPositive,
+      "Min curvature of what may be a part of a person (1/m): the inverse of its radius.");
+    v("max_curvature_per_m", max_curvature_per_m, hal::kPositive, "Max curvature of it (1/m).");
+    v("sure_curvature_per_m", sure_curvature_per_m, hal::kNotNegative,
+      "Min curvature of it that is known beside the depth noise, 95 % (1/m).");
+    v("min_convex", min_convex, hal::kFraction, "Min fraction of its surface that is convex.");
+    v("headless", headless, hal::kFraction,
+      "Factor of these three limits where the view cuts the upper side, so that there may be a head above "
+      "it.");
+    v("min_measured", min_measured, hal::kFraction,
+      "Min fraction of its pixels on which the curvature could be measured.");
+    v("min_pieces", min_pieces, hal::Range{1, 1e4}, "Min number of pieces of its surface, measured.");
+    v("min_length_m", min_length_m, hal::kNotNegative, "Min length of it (m); cans and bottles are shorter.");
+    v("max_pipe_slimness", max_pipe_slimness, hal::kFraction,
+      "Max ratio of width to length of a round object that is a pipe ...");
+    v("max_pipe_upward", max_pipe_upward, hal::kFraction,
+      "... and max upward part of its direction: a pipe lies, or leans a little.");
+    v("curvature", curvature, "How the curvature of a surface is measured.");
+  }
+};
+
+/// What is round like a part of a person.
+struct LimbShape {
+  double radius_m = 0.0;  ///< Of a cylinder with the median curvature.
+  double length_m = 0.0;
+};
+
+/// An object whose visible surface is mostly as round as a limb or a trunk, and that is no pipe. Furniture
+/// and cartons are flat where they are wide enough to measure; nothing is said about what shows no surface as
+/// wide as a piece.
+[[nodiscard]] std::optional<LimbShape> find_limb(const OrganisedCloud& cloud, const Components& components,
+                                                 const Fragment& object, const Silhouette& silhouette,
+                                                 const NoiseModel& noise, const LimbShapeConfig& config = {});
+
+}  // namespace colift::perception
