@@ -29,7 +29,7 @@ template Eigen::Matrix<double, 6, 1> solve_symmetric(const Eigen::Matrix<double,
                                                      const Eigen::Matrix<double, 6, 1>&);
 
 SymmetricEigen6 symmetric_eigen(const Eigen::Matrix<double, 6, 6>& A) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(A);
+  const Eigen::SelfAdjointEigenSolver<SmallMatrix> solver(A);
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 
