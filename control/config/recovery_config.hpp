@@ -20,6 +20,7 @@ struct RecoveryConfig {
   double settle_s = 0.4;
   double take_over_s = 5.0;
   double clear_m = 0.12;
+  int attempts = 3;
   double speed_scale = 0.3;
   double hold_to_run_s = 0.7;
   double open_tolerance_rad = 0.1;
@@ -51,6 +52,9 @@ struct RecoveryConfig {
     v("settle_s", settle_s, hal::Range{0.05, 10}, "For so long, before it is believed (s).");
     v("take_over_s", take_over_s, hal::Range{0.5, 60},
       "A person who is said to hold the object gets so long until the load is his (s).");
+    v("attempts", attempts, hal::Range{1, 10},
+      "A step that met something, or fingers that did not open, are tried so often, each time on a "
+      "confirmation that they were freed.");
     v("clear_m", clear_m, hal::Range{0, 0.5},
       "The open hand is drawn back straight by this before the motion home (m).");
     v("speed_scale", speed_scale, hal::Range{0.01, 1}, "Speed scale of the motion home.");

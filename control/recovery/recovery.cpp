@@ -87,8 +87,8 @@ Recovery::Finding Recovery::assess_now() {
 void Recovery::apply(const Finding& finding) {
   const auto rule = next(step_, finding.event);
   if (!rule) return;
-  tried_ = rule->to == step_;
-  if (tried_) arm_.hold();
+  attempt_ = rule->to == step_ ? attempt_ + 1 : 1;
+  if (attempt_ > 1) arm_.hold();
   step_ = rule->to;
   since_ = now_;
   record_.reason = std::string(rule->reason);
@@ -142,7 +142,7 @@ std::optional<Recovery::Finding> Recovery::stop_pressing() {
 }
 
 std::optional<Recovery::Finding> Recovery::begin() {
-  if (tried_)
+  if (attempt_ > 1)
     if (auto lost = stop_pressing()) return lost;
   if (step_ == RecoveryStep::Home)
     if (auto failed = prepare_home()) return failed;
@@ -335,7 +335,7 @@ std::optional<Recovery::Finding> Recovery::take_over() {
 
 std::optional<Recovery::Finding> Recovery::release() {
   if (in_step_s() > config_.task.grip.hand_timeout_s)
-    return Finding{tried_ ? Event::TimeOut : Event::Obstructed, ""};
+    return Finding{last_attempt() ? Event::TimeOut : Event::Obstructed, ""};
   if (in_step_s() < config_.task.grip.command_shows_s || hand_->moving || hand_->held) return std::nullopt;
   const auto& q = hand_->finger_rad;
   if (*std::max_element(q.begin(), q.end()) > config_.recovery.open_tolerance_rad) return std::nullopt;
@@ -344,7 +344,7 @@ std::optional<Recovery::Finding> Recovery::release() {
 
 std::optional<Recovery::Finding> Recovery::move(Event arrived) {
   if (pausing()) return std::nullopt;
-  if (arm_.blocked()) return Finding{tried_ ? Event::Blocked : Event::Obstructed, arm_.why_blocked()};
+  if (arm_.blocked()) return Finding{last_attempt() ? Event::Blocked : Event::Obstructed, arm_.why_blocked()};
   if (!arm_.done() || !arm_.at_rest()) return std::nullopt;
   return Finding{arrived, ""};
 }

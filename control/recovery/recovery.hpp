@@ -97,6 +97,7 @@ class Recovery {
   [[nodiscard]] bool set_home(const planner::Trajectory& planned);
   [[nodiscard]] planner::MotionLimits limits() const;
   [[nodiscard]] bool ended() const { return is_end(step_); }
+  [[nodiscard]] bool last_attempt() const { return attempt_ >= config_.recovery.attempts; }
   [[nodiscard]] double in_step_s() const { return hal::seconds(now_ - since_); }
 
   hal::Robot& robot_;
@@ -116,7 +117,7 @@ class Recovery {
   std::optional<hal::HandState> hand_;
   double load_before_n_ = 0.0;
   bool arm_started_ = false, paused_ = false;
-  bool tried_ = false;         ///< This step, before.
+  int attempt_ = 1;            ///< Of this step.
   bool person_holds_ = false;  ///< As the operator says.
   bool presses_ = false;       ///< Lowered as far as it may press; waits whether that stays.
   planner::Trajectory home_;

@@ -12,7 +12,7 @@ using enum RecoveryEvent;
 constexpr std::string_view kDeclined = "not confirmed: the arm holds, the grip stays as it is";
 constexpr std::string_view kInterrupted = "interrupted: the arm holds, the grip stays as it is";
 constexpr std::string_view kLost = "arm or hand does not answer: it has stopped by itself";
-constexpr std::string_view kMet = "unexpected contact: free the arm and the hand, then it is tried once more";
+constexpr std::string_view kMet = "unexpected contact: free the arm and the hand, then it is tried again";
 constexpr std::string_view kHit = "unexpected contact: the arm holds";
 
 constexpr auto kRules = std::to_array<RecoveryRule>({
@@ -42,7 +42,7 @@ constexpr auto kRules = std::to_array<RecoveryRule>({
     {TakeOver, DeviceLost, Held, kLost},
     {TakeOver, TimeOut, Held, "timeout: nobody took the object"},
 
-    {Release, Obstructed, Release, "the hand did not open: free the fingers, then it is tried once more"},
+    {Release, Obstructed, Release, "the hand did not open: free the fingers, then it is tried again"},
     {Release, HandOpened, DrawBack, "the hand is open"},
     {Release, Declined, Held, kDeclined},
     {Release, Interrupted, Held, kInterrupted},

@@ -12,13 +12,15 @@ using hal::Vec3;
 
 /// People beside the partner who take the object off the robot's hand, and keep it where it is then: four
 /// hands around the palm, each a spring with damping (1500 N/m, 80 Ns/m, at most 250 N). Within a second or
-/// two they bear what the palm bore.
+/// two they bear what the palm bore. They can pull it away from the hand.
 class SimHelpers {
  public:
   static constexpr int kHands = 4;
 
   /// They take hold now, around the palm.
   void take(const Pose& X_WT, const Vec3& palm_W);
+  /// From now on they move the object by this (W), with 0.1 m/s.
+  void pull(const Vec3& by_W) { pull_W_ = by_W; }
   [[nodiscard]] bool hold() const { return !hands_.empty(); }
 
   struct Hand {
@@ -35,6 +37,7 @@ class SimHelpers {
     Vec3 borne_W = Vec3::Zero();
   };
   std::vector<Place> hands_;
+  Vec3 pull_W_ = Vec3::Zero();  // what is left of it
 };
 
 }  // namespace colift::sim_hal

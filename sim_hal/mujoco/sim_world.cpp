@@ -103,6 +103,14 @@ void SimWorld::take_object() {
   if (!impl_->helpers.hold()) impl_->helpers.take(impl_->physics->object_pose(), impl_->palm().translation());
 }
 
+void SimWorld::pull_object_away(double by_m) {
+  take_object();
+  const std::scoped_lock lock(impl_->mutex);
+  Vec3 away_W = impl_->palm().linear().col(2);
+  away_W.z() = 0.0;
+  impl_->helpers.pull(by_m * away_W);
+}
+
 void SimWorld::task_state(const std::string& name) {
   const std::scoped_lock lock(impl_->mutex);
   if (std::find(impl_->entered.begin(), impl_->entered.end(), name) != impl_->entered.end()) return;

@@ -114,6 +114,9 @@ class SimWorld {
 
   /// People come who take the object off the robot's hand, and keep it where it is then: SimHelpers.
   void take_object();
+  /// The same, and they pull it away from the palm, along the horizontal part of where that points, by so
+  /// much (m).
+  void pull_object_away(double by_m);
 
   /// The partner confirmed since the last call that a paused object may be lowered (do: confirm-lower).
   bool take_lower_confirmed();

@@ -24,6 +24,7 @@ namespace {
 using sim_hal::DeviceFaultEvent;
 
 constexpr double kSample_s = 0.01, kGrace_s = 30.0;
+constexpr double kPulledAway_m = 0.1;
 constexpr double kFree_m = 0.3;  // who confirms moves nothing while anybody is nearer than that
 constexpr hal::Duration kMends = std::chrono::seconds(3);
 
@@ -151,7 +152,9 @@ FaultyRecovery recover(sim_hal::SimWorld& world, FaultyRig& rig, const control::
   std::optional<control::RecoveryStep> before;
   hooks.confirm = [&](control::RecoveryStep step, const std::string&) {
     const bool again = std::exchange(before, step) == step, take = step == control::RecoveryStep::TakeOver;
-    if (take || again) world.take_object();
+    if (take || (again && step == control::RecoveryStep::Release)) world.take_object();
+    // who is to free an open hand that met the object pulls it away
+    if (again && step != control::RecoveryStep::Release) world.pull_object_away(kPulledAway_m);
     return take ? control::Confirmation::PersonHolds : control::Confirmation::Yes;
   };
   hooks.may_move = [&] {

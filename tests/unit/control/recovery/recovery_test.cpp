@@ -202,10 +202,10 @@ TEST_CASE("who says that a person holds the object is asked again with what the 
   CHECK_THAT(rig.announced[RecoveryStep::Release], Catch::Contains("bears 20 N"));
 }
 
-TEST_CASE("a hand that does not open is freed, and opened once more", "[recovery]") {
+TEST_CASE("a hand that does not open is freed, and opened again", "[recovery]") {
   RecoveryRig rig;
   rig.hold_something();
-  int openings = 0, frees_at = 2;
+  int openings = 0, frees_at = RecoveryConfig().attempts;
   rig.answer = [&](RecoveryStep step) {
     if (step == RecoveryStep::Lower) return Confirmation::PersonHolds;
     if (step == RecoveryStep::Release && ++openings == frees_at) rig.hand->now = {};
@@ -215,14 +215,14 @@ TEST_CASE("a hand that does not open is freed, and opened once more", "[recovery
     CHECK(rig.run().recovered);
   }
   SECTION("not freed: the arm holds") {
-    frees_at = 3;
+    ++frees_at;
     CHECK_FALSE(rig.run().recovered);
   }
-  CHECK(openings == 2);
-  CHECK(rig.hand->commands == std::vector<std::string>{"release", "release"});
+  CHECK(openings == RecoveryConfig().attempts);
+  CHECK(rig.hand->commands == std::vector<std::string>(static_cast<std::size_t>(openings), "release"));
 }
 
-TEST_CASE("an arm that meets something on its way home is freed, and moves on once more", "[recovery]") {
+TEST_CASE("an arm that meets something on its way home is freed, and moves on", "[recovery]") {
   RecoveryRig rig;
   rig.hold_something();
   int ways = 0;
@@ -253,7 +253,7 @@ TEST_CASE("an arm that meets something on its way home is freed, and moves on on
     CHECK(record.steps.back().step == RecoveryStep::Held);
     CHECK(record.arm_at_rest);
   }
-  CHECK(ways == 2);
+  CHECK(ways == (always ? RecoveryConfig().attempts : 2));
   CHECK_THAT(rig.said, Catch::Contains("unexpected contact"));
 }
 
