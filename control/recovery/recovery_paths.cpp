@@ -14,6 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr int kDrawBackPoints = 12;
+constexpr double kLevelled = 0.5;  // sine of the largest angle below the horizontal that is not followed
 constexpr double kLargestStep_rad = 0.2;  // between two of them
 
 }  // namespace
@@ -28,7 +29,9 @@ planner::MotionLimits Recovery::limits() const {
 
 hal::Result<planner::Trajectory> Recovery::draw_back_path() const {
   std::vector<hal::JointVector> points{arm_.commanded()};
-  const hal::Vec3 back = -hal::hand_pose(rig_.model, points.front()).linear().col(2);
+  hal::Vec3 back = -hal::hand_pose(rig_.model, points.front()).linear().col(2);
+  // a hand that points up a little would be drawn into the ground on which the object was put
+  if (back.z() < 0.0 && back.z() > -kLevelled) back = hal::Vec3(back.x(), back.y(), 0.0).normalized();
   const hal::Pose X_WF = planner::flange_pose(geometry_, points.front());
   for (int i = 1; i <= kDrawBackPoints; ++i) {
     hal::Pose X = X_WF;

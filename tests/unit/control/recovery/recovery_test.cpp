@@ -257,6 +257,33 @@ TEST_CASE("an arm that meets something on its way home is freed, and moves on", 
   CHECK_THAT(rig.said, Catch::Contains("unexpected contact"));
 }
 
+TEST_CASE("a hand that points up a little is drawn back level, not into the ground", "[recovery]") {
+  // turned about A6 until the palm points up by a few degrees to a quarter of a right angle
+  const double up = GENERATE(0.1, 0.3);
+  JointVector start = RecoveryRig::away();
+  const auto upward = [](const JointVector& q) {
+    return hal::hand_pose(hal::built_in_robot(), q).linear()(2, 2);
+  };
+  const double side = upward(start + 0.01 * JointVector::Unit(5)) > upward(start) ? 1.0 : -1.0;
+  while (upward(start) < up) start[5] += 0.01 * side;
+  RecoveryRig rig(start);
+  double lowest_m = RecoveryRig::palm_m(start), back_m = 0.0;
+  const hal::Vec3 from = hal::hand_pose(hal::built_in_robot(), start).translation();
+  rig.key_held = [&] {
+    if (rig.asked.back() == RecoveryStep::DrawBack) {
+      lowest_m = std::min(lowest_m, RecoveryRig::palm_m(rig.arm->q_rad()));
+      const hal::Vec3 now = hal::hand_pose(hal::built_in_robot(), rig.arm->q_rad()).translation();
+      back_m = std::max(back_m, (now - from).head<2>().norm());
+    }
+    return true;
+  };
+  const RecoveryRecord record = rig.run();
+  INFO(rig.said);
+  CHECK(record.recovered);
+  CHECK(back_m > 0.05);
+  CHECK(RecoveryRig::palm_m(start) - lowest_m < 0.002);
+}
+
 TEST_CASE("the arm moves while the key is held, and stops when it is released", "[recovery]") {
   RecoveryRig rig;
   int cycle = 0;
