@@ -52,7 +52,8 @@ class HandEmulator {
 
   /// A fault more than configured; its time is from start().
   void inject(const HandFault& fault);
-  /// A person mends whatever is wrong: faults are over. What they have done to pucks stays done.
+  /// A person mends whatever is wrong: faults are over, pucks in error are switched off and on. What else
+  /// faults have done to pucks stays done.
   void mend();
   /// This machine did not run the emulator for a while: for as long as a puck takes to wake, its client
   /// cannot know when it will be awake.

@@ -28,6 +28,8 @@ void HandEmulator::inject(const HandFault& fault) {
 
 void HandEmulator::mend() {
   for (HandFault& fault : config_.faults) fault.end(t_s_);
+  for (std::size_t p = 0; p < kHandPucks; ++p)
+    if (pucks_[p].life() == HandPuck::Life::Error) reset(p, "somebody switches it off and on");
 }
 
 void HandEmulator::act(const HandFault& f, bool begins) {
