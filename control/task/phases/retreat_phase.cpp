@@ -49,9 +49,12 @@ std::optional<TaskEvent> RetreatPhase::unload() {
     c_.since = c_.now;
     return std::nullopt;
   }
+  const double unloading_s = hal::seconds(c_.now - c_.since);
+  const double enough_s = carry.seek_m / carry.seek_speed_m_s + 2.0 * carry.settle_s;
+  // an arm that waits for somebody near it is not at rest on its way down
+  if (unloading_s > enough_s + c_.config.monitor.max_wait_s) return still_loaded();
   if (!c_.arm.lift_at_rest() && !c_.arm.end_of_reach()) return std::nullopt;
-  if (hal::seconds(c_.now - c_.since) < carry.seek_m / carry.seek_speed_m_s + 2.0 * carry.settle_s)
-    return std::nullopt;
+  if (unloading_s < enough_s) return std::nullopt;
   return still_loaded();
 }
 

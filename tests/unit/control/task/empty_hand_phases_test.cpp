@@ -263,6 +263,16 @@ TEST_CASE("a hand that still carries something stays closed", "[phases]") {
     CHECK(rig.hand->commands.empty());
     CHECK(before_m - rig.c->palm().translation().z() == Approx(0.02).margin(0.002));
   }
+  SECTION("and for no longer than a wait may take, where the arm waits for somebody") {
+    rig.c->arm.set_scale(0.0);
+    const hal::Timestamp begun = rig.c->now;
+    const auto event = rig.run([&] { return rig.retreat.release(); }, 200.0);
+    REQUIRE(event);
+    CHECK(event->event == Event::StillLoaded);
+    CHECK(hal::seconds(rig.c->now - begun) < rig.c->config.monitor.max_wait_s + 10.0);
+    CHECK(rig.hand->commands.empty());
+    CHECK(before_m - rig.c->palm().translation().z() < 0.002);
+  }
   SECTION("once it stands, the hand opens") {
     CHECK_FALSE(rig.run([&] { return rig.retreat.release(); }, 1.0));
     load(1.0);
