@@ -64,7 +64,7 @@ FAR_ENDS = {  # words behind "colift emulate", and commands that prepare the dev
         "pushed": ("hand --plant light --fault 8:weight=0.3@F2:600", INIT),
         "warm": ("hand --plant light --width 0.10 --fault 8:hot=50:3600", INIT),
         "ball": ("hand --plant light --width 0.10", INIT),
-        "pulled": ("hand --plant light --width 0.10 --fault 8:weight=0.5:3", INIT),
+        "pulled": ("hand --plant light --width 0.10 --fault 8:weight=-0.3@F1:3 --fault 8:weight=-0.3@F2:3", INIT),
         "gauges": ("hand --plant light --width 0.10 --gauges 1,1.3,0.8" + WEIGHTS, INIT),
     },
     "camera": {

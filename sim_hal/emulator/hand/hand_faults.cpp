@@ -26,7 +26,7 @@ constexpr std::array kKinds{
     Row{"freeze", Kind::Freeze},
     Row{"jump", Kind::Jump, 20000, -2e6, 2e6},
     Row{"turn", Kind::Turn, 3000, -20000, 20000},
-    Row{"weight", Kind::Weight, 0.3, 0, 3},
+    Row{"weight", Kind::Weight, 0.3, -3, 3},
     Row{"master", Kind::Master, 900, 0, 5000},
     Row{"altered", Kind::Altered, 900, 0, 5000},
     Row{"brown-out", Kind::BrownOut},

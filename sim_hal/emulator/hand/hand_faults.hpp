@@ -28,7 +28,8 @@ struct HandFault : TimedFault {
     Freeze,   ///< Its encoder tells the same position.
     Jump,     ///< Its encoder jumps by `value` counts.
     Turn,     ///< Something turns the spread with `value` units of torque; fingers have worms.
-    Weight,   ///< Something bends a finger's outer link open with `value` N m; its worm holds it.
+    Weight,   ///< Something bends a finger's outer link open with `value` N m, or relieves it (negative);
+              ///< its worm holds it.
     Master,   ///< Another program, node 6, sets its MT to `value`.
     Altered,  ///< Its MT is `value` from now on, and nobody saw why.
     // of all of them
