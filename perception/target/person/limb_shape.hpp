@@ -8,9 +8,9 @@
 
 namespace colift::perception {
 
-/// What is as round as a limb, a trunk or a head. The bounds of the curvature are those of radii from an
-/// infant's wrist to a trunk (DIN 33402-2), those of slimness and upward direction what separates a pipe that
-/// lies from a leg; chosen on random rooms (`colift experiment rooms --seed 405`).
+/// What is as round as a limb or a trunk: radii of 14 to 150 mm; slimness and upward direction separate a
+/// pipe that lies from a leg. All figures were chosen on random rooms (`colift experiment rooms --seed 405`
+/// and 406), whose persons are capsules.
 struct LimbShapeConfig {
   double min_curvature_per_m = 6.5;
   double max_curvature_per_m = 70.0;
