@@ -200,8 +200,9 @@ void ArmCommander::end_tare() {
   ask({ArmRequest::Kind::EndTare, 0, nullptr, 0.0, {}});
 }
 
-void ArmCommander::start_lift(LiftController::Role role, double height_m, double time_s) {
-  ask({ArmRequest::Kind::StartLift, 0, nullptr, height_m, role, time_s});
+void ArmCommander::start_lift(LiftController::Role role, double height_m, double time_s,
+                              const HandLine& line) {
+  ask({ArmRequest::Kind::StartLift, 0, nullptr, height_m, role, time_s, HandLoad::Empty, line});
 }
 
 void ArmCommander::raise_on(LiftController::Role role, double height_m, double time_s) {

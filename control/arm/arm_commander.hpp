@@ -60,7 +60,7 @@ class ArmCommander {
   void end_tare();
   /// Raises the palm by a height, in a time when it leads; raise_on() goes further, to a height over where
   /// the lift began.
-  void start_lift(LiftController::Role role, double height_m, double time_s);
+  void start_lift(LiftController::Role role, double height_m, double time_s, const HandLine& line = {});
   void raise_on(LiftController::Role role, double height_m, double time_s);
   /// Continues a lift that the arm stopped because the task was late; the arm has to be at rest.
   void resume_lift();

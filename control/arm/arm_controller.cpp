@@ -118,7 +118,7 @@ void ArmController::take(const ArmRequest& request) {
       end_yield();
       start_lift_time();
       view_.end_of_reach = false;
-      lift_.start(setpoints_.commanded());
+      lift_.start(setpoints_.commanded(), request.line);
       view_.palm_springs = palm_springs_ && monitor_time_.period_s() <= kMaxPeriod_s;
       palm_.engage(view_.palm_springs);
       energy_.fill(energy_allowed_j_);

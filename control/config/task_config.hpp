@@ -4,6 +4,7 @@
 
 #include "control/config/cartesian_config.hpp"
 #include "control/config/let_go_config.hpp"
+#include "control/config/tilt_compliance_config.hpp"
 #include "hal/config/range.hpp"
 
 namespace colift::control {
@@ -162,6 +163,7 @@ struct LiftMotionConfig {
   double leader_rise_m = 0.008;
   std::string control = "joint_impedance";
   CartesianConfig cartesian;
+  TiltComplianceConfig tilt_compliance;
   double energy_margin_j = 3.0;
   double energy_band_j = 0.5;
 
@@ -185,6 +187,7 @@ struct LiftMotionConfig {
       "tilt, "
       "soft sideways).");
     v("cartesian", cartesian, "The palm's impedance.");
+    v("tilt_compliance", tilt_compliance, "How the palm gives way to what tilts the object.");
     v("energy_margin_j", energy_margin_j, hal::Range{0, 100},
       "Energy that the arm may put into object and people beside what lifts max_load_n by lift_height_m; who "
       "has put in all of it lowers the object (J).");
@@ -197,6 +200,10 @@ struct LiftMotionConfig {
 struct CarryConfig {
   int limit_frames = 3;
   double settle_s = 0.3;
+  double steady_load_n = 0.5;
+  double steady_load_fraction = 0.03;
+  double steady_s = 0.6;
+  double max_unsteady_s = 5.0;
   double partner_fall_m = 0.02;
   double load_jump_factor = 1.4;
   double load_jump_n = 6.0;
@@ -222,6 +229,13 @@ struct CarryConfig {
     v("limit_frames", limit_frames, hal::Range{1, 100},
       "Frames in a row beyond a limit of tilt or slip that end a lift.");
     v("settle_s", settle_s, hal::Range{0, 10}, "Time at rest before the end of a motion is believed (s).");
+    v("steady_load_n", steady_load_n, hal::Range{0.01, 50},
+      "The hold begins when the load on the hand changes by no more than this in 0.4 s (N) ...");
+    v("steady_load_fraction", steady_load_fraction, hal::kFraction,
+      "... or than this fraction of itself, ...");
+    v("steady_s", steady_s, hal::Range{0, 10}, "... for this time (s) ...");
+    v("max_unsteady_s", max_unsteady_s, hal::Range{0, 60},
+      "... or at the latest this long after the palm has come to rest at the top (s).");
     v("partner_fall_m", partner_fall_m, hal::Range{0.002, 0.5},
       "The partner has let go when his end comes down by this during the hold (m).");
     v("load_jump_factor", load_jump_factor, hal::Range{1, 10},

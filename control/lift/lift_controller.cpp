@@ -24,11 +24,14 @@ double minimum_jerk(double s) {
 
 LiftController::LiftController(const hal::RobotModel& model, const planner::ArmGeometry& arm,
                                const TaskConfig& config)
-    : model_(&model), arm_(arm), config_(config) {}
+    : model_(&model), arm_(arm), config_(config), compliance_(config.lift.tilt_compliance) {}
 
-void LiftController::start(const hal::JointVector& q_commanded_rad) {
+void LiftController::start(const hal::JointVector& q_commanded_rad, const HandLine& line) {
   q_rad_ = q_commanded_rad;
   X_WF0_ = planner::flange_pose(arm_, q_commanded_rad);
+  X_FH_ = X_WF0_.inverse() * hal::hand_pose(*model_, q_commanded_rad);
+  line_ = line;
+  compliance_.start(line_);
   height_m_ = speed_m_s_ = from_m_ = to_m_ = time_s_ = span_s_ = s_per_m_ = partner_rise_m_ = 0.0;
   fed_ = {};
 }
@@ -64,6 +67,7 @@ void LiftController::restart(const hal::JointVector& q_commanded_rad) {
   X_WF0_ = planner::flange_pose(arm_, q_commanded_rad);
   height_m_ = X_WF0_.translation().z() - floor_m;
   X_WF0_.translation().z() = floor_m;
+  compliance_.start(line_);
   speed_m_s_ = 0.0;
   aim(to_m_, std::max(std::abs(to_m_ - height_m_) * s_per_m_, kMinSpan * config_.lift_s));
 }
@@ -99,6 +103,10 @@ bool LiftController::at_rest() const {
   return std::abs(to_m_ - height_m_) < kAtRest_m && std::abs(speed_m_s_) < kAtRest_m;
 }
 
+hal::Pose LiftController::compliant(const hal::Pose& X_WF) const {
+  return compliance_.motion(X_WF * (X_FH_ * line_.pivot_H)) * X_WF;
+}
+
 std::optional<LiftController::Command> LiftController::step(double dt_s,
                                                             const std::optional<hal::Wrench>& measured,
                                                             double pace) {
@@ -107,6 +115,8 @@ std::optional<LiftController::Command> LiftController::step(double dt_s,
   height_m_ = next_height(pace * dt_s);
   hal::Pose X_WF = X_WF0_;
   X_WF.translation().z() += height_m_;
+  if (measured) compliance_.update(dt_s, *measured, compliant(X_WF) * X_FH_);
+  X_WF = compliant(X_WF);
   const auto q =
       planner::follow_ik(arm_, X_WF, q_rad_, hal::deg_to_rad(config_.limit_margin_deg), kLargestStep_rad);
   if (!q) {

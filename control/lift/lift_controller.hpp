@@ -3,16 +3,18 @@
 #include <optional>
 
 #include "control/config/task_config.hpp"
+#include "control/lift/tilt_compliance.hpp"
 #include "hal/robot_model/robot_model.hpp"
 #include "hal/types/geometry.hpp"
 #include "planner/motion/inverse_kinematics/arm_ik.hpp"
 
 namespace colift::control {
 
-/// Raises, holds and lowers the palm without turning it. Leading, the palm follows a minimum-jerk profile and
+/// Raises, holds and lowers the palm. Leading, the palm follows a minimum-jerk profile and
 /// the partner comes along; following, it goes where the partner's end of the object goes, so that the object
 /// stays level. What the hand bears is fed forward, so that the impedance does not sag; what pushes it up is
-/// not. Allocation-free.
+/// not. About the axis across the
+/// line of the hands the palm gives way (TiltCompliance). Allocation-free.
 class LiftController {
  public:
   enum class Role { Lead, Follow };
@@ -26,7 +28,7 @@ class LiftController {
   LiftController(const hal::RobotModel& model, const planner::ArmGeometry& arm, const TaskConfig& config);
 
   /// The hand has closed with the arm commanded here; heights count from now on.
-  void start(const hal::JointVector& q_commanded_rad);
+  void start(const hal::JointVector& q_commanded_rad, const HandLine& line = {});
 
   /// To this height over where the hand closed, in this time when leading; on from the present height.
   void lift(Role role, double height_m, double time_s);
@@ -60,12 +62,16 @@ class LiftController {
  private:
   void aim(double to_m, double time_s);
   [[nodiscard]] double next_height(double dt_s);
+  [[nodiscard]] hal::Pose compliant(const hal::Pose& X_WF) const;
 
   const hal::RobotModel* model_;
   planner::ArmGeometry arm_;
   TaskConfig config_;
   Role role_ = Role::Lead;
   hal::Pose X_WF0_ = hal::Pose::Identity();
+  hal::Pose X_FH_ = hal::Pose::Identity();
+  HandLine line_;
+  TiltCompliance compliance_;
   hal::JointVector q_rad_ = hal::JointVector::Zero();
   double height_m_ = 0.0, speed_m_s_ = 0.0;
   double from_m_ = 0.0, to_m_ = 0.0, time_s_ = 0.0, span_s_ = 0.0;  ///< Of the profile.

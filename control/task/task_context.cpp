@@ -62,4 +62,12 @@ const planner::GraspCandidate& TaskContext::chosen() const {
   return record.decision->candidates[*record.decision->decision.chosen];
 }
 
+HandLine TaskContext::hand_line() const {
+  const planner::GraspCandidate& c = chosen();
+  hal::Vec3 line_W = record.decision->partner->position - planner::load_point(c);
+  line_W.z() = 0.0;
+  // one above the other there is no such line
+  return {{0.0, 0.0, rig.hand.gap(c) + c.depth_m}, line_W.stableNormalized()};
+}
+
 }  // namespace colift::control

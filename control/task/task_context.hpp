@@ -88,6 +88,8 @@ struct TaskContext {
   [[nodiscard]] std::optional<double> mass_kg() const;
   /// The grasp that was decided on. There has to be one.
   [[nodiscard]] const planner::GraspCandidate& chosen() const;
+  /// Between the chosen grasp and the partner's hand. There has to be a decision.
+  [[nodiscard]] HandLine hand_line() const;
 
   hal::Robot& robot;
   RigView rig;

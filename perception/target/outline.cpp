@@ -63,8 +63,7 @@ class Reader {
 Outline read_outline(const OrganisedCloud& cloud, const Components& components,
                      const std::vector<std::int32_t>& label, const Fragment& object, const Ground& ground,
                      const ImageBorder& border, const DepthJump& jump, const OutlineConfig& config) {
-  std::vector<std::uint8_t> own(components.pixels.size(), 0);
-  for (const std::int32_t l : object.labels) own[static_cast<std::size_t>(l)] = 1;
+  const std::vector<std::uint8_t> own = own_regions(object, components);
 
   // over a window of the skip's size the depth may change by that many jumps' growth: a slanted surface goes
   // on

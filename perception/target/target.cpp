@@ -32,10 +32,9 @@ Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Compone
                    const TargetConfig& c) {
   Target t;
   t.pixels.reserve(f.pixels);
-  std::vector<std::uint8_t> own_label(components.pixels.size(), 0);
-  for (const std::int32_t l : f.labels) own_label[static_cast<std::size_t>(l)] = 1;
+  const std::vector<std::uint8_t> region = own_regions(f, components);
   for (const Components::Run& run : components.runs) {
-    if (!own_label[static_cast<std::size_t>(run.label)]) continue;
+    if (!region[static_cast<std::size_t>(run.label)]) continue;
     const std::uint32_t row = static_cast<std::uint32_t>(run.row) * static_cast<std::uint32_t>(cloud.width());
     const std::size_t begin = t.pixels.size();
     t.pixels.resize(begin + static_cast<std::size_t>(run.last - run.first + 1));

@@ -135,6 +135,7 @@ set(COLIFT_PUBLIC_HEADERS
   control/config/config.hpp
   control/config/load_config.hpp
   control/config/test_lift_config.hpp
+  control/config/tilt_compliance_config.hpp
   control/config/resolve_config.hpp
   control/session/decide.hpp
   control/session/share_contract.hpp

@@ -48,6 +48,7 @@ Json lift(const control::RunRecord& record) {
           {"share_robot", number(l.share_robot)},
           {"share_predicted", number(l.share_predicted)},
           {"share_robot_interval", interval(&control::LoadEstimate::share_95)},
+          {"load_steady", l.load_steady},
           {"slip_m", number(l.slip_m)},
           {"mass_kg", number(l.mass_kg)},
           {"mass_kg_interval", interval(&control::LoadEstimate::mass_95)},

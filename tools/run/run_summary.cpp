@@ -48,6 +48,7 @@ std::string share_text(const RunView& view, const std::optional<TrueLift>& truth
   const control::LiftSummary& l = *view.record.lift;
   std::string text = fmt::format("the robot carried {}{}", percent_text(l.share_robot), share_95_text(l));
   if (truth) text += fmt::format(" (truth {})", percent_text(truth->share_robot));
+  if (!l.load_steady) text += " while the load still changed";
   text += fmt::format("; predicted {}", percent_text(l.share_predicted));
   if (view.setting.share) {
     const double off = std::abs(l.share_robot - *view.setting.share);

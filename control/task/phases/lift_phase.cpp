@@ -35,7 +35,7 @@ bool LiftPhase::raised() {
     c_.arm.raise_on(c_.role, task.lift_height_m, lift_s_);
   } else {
     lift_s_ = task.lift_s;
-    c_.arm.start_lift(c_.role, task.lift_height_m, lift_s_);
+    c_.arm.start_lift(c_.role, task.lift_height_m, lift_s_, c_.hand_line());
   }
   return true;
 }
@@ -58,18 +58,30 @@ std::optional<TaskEvent> LiftPhase::lift() {
   if (c_.in_state_s() > lift_s_ + c_.config.task.partner_timeout_s)
     return TaskEvent{Event::TimeOut,
                      fmt::format("{:.1f} cm after {:.0f} s", 1e2 * arm.height_m, c_.in_state_s())};
-  if (!settled()) return std::nullopt;
-  return TaskEvent{Event::AtHeight,
-                   fmt::format("{:.1f} cm up, tilt {:.1f} deg, load {:.0f} N", 1e2 * arm.height_m,
-                               hal::rad_to_deg(object_.tilt_rad()), arm.load_n)};
+  if (!settled() || !load_settled()) return std::nullopt;
+  return TaskEvent{Event::AtHeight, fmt::format("{:.1f} cm up, tilt {:.1f} deg, load {:.0f} N{}",
+                                                1e2 * arm.height_m, hal::rad_to_deg(object_.tilt_rad()),
+                                                arm.load_n, load_steady_ ? "" : ", which still changes")};
 }
 
 bool LiftPhase::settled() {
   if (!c_.arm.lift_at_rest()) {
-    moved_at_ = c_.now;
+    moved_at_ = updated_at_ = c_.now;
+    steady_.start();
     return false;
   }
   return hal::seconds(c_.now - moved_at_) >= c_.config.task.carry.settle_s;
+}
+
+bool LiftPhase::load_settled() {
+  const CarryConfig& carry = c_.config.task.carry;
+  const double load_n = c_.arm.view().load_n;
+  steady_.update(load_n, hal::seconds(c_.now - updated_at_),
+                 std::max(carry.steady_load_n, carry.steady_load_fraction * std::abs(load_n)));
+  updated_at_ = c_.now;
+  load_steady_ = steady_.steady_s() >= carry.steady_s;
+  if (!load_steady_) c_.doing = "waits until the load has come to rest";
+  return load_steady_ || hal::seconds(c_.now - moved_at_) >= carry.max_unsteady_s;
 }
 
 void LiftPhase::begin_hold() {
@@ -246,6 +258,7 @@ KnownBefore LiftPhase::known_before() const {
 // means over the time at the top
 LiftSummary LiftPhase::summary_of_hold() const {
   LiftSummary s;
+  s.load_steady = load_steady_;
   double load = 0.0;
   int n = 0, seen = 0;
   std::vector<CarriedSample> carried;

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "control/lift/load_balance.hpp"
+#include "control/lift/steady_load.hpp"
 #include "control/task/let_go_monitor.hpp"
 #include "control/task/lift_evidence.hpp"
 #include "control/task/object_monitor.hpp"
@@ -33,6 +34,8 @@ class LiftPhase {
   [[nodiscard]] bool lowered();
   /// The commanded height has been reached for a moment.
   [[nodiscard]] bool settled();
+  /// The load on the hand has come to rest as well, or had its time to.
+  [[nodiscard]] bool load_settled();
   [[nodiscard]] std::optional<TaskEvent> partner_gone_or_lowers();
   /// The hand is closed, and nothing hangs in it any more.
   [[nodiscard]] std::optional<TaskEvent> load_lost();
@@ -47,9 +50,12 @@ class LiftPhase {
   LiftEvidence& evidence_;
   double lift_s_ = 0.0;                             ///< That this lift takes.
   Task from_ = Task::AwaitReady;                    ///< Where this lift began.
+  bool load_steady_ = false;                        ///< When the hold began.
   bool raises_ = false, lowers_ = false;            ///< The arm was started.
+  hal::Timestamp updated_at_{0};                    ///< The load, last.
   hal::Timestamp moved_at_{0}, unsupported_at_{0};  ///< The palm; the object without the ground: last time.
   std::optional<double> share_robot_;
+  SteadyLoad steady_;             ///< Since the palm came to rest at the top.
   double mean_load_n_ = NAN;      ///< Slow mean while held.
   hal::Timestamp carried_at_{0};  ///< When the hand last carried something.
   bool found_ = false;            ///< ... and has found what bears it.

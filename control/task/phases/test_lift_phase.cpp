@@ -16,7 +16,8 @@ void TestLiftPhase::begin() {
                       c_.record.decision->partner->position, planner::load_point(c_.chosen()),
                       c_.record.decision->decision.share);
   const double fraction = height_m() / c_.config.test_lift.height_m;
-  c_.arm.start_lift(LiftController::Role::Lead, height_m(), fraction * c_.config.test_lift.raise_s);
+  c_.arm.start_lift(LiftController::Role::Lead, height_m(), fraction * c_.config.test_lift.raise_s,
+                    c_.hand_line());
 }
 
 std::optional<TaskEvent> TestLiftPhase::test_lift() {

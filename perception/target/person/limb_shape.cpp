@@ -1,6 +1,5 @@
 #include "perception/target/person/limb_shape.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -17,20 +16,9 @@ struct Extent {
 // length of the longest axis, ratio of the next one to it, and how far it points up
 Extent extent_of(const Silhouette& silhouette) {
   if (silhouette.points().empty()) return {};
-  Vec3 mean = Vec3::Zero();
-  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
-  for (const Silhouette::Point& p : silhouette.points()) {
-    const Vec3 q(p.across, p.height, p.along);
-    mean += q;
-    second += q * q.transpose();
-  }
-  const auto n = static_cast<double>(silhouette.points().size());
-  mean /= n;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
-  axes.computeDirect(second / n - mean * mean.transpose());
-  const double longest = std::sqrt(std::max(1e-12, axes.eigenvalues()(2)));
-  return {kLengthPerDeviation * longest, std::sqrt(std::max(0.0, axes.eigenvalues()(1))) / longest,
-          std::abs(axes.eigenvectors().col(2).y())};
+  const PointSpread s = spread(silhouette.points());
+  const double longest = std::max(1e-6, s.deviation_m(2));
+  return {kLengthPerDeviation * longest, s.deviation_m(1) / longest, std::abs(s.axes.col(2).y())};
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "perception/target/person/person_shape.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -16,22 +15,6 @@ double median_along(std::vector<Point>& points) {
   std::nth_element(points.begin(), middle, points.end(),
                    [](const Point& a, const Point& b) { return a.along < b.along; });
   return middle->along;
-}
-
-// root mean square distance of points from the plane that fits them best
-double curvature(const std::vector<Point>& points) {
-  Vec3 mean = Vec3::Zero();
-  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
-  for (const Point& p : points) {
-    const Vec3 q(p.across, p.height, p.along);
-    mean += q;
-    second += q * q.transpose();
-  }
-  const auto n = static_cast<double>(points.size());
-  mean /= n;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(second / n - mean * mean.transpose());
-  return std::sqrt(std::max(0.0, solver.eigenvalues()(0)));
 }
 
 // first and last bin around `at` in which the contour is at least `height` high
@@ -93,7 +76,8 @@ std::optional<HeadAndShoulders> head_at(const Silhouette& s, std::size_t at, con
   std::vector<Point> torso = s.in(front);
   std::erase_if(torso, [&](const Point& p) { return std::abs(p.along - distance) > c.max_torso_depth_m; });
   if (torso.size() < 50 || fill(torso, front) < c.min_torso_fill) return std::nullopt;
-  const double bend = curvature(torso);
+  // root mean square distance from the plane that fits best
+  const double bend = spread(torso).deviation_m(0);
   if (bend < std::max(c.min_curvature_m, c.min_curvature_sigma * noise.sigma(distance)) ||
       bend > c.max_curvature_m)
     return std::nullopt;

@@ -319,6 +319,12 @@ std::vector<Fragment> describe_fragments(const OrganisedCloud& cloud, const Comp
   return fragments;
 }
 
+std::vector<std::uint8_t> own_regions(const Fragment& object, const Components& components) {
+  std::vector<std::uint8_t> own(components.pixels.size(), 0);
+  for (const std::int32_t region : object.labels) own[static_cast<std::size_t>(region)] = 1;
+  return own;
+}
+
 std::vector<Fragment> join_fragments(std::vector<Fragment> fragments, const OrganisedCloud& cloud,
                                      const Components& components, const NoiseModel& noise,
                                      const FragmentConfig& config) {

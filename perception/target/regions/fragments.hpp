@@ -66,6 +66,9 @@ struct Fragment {
   std::vector<std::int64_t> cells;  ///< Footprint: sorted 4 cm cells of the ground plane.
 };
 
+/// For each region of the Components, whether the fragment consists of it: 1 or 0.
+[[nodiscard]] std::vector<std::uint8_t> own_regions(const Fragment& object, const Components& components);
+
 /// How far a fragment reaches over the ground: diagonal of its footprint's bounding box (m).
 [[nodiscard]] double footprint_span(const Fragment& fragment);
 

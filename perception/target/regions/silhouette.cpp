@@ -1,5 +1,6 @@
 #include "perception/target/regions/silhouette.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,8 +27,7 @@ Silhouette::Silhouette(const OrganisedCloud& cloud, const Components& components
   const double pixel_m = object.mean_depth_m / cloud.intrinsics.fx;
   const int step = std::clamp(static_cast<int>(kSpacing_m / std::max(1e-6, pixel_m)), 1, kMaxStep);
   points_.reserve(object.pixels / static_cast<std::size_t>(step * step) + 64);
-  std::vector<std::uint8_t> own(components.pixels.size(), 0);
-  for (const std::int32_t l : object.labels) own[static_cast<std::size_t>(l)] = 1;
+  const std::vector<std::uint8_t> own = own_regions(object, components);
   for (const Components::Run& run : components.runs) {
     if (!own[static_cast<std::size_t>(run.label)] || run.row % step != 0) continue;
     const std::size_t row = static_cast<std::size_t>(run.row) * static_cast<std::size_t>(cloud.width());
@@ -79,6 +79,22 @@ std::vector<Silhouette::Point> Silhouette::in(const Window& w) const {
 Vec3 Silhouette::place(const Point& p) const {
   const Vec3 at = eye_ + static_cast<double>(p.across) * right_ + static_cast<double>(p.along) * ahead_;
   return ground_.foot(at) + static_cast<double>(p.height) * ground_.normal;
+}
+
+PointSpread spread(std::span<const Silhouette::Point> points) {
+  if (points.empty()) return {};
+  Vec3 mean = Vec3::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  for (const Silhouette::Point& p : points) {
+    const Vec3 q(p.across, p.height, p.along);
+    mean += q;
+    second += q * q.transpose();
+  }
+  const auto n = static_cast<double>(points.size());
+  mean /= n;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
+  axes.computeDirect(second / n - mean * mean.transpose());
+  return {axes.eigenvalues().cwiseMax(0.0).cwiseSqrt(), axes.eigenvectors()};
 }
 
 double fill(const std::vector<Silhouette::Point>& points, const Silhouette::Window& w) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "perception/organised_cloud.hpp"
@@ -47,6 +48,14 @@ class Silhouette {
   Vec3 eye_ = Vec3::Zero(), right_ = Vec3::UnitX(), ahead_ = Vec3::UnitY();
   Plane ground_;
 };
+
+/// How points spread about their mean: standard deviations (m), ascending, and their axes (across, height,
+/// along) as columns.
+struct PointSpread {
+  Vec3 deviation_m = Vec3::Zero();
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+};
+[[nodiscard]] PointSpread spread(std::span<const Silhouette::Point> points);
 
 /// Part of a window's cells, kBin_m wide and high, in which there is one of the points.
 [[nodiscard]] double fill(const std::vector<Silhouette::Point>& points, const Silhouette::Window& window);

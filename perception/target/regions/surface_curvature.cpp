@@ -90,10 +90,10 @@ class ObjectSurface {
 
 std::vector<std::uint8_t> own_pixels(const OrganisedCloud& cloud, const Components& components,
                                      const Fragment& object) {
-  std::vector<std::uint8_t> label(components.pixels.size(), 0), own(cloud.size(), 0);
-  for (const std::int32_t l : object.labels) label[static_cast<std::size_t>(l)] = 1;
+  const std::vector<std::uint8_t> region = own_regions(object, components);
+  std::vector<std::uint8_t> own(cloud.size(), 0);
   for (const Components::Run& run : components.runs) {
-    if (!label[static_cast<std::size_t>(run.label)]) continue;
+    if (!region[static_cast<std::size_t>(run.label)]) continue;
     const auto row = own.begin() + static_cast<std::ptrdiff_t>(run.row) * cloud.width();
     std::fill(row + run.first, row + run.last + 1, std::uint8_t{1});
   }

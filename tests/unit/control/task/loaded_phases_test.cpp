@@ -34,6 +34,13 @@ struct Loaded : PhaseRig {
         hal::jacobian(hal::built_in_robot(), c->arm.commanded(), hal::Vec3::Zero()).transpose() * wrench;
   }
 
+  /// A hold of one sample, and its summary in the record.
+  void record_hold() {
+    c->record.curve.emplace_back().state = Task::Hold;
+    lift.begin_lower();
+    REQUIRE(c->record.lift);
+  }
+
   PartnerMonitor partner{*c};
   ObjectMonitor object{*c};
   GraspSelector grasps{*c};
@@ -280,9 +287,39 @@ TEST_CASE("a load that jumps while the object is held means that the partner let
   }
 }
 
+TEST_CASE("the hold begins when arm and partner pass no more load to each other", "[phases]") {
+  Loaded rig;
+  rig.load(20.0);
+  const auto steady = rig.lift_up();
+  REQUIRE(steady);
+  CHECK(steady->event == Event::AtHeight);
+  CHECK_THAT(steady->detail, !Catch::Contains("still changes"));
+  rig.record_hold();
+  CHECK(rig.c->record.lift->load_steady);
+
+  // at the latest when it had its time to come to rest, and that is said
+  Loaded other;
+  other.enter(Task::Lift);
+  other.lift.begin_lift(Task::AwaitReady);
+  const auto swings = [&] {
+    other.load(20.0 + 4.0 * std::sin(3.0 * other.c->in_state_s()));
+    return other.lift.lift();
+  };
+  const auto swinging = other.run(swings, 20.0);
+  REQUIRE(swinging);
+  CHECK(swinging->event == Event::AtHeight);
+  CHECK_THAT(swinging->detail, Catch::Contains("still changes"));
+  const CarryConfig& carry = other.c->config.task.carry;
+  CHECK(other.c->in_state_s() - rig.c->in_state_s() ==
+        Approx(carry.max_unsteady_s - carry.settle_s - carry.steady_s).margin(0.2));
+  other.record_hold();
+  CHECK_FALSE(other.c->record.lift->load_steady);
+}
+
 TEST_CASE("after a test lift the rest is lifted slowly", "[phases]") {
   Config config = unannounced();
   config.task.slow_fraction = 1.0;  // there is no camera here, which slows every lift
+  config.task.carry.steady_s = 0.0;
   Loaded rig(config);
   rig.enter(Task::Lift);
   rig.c->arm.start_lift(LiftController::Role::Lead, 0.01, 1.0);
