@@ -161,9 +161,9 @@ void PartnerFinder::choose_components() {
   const auto& components = change_.components();
   chosen_.assign(components.size(), 0);
   for (std::size_t i = 0; i < components.size(); ++i) {
-    if (components[i].area_m2 < config_.min_part_m2) continue;
-    bool beside = components[i].blob_m2 >= config_.min_body_m2;
     const PixelWindow& box = components[i].box;
+    if (components[i].area_m2 < min_part_m2(box)) continue;
+    bool beside = components[i].blob_m2 >= config_.min_body_m2;
     for (std::size_t j = 0; j < components.size() && !beside; ++j) {
       const PixelWindow& big = components[j].box;
       beside =
@@ -305,6 +305,7 @@ hal::Result<PartnerObservation> PartnerFinder::find(const OrganisedCloud& curren
     return observation;
   }
   change_.compare(current);
+  if (++unseen_frames_ > config_.known_frames) known_hands_.clear();
   collect_skin(current, observation);
   if (body_m2_ == 0.0) {
     observation.reason =
@@ -337,6 +338,7 @@ hal::Result<PartnerObservation> PartnerFinder::find(const OrganisedCloud& curren
     return observation;
   }
   observation.kind = PartnerKind::Grasp;
+  note_hands(current, observation);
   PartnerGrasp grasp;
   const double n = static_cast<double>(observation.contacts.size());
   for (const PartnerContact& hand : observation.contacts) {

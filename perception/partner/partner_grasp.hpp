@@ -26,6 +26,8 @@ struct PartnerConfig {
   double min_body_m2 = 0.003;  ///< A hand covers more than this, even half hidden.
   double min_part_m2 =
       0.0006;  ///< Smallest connected part of it that is looked at: two fingers over an edge.
+  double min_known_part_m2 = 0.0003;  ///< The same where a hand was seen in the frames before.
+  int known_frames = 8;  ///< So many frames after a hand was last seen, where it was is not known any more.
   double touch_m =
       0.030;  ///< Skin this near to the object, plus noise, touches it: the back of a holding hand.
   double hand_thickness_m = 0.045;  ///< The visible side of a touching hand may be this far from the object.
@@ -61,6 +63,11 @@ struct PartnerConfig {
     v("min_part_m2", min_part_m2, hal::Range{0.0, 1.0},
       "Min visible area of a connected part of a partner's body (m^2).");
     v.renamed("smallest_part_m2", "min_part_m2");
+    v("min_known_part_m2", min_known_part_m2, hal::Range{0.0, 1.0},
+      "The same where a hand touched the object in the frames before: one that shows little is not lost and "
+      "found from frame to frame (m^2).");
+    v("known_frames", known_frames, hal::Range{0, 1000},
+      "Number of frames for which it is known where a hand was seen.");
     v("touch_m", touch_m, hal::Range{0.0, 0.1}, "Max gap between skin and object that is a touch (m).");
     v("hand_thickness_m", hand_thickness_m, hal::Range{0.0, 0.2},
       "Max thickness of a hand on the object (m).");
@@ -170,6 +177,8 @@ class PartnerFinder {
   [[nodiscard]] double moved_part(const OrganisedCloud& current) const;
   [[nodiscard]] double receded_part(const OrganisedCloud& current) const;
   void choose_components();
+  [[nodiscard]] double min_part_m2(const PixelWindow& box) const;
+  void note_hands(const OrganisedCloud& current, const PartnerObservation& observation);
   void collect_skin(const OrganisedCloud& current, PartnerObservation& observation);
   void separate_hands();
   [[nodiscard]] float touch_gap(float depth_m) const;
@@ -203,7 +212,9 @@ class PartnerFinder {
   std::vector<std::int32_t> hand_of_cell_;   ///< -1 where no hand is.
   std::vector<std::int32_t> touched_cells_;
   int hands_ = 0;
-  double body_m2_ = 0.0;  ///< Changed area of all bodies in the window.
+  std::vector<OrganisedCloud::Projection> known_hands_;  ///< Where hands were seen last.
+  int unseen_frames_ = 0;                                ///< Since then.
+  double body_m2_ = 0.0;                                 ///< Changed area of all bodies in the window.
 };
 
 }  // namespace colift::perception

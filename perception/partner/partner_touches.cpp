@@ -3,7 +3,7 @@
 #include "perception/partner/partner_grasp.hpp"
 
 // Which skin near the object belongs to one touch: cells along the object's surface, and what hangs together
-// on them.
+// on them; and where hands were seen in the frames before.
 
 namespace colift::perception {
 
@@ -22,6 +22,22 @@ void PartnerFinder::number_patch_cells() {
     cell_of_patch_.push_back((static_cast<int>(at.z()) * cells_[1] + static_cast<int>(at.y())) * cells_[0] +
                              static_cast<int>(at.x()));
   }
+}
+
+void PartnerFinder::note_hands(const OrganisedCloud& current, const PartnerObservation& observation) {
+  known_hands_.clear();
+  for (const PartnerContact& hand : observation.contacts) known_hands_.push_back(current.project(hand.skin));
+  unseen_frames_ = 0;
+}
+
+// What an object's edge leaves of a hand may be about as small as the smallest part that is looked at.
+double PartnerFinder::min_part_m2(const PixelWindow& box) const {
+  const int gap = config_.body_gap_px;
+  const bool known = std::any_of(known_hands_.begin(), known_hands_.end(), [&](const auto& at) {
+    return at.u > box.u_begin - gap && at.u < box.u_end + gap && at.v > box.v_begin - gap &&
+           at.v < box.v_end + gap;
+  });
+  return known ? config_.min_known_part_m2 : config_.min_part_m2;
 }
 
 // Skin on one connected part of the object's surface is one hand.

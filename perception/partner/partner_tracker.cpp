@@ -115,7 +115,7 @@ std::optional<PartnerEvent> PartnerTracker::update_hidden(hal::Timestamp at) {
 
 std::optional<PartnerEvent> PartnerTracker::tick(hal::Timestamp now) {
   if (state_ == State::Away || hal::seconds(now - last_contact_) <= config_.let_go_s) return std::nullopt;
-  return lose_contact(now, "no new frame shows it");
+  return lose_contact(now, "no frame since shows it");
 }
 
 std::optional<PartnerEvent> PartnerTracker::update(hal::Timestamp at, const PartnerObservation& observation) {

@@ -218,6 +218,35 @@ TEST_CASE("the same frame gives the same answer to the last bit", "[partner][gra
   CHECK(a->pixels == b->pixels);
 }
 
+TEST_CASE("a hand of which little is seen is found again where it was, for some frames", "[partner][grasp]") {
+  const Stage stage(ObjectKind::Table, 5, 3);
+  const auto pose = sim_hal::make_partner(stage.scene, 2, false);
+  const auto whole = stage.see(sim_hal::with_partner(stage.scene.world, pose), 4);
+  // the same without wrist and forearm, so that the hand is a part of its own
+  OrganisedCloud cut = whole;
+  for (std::size_t i = 0; i < cut.size(); ++i) {
+    const double away_m = (cut.point(i) - pose.contact).norm();
+    if (!(away_m > 0.08 && away_m < 0.11)) continue;
+    cut.depth_m[i] = stage.reference.cloud.depth_m[i];
+    cut.x[i] = stage.reference.cloud.x[i], cut.y[i] = stage.reference.cloud.y[i];
+    cut.z[i] = stage.reference.cloud.z[i];
+  }
+  PartnerConfig config;
+  config.min_part_m2 = 0.02;  // more than a hand, less than an arm
+  const auto kind = [](PartnerFinder& finder, const OrganisedCloud& current) {
+    const auto seen = finder.find(current);
+    REQUIRE(seen);
+    return seen->kind;
+  };
+  auto unknowing = stage.finder(config), finder = stage.finder(config);
+  CHECK(kind(unknowing, cut) != PartnerKind::Grasp);
+  REQUIRE(kind(finder, whole) == PartnerKind::Grasp);
+  for (int i = 0; i < 3; ++i) CHECK(kind(finder, cut) == PartnerKind::Grasp);
+  const auto nobody = stage.see(stage.scene.world, 8);
+  for (int i = 0; i < config.known_frames; ++i) REQUIRE(kind(finder, nobody) == PartnerKind::None);
+  CHECK(kind(finder, cut) != PartnerKind::Grasp);
+}
+
 TEST_CASE("a frame of another camera is refused", "[partner][grasp]") {
   const Stage stage(ObjectKind::Box, 2, 1);
   auto finder = stage.finder();
