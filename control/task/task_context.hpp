@@ -67,6 +67,8 @@ struct TaskContext {
   /// Something about a device is worth saying.
   void note_device(const std::string& device, const std::string& what);
 
+  /// The arm moves in this state, or would if nobody were near it.
+  [[nodiscard]] bool arm_moves() const { return is_moving(state) || (state == Task::Release && sets_down); }
   /// Time in this state, without the time for which the arm waited for somebody to go away.
   [[nodiscard]] double in_state_s() const { return hal::seconds(now - since) - waited_s; }
   [[nodiscard]] RobotPosture posture() const { return {readings.arm.q_rad, hal::posture_of(readings.hand)}; }
@@ -104,6 +106,7 @@ struct TaskContext {
   Task state = Task::Observe;
   hal::Timestamp now{0}, began{0}, since{0};  ///< Of the robot's clock; `since`: in this state.
   bool arm_waits = false;                     ///< For somebody near it: it stands on its path.
+  bool sets_down = false;                     ///< A release lowers the palm before the hand opens.
   double waited_s = 0.0;  ///< Of the time in this state; a slowed arm's counts in proportion.
 
   std::optional<std::size_t> bodies_in_view;  ///< Foreign ones, in the last frame; unset: not looked for.

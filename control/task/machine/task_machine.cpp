@@ -246,6 +246,8 @@ constexpr auto kRules = std::to_array<Rule>({
     {Release, StillLoaded, Stopped, "no evidence that the object is supported: the hand stays closed"},
     {Release, Blocked, Yield, kPushed},
     {Release, TimeOut, Stopped, "the hand did not open; holds"},
+    {Release, StaysNear, Stopped, kStaysNearLoaded},
+    {Release, NotConfirmed, Stopped, kNotConfirmedLoaded},
     {Release, ArmLost, Stopped, kArmGone},
     {Release, HandLost, Stopped, kHandGone},
     {Release, Interrupted, Stopped, kAskedInTransit},

@@ -17,15 +17,22 @@ void RetreatPhase::begin_release() {
   if (!is_supported()) return start_unloading();
   // fingers that still answer are opened while they do
   if (c_.readings.without_puck) return open();
-  opening_ = Opening::Announced;
+  proceed(Opening::Announced);
   (void)open_when_announced();
+}
+
+void RetreatPhase::proceed(Opening to) {
+  opening_ = to;
+  c_.sets_down = to == Opening::Unloading;
+  c_.since = c_.now;
+  c_.waited_s = 0.0;
 }
 
 void RetreatPhase::start_unloading() {
   ++unloadings_;
   unsupported_at_ = c_.now;
   // what a closing hand has lifted by millimetres is set down again before it opens
-  opening_ = Opening::Unloading;
+  proceed(Opening::Unloading);
   const CarryConfig& carry = c_.config.task.carry;
   c_.arm.start_lift(LiftController::Role::Lead, -carry.seek_m, carry.seek_m / carry.seek_speed_m_s);
 }
@@ -45,13 +52,12 @@ std::optional<TaskEvent> RetreatPhase::unload() {
   c_.doing = "sets the object down before the hand opens";
   if (!is_supported()) unsupported_at_ = c_.now;
   if (hal::seconds(c_.now - unsupported_at_) >= carry.settle_s) {
-    opening_ = Opening::Announced;
-    c_.since = c_.now;
+    proceed(Opening::Announced);
     return std::nullopt;
   }
-  const double unloading_s = hal::seconds(c_.now - c_.since);
+  const double unloading_s = c_.in_state_s();
   const double enough_s = carry.seek_m / carry.seek_speed_m_s + 2.0 * carry.settle_s;
-  // an arm that waits for somebody near it is not at rest on its way down
+  // whatever slows the arm: this has an end
   if (unloading_s > enough_s + c_.config.monitor.max_wait_s) return still_loaded();
   if (!c_.arm.lift_at_rest() && !c_.arm.end_of_reach()) return std::nullopt;
   if (unloading_s < enough_s) return std::nullopt;
@@ -76,14 +82,12 @@ std::optional<TaskEvent> RetreatPhase::open_when_announced() {
   }
   // it was raised again meanwhile
   if (unloadings_ >= kMaxUnloadings) return still_loaded();
-  c_.since = c_.now;
   start_unloading();
   return std::nullopt;
 }
 
 void RetreatPhase::open() {
-  opening_ = Opening::Opening;
-  c_.since = c_.now;
+  proceed(Opening::Opening);
   c_.arm.hold();
   c_.arm.unload();
   if (const auto opening = c_.robot.hand->release(); !opening) c_.note_device("hand", opening.error().text());

@@ -37,6 +37,8 @@ class RetreatPhase {
  private:
   /// The object is supported: nothing hangs in the hand, and nothing pulls at it.
   [[nodiscard]] bool is_supported() const;
+  /// Begins a part of the release, with times of its own.
+  void proceed(Opening to);
   void start_unloading();
   [[nodiscard]] std::optional<TaskEvent> unload();
   /// Opens the hand once that was announced and nothing hangs in it.

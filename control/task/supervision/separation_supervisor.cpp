@@ -45,7 +45,7 @@ void SeparationSupervisor::update(double image_age_s) {
     if (c_.options.policies.carry) request(c_.carry_scale, "");
     return;
   }
-  const bool moving = is_moving(c_.state);
+  const bool moving = c_.arm_moves();
   if (moving) c_.waited_s += (1.0 - scale_) * passed_s;
   waited_s_ = moving && holds() ? waited_s_ + passed_s : 0.0;
   MonitorRecord& record = c_.record.monitor;
@@ -107,26 +107,26 @@ void SeparationSupervisor::request(double scale, std::string why) {
   }
   const bool end = scale == 0.0 || scale == 1.0;
   if (!end && std::abs(scale - scale_) < c_.config.monitor.min_scale_change) return;
-  if (held && is_moving(c_.state) && !c_.may_begin(Motion::Continue)) return;
+  if (held && c_.arm_moves() && !c_.may_begin(Motion::Continue)) return;
   scale_ = scale;
   reason_ = std::move(why);
   c_.arm.set_scale(scale_);
   c_.arm_waits = holds();
-  if (is_moving(c_.state)) c_.record.monitor.min_scale = std::min(c_.record.monitor.min_scale, scale_);
+  if (c_.arm_moves()) c_.record.monitor.min_scale = std::min(c_.record.monitor.min_scale, scale_);
 }
 
 // somebody may have been there before the arm was to move
 void SeparationSupervisor::note_wait() {
-  const bool waits = is_moving(c_.state) && holds();
+  const bool waits = c_.arm_moves() && holds();
   if (waits == waits_) return;
   waits_ = waits;
   if (waits && (!monitor_.state().hold || monitor_.state().stopped)) ++c_.record.monitor.stops;
-  if (waits || is_moving(c_.state))
+  if (waits || c_.arm_moves())
     c_.note_device("monitor", waits ? "the arm waits: " + reason_ : "the arm continues");
 }
 
 bool SeparationSupervisor::may_confirm() const {
-  return monitor_.state().may_confirm && !blind_ && is_moving(c_.state) && holds();
+  return monitor_.state().may_confirm && !blind_ && c_.arm_moves() && holds();
 }
 
 void SeparationSupervisor::confirm() {
@@ -185,7 +185,7 @@ double SeparationSupervisor::planned_speed_m_s() const {
 
 std::optional<hal::Vec3> SeparationSupervisor::partner_contact() const {
   if (const auto grasp = c_.session.tracker().grasp()) return grasp->position;
-  if (c_.record.decision && c_.record.decision->partner && (is_loaded(c_.state) || is_moving(c_.state)))
+  if (c_.record.decision && c_.record.decision->partner && (is_loaded(c_.state) || c_.arm_moves()))
     return c_.record.decision->partner->position;
   return std::nullopt;
 }
@@ -195,7 +195,7 @@ void SeparationSupervisor::place_arm(const RobotPosture& posture) {
   path_.clear();
   arm_.add_links(posture.q_rad, posture.hand, links_);
   const planner::Trajectory* trajectory = c_.arm.trajectory();
-  if (!trajectory || !is_moving(c_.state) || is_loaded(c_.state)) return;
+  if (!trajectory || !c_.arm_moves() || is_loaded(c_.state)) return;
   const double at_s = c_.arm.progress() * trajectory->duration_s();
   const double end_s = c_.arm.goes_back() ? 0.0 : trajectory->duration_s();
   if (std::abs(end_s - at_s) > 0.0) arm_.add_path(*trajectory, at_s, end_s, posture.hand, path_);
@@ -214,12 +214,12 @@ void SeparationSupervisor::look(const hal::DepthFrame& frame) {
   note_obstacles(frame);
   c_.bodies_in_view = bodies_.size();
   const double latency_s = hal::seconds(c_.readings.frame_latency);
-  monitor_.update(c_.now, is_moving(c_.state) && !holds(), near_, latency_s,
+  monitor_.update(c_.now, c_.arm_moves() && !holds(), near_, latency_s,
                   0.5 * c_.config.monitor.arm_mass_kg + c_.config.monitor.carried_mass_kg);
   MonitorRecord& record = c_.record.monitor;
   ++record.frames;
   record.max_bodies = std::max(record.max_bodies, static_cast<int>(bodies_.size()));
-  if (is_moving(c_.state))
+  if (c_.arm_moves())
     for (const Neighbour& n : near_)
       if (n.who != Nearby::PartnerHand && (!record.min_distance_m || n.distance_m < *record.min_distance_m))
         record.min_distance_m = n.distance_m;
@@ -333,7 +333,7 @@ double SeparationSupervisor::settled_distance(int id, double distance_m) {
 std::optional<TaskEvent> SeparationSupervisor::waited_too_long() const {
   const double max_s = c_.config.monitor.max_wait_s;
   if (waited_s_ > max_s) return TaskEvent{may_confirm() ? Event::NotConfirmed : Event::StaysNear, reason_};
-  if (!is_moving(c_.state) || c_.waited_s <= kWaitsInAll * max_s) return std::nullopt;
+  if (!c_.arm_moves() || c_.waited_s <= kWaitsInAll * max_s) return std::nullopt;
   return TaskEvent{
       Event::StaysNear,
       fmt::format("{:.0f} s of waiting and of slowing down in all, for whoever came near again and again{}{}",
@@ -352,7 +352,7 @@ std::optional<TaskEvent> SeparationSupervisor::path_obstructed() const {
 void SeparationSupervisor::report(SeparationStatus& out) const {
   out.on = c_.config.monitor.on;
   out.scale = scale_;
-  out.waits = holds() && is_moving(c_.state);
+  out.waits = holds() && c_.arm_moves();
   out.may_confirm = may_confirm();
   out.reason = reason_;
   if (asked_aside_ && out.waits) out.reason += "; please step aside";

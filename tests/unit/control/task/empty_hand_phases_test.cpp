@@ -256,6 +256,7 @@ TEST_CASE("a hand that still carries something stays closed", "[phases]") {
   rig.enter(Task::Release);
   const double before_m = rig.c->palm().translation().z();
   rig.retreat.begin_release();
+  CHECK(rig.c->arm_moves());  // so that it is slowed for people, and waits for them no longer than elsewhere
   SECTION("whatever the time: it is set down by 20 mm at most, then a person decides") {
     const auto event = rig.run([&] { return rig.retreat.release(); }, 60.0);
     REQUIRE(event);
@@ -279,6 +280,7 @@ TEST_CASE("a hand that still carries something stays closed", "[phases]") {
     rig.hand->now.finger_rad.fill(1.2);
     CHECK_FALSE(rig.run([&] { return rig.retreat.release(); }, 1.0));
     CHECK(rig.hand->commands == std::vector<std::string>{"release"});
+    CHECK_FALSE(rig.c->arm_moves());
   }
 }
 
