@@ -105,6 +105,13 @@ hal::Result<LoadEstimate> balance_load(std::span<const CarriedSample> samples, c
   out.mass_95 = {out.mass_kg / factor, out.mass_kg * factor};
   const auto share = [&](double mass_kg) { return mean.force_n / (mass_kg * hal::kGravity_m_s2); };
   out.share_robot = share(out.mass_kg);
+  // with the mass told it may be so: he presses down
+  if (!known.mass_kg && out.share_robot > 1.0)
+    return failure(
+        hal::ErrorCode::NotFound,
+        fmt::format("the robot would carry {:.0f} % of {:.1f} kg: the centre of gravity is not where "
+                    "the scene shows it, or the partner presses down",
+                    100 * out.share_robot, out.mass_kg));
   // with a mass that was told the force is one more measurement; else its error is that of the moment
   const double spread =
       std::exp(kSigmas95 * (known.mass_kg ? std::hypot(log_sigma, config.moment_sigma) : log_sigma));

@@ -227,15 +227,16 @@ BodySighting PerceptionSession::observe_bodies(const hal::DepthFrame& frame, con
   return {joined, i.body_tracker.update(frame.exposed_at, joined), i.joined_bodies.points()};
 }
 
-std::optional<perception::ObjectMotion> PerceptionSession::watch_object(const hal::DepthFrame& frame,
-                                                                        const RobotPosture& robot) {
+std::optional<perception::ObjectMotion> PerceptionSession::watch_object(
+    const hal::DepthFrame& frame, const RobotPosture& robot,
+    const std::optional<perception::HeldPoint>& held) {
   Impl& i = *impl_;
   const hal::Timestamp at = frame.exposed_at;
-  auto motion = i.set.lead().watch_object(frame, robot);
+  auto motion = i.set.lead().watch_object(frame, robot, held);
   i.set.beside(at, [&](Camera& camera, std::size_t) {
     // each follows it, to be ready to lead
     if (!camera.view.knows_object() || !std::exchange(camera.newest->for_motion, false)) return;
-    const auto there = camera.view.watch_object(camera.newest->frame, camera.newest->robot);
+    const auto there = camera.view.watch_object(camera.newest->frame, camera.newest->robot, held);
     if (!motion) motion = there;
   });
   return motion;

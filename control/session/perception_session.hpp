@@ -112,8 +112,9 @@ class PerceptionSession {
   [[nodiscard]] const std::vector<Eigen::Vector3f>& partner_points() const;
 
   /// Where the object is now against the scene; nullopt when too little of it is seen.
-  [[nodiscard]] std::optional<perception::ObjectMotion> watch_object(const hal::DepthFrame& frame,
-                                                                     const RobotPosture& robot);
+  [[nodiscard]] std::optional<perception::ObjectMotion> watch_object(
+      const hal::DepthFrame& frame, const RobotPosture& robot,
+      const std::optional<perception::HeldPoint>& held = std::nullopt);
   /// Visible area of the partner's hand at his contact (m^2; W, as the scene shows it), with the object moved
   /// by X; nullopt when the frame or the place shows nothing.
   [[nodiscard]] std::optional<perception::HandSighting> hand_at_grasp(const hal::DepthFrame& frame,

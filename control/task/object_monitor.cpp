@@ -11,6 +11,7 @@
 namespace colift::control {
 namespace {
 
+constexpr double kHeld_m = 0.005;   // by which a load moves an object in closed fingers, which give way
 constexpr double kMinShare = 0.05;  // with less, the robot's load says nothing of the partner's
 
 // The joint with the least angle left to one of its limits, in words.
@@ -22,6 +23,20 @@ std::string nearest_limit(const hal::RobotModel& model, const hal::JointVector& 
 }
 
 }  // namespace
+
+void ObjectMonitor::set_grip() {
+  X_WH_grip_ = c_.palm();
+  if (!c_.record.decision) return;
+  const hal::Pose X = motion_ ? motion_->X_WTnow_WTref : hal::Pose::Identity();
+  pivot_ref_W_ = X.inverse() * (X_WH_grip_ * c_.hand_line().pivot_H);
+}
+
+std::optional<perception::HeldPoint> ObjectMonitor::held_point() const {
+  const bool carries = c_.state == Task::AwaitReady || c_.state == Task::TestLift || c_.state == Task::Lift ||
+                       c_.state == Task::Hold || c_.state == Task::Lower || c_.state == Task::Pause;
+  if (!carries || !c_.readings.hand.held || !c_.record.decision) return std::nullopt;
+  return perception::HeldPoint{pivot_ref_W_, c_.palm() * c_.hand_line().pivot_H, kHeld_m};
+}
 
 void ObjectMonitor::start_lift() {
   set_grip();
@@ -48,7 +63,7 @@ double ObjectMonitor::partner_load_n() const {
 void ObjectMonitor::update() {
   if (c_.record.decision && partner_load_n() <= c_.config.decision.partner_load_n) partner_bears_at_ = c_.now;
   if (!c_.readings.frame) return;
-  motion_ = c_.session.watch_object(*c_.readings.frame, c_.posture());
+  motion_ = c_.session.watch_object(*c_.readings.frame, c_.posture(), held_point());
   const hal::Vec3 up = hal::Vec3::UnitZ();
   LiftSample sample;
   sample.t_s = hal::seconds(c_.now - c_.began);

@@ -15,7 +15,7 @@ class ObjectMonitor {
   explicit ObjectMonitor(TaskContext& context) : c_(context) {}
 
   /// The hand is where it grips: heights and slip count from here.
-  void set_grip() { X_WH_grip_ = c_.palm(); }
+  void set_grip();
   /// The lift is about to begin: the partner's end counts from here.
   void start_lift();
   /// Once in a cycle: the motion in a new frame.
@@ -50,8 +50,12 @@ class ObjectMonitor {
  private:
   TaskContext& c_;
   [[nodiscard]] double partner_load_n() const;
+  /// From when the hand has a good grip until the object is set down.
+  [[nodiscard]] std::optional<perception::HeldPoint> held_point() const;
 
   hal::Pose X_WH_grip_ = hal::Pose::Identity();
+  hal::Vec3 pivot_ref_W_ =
+      hal::Vec3::Zero();  ///< Where the load acts on the hand, in the scene as it was seen.
   std::optional<perception::ObjectMotion> motion_;
   CarryOrder order_;  ///< Of the last frame.
   double partner_rise_m_ = 0.0, partner_top_m_ = 0.0, tilt_rad_ = NAN, slip_m_ = NAN;

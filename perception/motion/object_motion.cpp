@@ -223,7 +223,7 @@ struct ObjectFollower::Impl {
   }
 
   std::optional<ObjectMotion> update(const hal::CameraIntrinsics& now, const std::vector<float>& depth_m,
-                                     std::string* reason) {
+                                     std::string* reason, const std::optional<HeldPoint>& held) {
     const auto refuse = [&](auto&& describe) -> std::optional<ObjectMotion> {
       missed = std::min(missed + 1, config.max_search_steps);
       if (reason) *reason = describe();
@@ -237,7 +237,16 @@ struct ObjectFollower::Impl {
 
     const double reach_m = config.max_step_m * std::min(1 + missed, config.max_search_steps);
     Motion motion = last;
-    const Sums sums = align(depth_m.data(), reach_m, motion);
+    Sums sums = align(depth_m.data(), reach_m, motion);
+    // what holds the object there may be an arm beside it: nearer to the hand it may fit as well
+    if (held && away_from(*held, motion) > config.held_step_m) {
+      Motion near = last;
+      const Sums found = align(depth_m.data(), config.held_step_m, near);
+      if (static_cast<double>(found.found) > config.held_fraction * static_cast<double>(sums.found)) {
+        motion = near;
+        sums = found;
+      }
+    }
     if (static_cast<double>(sums.found) < config.min_fraction * static_cast<double>(samples.size()))
       return refuse([&] { return too_little(sums); });
     const double stepped = (motion.shift - last.shift).norm();
@@ -257,15 +266,35 @@ struct ObjectFollower::Impl {
     missed = 0;
     if (reason) reason->clear();
     ObjectMotion result;
-    Pose X_C = Pose::Identity();
-    X_C.linear() = motion.turn;
-    X_C.translation() = samples.middle + motion.shift - motion.turn * samples.middle;
-    result.X_WTnow_WTref = X_WC * X_C * X_WC.inverse();
+    result.X_WTnow_WTref = in_W(motion);
     result.center_W = X_WC * Vec3(samples.middle + motion.shift);
     result.seen = static_cast<double>(sums.found) / static_cast<double>(samples.size());
     result.rms_m = std::sqrt(sums.squares / std::max(sums.weight, 1e-9));
     result.covariance = covariance(sums);
     return result;
+  }
+
+  [[nodiscard]] Pose in_W(const Motion& motion) const {
+    Pose X_C = Pose::Identity();
+    X_C.linear() = motion.turn;
+    X_C.translation() = samples.middle + motion.shift - motion.turn * samples.middle;
+    return X_WC * X_C * X_WC.inverse();
+  }
+
+  [[nodiscard]] double away_from(const HeldPoint& held, const Motion& motion) const {
+    return (in_W(motion) * held.ref_W - held.now_W).norm();
+  }
+
+  // Turns are left as they are seen: about its own axis a pipe would follow every error of the held point.
+  void join(const HeldPoint& held, ObjectMotion& motion) {
+    const Eigen::Matrix3d P = motion.covariance.topLeftCorner<3, 3>();
+    const Eigen::Matrix3d S = P + held.sigma_m * held.sigma_m * Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d gain = hal::solve_small_symmetric(S, P).transpose();
+    const Vec3 shift = gain * (held.now_W - motion.X_WTnow_WTref * held.ref_W);
+    motion.X_WTnow_WTref.translation() += shift;
+    motion.center_W += shift;
+    motion.covariance.topLeftCorner<3, 3>() -= gain * P;
+    last.shift += X_WC.linear().transpose() * shift;
   }
 };
 
@@ -310,13 +339,15 @@ void ObjectFollower::start_again() {
 }
 
 std::optional<ObjectMotion> ObjectFollower::update(const OrganisedCloud& current, std::string* reason) {
-  auto motion = impl_->update(current.intrinsics, current.depth_m, reason);
+  auto motion = impl_->update(current.intrinsics, current.depth_m, reason, std::nullopt);
   if (motion) last_ = *motion;
   return motion;
 }
 
-std::optional<ObjectMotion> ObjectFollower::update(const hal::DepthFrame& current, std::string* reason) {
-  auto motion = impl_->update(current.intrinsics, current.depth_m, reason);
+std::optional<ObjectMotion> ObjectFollower::update(const hal::DepthFrame& current, std::string* reason,
+                                                   const std::optional<HeldPoint>& held) {
+  auto motion = impl_->update(current.intrinsics, current.depth_m, reason, held);
+  if (motion && held) impl_->join(*held, *motion);
   if (motion) last_ = *motion;
   return motion;
 }

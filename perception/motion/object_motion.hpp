@@ -27,6 +27,8 @@ struct MotionConfig {
   double gate_sigmas = 3.5;
   double gate_ratio = 0.4;
   int max_search_steps = 3;
+  double held_step_m = 0.01;
+  double held_fraction = 0.9;
   double max_shift_m = 0.35;
   double max_turn_rad = 0.6;
   double shared_noise_factor = 2.0;
@@ -48,6 +50,11 @@ struct MotionConfig {
       "Ratio of the outlier gate from one iteration to the next.");
     v("max_search_steps", max_search_steps, hal::Range{1, 20},
       "Max search range after missed frames, in units of max_step_m.");
+    v("held_step_m", held_step_m, hal::Range{0.001, 0.2},
+      "An object that is seen farther than this from where the hand has it is searched this near, too (m) "
+      "...");
+    v("held_fraction", held_fraction, hal::kFraction,
+      "... and is there, where so large a fraction of as many points fits.");
     v("max_shift_m", max_shift_m, hal::Range{0.01, 10},
       "Max distance of the object from where the reference shows it (m).");
     v("max_turn_rad", max_turn_rad, hal::Range{0.01, 3.2},
@@ -85,11 +92,19 @@ struct ObjectMotion {
   [[nodiscard]] double tilt_sigma(const hal::Vec3& up) const;
 };
 
+/// Where a hand has the object: a point of the reference, where the hand's joints say that it is now (W), and
+/// how far the object may have slipped in the hand (standard deviation).
+struct HeldPoint {
+  hal::Vec3 ref_W = hal::Vec3::Zero(), now_W = hal::Vec3::Zero();
+  double sigma_m = 0.02;
+};
+
 /// Follows the target through small motions (lift, tilt, slip) by aligning its reference points to each
 /// frame: point to plane with projective association (Chen and Medioni 1991; Blais and Levine 1995). Every
 /// frame is aligned to the reference itself, so errors do not add up. Pixels of hands, partner and other
 /// intruders are left out by weights that fall to zero (Tukey's biweight) within a gate that closes from
-/// max_step_m to the noise. Directions without hold stay as in the last frame. Keeps its buffers: one object,
+/// max_step_m to the noise. Directions without hold stay as in the last frame, or go where the
+/// hand takes them. Keeps its buffers: one object,
 /// one thread. Under a millisecond a frame.
 class ObjectFollower {
  public:
@@ -107,8 +122,11 @@ class ObjectFollower {
   [[nodiscard]] std::optional<ObjectMotion> update(const OrganisedCloud& current,
                                                    std::string* reason = nullptr);
   /// The same from a frame of the camera that took the reference; no points in W are needed.
+  /// With `held` the position is joined with it by their covariances: along what the view does not hold (the
+  /// long side of a box) the object is where the hand has it.
   [[nodiscard]] std::optional<ObjectMotion> update(const hal::DepthFrame& current,
-                                                   std::string* reason = nullptr);
+                                                   std::string* reason = nullptr,
+                                                   const std::optional<HeldPoint>& held = std::nullopt);
 
   /// It stands where the reference saw it, or near: what was followed before is forgotten.
   void start_again();

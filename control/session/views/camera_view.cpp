@@ -409,11 +409,12 @@ std::span<const perception::BodyPoint> CameraView::body_points() const {
   return impl_->body_finder->points();
 }
 
-std::optional<perception::ObjectMotion> CameraView::watch_object(const hal::DepthFrame& frame,
-                                                                 const RobotPosture& robot) {
+std::optional<perception::ObjectMotion> CameraView::watch_object(
+    const hal::DepthFrame& frame, const RobotPosture& robot,
+    const std::optional<perception::HeldPoint>& held) {
   Impl& i = *impl_;
   if (!i.follower || !shows_anything(frame)) return std::nullopt;
-  return i.follower->update(i.without_robot(frame, robot).frame);
+  return i.follower->update(i.without_robot(frame, robot).frame, nullptr, held);
 }
 
 hal::Pose CameraView::last_motion() const {

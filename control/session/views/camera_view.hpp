@@ -93,8 +93,9 @@ class CameraView {
   [[nodiscard]] std::span<const perception::BodyPoint> body_points() const;
 
   /// Where the object is now against the scene; nullopt when too little of it is seen.
-  [[nodiscard]] std::optional<perception::ObjectMotion> watch_object(const hal::DepthFrame& frame,
-                                                                     const RobotPosture& robot);
+  [[nodiscard]] std::optional<perception::ObjectMotion> watch_object(
+      const hal::DepthFrame& frame, const RobotPosture& robot,
+      const std::optional<perception::HeldPoint>& held = std::nullopt);
   [[nodiscard]] hal::Pose last_motion() const;
   [[nodiscard]] std::optional<perception::HandSighting> hand_at_grasp(const hal::DepthFrame& frame,
                                                                       const RobotPosture& robot,

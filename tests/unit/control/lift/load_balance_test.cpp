@@ -99,6 +99,16 @@ TEST_CASE("what is not observable is not known", "[load]") {
   CHECK(balance_load(std::vector{pushed}, bar(), LoadConfig{}).error().code == hal::ErrorCode::NotFound);
 }
 
+TEST_CASE("more than the whole weight is no share: the scene's centre of gravity is wrong", "[load]") {
+  const std::vector<CarriedSample> held(30, sample({0.4, 0.02, 0.5}));
+  const auto load = balance_load(held, bar(0.9), LoadConfig{});
+  REQUIRE_FALSE(load);
+  CHECK_THAT(load.error().detail, Catch::Contains("the centre of gravity is not where the scene shows it"));
+  KnownBefore told = bar(0.9);
+  told.mass_kg = kMass_kg;
+  CHECK(balance_load(held, told, LoadConfig{}));
+}
+
 TEST_CASE("bad samples are refused", "[load]") {
   CHECK(balance_load({}, bar(), LoadConfig{}).error().code == hal::ErrorCode::BadInput);
   CarriedSample broken = sample({0.4, 0.02, 0.5});

@@ -129,6 +129,36 @@ TEST_CASE("what a table top alone cannot tell is said and does not wander") {
   CHECK(degrees(follower.last().tilt_sigma(kUp)) < 0.3);
 }
 
+TEST_CASE("along what the view does not hold, an object is where the hand has it") {
+  MovingObject stage(ObjectKind::Table, 4);
+  const double top = stage.scene.faces.front().center.z();
+  std::erase_if(stage.target.pixels, [&](std::uint32_t i) {
+    return std::abs(static_cast<double>(stage.reference.cloud.z[i]) - top) > 0.015;
+  });
+  auto alone = stage.follower(), held = stage.follower();
+  const Vec3 grasp = stage.scene.cog + Vec3(0.3, 0.1, 0.0), slip(0.0, 0.0, 0.004);
+  Vec3 off_alone, off_held;
+  double turned_rad = 0.0;
+  for (int i = 1; i <= 30; ++i) {
+    const Pose X = stage.motion(Vec3::UnitX(), radians(0.1 * i), Vec3(0.05, 0.02, 0.05) * i / 30.0);
+    const auto frame = stage.see(stage.moved(X, false), static_cast<std::uint64_t>(i));
+    const auto a = alone.update(frame);
+    const auto h = held.update(frame, nullptr, HeldPoint{grasp, X * grasp + slip, 0.02});
+    REQUIRE((a && h));
+    off_alone = a->X_WTnow_WTref * grasp - X * grasp;
+    off_held = h->X_WTnow_WTref * grasp - X * grasp;
+    turned_rad = std::max(turned_rad,
+                          std::abs(Eigen::AngleAxisd(Eigen::Matrix3d(h->X_WTnow_WTref.linear() *
+                                                                     a->X_WTnow_WTref.linear().transpose()))
+                                       .angle()));
+  }
+  CHECK(off_alone.head<2>().norm() > 0.03);
+  CHECK(off_held.head<2>().norm() < 0.01);
+  CHECK(std::abs(off_held.z()) < 0.003);  // the height is seen, and that the object slipped in the hand
+  CHECK(degrees(turned_rad) < 1.0);
+  CHECK(held.last().covariance(0, 0) < 0.25 * alone.last().covariance(0, 0));
+}
+
 TEST_CASE("a pipe that may roll is followed in all the rest") {
   const MovingObject stage(ObjectKind::Pipe, 3);
   const Vec3 axis = stage.scene.cylinders.front().axis;
