@@ -115,7 +115,8 @@ std::optional<LiftController::Command> LiftController::step(double dt_s,
   height_m_ = next_height(pace * dt_s);
   hal::Pose X_WF = X_WF0_;
   X_WF.translation().z() += height_m_;
-  if (measured) compliance_.update(dt_s, *measured, compliant(X_WF) * X_FH_);
+  // an arm that stands still for somebody does not turn either
+  if (measured) compliance_.update(pace * dt_s, *measured, compliant(X_WF) * X_FH_);
   X_WF = compliant(X_WF);
   const auto q =
       planner::follow_ik(arm_, X_WF, q_rad_, hal::deg_to_rad(config_.limit_margin_deg), kLargestStep_rad);

@@ -59,3 +59,20 @@ TEST_CASE("a palm is left where it was taken to, but what a load pulled down com
   // farther than a hand's breadth no spring takes it
   CHECK(left_where({0.0, 0.15, 0.0}, 0.0).isApprox(commanded));
 }
+
+TEST_CASE("a palm that is slowed to a stand for somebody does not give way to a moment either", "[lift]") {
+  const hal::RobotModel& model = hal::built_in_robot();
+  LiftController lift(model, planner::arm_geometry(model).value(), {});
+  const hal::Wrench moment{hal::Vec3::Zero(), {0.0, 3.0, 0.0}};
+  const auto turned_after_1_s = [&](double pace) {
+    lift.start(posture(), {{0.0, 0.0, 0.06}, hal::Vec3::UnitX()});
+    lift.lift(LiftController::Role::Lead, 0.05, 2.0);
+    hal::JointVector q_rad = posture();
+    for (int i = 0; i < 200; ++i) q_rad = lift.step(0.005, moment, pace)->q_rad;
+    const Eigen::Matrix3d turn =
+        hal::hand_pose(model, q_rad).linear() * hal::hand_pose(model, posture()).linear().transpose();
+    return Eigen::AngleAxisd(turn).angle();
+  };
+  CHECK(turned_after_1_s(0.0) < 1e-6);
+  CHECK(turned_after_1_s(1.0) > 0.01);
+}
