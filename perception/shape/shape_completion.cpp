@@ -47,9 +47,9 @@ CompletedShape complete_shape(const OrganisedCloud& cloud, const Target& target,
   if (cylinder) {
     const bool most =
         2 * cylinder->radius * cylinder->length > config.min_cylinder_fraction * seen.total_area_m2();
-    // a pipe that lies on blocks: their faces may be the larger ones
-    const bool spans =
-        cylinder->length > config.min_cylinder_span * seen.footprint().size.head<2>().maxCoeff();
+    // a pipe that lies on blocks: their faces may be the larger ones; one that stands is a leg
+    const double level_m = cylinder->length * cylinder->axis.cross(ground.plane.normal).norm();
+    const bool spans = level_m > config.min_cylinder_span * seen.footprint().size.head<2>().maxCoeff();
     if (most || spans) return complete_cylinder(seen, config);
   }
   if (const Rectangle* found = seen.find_top()) {

@@ -110,6 +110,20 @@ TEST_CASE("a plate at the height of a desk with a thing on it is no chair", "[co
   CHECK(with.covariance(0, 0) > without.covariance(0, 0) + 0.0005);
 }
 
+TEST_CASE("a round leg as long as the seat is wide makes no pipe of a chair", "[completion]") {
+  const View view(ObjectKind::Chair, 2);
+  const CompletedShape chair = view.shape();
+  REQUIRE(chair.kind == Kind::Chair);
+  std::vector<Surface> surfaces = view.surfaces();
+  const Vec3 corner = chair.box.center + chair.box.axes * Vec3(0.45, 0.45, 0.0).cwiseProduct(chair.box.size);
+  const double length = chair.box.size.head<2>().maxCoeff();
+  surfaces.push_back(Cylinder{{corner.x(), corner.y(), 0.5 * length}, Vec3::UnitZ(), 0.02, length});
+  const CompletedShape with_leg =
+      complete_shape(view.cloud, view.target, surfaces, view.ground, NoiseModel{});
+  CHECK(with_leg.kind == Kind::Chair);
+  CHECK((with_leg.cog - chair.cog).norm() < 0.02);
+}
+
 TEST_CASE("every completion says what was assumed", "[completion]") {
   const View table(ObjectKind::Table, 1), box(ObjectKind::Box, 1);
   CHECK(table.shape().reason.find("legs") != std::string::npos);
