@@ -16,8 +16,8 @@ void TestLiftPhase::begin() {
                       c_.record.decision->partner->position, planner::load_point(c_.chosen()),
                       c_.record.decision->decision.share);
   const double fraction = height_m() / c_.config.test_lift.height_m;
-  c_.arm.start_lift(LiftController::Role::Lead, height_m(), fraction * c_.config.test_lift.raise_s,
-                    c_.hand_line());
+  // with a stiff palm: one that gave way would turn with the object, whose turns are what is to be seen
+  c_.arm.start_lift(LiftController::Role::Lead, height_m(), fraction * c_.config.test_lift.raise_s);
 }
 
 std::optional<TaskEvent> TestLiftPhase::test_lift() {
