@@ -10,11 +10,10 @@
 
 namespace colift::control {
 
-/// Raises, holds and lowers the palm. Leading, the palm follows a minimum-jerk profile and
-/// the partner comes along; following, it goes where the partner's end of the object goes, so that the object
-/// stays level. What the hand bears is fed forward, so that the impedance does not sag; what pushes it up is
-/// not. About the axis across the
-/// line of the hands the palm gives way (TiltCompliance). Allocation-free.
+/// Raises, holds and lowers the palm. Leading, the palm follows a minimum-jerk profile and the partner comes
+/// along; following, it goes where the partner's end of the object goes, so that the object stays level. What
+/// the hand bears is fed forward, so that the impedance does not sag; what pushes it up is not. About the
+/// axis across the line of the hands the palm gives way (TiltCompliance). Allocation-free.
 class LiftController {
  public:
   enum class Role { Lead, Follow };
@@ -27,7 +26,8 @@ class LiftController {
 
   LiftController(const hal::RobotModel& model, const planner::ArmGeometry& arm, const TaskConfig& config);
 
-  /// The hand has closed with the arm commanded here; heights count from now on.
+  /// The hand has closed with the arm commanded here; heights count from now on. Without a line of the hands
+  /// the palm is not turned.
   void start(const hal::JointVector& q_commanded_rad, const HandLine& line = {});
 
   /// To this height over where the hand closed, in this time when leading; on from the present height.

@@ -93,7 +93,7 @@ struct ObjectMotion {
 };
 
 /// Where a hand has the object: a point of the reference, where the hand's joints say that it is now (W), and
-/// how far the object may have slipped in the hand (standard deviation).
+/// how far the object may have slipped in the hand (standard deviation, in each direction).
 struct HeldPoint {
   hal::Vec3 ref_W = hal::Vec3::Zero(), now_W = hal::Vec3::Zero();
   double sigma_m = 0.02;
@@ -103,9 +103,8 @@ struct HeldPoint {
 /// frame: point to plane with projective association (Chen and Medioni 1991; Blais and Levine 1995). Every
 /// frame is aligned to the reference itself, so errors do not add up. Pixels of hands, partner and other
 /// intruders are left out by weights that fall to zero (Tukey's biweight) within a gate that closes from
-/// max_step_m to the noise. Directions without hold stay as in the last frame, or go where the
-/// hand takes them. Keeps its buffers: one object,
-/// one thread. Under a millisecond a frame.
+/// max_step_m to the noise. Directions without hold stay as in the last frame, or go where the hand
+/// takes them. Keeps its buffers: one object, one thread. Under a millisecond a frame.
 class ObjectFollower {
  public:
   /// Errors: BadInput (target without pixels, image and target disagree), NotFound (too few pixels of the
