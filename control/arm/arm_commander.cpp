@@ -205,8 +205,8 @@ void ArmCommander::start_lift(LiftController::Role role, double height_m, double
   ask({ArmRequest::Kind::StartLift, 0, nullptr, height_m, role, time_s, HandLoad::Empty, line});
 }
 
-void ArmCommander::raise_on(LiftController::Role role, double height_m, double time_s) {
-  ask({ArmRequest::Kind::RaiseOn, 0, nullptr, height_m, role, time_s});
+void ArmCommander::raise_on(LiftController::Role role, double height_m, double time_s, const HandLine& line) {
+  ask({ArmRequest::Kind::RaiseOn, 0, nullptr, height_m, role, time_s, HandLoad::Empty, line});
 }
 
 void ArmCommander::resume_lift() {

@@ -61,7 +61,7 @@ class ArmCommander {
   /// Raises the palm by a height, in a time when it leads; raise_on() goes further, to a height over where
   /// the lift began.
   void start_lift(LiftController::Role role, double height_m, double time_s, const HandLine& line = {});
-  void raise_on(LiftController::Role role, double height_m, double time_s);
+  void raise_on(LiftController::Role role, double height_m, double time_s, const HandLine& line = {});
   /// Continues a lift that the arm stopped because the task was late; the arm has to be at rest.
   void resume_lift();
   /// Ends a slow lift at the height that it has reached; at once, so for slow ones only.

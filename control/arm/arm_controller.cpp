@@ -126,6 +126,7 @@ void ArmController::take(const ArmRequest& request) {
       break;
     case Kind::RaiseOn:
       continue_lift();
+      lift_.give_way(request.line);
       lift_.lift(request.role, request.number, request.time_s);
       break;
     case Kind::Stay:

@@ -48,7 +48,7 @@ struct ArmRequest {
   LiftController::Role role = LiftController::Role::Lead;
   double time_s = 0.0;
   HandLoad load = HandLoad::Empty;
-  HandLine line{};  ///< Of StartLift.
+  HandLine line{};  ///< Of StartLift and RaiseOn.
 };
 
 /// Whether a request changes what the arm is doing, so that answers about the motion before are void.

@@ -40,6 +40,7 @@ void set_method_defaults(Method method, Config& config) {
   config.decision.weights = planner::SharingWeights::thesis();
   config.decision.share_first = false;
   config.decision.max_sideways = std::numeric_limits<double>::infinity();
+  config.decision.max_press = std::numeric_limits<double>::infinity();
   config.decision.max_lever_m = std::numeric_limits<double>::infinity();
   // a grasp beside the partner's is as good as its cost (section 5.3.4); the collision world keeps the arm
   // off the person afterwards

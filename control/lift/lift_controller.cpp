@@ -36,6 +36,12 @@ void LiftController::start(const hal::JointVector& q_commanded_rad, const HandLi
   fed_ = {};
 }
 
+void LiftController::give_way(const HandLine& line) {
+  if (!line_.along_W.isZero() || line.along_W.isZero()) return;
+  line_ = line;
+  compliance_.start(line_);
+}
+
 void LiftController::aim(double to_m, double time_s) {
   at_end_ = false;
   from_m_ = height_m_;

@@ -30,6 +30,9 @@ class LiftController {
   /// the palm is not turned.
   void start(const hal::JointVector& q_commanded_rad, const HandLine& line = {});
 
+  /// From now on the palm gives way about the axis across this line, if it did not yet: a test lift is
+  /// raised with a stiff palm, the lift after it is not.
+  void give_way(const HandLine& line);
   /// To this height over where the hand closed, in this time when leading; on from the present height.
   void lift(Role role, double height_m, double time_s);
   /// Goes no further, and leads: at once, so from a slow lift only.

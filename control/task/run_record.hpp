@@ -50,7 +50,7 @@ struct LiftSummary {
   double slip_m = 0.0;
   double mass_kg = NAN;              ///< NaN where it is not known.
   double load_n = 0.0;               ///< That the robot carried (N).
-  bool load_steady = true;           ///< It had come to rest when the hold began.
+  bool load_steady = false;          ///< It had come to rest when the hold began.
   std::optional<LoadEstimate> load;  ///< Share and mass with their intervals and source.
   std::string load_reason;           ///< Why they are not known; else empty.
 };

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "planner/grasp/grasp_candidates.hpp"
@@ -151,6 +152,13 @@ hal::Result<Decision> decide_grasp(std::vector<GraspCandidate>& candidates, cons
           c, Verdict::OverLimit,
           fmt::format("the partner would have to push sideways with {:.0f} % of the weight (limit {:.0f} %)",
                       100 * sideways, 100 * config.max_sideways));
+    }
+    if (const double press = std::max(share - 1.0, -share);
+        c.verdict == Verdict::Ok && press > config.max_press) {
+      refuse(
+          c, Verdict::OverLimit,
+          fmt::format("{} would have to press the object down with {:.0f} % of its weight (limit {:.0f} %)",
+                      share > 1.0 ? "the partner" : "the robot", 100 * press, 100 * config.max_press));
     }
     if (c.verdict == Verdict::Ok && mass_kg) {
       const double his_n = (1.0 - share) * *mass_kg * hal::kGravity_m_s2;

@@ -31,6 +31,7 @@ struct DecisionConfig {
   double mass_kg = 1.0;
   double near_partner_m = 0.15;
   double max_sideways = 0.2;
+  double max_press = 0.05;
   double max_lever_m = 10.0;
   bool check_reach = true;
   Vec3 shoulder_m{0.0, 0.0, 0.3105};
@@ -83,10 +84,14 @@ struct DecisionConfig {
       "Min distance between the partner's grasp and the robot's (m).");
     v("max_sideways", max_sideways, hal::kNotNegative,
       "Max sideways force of the partner, as a fraction of the weight.");
+    v("max_press", max_press, hal::kNotNegative,
+      "Max force with which either hand has to press the object down because the centre of gravity does not "
+      "lie between them (a share below 0 or above 1 by the lever rule), as a fraction of the weight.");
     v("max_lever_m", max_lever_m, hal::kPositive,
       "Max distance of the centre of gravity from the vertical plane through both hands; beyond it the "
       "object tips about the line between them; after a test lift test_lift.max_lever_m (m).");
     v.or_infinite("max_sideways");
+    v.or_infinite("max_press");
     v.or_infinite("max_lever_m");
     v("check_reach", check_reach,
       "Whether a grasp beyond the arm's reach is refused (needs the camera's pose).");

@@ -32,7 +32,7 @@ bool LiftPhase::raised() {
     const double left_m = task.lift_height_m - c_.arm.view().height_m;
     const bool tested = from_ == Task::TestLift || !c_.record.test_lifts.empty();
     lift_s_ = tested ? std::max(task.lift_s, left_m / task.lift.tested_speed_m_s) : task.lift_s;
-    c_.arm.raise_on(c_.role, task.lift_height_m, lift_s_);
+    c_.arm.raise_on(c_.role, task.lift_height_m, lift_s_, c_.hand_line());
   } else {
     lift_s_ = task.lift_s;
     c_.arm.start_lift(c_.role, task.lift_height_m, lift_s_, c_.hand_line());

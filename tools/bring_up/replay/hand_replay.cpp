@@ -23,6 +23,9 @@ constexpr hal::Duration kAfterwards = std::chrono::milliseconds(100);
 // Silences of boot and initialising end some milliseconds earlier or later.
 constexpr hal::Duration kEdge = std::chrono::milliseconds(150);
 
+// Between two rows of a scan; the answers to other questions may come there.
+constexpr hal::Duration kRowPause = std::chrono::milliseconds(20);
+
 struct Legal {
   std::int32_t low = std::numeric_limits<std::int32_t>::min(),
                high = std::numeric_limits<std::int32_t>::max();
@@ -150,6 +153,12 @@ bool at_an_edge(const Side& side, std::size_t r, Puck puck) {
   return false;
 }
 
+// The recording ended before this scan's next row had to come.
+bool ends_in_scan(const Side& side, const PuckAnswer& a, Property property) {
+  const hal::CanFrame& row = side.frame(a, a.count - 1u);
+  return property == Property::Tact && side.frames.back().frame.arrived_at - row.arrived_at < kRowPause;
+}
+
 // An empty text, or how the forms differ.
 std::string compare(const Side& recorded, const PuckAnswer& then, const Side& emulated, const PuckAnswer& now,
                     Property property) {
@@ -202,6 +211,7 @@ EmulatorReplay replay_emulator(const hal::Candump& log, std::uint64_t most_per_p
       count(of.recorded, recorded_ms, recorded, r, a);
       count(of.emulated, emulated_ms, emulated, r, b);
       if (a.count == 0) continue;  // lost, or not answered: counted
+      if (a.count < b.count && ends_in_scan(recorded, a, says.property)) continue;
       const std::uint32_t line = log.frames[a.frames[0]].line;
       if (b.count == 0) {
         if (says.property != Property::Tact && !at_an_edge(emulated, r, a.puck))

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace colift::planner {
@@ -55,10 +56,34 @@ TEST_CASE("what can be had is the range of shares of all feasible grasps", "[sha
 TEST_CASE("a share beyond what anybody can bear is cut off at one", "[share]") {
   // partner and robot on the same side of the centre of gravity: he would have to press down
   std::vector<GraspCandidate> c{at(0, -0.1, 0)};
-  const auto d = decide_grasp(c, table(), {});
+  DecisionConfig config;
+  config.max_press = std::numeric_limits<double>::infinity();
+  const auto d = decide_grasp(c, table(), config);
   REQUIRE(d);
   CHECK(d->scores[0]->share == Approx(4.0 / 3.0));
   CHECK(reachable_shares(c, d->scores)->high == 1.0);
+}
+
+TEST_CASE("a grasp with which somebody has to press the object down is refused, and says who", "[share]") {
+  std::vector<GraspCandidate> c{at(0, -0.1, 0), at(1, 0.4, 0)};
+  const auto d = decide_grasp(c, table(), {});
+  REQUIRE((d && d->chosen));
+  CHECK(*d->chosen == 1);
+  CHECK(c[0].verdict == Verdict::OverLimit);
+  CHECK(c[0].reason.find("the partner would have to press the object down with 33 %") != std::string::npos);
+  SECTION("and so is one on the far side of the partner") {
+    std::vector<GraspCandidate> beyond{at(0, -0.6, 0)};
+    const auto none = decide_grasp(beyond, table(), {});
+    REQUIRE(none);
+    CHECK_FALSE(none->chosen);
+    CHECK(none->reason.find("the robot would have to press the object down") != std::string::npos);
+  }
+  SECTION("a centre of gravity that is hardly beyond the robot's hand is within the limit") {
+    std::vector<GraspCandidate> near{at(0, -0.01, 0)};
+    const auto taken = decide_grasp(near, table(), {});
+    REQUIRE(taken);
+    CHECK(taken->chosen);
+  }
 }
 
 TEST_CASE("a wanted share is weighed first, the cost decides among what comes near", "[share]") {
