@@ -58,7 +58,10 @@ std::optional<TaskEvent> LiftPhase::lift() {
   if (c_.in_state_s() > lift_s_ + c_.config.task.partner_timeout_s)
     return TaskEvent{Event::TimeOut,
                      fmt::format("{:.1f} cm after {:.0f} s", 1e2 * arm.height_m, c_.in_state_s())};
-  if (!settled() || !load_settled()) return std::nullopt;
+  if (!settled()) return std::nullopt;
+  update_mean_load();
+  if (auto lost = load_lost()) return lost;
+  if (!load_settled()) return std::nullopt;
   return TaskEvent{Event::AtHeight, fmt::format("{:.1f} cm up, tilt {:.1f} deg, load {:.0f} N{}",
                                                 1e2 * arm.height_m, hal::rad_to_deg(object_.tilt_rad()),
                                                 arm.load_n, load_steady_ ? "" : ", which still changes")};
@@ -68,6 +71,7 @@ bool LiftPhase::settled() {
   if (!c_.arm.lift_at_rest()) {
     moved_at_ = updated_at_ = c_.now;
     steady_.start();
+    start_mean_load();
     return false;
   }
   return hal::seconds(c_.now - moved_at_) >= c_.config.task.carry.settle_s;
@@ -84,9 +88,18 @@ bool LiftPhase::load_settled() {
   return load_steady_ || hal::seconds(c_.now - moved_at_) >= carry.max_unsteady_s;
 }
 
-void LiftPhase::begin_hold() {
+void LiftPhase::start_mean_load() {
   mean_load_n_ = NAN;
   carried_at_ = c_.now;
+}
+
+void LiftPhase::update_mean_load() {
+  const double load_n = c_.arm.view().load_n;
+  mean_load_n_ = std::isnan(mean_load_n_) ? load_n : mean_load_n_ + kMeanLoad * (load_n - mean_load_n_);
+}
+
+void LiftPhase::begin_hold() {
+  start_mean_load();
   c_.record.frame_lifted.reset();
 }
 
@@ -114,13 +127,11 @@ std::optional<TaskEvent> LiftPhase::hold() {
 std::optional<TaskEvent> LiftPhase::partner_gone_or_lowers() {
   const CarryConfig& carry = c_.config.task.carry;
   const double load_n = c_.arm.view().load_n;
-  // slow mean of the load; what deviates quickly is news
-  const double a = std::isnan(mean_load_n_) ? 1.0 : kMeanLoad;
-  if (std::isnan(mean_load_n_)) mean_load_n_ = load_n;
   const bool fell = object_.motion() && object_.partner_fall_m() > carry.partner_fall_m;
+  // what deviates quickly from the mean before it is news
   const bool heavier =
       load_n > carry.load_jump_factor * mean_load_n_ && load_n > mean_load_n_ + carry.load_jump_n;
-  mean_load_n_ += a * (load_n - mean_load_n_);
+  update_mean_load();
   if (c_.arm.view().role == LiftController::Role::Follow && fell && !heavier)
     return TaskEvent{Event::HoldOver, "the partner lowers"};
   // a person who carries sways: an end that stays up is not let go for a few newtons, which are not nearly

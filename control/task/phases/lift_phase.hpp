@@ -36,6 +36,9 @@ class LiftPhase {
   [[nodiscard]] bool settled();
   /// The load on the hand has come to rest as well, or had its time to.
   [[nodiscard]] bool load_settled();
+  /// A slow mean of the load while the palm stands at the top.
+  void start_mean_load();
+  void update_mean_load();
   [[nodiscard]] std::optional<TaskEvent> partner_gone_or_lowers();
   /// The hand is closed, and nothing hangs in it any more.
   [[nodiscard]] std::optional<TaskEvent> load_lost();
@@ -56,7 +59,7 @@ class LiftPhase {
   hal::Timestamp moved_at_{0}, unsupported_at_{0};  ///< The palm; the object without the ground: last time.
   std::optional<double> share_robot_;
   SteadyLoad steady_;             ///< Since the palm came to rest at the top.
-  double mean_load_n_ = NAN;      ///< Slow mean while held.
+  double mean_load_n_ = NAN;      ///< NaN before its first value.
   hal::Timestamp carried_at_{0};  ///< When the hand last carried something.
   bool found_ = false;            ///< ... and has found what bears it.
   bool seeks_ = false;            ///< Goes below where it grasped, to set down what hangs.

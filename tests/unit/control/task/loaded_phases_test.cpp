@@ -430,6 +430,27 @@ TEST_CASE("the load says that the partner bears his part again", "[phases]") {
   CHECK_FALSE(is_borne_again(12.0, 40.0, 0.3, false));  // the ground may bear that
 }
 
+TEST_CASE("a load that vanishes while the hold waits for a steady one is an object that was lost",
+          "[phases]") {
+  Loaded rig;
+  rig.enter(Task::Lift);
+  rig.lift.begin_lift(Task::AwaitReady);
+  double at_top_s = NAN;
+  const auto swings = [&] {
+    const double now_s = rig.c->in_state_s();
+    if (std::isnan(at_top_s) && rig.c->arm.lift_at_rest() && rig.c->arm.view().height_m > 0.04)
+      at_top_s = now_s;
+    const bool lost = now_s - at_top_s > rig.c->config.task.carry.settle_s + 1.0;
+    rig.load(lost ? 1.0 : 20.0 + 4.0 * std::sin(3.0 * now_s));
+    return rig.lift.lift();
+  };
+  const auto event = rig.run(swings, 20.0);
+  REQUIRE(event);
+  CHECK(event->event == Event::HandEmpty);
+  CHECK_THAT(event->detail, Catch::Contains("sudden loss of load"));
+  CHECK(rig.c->in_state_s() - at_top_s < rig.c->config.task.carry.settle_s + 2.0);
+}
+
 TEST_CASE("a load that vanishes in the air is an object that was lost", "[phases]") {
   Loaded rig;
   REQUIRE(rig.lift_up());
