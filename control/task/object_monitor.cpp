@@ -11,7 +11,6 @@
 namespace colift::control {
 namespace {
 
-constexpr double kHeld_m = 0.005;   // by which a load moves an object in closed fingers, which give way
 constexpr double kMinShare = 0.05;  // with less, the robot's load says nothing of the partner's
 
 // The joint with the least angle left to one of its limits, in words.
@@ -35,7 +34,7 @@ std::optional<perception::HeldPoint> ObjectMonitor::held_point() const {
   const bool carries = c_.state == Task::AwaitReady || c_.state == Task::TestLift || c_.state == Task::Lift ||
                        c_.state == Task::Hold || c_.state == Task::Lower || c_.state == Task::Pause;
   if (!carries || !c_.readings.hand.held || !c_.record.decision) return std::nullopt;
-  return perception::HeldPoint{pivot_ref_W_, c_.palm() * c_.hand_line().pivot_H, kHeld_m};
+  return perception::HeldPoint{pivot_ref_W_, c_.palm() * c_.hand_line().pivot_H};
 }
 
 void ObjectMonitor::start_lift() {

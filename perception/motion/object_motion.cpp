@@ -288,7 +288,7 @@ struct ObjectFollower::Impl {
   // Turns are left as they are seen: about its own axis a pipe would follow every error of the held point.
   void join(const HeldPoint& held, ObjectMotion& motion) {
     const Eigen::Matrix3d P = motion.covariance.topLeftCorner<3, 3>();
-    const Eigen::Matrix3d S = P + held.sigma_m * held.sigma_m * Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d S = P + config.held_sigma_m * config.held_sigma_m * Eigen::Matrix3d::Identity();
     const Eigen::Matrix3d gain = hal::solve_small_symmetric(S, P).transpose();
     const Vec3 shift = gain * (held.now_W - motion.X_WTnow_WTref * held.ref_W);
     motion.X_WTnow_WTref.translation() += shift;

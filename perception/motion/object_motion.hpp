@@ -27,6 +27,7 @@ struct MotionConfig {
   double gate_sigmas = 3.5;
   double gate_ratio = 0.4;
   int max_search_steps = 3;
+  double held_sigma_m = 0.005;
   double held_step_m = 0.01;
   double held_fraction = 0.9;
   double max_shift_m = 0.35;
@@ -50,6 +51,9 @@ struct MotionConfig {
       "Ratio of the outlier gate from one iteration to the next.");
     v("max_search_steps", max_search_steps, hal::Range{1, 20},
       "Max search range after missed frames, in units of max_step_m.");
+    v("held_sigma_m", held_sigma_m, hal::Range{1e-4, 0.2},
+      "Standard deviation of an object against the hand that holds it, in each direction: fingers give way "
+      "(m).");
     v("held_step_m", held_step_m, hal::Range{0.001, 0.2},
       "An object that is seen farther than this from where the hand has it is searched this near, too (m) "
       "...");
@@ -92,11 +96,10 @@ struct ObjectMotion {
   [[nodiscard]] double tilt_sigma(const hal::Vec3& up) const;
 };
 
-/// Where a hand has the object: a point of the reference, where the hand's joints say that it is now (W), and
-/// how far the object may have slipped in the hand (standard deviation, in each direction).
+/// Where a hand has the object: a point of the reference, and where the hand's joints say that it is now (W,
+/// m).
 struct HeldPoint {
   hal::Vec3 ref_W = hal::Vec3::Zero(), now_W = hal::Vec3::Zero();
-  double sigma_m = 0.02;
 };
 
 /// Follows the target through small motions (lift, tilt, slip) by aligning its reference points to each

@@ -143,7 +143,7 @@ TEST_CASE("along what the view does not hold, an object is where the hand has it
     const Pose X = stage.motion(Vec3::UnitX(), radians(0.1 * i), Vec3(0.05, 0.02, 0.05) * i / 30.0);
     const auto frame = stage.see(stage.moved(X, false), static_cast<std::uint64_t>(i));
     const auto a = alone.update(frame);
-    const auto h = held.update(frame, nullptr, HeldPoint{grasp, X * grasp + slip, 0.02});
+    const auto h = held.update(frame, nullptr, HeldPoint{grasp, X * grasp + slip});
     REQUIRE((a && h));
     off_alone = a->X_WTnow_WTref * grasp - X * grasp;
     off_held = h->X_WTnow_WTref * grasp - X * grasp;
