@@ -109,10 +109,17 @@ class Search {
 
   /// A part may be more than a cylinder: narrow faces of what it lies on or is joined to pass for strips too.
   /// So each large strip suggests cylinders, and what lies around such a one is tried as a part of its own.
+  /// A strip alone shows too little of a mantle, but the rest may be of one face with the side of what the
+  /// cylinder lies on: it is tried with all that is seen beside it.
   void cylinders_within(const Part& part, std::vector<Cylinder>& found) {
-    std::vector<std::size_t> strips = largest_faces(part);
-    if (strips.size() < 2) return;  // the whole part was tried already
-    const std::vector<SightedPoint> points = sample(part, max_points_);
+    const std::vector<std::size_t> strips = largest_faces(part);
+    if (strips.empty()) return;
+    const bool alone = strips.size() == 1;
+    if (alone && !is_long(faces_[strips.front()])) return;
+    Part wider;
+    if (alone) wider = beside(part, strips.front());
+    const Part& area = alone ? wider : part;
+    const std::vector<SightedPoint> points = sample(area, max_points_);
     for (const std::size_t f : strips) {
       Part strip;
       for (const std::uint32_t k : part)
@@ -122,12 +129,37 @@ class Search {
       const std::vector<SightedPoint> seed = sample(strip, max_points_ / 3);
       for (const Vec3& axis : axes_of(seed)) {
         const auto rough = suggested_by(seed, points, axis);
-        const auto c = rough ? cylinder_around(*rough, part) : std::nullopt;
+        const auto c = rough ? cylinder_around(*rough, area, !alone) : std::nullopt;
         if (!c) continue;
         found.push_back(*c);
         break;
       }
     }
+  }
+
+  [[nodiscard]] bool is_long(const Face& face) const {
+    const FaceExtent extent = extent_of(face, image_.geometry);
+    return extent.wide_m > config_.cylinders.min_strip_ratio * extent.narrow_m;
+  }
+
+  /// What no cylinder has in the part's bounding box in the image, grown by the width of the widest strip.
+  [[nodiscard]] Part beside(const Part& part, std::size_t face) const {
+    const double q = faces_[face].inverse_depth();
+    const int margin = static_cast<int>(widest_strip(image_, q, config_) / image_.pixel_m(q));
+    int left = image_.width, right = 0, top = std::numeric_limits<int>::max(), bottom = 0;
+    for (const std::uint32_t k : part) {
+      const int u = static_cast<int>(image_.column(k)), v = static_cast<int>(image_.row(k));
+      left = std::min(left, u), right = std::max(right, u), top = std::min(top, v),
+      bottom = std::max(bottom, v);
+    }
+    Part area;
+    for (const std::uint32_t k : image_.pixels) {
+      const int u = static_cast<int>(image_.column(k)), v = static_cast<int>(image_.row(k));
+      if (image_.label[k] != ObjectImage::kCylinder && u >= left - margin && u <= right + margin &&
+          v >= top - margin && v <= bottom + margin)
+        area.push_back(k);
+    }
+    return area;
   }
 
   [[nodiscard]] std::vector<std::size_t> largest_faces(const Part& part) {
@@ -169,21 +201,22 @@ class Search {
 
   /// Tries what of a part lies in or close around a rough cylinder. The edge of a box looks round too when it
   /// is cut out so, but the box goes on beside it: most of the rim of a cylinder has to be free.
-  std::optional<Cylinder> cylinder_around(const Cylinder& rough, const Part& part) {
+  /// Of `strips_only`, faces of which most lies elsewhere are of something else.
+  std::optional<Cylinder> cylinder_around(const Cylinder& rough, const Part& part, bool strips_only) {
     Part tube;
     for (const std::uint32_t k : part) {
       if (image_.label[k] == ObjectImage::kCylinder) continue;
       const SightedPoint s = sighted(k);
       if (distance_to(rough, s).value_m < band(rough, s, config_.cylinders.tube_radii)) tube.push_back(k);
     }
-    // faces of which most lies elsewhere are of something else
     count_faces(tube);
-    std::erase_if(tube, [&](std::uint32_t k) {
-      const std::int16_t f = image_.label[k];
-      if (f < 0) return false;
-      const auto face = static_cast<std::size_t>(f);
-      return count_[face] < config_.cylinders.min_face_fraction * faces_[face].moments.n;
-    });
+    if (strips_only)
+      std::erase_if(tube, [&](std::uint32_t k) {
+        const std::int16_t f = image_.label[k];
+        if (f < 0) return false;
+        const auto face = static_cast<std::size_t>(f);
+        return count_[face] < config_.cylinders.min_face_fraction * faces_[face].moments.n;
+      });
     std::vector<std::int32_t> before;
     for (const std::uint32_t k : tube) before.push_back(parts_.number(k));
     parts_.open(tube);
@@ -315,7 +348,9 @@ class Search {
     return c;
   }
 
-  // strips of the mantle that seemed too wide for one, or that ragged rims and shadows have bent away
+  // Strips of the mantle that seemed too wide for one, or that ragged rims and shadows have bent away, are
+  // free. The side of a block that a pipe lies on may go on, in one plane, on the pipe: what of such a face
+  // lies on the mantle is the cylinder's.
   void free_faces_on(const Cylinder& c) {
     constexpr std::size_t kStep = 5;  // a fraction is as well known from every fifth pixel
     std::vector<int> near(faces_.size(), 0), all(faces_.size(), 0);
@@ -324,20 +359,30 @@ class Search {
       if (image_.label[k] < 0) continue;
       const auto f = static_cast<std::size_t>(image_.label[k]);
       ++all[f];
-      const SightedPoint s = sighted(k);
-      if (std::abs(c.axis.dot(s.p - c.center)) > 0.5 * c.length + config_.tolerance_m) continue;
-      const MantleDistance d = distance_to(c, s);
-      near[f] += std::abs(d.value_m) < config_.cylinders.near_sigma * d.sigma_m + config_.tolerance_m;
+      near[f] += lies_on(c, sighted(k), config_.cylinders.near_sigma);
     }
-    std::vector<bool> gone(faces_.size());
-    for (std::size_t f = 0; f < gone.size(); ++f)
-      gone[f] =
-          near[f] > config_.cylinders.min_near_fraction * all[f] &&
-          std::abs(image_.geometry.to_W(faces_[f].plane).normal.dot(c.axis)) < config_.cylinders.end_cosine;
-    if (std::find(gone.begin(), gone.end(), true) == gone.end()) return;
-    for (const std::uint32_t k : image_.pixels)
-      if (image_.label[k] >= 0 && gone[static_cast<std::size_t>(image_.label[k])])
+    std::vector<bool> gone(faces_.size()), shared(faces_.size());
+    for (std::size_t f = 0; f < gone.size(); ++f) {
+      if (std::abs(image_.geometry.to_W(faces_[f].plane).normal.dot(c.axis)) >= config_.cylinders.end_cosine)
+        continue;
+      gone[f] = near[f] > config_.cylinders.min_near_fraction * all[f];
+      shared[f] = near[f] > config_.cylinders.min_shared_fraction * all[f];
+    }
+    if (std::find(shared.begin(), shared.end(), true) == shared.end()) return;
+    for (const std::uint32_t k : image_.pixels) {
+      if (image_.label[k] < 0) continue;
+      const auto f = static_cast<std::size_t>(image_.label[k]);
+      if (gone[f])
         image_.label[k] = ObjectImage::kFree;
+      else if (shared[f] && lies_on(c, sighted(k), config_.cylinders.inlier_sigma))
+        image_.label[k] = ObjectImage::kCylinder;
+    }
+  }
+
+  [[nodiscard]] bool lies_on(const Cylinder& c, const SightedPoint& s, double sigmas) const {
+    if (std::abs(c.axis.dot(s.p - c.center)) > 0.5 * c.length + config_.tolerance_m) return false;
+    const MantleDistance d = distance_to(c, s);
+    return std::abs(d.value_m) < sigmas * d.sigma_m + config_.tolerance_m;
   }
 
   void drop_remains() {

@@ -90,11 +90,13 @@ struct CylinderSearchConfig {
   double min_length_radii = 1.0;
   double same_axis_cosine = 0.999;
   int max_strips = 4;
+  double min_strip_ratio = 12.0;
   double tube_radii = 0.15;
   double min_face_fraction = 0.5;
   double max_open_rim = 0.6;  ///< 0.1 for a pipe on blocks, near 1 for the edge of a box.
   double near_sigma = 6.0;
   double min_near_fraction = 0.7;
+  double min_shared_fraction = 0.15;
   double min_rest_fraction = 0.6;
   double strip_sag_sigma = 3.0;
   int quick_points = 100;
@@ -119,6 +121,8 @@ struct CylinderSearchConfig {
     v("same_axis_cosine", same_axis_cosine, hal::kFraction, "Min cosine between two axes that count as one.");
     v("max_strips", max_strips, hal::Range{0, 100},
       "Max number of strips of a part that suggest a cylinder.");
+    v("min_strip_ratio", min_strip_ratio, hal::Range{1, 1000},
+      "Min length of a strip that suggests a cylinder alone, in its widths.");
     v("tube_radii", tube_radii, hal::Range{0, 10},
       "Distance beside the mantle of a suggested cylinder within which pixels are tried with it, in radii.");
     v("min_face_fraction", min_face_fraction, hal::kFraction,
@@ -129,6 +133,9 @@ struct CylinderSearchConfig {
       "Max distance from a found cylinder of the pixels of faces that it replaces, in standard deviations.");
     v("min_near_fraction", min_near_fraction, hal::kFraction,
       "Min fraction of such a face that lies so near.");
+    v("min_shared_fraction", min_shared_fraction, hal::kFraction,
+      "Min fraction of a face that lies so near for the pixels of the face on the cylinder to be the "
+      "cylinder's.");
     v("min_rest_fraction", min_rest_fraction, hal::kFraction,
       "Min fraction of its pixels that a face keeps beside a cylinder; below, the face is dropped.");
     v("strip_sag_sigma", strip_sag_sigma, hal::Range{0.1, 100},

@@ -69,7 +69,8 @@ const OnBlocks kOnBlocks[] = {
     {0.030, 0.9, -35, 0.15, 15, 0.02, {1.1, 0.6, 1.0}}, {0.060, 1.3, 80, 0.30, -20, -0.03, {-1.5, 0.3, 1.2}},
     {0.050, 1.0, 140, 0.20, 5, 0.00, {0.6, 1.4, 0.9}},  {0.070, 1.1, 45, 0.12, 0, 0.04, {1.2, -0.9, 1.0}}};
 
-View view_of(const OnBlocks& c, bool square, std::uint64_t draw) {
+View view_of(const OnBlocks& c, bool square, std::uint64_t draw, const Vec3& block = {0.10, 0.22, 0.0},
+             int frames = 1) {
   const double yaw = c.yaw_deg * kDegrees, blocks = yaw + c.turned_deg * kDegrees;
   const Vec3 along(std::cos(yaw), std::sin(yaw), 0), across(-along.y(), along.x(), 0);
   const Vec3 center(0, 0, c.height + c.radius);
@@ -78,10 +79,10 @@ View view_of(const OnBlocks& c, bool square, std::uint64_t draw) {
              : sim_hal::cylinder(center, along, c.radius, c.length, Label::Target)};
   for (const double side : {-1.0, 1.0}) {
     const Vec3 foot = side * 0.25 * c.length * along + c.aside * across;
-    shapes.push_back(
-        sim_hal::box(foot + Vec3(0, 0, 0.5 * c.height), {0.10, 0.22, c.height}, blocks, Label::Target));
+    shapes.push_back(sim_hal::box(foot + Vec3(0, 0, 0.5 * c.height), {block.x(), block.y(), c.height}, blocks,
+                                  Label::Target));
   }
-  return View(scene_of(shapes, c.eye, {0, 0, c.height}), draw);
+  return View(scene_of(shapes, c.eye, {0, 0, c.height}), draw, frames);
 }
 
 }  // namespace
@@ -114,6 +115,23 @@ TEST_CASE("a pipe on two blocks is found though the blocks are part of the objec
   CHECK(quantile(radius, 0.5) <= 0.002);
   CHECK(quantile(length, 0.95) < 0.02);
   CHECK(quantile(axis, 0.95) < 1.0);
+}
+
+TEST_CASE("a pipe is found though the sides of its blocks go on, in one plane, on the pipe",
+          "[surfaces][cylinder]") {
+  const OnBlocks kAsWide[] = {{0.044, 1.3, 8, 0.31, 0, 0.00, {1.0, -1.4, 1.56}},
+                              {0.035, 1.0, -13, 0.22, 0, 0.00, {1.0, -1.4, 1.47}},
+                              {0.040, 1.2, 40, 0.25, 0, 0.00, {-0.8, 1.3, 1.4}}};
+  for (const OnBlocks& c : kAsWide)
+    for (const int frames : {1, 15})
+      for (std::uint64_t draw = 1; draw <= 5; ++draw) {
+        INFO("radius " << c.radius << " draw " << draw << " frames " << frames);
+        const auto surfaces = view_of(c, false, draw, {0.05, 0.08, 0.0}, frames).surfaces();
+        REQUIRE(cylinders_of(surfaces).size() == 1);
+        CHECK(std::abs(cylinders_of(surfaces)[0].radius - c.radius) < 0.008);
+        for (const Rectangle& r : rectangles_of(surfaces)) CHECK(r.center.z() < c.height + 0.5 * c.radius);
+        CHECK(cylinders_of(view_of(c, true, draw, {0.05, 0.08, 0.0}, frames).surfaces()).empty());
+      }
 }
 
 TEST_CASE("far and thin pipes are not seen thinner than they are", "[surfaces][cylinder]") {
