@@ -117,7 +117,10 @@ class Search {
     const bool alone = strips.size() == 1;
     if (alone && !is_long(faces_[strips.front()])) return;
     Part wider;
-    if (alone) wider = beside(part, strips.front());
+    if (alone) {
+      const double q = faces_[strips.front()].inverse_depth();
+      wider = parts_.around(part, static_cast<int>(widest_strip(image_, q, config_) / image_.pixel_m(q)));
+    }
     const Part& area = alone ? wider : part;
     const std::vector<SightedPoint> points = sample(area, max_points_);
     for (const std::size_t f : strips) {
@@ -140,26 +143,6 @@ class Search {
   [[nodiscard]] bool is_long(const Face& face) const {
     const FaceExtent extent = extent_of(face, image_.geometry);
     return extent.wide_m > config_.cylinders.min_strip_ratio * extent.narrow_m;
-  }
-
-  /// What no cylinder has in the part's bounding box in the image, grown by the width of the widest strip.
-  [[nodiscard]] Part beside(const Part& part, std::size_t face) const {
-    const double q = faces_[face].inverse_depth();
-    const int margin = static_cast<int>(widest_strip(image_, q, config_) / image_.pixel_m(q));
-    int left = image_.width, right = 0, top = std::numeric_limits<int>::max(), bottom = 0;
-    for (const std::uint32_t k : part) {
-      const int u = static_cast<int>(image_.column(k)), v = static_cast<int>(image_.row(k));
-      left = std::min(left, u), right = std::max(right, u), top = std::min(top, v),
-      bottom = std::max(bottom, v);
-    }
-    Part area;
-    for (const std::uint32_t k : image_.pixels) {
-      const int u = static_cast<int>(image_.column(k)), v = static_cast<int>(image_.row(k));
-      if (image_.label[k] != ObjectImage::kCylinder && u >= left - margin && u <= right + margin &&
-          v >= top - margin && v <= bottom + margin)
-        area.push_back(k);
-    }
-    return area;
   }
 
   [[nodiscard]] std::vector<std::size_t> largest_faces(const Part& part) {
@@ -310,8 +293,7 @@ class Search {
     std::fill(high, high + kBins, -std::numeric_limits<double>::infinity());
     for (const std::uint32_t k : part) {
       const SightedPoint s = sighted(k);
-      const MantleDistance d = distance_to(c, s);
-      if (std::abs(d.value_m) > config_.cylinders.inlier_sigma * d.sigma_m + config_.tolerance_m) continue;
+      if (!on_mantle(c, s, config_.cylinders.inlier_sigma)) continue;
       mine.push_back(k);
       const Vec3 p = s.p - c.center;
       const int bin = std::clamp(static_cast<int>(turn(e1.dot(p), e2.dot(p)) * kBins), 0, kBins - 1);
@@ -379,10 +361,15 @@ class Search {
     }
   }
 
-  [[nodiscard]] bool lies_on(const Cylinder& c, const SightedPoint& s, double sigmas) const {
-    if (std::abs(c.axis.dot(s.p - c.center)) > 0.5 * c.length + config_.tolerance_m) return false;
+  /// On a cylinder of any length.
+  [[nodiscard]] bool on_mantle(const Cylinder& c, const SightedPoint& s, double sigmas) const {
     const MantleDistance d = distance_to(c, s);
-    return std::abs(d.value_m) < sigmas * d.sigma_m + config_.tolerance_m;
+    return std::abs(d.value_m) <= sigmas * d.sigma_m + config_.tolerance_m;
+  }
+
+  [[nodiscard]] bool lies_on(const Cylinder& c, const SightedPoint& s, double sigmas) const {
+    return std::abs(c.axis.dot(s.p - c.center)) <= 0.5 * c.length + config_.tolerance_m &&
+           on_mantle(c, s, sigmas);
   }
 
   void drop_remains() {

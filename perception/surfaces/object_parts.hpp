@@ -35,13 +35,16 @@ class ObjectParts {
   /// All four neighbours are of the same part. Ragged rims carry the depth of a body to where it is not.
   [[nodiscard]] bool inner(std::uint32_t pixel) const;
 
+  /// Pixels of no cylinder in the part's bounding box in the image, grown by `margin` pixels on each side.
+  [[nodiscard]] Part around(const Part& part, int margin) const;
+
   /// How much of a part's rim, 0 to 1, is where the object goes on without a jump of depth.
   [[nodiscard]] double open_rim(const Part& part) const;
 
  private:
   static constexpr std::int32_t kOpen = -1;
 
-  [[nodiscard]] std::array<std::uint32_t, 4> around(std::uint32_t k) const {
+  [[nodiscard]] std::array<std::uint32_t, 4> neighbours(std::uint32_t k) const {
     const auto w = static_cast<std::uint32_t>(image_.width);
     return {k - 1, k + 1, k - w, k + w};
   }
