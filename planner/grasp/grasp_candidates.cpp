@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "planner/grasp/body_depth.hpp"
+
 namespace colift::planner {
 namespace {
 
@@ -13,7 +15,7 @@ using perception::Cylinder;
 using perception::Rectangle;
 using perception::Scene;
 
-GraspCandidate on_line(const GraspLine& line, const Vec3& position) {
+GraspCandidate on_line(const GraspLine& line, const Vec3& position, const HandModel& hand) {
   GraspCandidate c;
   c.kind = line.kind;
   c.position = position;
@@ -22,6 +24,8 @@ GraspCandidate on_line(const GraspLine& line, const Vec3& position) {
   c.width = line.width;
   c.surface = line.surface;
   c.reason = line.note;
+  // a body that ends before the pads is taken in its middle: the fingers would close behind it
+  if (line.depth) c.gap_m = contact_at_width(hand, c.width).height_m - 0.5 * *line.depth;
   return c;
 }
 
@@ -37,6 +41,22 @@ bool repeats_ega5(const GraspCandidate& edge, const std::vector<GraspCandidate>&
     return c.kind == GraspKind::Ega5 && c.verdict != Verdict::TooWide &&
            c.approach.dot(edge.approach) > same_cosine && (c.position - edge.position).norm() <= reach;
   });
+}
+
+constexpr double kSamePlace_m = 0.002;
+
+/// Whether the list has the same grasp nearer than `nearer_m`.
+bool is_known(const std::vector<GraspCandidate>& list, const GraspCandidate& c, double nearer_m) {
+  return std::any_of(list.begin(), list.end(), [&](const GraspCandidate& other) {
+    return other.verdict != Verdict::TooWide && (other.position - c.position).norm() < nearer_m &&
+           other.approach.dot(c.approach) > 0.999 && std::abs(other.closing.dot(c.closing)) > 0.999;
+  });
+}
+
+int next_id_after(const std::vector<GraspCandidate>& existing) {
+  int next = 0;
+  for (const GraspCandidate& c : existing) next = std::max(next, c.id + 1);
+  return next;
 }
 
 /// One record for every surface that the hand cannot span, so that nobody wonders where its grasps are.
@@ -76,6 +96,8 @@ CandidateConfig thesis_candidates() {
   config.edges = false;
   config.wraps = false;
   config.pads_bear = false;
+  config.measure_depth = false;
+  config.min_in_reach = 0;
   config.collision.refuse_unseen = false;
   config.collision.obstacles.surroundings = false;
   config.stability.enabled = false;
@@ -96,6 +118,13 @@ CandidateFinder::CandidateFinder(const Scene& scene, const perception::Organised
   obstacles_ = gather_obstacles(scene, cloud, c.obstacles);
 
   lines_ = ega5_lines(scene, hand_, config_);
+  if (config_.measure_depth && seen_) {
+    for (GraspLine& line : lines_) {
+      const double pads_m = contact_at_width(hand_, line.width).height_m - hand_.palm_gap_m;
+      const auto depth = body_depth(line, obstacles_, *seen_, pads_m);
+      if (depth && *depth < pads_m - 0.5 * hand_.pad_height_m) line.depth = depth;
+    }
+  }
   if (config_.edges && seen_) {
     for (auto& line : edge_lines(scene, *seen_, solids_, obstacles_, hand_, config_))
       lines_.push_back(std::move(line));
@@ -123,7 +152,7 @@ std::vector<GraspCandidate> CandidateFinder::find() const {
     const int spans = static_cast<int>(std::ceil(line.length() / config_.step_m - 1e-9));
     for (int i = 0; i <= spans; ++i) {
       const double f = spans == 0 ? 0.5 : static_cast<double>(i) / spans;
-      GraspCandidate c = on_line(line, line.from + f * (line.to - line.from));
+      GraspCandidate c = on_line(line, line.from + f * (line.to - line.from), hand_);
       if (c.kind == GraspKind::Edge &&
           repeats_ega5(c, found, 0.5 * config_.step_m, config_.same_approach_cosine))
         continue;
@@ -134,6 +163,30 @@ std::vector<GraspCandidate> CandidateFinder::find() const {
   }
   list_too_wide();
   for (std::size_t i = 0; i < found.size(); ++i) found[i].id = static_cast<int>(i);
+  return found;
+}
+
+std::vector<GraspCandidate> CandidateFinder::between(double step_m,
+                                                     const std::vector<GraspCandidate>& existing) const {
+  std::vector<GraspCandidate> found;
+  int next_id = next_id_after(existing);
+  std::vector<GraspLine> lines = lines_;
+  for (GraspLine& line : bar_lines(lines_, up_, config_.max_bar_m)) lines.push_back(std::move(line));
+  for (const GraspLine& line : lines) {
+    const int spans = static_cast<int>(std::ceil(line.length() / step_m - 1e-9));
+    for (int i = 0; i <= spans; ++i) {
+      const double f = spans == 0 ? 0.5 : static_cast<double>(i) / spans;
+      GraspCandidate c = on_line(line, line.from + f * (line.to - line.from), hand_);
+      if (is_known(existing, c, 0.5 * step_m) || is_known(found, c, 0.5 * step_m)) continue;
+      if (c.kind == GraspKind::Edge &&
+          repeats_ega5(c, existing, 0.5 * config_.step_m, config_.same_approach_cosine))
+        continue;
+      judge(c);
+      if (config_.pads_bear) c.depth_m = pad_depth(c, hand_);
+      c.id = next_id++;
+      found.push_back(std::move(c));
+    }
+  }
   return found;
 }
 
@@ -156,15 +209,8 @@ std::vector<GraspCandidate> CandidateFinder::near(const Vec3& point,
     feet.resize(static_cast<std::size_t>(config_.refine_lines));
   }
 
-  int next_id = 0;
-  for (const GraspCandidate& c : existing) next_id = std::max(next_id, c.id + 1);
+  int next_id = next_id_after(existing);
   std::vector<GraspCandidate> found;
-  const auto is_known = [](const std::vector<GraspCandidate>& list, const GraspCandidate& c) {
-    return std::any_of(list.begin(), list.end(), [&](const GraspCandidate& other) {
-      return other.verdict != Verdict::TooWide && (other.position - c.position).norm() < 0.002 &&
-             other.approach.dot(c.approach) > 0.999 && std::abs(other.closing.dot(c.closing)) > 0.999;
-    });
-  };
   const auto add = [&](GraspCandidate c) {
     judge(c);
     if (config_.pads_bear) c.depth_m = pad_depth(c, hand_);
@@ -172,13 +218,13 @@ std::vector<GraspCandidate> CandidateFinder::near(const Vec3& point,
     found.push_back(std::move(c));
   };
   for (const Foot& foot : feet) {
-    GraspCandidate c = on_line(lines_[foot.line], foot.position);
+    GraspCandidate c = on_line(lines_[foot.line], foot.position, hand_);
     if (c.kind == GraspKind::Edge &&
         (repeats_ega5(c, existing, 0.5 * config_.step_m, config_.same_approach_cosine) ||
          repeats_ega5(c, found, 0.5 * config_.step_m, config_.same_approach_cosine))) {
       continue;
     }
-    const bool known = is_known(existing, c) || is_known(found, c);
+    const bool known = is_known(existing, c, kSamePlace_m) || is_known(found, c, kSamePlace_m);
     // the hand usually reaches far behind the face; where the load is wanted nearer, it stays farther out
     const double depth = pad_depth(c, hand_);
     const double wanted = std::max((point - c.position).dot(c.approach), config_.min_hold_depth_m);
@@ -186,7 +232,8 @@ std::vector<GraspCandidate> CandidateFinder::near(const Vec3& point,
       GraspCandidate shallow = c;
       shallow.gap_m = hand_.gap(c) + depth - wanted;
       const bool had = std::any_of(existing.begin(), existing.end(), [&](const GraspCandidate& other) {
-        return other.gap_m && std::abs(*other.gap_m - *shallow.gap_m) < 0.002 && is_known({other}, c);
+        return other.gap_m && std::abs(*other.gap_m - *shallow.gap_m) < 0.002 &&
+               is_known({other}, c, kSamePlace_m);
       });
       if (!had) add(std::move(shallow));
     }

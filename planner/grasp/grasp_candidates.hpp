@@ -47,6 +47,9 @@ struct CandidateConfig {
   double min_width_m = 0.004;
   double min_length_m = 0.015;
   bool pads_bear = true;
+  bool measure_depth = true;
+  double max_bar_m = 0.06;
+  int min_in_reach = 5;
   bool edges = true;
   double side_clearance_m = 0.0;
   double assumed_thickness_m = 0.03;
@@ -78,6 +81,13 @@ struct CandidateConfig {
     v("min_length_m", min_length_m, hal::Range{0, 1}, "Min length of a surface that is grasped (m).");
     v("pads_bear", pads_bear,
       "Whether the load acts where the pads press, behind the face; the thesis takes the face itself.");
+    v("measure_depth", measure_depth,
+      "Whether the palm stays farther from a bar, leg or handle behind which the pads would press.");
+    v("max_bar_m", max_bar_m, hal::Range{0, 0.2},
+      "Max thickness of a bar that is grasped from sides that were not seen as faces (m).");
+    v("min_in_reach", min_in_reach, hal::Range{0, 1000},
+      "Number of grasps within the arm's reach below which more are searched: other sides of bars, smaller "
+      "steps; 0: never.");
     v("edges", edges, "Whether rims of plates are grasped.");
     v("side_clearance_m", side_clearance_m, hal::Range{0, 0.2},
       "Distance to both sides along a rim within which the hand must not meet the object either: of a leg "
@@ -142,6 +152,11 @@ class CandidateFinder {
   /// already (within 2 mm, with the same approach and closing axis); ids go on after the last of `existing`.
   [[nodiscard]] std::vector<GraspCandidate> near(const Vec3& point,
                                                  const std::vector<GraspCandidate>& existing) const;
+
+  /// Candidates at this step on all lines and on the other sides of bars, without those that `existing` holds
+  /// within half a step. Judged like the others; ids go on after the last of `existing`.
+  [[nodiscard]] std::vector<GraspCandidate> between(double step_m,
+                                                    const std::vector<GraspCandidate>& existing) const;
 
   /// The same grasp taken at an angle to the face: the hand turned by `angle_rad` about its closing axis, so
   /// that the pads stay parallel to what they hold, and the palm as much farther away as its corner needs.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct GraspLine {
   Vec3 approach = Vec3::UnitZ();
   Vec3 closing = Vec3::UnitY();
   double width = 0.0;
+  /// How far the body goes on behind the face, where the pads would press behind it (m).
+  std::optional<double> depth{};
   std::string note;  ///< What had to be assumed; empty otherwise.
 
   [[nodiscard]] double length() const { return (to - from).norm(); }

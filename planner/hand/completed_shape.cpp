@@ -8,6 +8,8 @@ namespace {
 
 using perception::Rectangle;
 
+constexpr double kMinBoard_m = 0.1;  // wide and below the plate: rungs are thinner
+
 /// Whether the camera looked through more than a part of a box.
 bool is_free(const hal::OrientedBox& box, const SeenSpace& seen, double max_free, int n) {
   const double most = max_free * (n * n * n);
@@ -22,6 +24,21 @@ bool is_free(const hal::OrientedBox& box, const SeenSpace& seen, double max_free
     }
   }
   return false;
+}
+
+/// Whether a narrow face below a plate carries boards under it, as the side of a shelf does and no leg.
+bool carries_boards(const Rectangle& face, const Rectangle& plate, const perception::Scene& scene,
+                    double tolerance_m, const SolidConfig& config) {
+  const Vec3& up = plate.normal;
+  return std::any_of(scene.surfaces.begin(), scene.surfaces.end(), [&](const perception::Surface& s) {
+    const auto* board = std::get_if<Rectangle>(&s);
+    if (board == nullptr || std::abs(board->normal.dot(up)) < config.perpendicular_cosine) return false;
+    if (board->size.minCoeff() < kMinBoard_m) return false;
+    const double level = up.dot(board->center);
+    if (level > up.dot(plate.center) - kMinBoard_m) return false;
+    const Vec3 at_board = face.center + (level - up.dot(face.center)) * up;
+    return distance_to(*board, at_board) < 2.0 * tolerance_m;
+  });
 }
 
 }  // namespace
@@ -82,11 +99,13 @@ CompletedSolids complete_solids(const perception::Scene& scene, const SeenSpace*
         const Extent ea = extent_of(*a, along), eb = extent_of(*b, along);
         const double low = std::max(ea.low, eb.low), high = std::min(ea.high, eb.high);
         Extent in_n{extent_of(*b, n).low, n.dot(a->center)}, in_m{extent_of(*a, m).low, m.dot(b->center)};
-        // a leg is about as thick as it is wide
-        if (seen != nullptr && is_leg_face(*b, *a, *seen, config.leg))
-          in_m.low = std::max(in_m.low, in_m.high - eb.length());
-        if (seen != nullptr && is_leg_face(*a, *b, *seen, config.leg))
-          in_n.low = std::max(in_n.low, in_n.high - ea.length());
+        // a leg is about as thick as it is wide; the side of a shelf is as deep as its boards
+        const auto is_leg = [&](const Rectangle& face, const Rectangle& plate) {
+          return seen != nullptr && is_leg_face(face, plate, *seen, config.leg) &&
+                 !carries_boards(face, plate, scene, tolerance_m, config);
+        };
+        if (is_leg(*b, *a)) in_m.low = std::max(in_m.low, in_m.high - eb.length());
+        if (is_leg(*a, *b)) in_n.low = std::max(in_n.low, in_n.high - ea.length());
         const Vec3 size(high - low, in_m.high - in_m.low, in_n.high - in_n.low);
         if (size.minCoeff() <= 0.0) continue;
         CompletedSolid solid{static_cast<int>(i), static_cast<int>(j), {}};

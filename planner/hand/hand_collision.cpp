@@ -12,6 +12,8 @@ namespace {
 /// Of a bucket, with what single precision may add.
 constexpr double kBall = Obstacles::kCellRadius + 2e-5;
 
+constexpr double kThinPanel = 0.3;  // of a completed solid's least thickness
+
 /// The grasped feature, in H.
 bool in_feature(const HandPlacement& placement, double y, double z) {
   return std::abs(y) <= 0.5 * placement.width_m + placement.margin_m &&
@@ -265,7 +267,10 @@ std::optional<Collision> HandCollision::check_unseen(const HandPlacement& placem
       reach_m = std::max(reach_m, static_cast<double>(z) - placement.gap_m);
       for (const CompletedSolid& solid : solids) {
         const double depth = depth_inside(solid.box, p_W);
-        if (depth > placement.margin_m + placement.ragged_m) filled_m = std::max(filled_m, depth);
+        // of a panel thinner than these allowances, its middle
+        const double allowed =
+            std::min(placement.margin_m + placement.ragged_m, kThinPanel * solid.box.size.minCoeff());
+        if (depth > allowed) filled_m = std::max(filled_m, depth);
       }
     }
     const std::string& name = sweep_.part_name(static_cast<int>(i));

@@ -64,13 +64,13 @@ Scenario random_scenario(RandomKind kind, std::uint64_t seed) {
   return s;
 }
 
-void draw_camera(Scenario& s, Draws& draws) {
+void draw_camera(Scenario& s, Draws& draws, double least_m, double most_m) {
   const Vec3 middle(s.object.xyz.x(), s.object.xyz.y(), 0.6 * s.object.size[2]);
   constexpr int kAttempts = 50;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const double side = draws.chance(0.5) ? -1.0 : 1.0;
-    s.camera.xyz =
-        middle + Vec3(draws.between(0.4, 1.1), side * draws.between(1.2, 1.6), draws.between(0.9, 1.3));
+    s.camera.xyz = middle + Vec3(draws.between(least_m, most_m), side * draws.between(1.2, 1.6),
+                                 draws.between(0.9, 1.3));
     s.camera.look_at = middle + Vec3(draws.between(-0.1, 0.05), draws.between(-0.05, 0.05), 0.0);
     if (in_view(s)) break;
   }

@@ -15,7 +15,8 @@ enum class RandomKind { Table, Box };
 [[nodiscard]] Scenario random_scenario(RandomKind kind, std::uint64_t seed);
 
 /// Puts the camera beside the object, so that neither the arm nor the person hides it, with all of it and
-/// room for a hand at the partner's grasp in view. For objects whose size is three lengths.
-void draw_camera(Scenario& scenario, Draws& draws);
+/// room for a hand at the partner's grasp in view: between `least_m` and `most_m` beyond its middle. For
+/// objects whose size is three lengths.
+void draw_camera(Scenario& scenario, Draws& draws, double least_m = 0.4, double most_m = 1.1);
 
 }  // namespace colift::sim_hal

@@ -15,7 +15,8 @@ const std::vector<Experiment>& all_experiments() {
       tasks_experiment(),       agents_experiment(),    let_go_experiment(),      people_experiment(),
       false_stops_experiment(), fingers_experiment(),   faults_experiment(),      stalls_experiment(),
       share_experiment(),       mass_experiment(),      lift_alone_experiment(),  rooms_experiment(),
-      imperfect_experiment(),   impedance_experiment(), certificate_experiment(), views_experiment()};
+      imperfect_experiment(),   impedance_experiment(), certificate_experiment(), views_experiment(),
+      furniture_experiment()};
   return all;
 }
 

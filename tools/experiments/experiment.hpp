@@ -120,5 +120,6 @@ struct Experiment {
 [[nodiscard]] Experiment impedance_experiment();
 [[nodiscard]] Experiment certificate_experiment();
 [[nodiscard]] Experiment views_experiment();
+[[nodiscard]] Experiment furniture_experiment();
 
 }  // namespace colift::experiments

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "perception/target/regions/thickness.hpp"
+
 namespace colift::perception {
 namespace {
 
@@ -37,6 +39,7 @@ std::optional<LimbShape> find_limb(const OrganisedCloud& cloud, const Components
   if (s.median_per_m < enough * c.min_curvature_per_m || s.median_per_m > c.max_curvature_per_m)
     return std::nullopt;
   if (s.median_per_m - 2 * s.sigma_per_m < enough * c.sure_curvature_per_m) return std::nullopt;
+  if (median_thickness(cloud, components, object) < c.min_thickness_m) return std::nullopt;
   return LimbShape{1.0 / s.median_per_m, extent.length_m};
 }
 

@@ -22,6 +22,7 @@ struct LimbShapeConfig {
   double min_length_m = 0.25;
   double max_pipe_slimness = 0.45;
   double max_pipe_upward = 0.3;
+  double min_thickness_m = 0.05;
   CurvatureConfig curvature;
 
   template <class Visitor>
@@ -43,6 +44,8 @@ struct LimbShapeConfig {
       "Max ratio of width to length of a round object that is a pipe ...");
     v("max_pipe_upward", max_pipe_upward, hal::kFraction,
       "... and max upward part of its direction: a pipe lies, or leans a little.");
+    v("min_thickness_m", min_thickness_m, hal::kNotNegative,
+      "Min median thickness of its parts across the view (m): a frame of tubes is thinner than a wrist.");
     v("curvature", curvature, "How the curvature of a surface is measured.");
   }
 };

@@ -325,6 +325,18 @@ std::vector<std::uint8_t> own_regions(const Fragment& object, const Components& 
   return own;
 }
 
+std::vector<std::uint8_t> own_pixels(const OrganisedCloud& cloud, const Components& components,
+                                     const Fragment& object) {
+  const std::vector<std::uint8_t> region = own_regions(object, components);
+  std::vector<std::uint8_t> own(cloud.size(), 0);
+  for (const Components::Run& run : components.runs) {
+    if (!region[static_cast<std::size_t>(run.label)]) continue;
+    const auto row = own.begin() + static_cast<std::ptrdiff_t>(run.row) * cloud.width();
+    std::fill(row + run.first, row + run.last + 1, std::uint8_t{1});
+  }
+  return own;
+}
+
 std::vector<Fragment> join_fragments(std::vector<Fragment> fragments, const OrganisedCloud& cloud,
                                      const Components& components, const NoiseModel& noise,
                                      const FragmentConfig& config) {

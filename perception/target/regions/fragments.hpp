@@ -69,6 +69,10 @@ struct Fragment {
 /// For each region of the Components, whether the fragment consists of it: 1 or 0.
 [[nodiscard]] std::vector<std::uint8_t> own_regions(const Fragment& object, const Components& components);
 
+/// 1 for each pixel of the image that belongs to the object, else 0.
+[[nodiscard]] std::vector<std::uint8_t> own_pixels(const OrganisedCloud& cloud, const Components& components,
+                                                   const Fragment& object);
+
 /// How far a fragment reaches over the ground: diagonal of its footprint's bounding box (m).
 [[nodiscard]] double footprint_span(const Fragment& fragment);
 

@@ -88,18 +88,6 @@ class ObjectSurface {
   double max_residual_;
 };
 
-std::vector<std::uint8_t> own_pixels(const OrganisedCloud& cloud, const Components& components,
-                                     const Fragment& object) {
-  const std::vector<std::uint8_t> region = own_regions(object, components);
-  std::vector<std::uint8_t> own(cloud.size(), 0);
-  for (const Components::Run& run : components.runs) {
-    if (!region[static_cast<std::size_t>(run.label)]) continue;
-    const auto row = own.begin() + static_cast<std::ptrdiff_t>(run.row) * cloud.width();
-    std::fill(row + run.first, row + run.last + 1, std::uint8_t{1});
-  }
-  return own;
-}
-
 }  // namespace
 
 SurfaceCurvature surface_curvature(const OrganisedCloud& cloud, const Components& components,

@@ -108,6 +108,20 @@ TEST_CASE("a leg, a trunk and a bent knee are parts of a person, a pipe, a drum 
   SECTION("a can") {
     CHECK_FALSE(Seen({upright(0.035, 0.15)}, seed).limb());
   }
+  SECTION("a frame of tubes") {
+    const Vec3 rear{1.2, -0.4, 0.3}, front{1.2, 0.4, 0.3}, crank{1.2, -0.05, 0.25}, seat{1.2, -0.2, 0.7},
+        head{1.2, 0.3, 0.7};
+    std::vector<Shape> tubes;
+    for (const auto& [from, to] : {std::pair{seat, head},
+                                   {crank, head},
+                                   {crank, seat},
+                                   {rear, seat},
+                                   {rear, crank},
+                                   {front, head},
+                                   {rear, Vec3(1.2, -0.4, 0.0)}})
+      tubes.push_back(capsule_of(from, to, 0.017));
+    CHECK_FALSE(Seen(tubes, seed).limb());
+  }
   SECTION("a carton") {
     CHECK_FALSE(Seen({box({1.2, 0, 0.2}, {0.3, 0.4, 0.4}, 0.5, Label::Target)}, seed).limb());
   }

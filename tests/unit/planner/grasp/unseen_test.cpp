@@ -141,3 +141,26 @@ TEST_CASE("sight tells free, surface, hidden and unknown apart", "[unseen]") {
   CHECK(at(500, 1.7) == planner::Sight::Free);
   CHECK(seen.at({0, 0, -1.0}) == planner::Sight::Unknown);
 }
+
+TEST_CASE("behind the edge of a panel there is the panel, however thin it is", "[unseen]") {
+  // a shelf of two sides and a top, open in front, seen from there; its side is seen by its edge alone
+  const Vec3 top(0, 0, 0.59), top_size(0.6, 0.3, 0.02), side(-0.31, 0, 0.3), side_size(0.02, 0.3, 0.6);
+  auto scene =
+      tests::scene_of({sim_hal::box(top, top_size, 0, kTarget), sim_hal::box(side, side_size, 0, kTarget),
+                       sim_hal::box({0.31, 0, 0.3}, side_size, 0, kTarget)},
+                      {-0.25, -1.5, 1.5}, {0, 0, 0.3});
+  tests::add_faces(scene, top + Vec3(-0.01, 0, 0), top_size + Vec3(0.02, 0, 0));
+  tests::add_faces(scene, side, side_size);
+  const auto seen = tests::see(scene, true);
+  const CandidateFinder finder(seen.scene, &seen.cloud, HandModel{}, {});
+  // over the top's short edge, where the side closes it below
+  planner::GraspCandidate c;
+  c.kind = GraspKind::Edge;
+  c.position = {-0.32, 0.0, 0.59};
+  c.approach = Vec3::UnitX();
+  c.closing = Vec3::UnitZ();
+  c.width = 0.02;
+  finder.judge(c);
+  INFO(c.reason);
+  CHECK(c.verdict == Verdict::Collision);
+}
