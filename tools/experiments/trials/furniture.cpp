@@ -234,7 +234,7 @@ struct Kind {
   double near_m, far_m;  // distance of its near end from the robot's axis
 };
 constexpr std::array<Kind, 8> kKinds{{{"stool", make_stool, 0.50, 0.65},
-                                      {"shelf", make_shelf, 0.40, 0.52},
+                                      {"shelf", make_shelf, 0.46, 0.58},
                                       {"ladder", make_ladder, 0.50, 0.65},
                                       {"crate", make_crate, 0.48, 0.62},
                                       {"suitcase", make_suitcase, 0.60, 0.72},
