@@ -29,6 +29,17 @@ GraspCandidate on_line(const GraspLine& line, const Vec3& position, const HandMo
   return c;
 }
 
+/// Calls f(candidate), not judged yet, at places no more than `step_m` apart along a line, both ends
+/// included.
+template <class F>
+void for_each_place(const GraspLine& line, double step_m, const HandModel& hand, F&& f) {
+  const int spans = static_cast<int>(std::ceil(line.length() / step_m - 1e-9));
+  for (int i = 0; i <= spans; ++i) {
+    const double along = spans == 0 ? 0.5 : static_cast<double>(i) / spans;
+    f(on_line(line, line.from + along * (line.to - line.from), hand));
+  }
+}
+
 /// How far behind the grasped face the pads press (m).
 double pad_depth(const GraspCandidate& c, const HandModel& hand) {
   return std::max(0.0, contact_at_width(hand, c.width).height_m - hand.gap(c));
@@ -149,17 +160,14 @@ std::vector<GraspCandidate> CandidateFinder::find() const {
   };
   for (const GraspLine& line : lines_) {
     if (line.kind != GraspKind::Ega5) list_too_wide();
-    const int spans = static_cast<int>(std::ceil(line.length() / config_.step_m - 1e-9));
-    for (int i = 0; i <= spans; ++i) {
-      const double f = spans == 0 ? 0.5 : static_cast<double>(i) / spans;
-      GraspCandidate c = on_line(line, line.from + f * (line.to - line.from), hand_);
+    for_each_place(line, config_.step_m, hand_, [&](GraspCandidate c) {
       if (c.kind == GraspKind::Edge &&
           repeats_ega5(c, found, 0.5 * config_.step_m, config_.same_approach_cosine))
-        continue;
+        return;
       judge(c);
       if (config_.pads_bear) c.depth_m = pad_depth(c, hand_);
       found.push_back(std::move(c));
-    }
+    });
   }
   list_too_wide();
   for (std::size_t i = 0; i < found.size(); ++i) found[i].id = static_cast<int>(i);
@@ -173,19 +181,16 @@ std::vector<GraspCandidate> CandidateFinder::between(double step_m,
   std::vector<GraspLine> lines = lines_;
   for (GraspLine& line : bar_lines(lines_, up_, config_.max_bar_m)) lines.push_back(std::move(line));
   for (const GraspLine& line : lines) {
-    const int spans = static_cast<int>(std::ceil(line.length() / step_m - 1e-9));
-    for (int i = 0; i <= spans; ++i) {
-      const double f = spans == 0 ? 0.5 : static_cast<double>(i) / spans;
-      GraspCandidate c = on_line(line, line.from + f * (line.to - line.from), hand_);
-      if (is_known(existing, c, 0.5 * step_m) || is_known(found, c, 0.5 * step_m)) continue;
+    for_each_place(line, step_m, hand_, [&](GraspCandidate c) {
+      if (is_known(existing, c, 0.5 * step_m) || is_known(found, c, 0.5 * step_m)) return;
       if (c.kind == GraspKind::Edge &&
           repeats_ega5(c, existing, 0.5 * config_.step_m, config_.same_approach_cosine))
-        continue;
+        return;
       judge(c);
       if (config_.pads_bear) c.depth_m = pad_depth(c, hand_);
       c.id = next_id++;
       found.push_back(std::move(c));
-    }
+    });
   }
   return found;
 }
