@@ -61,6 +61,7 @@ struct AttemptConfig {
   int max_approaches = 5;
   int max_grips = 2;
   double failed_grip_radius_m = 0.06;
+  double touched_radius_m = 0.15;
   double second_partner_timeout_s = 10.0;
   double object_moved_m = 0.004;
   double max_object_moved_m = 0.06;
@@ -75,6 +76,8 @@ struct AttemptConfig {
       "Max approaches after which a failed grip is tried elsewhere; each test lift allows one more.");
     v("failed_grip_radius_m", failed_grip_radius_m, hal::Range{0, 1},
       "No grasp is tried so near to a grip that failed (m).");
+    v("touched_radius_m", touched_radius_m, hal::Range{0, 1},
+      "No grasp is tried from the same side so near to one on whose way the open hand met something (m).");
     v("second_partner_timeout_s", second_partner_timeout_s, hal::Range{0.1, 3600},
       "Timeout for a partner who has grasped before; never more than task.partner_timeout_s (s).");
     v("object_moved_m", object_moved_m, hal::Range{0, 0.1},
@@ -90,6 +93,8 @@ struct EmptyHandConfig {
   double approach_timeout_margin_s = 5.0;
   double back_off_scale = 0.6;
   double return_timeout_s = 60.0;
+  double touch_clear_m = 0.15;
+  double max_touch_s = 1.0;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -99,6 +104,12 @@ struct EmptyHandConfig {
     v("back_off_scale", back_off_scale, hal::Range{0.05, 1},
       "Speed scale of the motion back along the approach.");
     v("return_timeout_s", return_timeout_s, hal::Range{1, 3600}, "Timeout of back-off and of retreat (s).");
+    v("touch_clear_m", touch_clear_m, hal::Range{0, 5},
+      "With everybody farther from the arm than that, what an open hand meets at the end of its approach is "
+      "the "
+      "object, and another grasp is tried (m).");
+    v("max_touch_s", max_touch_s, hal::Range{0, 10},
+      "Max time for which the force of such a contact lasts; 0: each contact ends the job (s).");
   }
 };
 
@@ -210,6 +221,7 @@ struct CarryConfig {
   double ground_tolerance_m = 0.002;
   double ground_load_n = 0.5;
   double standing_tolerance_m = 0.01;
+  double max_askew_deg = 6.0;
   double standing_load_n = 3.0;
   double standing_load_fraction = 0.1;
   double seek_m = 0.02;
@@ -246,6 +258,10 @@ struct CarryConfig {
     v("ground_load_n", ground_load_n, hal::Range{0, 50}, "... and the robot's load is not above this (N).");
     v("standing_tolerance_m", standing_tolerance_m, hal::Range{0, 0.05},
       "The object stands when both of its ends are seen this near to where they stood (m) ...");
+    v("max_askew_deg", max_askew_deg, hal::Range{0, 30},
+      "An object on which the ground was felt, and which is no farther up than this tilt makes it, stands on "
+      "an "
+      "edge: it is let go to settle on its feet (deg).");
     v("standing_load_n", standing_load_n, hal::Range{0, 50},
       "... and the hand carries less than this (N) ...");
     v("standing_load_fraction", standing_load_fraction, hal::kFraction,

@@ -50,9 +50,8 @@ void GraspSelector::apply_refusals(std::vector<planner::GraspCandidate>& candida
       if ((c.position - r.position).norm() < 1e-6 && c.approach.dot(r.approach) > 1.0 - 1e-9)
         c.verdict = planner::Verdict::Unreachable, c.reason = r.reason;
   for (auto& c : candidates)
-    for (const auto& f : failed_grips_)
-      if ((c.position - f.position).norm() < c_.config.task.attempts.failed_grip_radius_m)
-        c.verdict = planner::Verdict::Unstable, c.reason = f.why;
+    for (const FailedGrasp& f : failed_)
+      if (f.covers(c)) c.verdict = f.verdict, c.reason = f.why;
 }
 
 void GraspSelector::judge_reach(std::vector<planner::GraspCandidate>& candidates) {
@@ -222,7 +221,18 @@ void GraspSelector::refuse_path(const std::string& why) {
 }
 
 void GraspSelector::refuse_grip(const std::string& why) {
-  failed_grips_.push_back({c_.chosen().position, why});
+  failed_.push_back({c_.chosen().position, std::nullopt, c_.config.task.attempts.failed_grip_radius_m,
+                     planner::Verdict::Unstable, why});
+}
+
+void GraspSelector::refuse_approach(const std::string& why) {
+  failed_.push_back({c_.chosen().position, c_.chosen().approach, c_.config.task.attempts.touched_radius_m,
+                     planner::Verdict::Collision, why});
+}
+
+bool GraspSelector::FailedGrasp::covers(const planner::GraspCandidate& c) const {
+  constexpr double kSameSide = 0.8;  // cosine
+  return (c.position - position).norm() < radius_m && (!approach || approach->dot(c.approach) > kSameSide);
 }
 
 void GraspSelector::keep_bearable(double share, double tilt_rad) {
@@ -236,7 +246,10 @@ void GraspSelector::forget_bearable() {
 
 void GraspSelector::object_moved(const hal::Pose& X_Wnow_Wthen) {
   if (bearable_) planner::move(bearable_->grasp, X_Wnow_Wthen);
-  for (FailedGrip& f : failed_grips_) f.position = X_Wnow_Wthen * f.position;
+  for (FailedGrasp& f : failed_) {
+    f.position = X_Wnow_Wthen * f.position;
+    if (f.approach) f.approach = X_Wnow_Wthen.linear() * *f.approach;
+  }
 }
 
 }  // namespace colift::control

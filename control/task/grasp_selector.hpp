@@ -26,6 +26,9 @@ class GraspSelector {
   void refuse_path(const std::string& why);
   /// A grip at the chosen grasp failed: none is tried near it again in this job.
   void refuse_grip(const std::string& why);
+  /// On the way to the chosen grasp the hand met something that the camera does not see: none is tried near
+  /// it from the same side again in this job.
+  void refuse_approach(const std::string& why);
   /// A test lift at the chosen grasp hangs still, if not level: kept if it is the most level one so far.
   void keep_bearable(double share, double tilt_rad);
   void forget_bearable();
@@ -55,9 +58,14 @@ class GraspSelector {
   /// where that grasp is too far from the wanted share.
   [[nodiscard]] bool renew_share(const perception::PartnerGrasp& partner, const TestLift& known);
 
-  struct FailedGrip {
+  struct FailedGrasp {
     hal::Vec3 position;
+    std::optional<hal::Vec3> approach;  ///< Of no other side; unset: of none.
+    double radius_m;
+    planner::Verdict verdict;
     std::string why;
+
+    [[nodiscard]] bool covers(const planner::GraspCandidate& c) const;
   };
   struct Bearable {
     planner::GraspCandidate grasp;
@@ -67,7 +75,7 @@ class GraspSelector {
   TaskContext& c_;
   std::vector<planner::GraspCandidate> judged_;
   std::vector<planner::GraspCandidate> without_path_;  ///< In this decision.
-  std::vector<FailedGrip> failed_grips_;
+  std::vector<FailedGrasp> failed_;
   std::optional<Bearable> bearable_;
   bool accepts_bearable_ = false;
 };

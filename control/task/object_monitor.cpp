@@ -50,6 +50,16 @@ bool ObjectMonitor::seen_down() const {
          partner_rise_m_ < tolerance_m;
 }
 
+bool ObjectMonitor::seen_askew() const {
+  const CarryConfig& carry = c_.config.task.carry;
+  if (!motion_ || !(tilt_rad_ <= hal::deg_to_rad(carry.max_askew_deg))) return false;
+  const hal::OrientedBox& box = c_.session.analysis().scene.target->shape;
+  double half2_m2 = 0.0;
+  for (int i = 0; i < 3; ++i) half2_m2 += 0.25 * (box.size[i] * box.axes.col(i).head<2>()).squaredNorm();
+  const double most_m = carry.standing_tolerance_m + 2.0 * std::sqrt(half2_m2) * std::sin(tilt_rad_);
+  return motion_->rise(X_WH_grip_.translation(), hal::Vec3::UnitZ()) < most_m && partner_rise_m_ < most_m;
+}
+
 // Where the mass was not known before the lift: what the partner bears by the measured load, if the robot
 // bears the predicted share of it.
 double ObjectMonitor::partner_load_n() const {

@@ -39,6 +39,9 @@ class ObjectMonitor {
   /// Both ends are seen where they stood, up to CarryConfig::standing_tolerance_m; without a picture the
   /// palm's height above its grasp decides.
   [[nodiscard]] bool seen_down() const;
+  /// It is tilted by no more than CarryConfig::max_askew_deg, and seen no farther up at its ends than an
+  /// object of its size is that stands on an edge or on two of its feet.
+  [[nodiscard]] bool seen_askew() const;
   /// Angle of the object's up axis, and its slip in the hand along the lift; NaN until first seen.
   [[nodiscard]] double tilt_rad() const { return tilt_rad_; }
   [[nodiscard]] double slip_m() const { return slip_m_; }

@@ -43,7 +43,8 @@ struct Attempts {
   bool failed = false;  ///< The job goes home without its goal.
   /// On the way home, to grasp elsewhere: a test lift said so.
   bool regrasp = false;
-  std::string failure;  ///< Why the last thing that failed did; empty: nothing has.
+  bool touched = false;  ///< On the way home, because the open hand met something at the object.
+  std::string failure;   ///< Why the last thing that failed did; empty: nothing has.
 };
 
 /// What all phases of one job share: what it was given, the arm, the perception session, the planner, time

@@ -140,3 +140,23 @@ TEST_CASE("a lift stands before who walks in is there") {
   CHECK(fmt::format("{}", fmt::join(run.lift.verdict.breaches, "; ")) == "");
   CHECK(run.rested);
 }
+
+TEST_CASE("an open hand that meets a side of a shelf that nobody sees goes back, and grasps elsewhere") {
+  const KeptRun run = run_kept("hidden_side_of_a_shelf");
+  INFO(told(run));
+  CHECK(fmt::format("{}", fmt::join(run.lift.verdict.breaches, "; ")) == "");
+  const auto& states = run.lift.record.states;
+  const auto met = std::find_if(states.begin(), states.end(),
+                                [](const auto& s) { return s.state == control::Task::Contact; });
+  REQUIRE(met != states.end());
+  REQUIRE(std::next(met) != states.end());
+  CHECK(std::next(met)->state == control::Task::Retreat);
+  CHECK(run.lift.record.outcome == control::RunRecord::Result::Lifted);
+}
+
+TEST_CASE("a shelf that hangs askew comes down on an edge, and is let go to settle on its feet") {
+  const KeptRun run = run_kept("shelf_down_on_an_edge");
+  INFO(told(run));
+  CHECK(fmt::format("{}", fmt::join(run.lift.verdict.breaches, "; ")) == "");
+  CHECK(run.lift.record.outcome == control::RunRecord::Result::Lifted);
+}

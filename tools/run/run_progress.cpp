@@ -137,6 +137,7 @@ Ink ink_of(Task state) {
     case Task::Stopped:
       return Ink::Bad;
     case Task::BackOff:
+    case Task::Contact:
     case Task::Halt:
     case Task::Pause:
     case Task::Yield:

@@ -94,6 +94,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Approach, PartnerLetGo, BackOff, "the partner let go before the hand arrived"},
     {Approach, PathObstructed, BackOff, "the path stays obstructed: returns, then plans another"},
     {Approach, CameraLost, Halt, "camera lost: cannot check the path, stopped"},
+    {Approach, TouchedObject, Contact, "the open hand met something at the object; stops and yields"},
     {Approach, Blocked, Yield, kHit},
     {Approach, TimeOut, Stopped, "the arm did not get to the grasp; holds"},
     {Approach, StaysNear, Stopped, kStaysNear},
@@ -103,6 +104,13 @@ constexpr auto kRules = std::to_array<Rule>({
     {Approach, HandLost, Stopped, kHandGone},
     {Approach, HandUnfit, BackOff, "the hand may not grip now: returns"},
     {Approach, Interrupted, Stopped, kAskedInTransit},
+
+    {Contact, ForceGone, Retreat, "the force is gone: returns, then grasps elsewhere"},
+    {Contact, Blocked, Yield, kHit},
+    {Contact, TimeOut, Stopped, "the arm did not leave what it met; holds"},
+    {Contact, ArmLost, Stopped, kArmGone},
+    {Contact, HandLost, Stopped, kHandGone},
+    {Contact, Interrupted, Stopped, kAskedInTransit},
 
     {Halt, CameraBack, BackOff, "camera back: returns, then observes and plans again"},
     {Halt, Blocked, Yield, kHit},
@@ -253,7 +261,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Release, Interrupted, Stopped, kAskedInTransit},
 
     {Retreat, BackHome, Done, "lifted, set down, released, and back home"},
-    {Retreat, TryAgain, AwaitPartner, "back home after a grip that failed: tries again"},
+    {Retreat, TryAgain, AwaitPartner, "back home after a grasp that failed: tries again"},
     {Retreat, BackInVain, Aborted, "at home without the goal"},
     {Retreat, Blocked, Yield, kHit},
     {Retreat, TimeOut, Stopped, "the arm did not get home; holds"},

@@ -14,6 +14,7 @@ enum class Task {
   Decide,        ///< Which grasp, and is it reachable.
   Plan,          ///< The way there.
   Approach,      ///< Moves to pre-grasp, then straight to the grasp.
+  Contact,       ///< Stopped, soft, by what the open hand met at the object; nobody is near.
   Close,         ///< Closes the hand.
   Verify,        ///< Checks the grip: width, strain, nothing slips.
   AwaitReady,    ///< Waits until the partner still holds and is at rest.
@@ -53,6 +54,8 @@ enum class Event {
   PathObstructed,  ///< PathObstructed: somebody or something stays in the path; another one is to be planned.
   StaysNear,       ///< StaysNear: the arm has waited for somebody for as long as it waits for anybody.
   NotConfirmed,    ///< NotConfirmed: nobody confirmed that an arm which had stopped may continue.
+  TouchedObject,   ///< TouchedObject: the open hand met something at the object, and nobody is near.
+  ForceGone,       ///< ForceGone: what the arm met does not push any more.
   Blocked,         ///< Blocked: unexpected contact, or the arm does not follow.
   HandHeld,
   HandEmpty,
@@ -73,7 +76,7 @@ enum class Event {
   StillLoaded,  ///< StillLoaded: no evidence that the object is supported, so the hand stays closed.
   HandOpen,
   BackHome,
-  TryAgain,    ///< TryAgain: back home after a grip that failed, and attempts are left.
+  TryAgain,    ///< TryAgain: back home after a grasp that failed, and attempts are left.
   BackInVain,  ///< BackInVain: back home without the goal, and no attempts left.
   CameraLost,
   CameraBack,

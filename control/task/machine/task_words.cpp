@@ -25,6 +25,8 @@ constexpr TaskWords words(Task task) {
       return {"plan", "a collision-free path to the grasp"};
     case Approach:
       return {"approach", "the arm to arrive at the grasp"};
+    case Contact:
+      return {"contact", "the force on the open hand to end"};
     case Close:
       return {"close", "the fingers to meet the object"};
     case Verify:
@@ -113,6 +115,10 @@ std::string_view word(Event event) {
       return "stays near";
     case NotConfirmed:
       return "not confirmed";
+    case TouchedObject:
+      return "touched object";
+    case ForceGone:
+      return "force gone";
     case Blocked:
       return "blocked";
     case HandHeld:

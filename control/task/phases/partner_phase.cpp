@@ -19,7 +19,7 @@ std::string seconds_text(double s) {
 }  // namespace
 
 void PartnerPhase::begin(Task from) {
-  c_.attempts.failed = c_.attempts.regrasp = false;
+  c_.attempts.failed = c_.attempts.regrasp = c_.attempts.touched = false;
   hidden_since_.reset();
   changed_since_.reset();
   asked_.clear();

@@ -118,7 +118,11 @@ void RetreatPhase::begin_retreat() {
   const planner::Trajectory& planned = c_.record.plan->retreat;
   const double s = planned.duration_s();
   constexpr int kPoints = 12;
-  for (int i = 1; i <= kPoints; ++i) points.push_back(planned.sample(s * i / kPoints).q_rad);
+  const auto off_rad = [&](int i) { return (planned.sample(s * i / kPoints).q_rad - points.front()).norm(); };
+  int last = 0;
+  // a hand that did not get to the grasp does not go there first
+  while (c_.attempts.touched && last < kPoints - 1 && off_rad(last + 1) < off_rad(last)) ++last;
+  for (int i = last + 1; i <= kPoints; ++i) points.push_back(planned.sample(s * i / kPoints).q_rad);
   planner::MotionLimits limits = planner::limits_of(c_.rig.model, c_.config.motion);
   limits.velocity_rad_s =
       limits.velocity_rad_s.cwiseMin(c_.config.setpoints.below(c_.config.guard_arm).velocity_rad_s);
@@ -159,8 +163,11 @@ TaskEvent RetreatPhase::judge_at_home() {
     return {Event::BackHome, ""};
   }
   const double moved_m = object_.displacement_m();
-  const int max_grips = c_.config.task.attempts.max_grips + static_cast<int>(c_.record.test_lifts.size());
-  if (!attempts.regrasp && (attempts.approaches >= max_grips || attempts.lifted || c_.readings.without_puck))
+  const AttemptConfig& limits = c_.config.task.attempts;
+  const int max_approaches = (attempts.touched ? limits.max_approaches : limits.max_grips) +
+                             static_cast<int>(c_.record.test_lifts.size());
+  if (!attempts.regrasp &&
+      (attempts.approaches >= max_approaches || attempts.lifted || c_.readings.without_puck))
     return {Event::BackInVain, attempts.failure};
   if (moved_m > c_.config.task.attempts.object_moved_m)
     if (const std::string refused = take_scene_as_moved(); !refused.empty())

@@ -27,6 +27,7 @@ class RetreatPhase {
 
   void begin_release();
   [[nodiscard]] std::optional<TaskEvent> release();
+  /// From the grasp, or from where the hand was stopped before it.
   void begin_retreat();
   [[nodiscard]] std::optional<TaskEvent> retreat();
   /// The arm's cycle was cut off and began anew: continues along the path.

@@ -20,7 +20,7 @@ constexpr hal::Duration kReportEvery = 33ms;  // the camera's frame period: noth
 bool is_failure(Task from, Event event, Task to) {
   return event == Event::LimitReached || event == Event::HangsAskew ||
          (from == Task::TestLift && to == Task::Lower) || (to == Task::Release && event != Event::OnGround) ||
-         to == Task::BackOff;
+         to == Task::BackOff || to == Task::Contact;
 }
 
 }  // namespace
@@ -81,14 +81,14 @@ bool TaskRunner::cycle(const JobHooks& hooks) {
   // faults first; where one means nothing, the work continues
   const auto fault = emergency();
   if (fault && next(c_.state, fault->event)) {
-    apply(*fault, hooks);
+    apply(as_touch(*fault), hooks);
   } else if (waits_for_arm()) {
     c_.doing = "the arm is stopped until its controller accepts commands again";
   } else if (stall_.waiting()) {
     c_.doing = "the arm is stopped until the job's thread runs in time again";
   } else {
     if (arm_.take_restart() | stall_.take_recovery()) resume_after_restart();
-    if (const auto event = work()) apply(*event, hooks);
+    if (const auto event = work()) apply(as_touch(*event), hooks);
     if (const auto aside = partner_phase_.take_aside(); aside && hooks.asked)
       hooks.asked({std::nullopt, aside});
   }
@@ -146,6 +146,7 @@ std::optional<TaskEvent> TaskRunner::emergency() const {
 std::optional<TaskEvent> TaskRunner::pushed_event() const {
   const ForceFinding& force = c_.arm.view().force;
   if (!force || !c_.arm.blocked()) return std::nullopt;
+  if (c_.state == Task::Contact) return std::nullopt;  // judges that itself
   // a standing object under a hand that was lowered too far: opening ends that, and the arm is soft already
   if (c_.state == Task::Release && force.kind == ForceFinding::Kind::Up) return std::nullopt;
   const bool from_below = c_.state == Task::Lower && force.kind == ForceFinding::Kind::Up;
@@ -155,6 +156,19 @@ std::optional<TaskEvent> TaskRunner::pushed_event() const {
   if (c_.arm.view().height_m < c_.config.task.carry.standing_tolerance_m || object_.seen_down())
     return std::nullopt;
   return TaskEvent{Event::Obstructed, presumed_source(c_, force) + describe(force)};
+}
+
+bool TaskRunner::nobody_near_hand() const {
+  return separation_.nobody_within(c_.config.task.empty_hand.touch_clear_m);
+}
+
+// what blocks an open hand at the end of its approach, with nobody near, is the object
+TaskEvent TaskRunner::as_touch(TaskEvent event) const {
+  const bool at_object = c_.state == Task::Approach && approach_phase_.leg() == ApproachPhase::Leg::Straight;
+  if (event.event == Event::Blocked && at_object && c_.config.task.empty_hand.max_touch_s > 0.0 &&
+      nobody_near_hand())
+    event.event = Event::TouchedObject;
+  return event;
 }
 
 bool TaskRunner::waits_for_arm() const {
@@ -186,6 +200,8 @@ std::optional<TaskEvent> TaskRunner::work() {
       return approach_phase_.halt();
     case Task::BackOff:
       return back_off_phase_.back_off();
+    case Task::Contact:
+      return contact_phase_.contact(nobody_near_hand());
     case Task::Close:
       return grip_phase_.close();
     case Task::Verify:
@@ -229,6 +245,8 @@ void TaskRunner::begin_state(Task from, Event event) {
       return approach_phase_.begin_halt();
     case Task::BackOff:
       return back_off_phase_.begin(event, approach_phase_.abandon(), approach_phase_.set_out());
+    case Task::Contact:
+      return contact_phase_.begin(detail_);
     case Task::Close:
       return grip_phase_.begin_close();
     case Task::Verify:
@@ -285,6 +303,10 @@ void TaskRunner::apply(const TaskEvent& event, const JobHooks& hooks) {
   if ((event.event == Event::GripBad || event.event == Event::HandEmpty) &&
       (from == Task::Close || from == Task::Verify))
     grasps_.refuse_grip("a grip here failed: " + event.detail);
+  if (event.event == Event::TouchedObject) {
+    c_.attempts.touched = true;
+    grasps_.refuse_approach("the hand met something on its way here: " + event.detail);
+  }
   if (c_.state != Task::Yield && c_.state != Task::Stopped) c_.arm.expect(expected_load(c_.state));
   begin_state(from, event.event);
   if (event.event == Event::PartnerAsked) ask_partner(requests_.place(), hooks);

@@ -7,6 +7,7 @@
 #include "control/task/partner_requests.hpp"
 #include "control/task/phases/approach_phase.hpp"
 #include "control/task/phases/back_off_phase.hpp"
+#include "control/task/phases/contact_phase.hpp"
 #include "control/task/phases/grip_phase.hpp"
 #include "control/task/phases/lift_phase.hpp"
 #include "control/task/phases/partner_phase.hpp"
@@ -52,6 +53,9 @@ class TaskRunner {
   [[nodiscard]] std::optional<TaskEvent> emergency() const;
   /// Unexpected force that has stopped the arm: somebody pushes, or something is under the object.
   [[nodiscard]] std::optional<TaskEvent> pushed_event() const;
+  [[nodiscard]] bool nobody_near_hand() const;
+  /// TouchedObject in place of Blocked, where it is that.
+  [[nodiscard]] TaskEvent as_touch(TaskEvent event) const;
   [[nodiscard]] bool waits_for_arm() const;
   /// The arm's cycle began anew, or stopped for a late task: what was under way is taken up again.
   void resume_after_restart();
@@ -91,6 +95,7 @@ class TaskRunner {
   TestLiftPhase test_lift_phase_{c_, object_, let_go_, grasps_};
   LiftPhase lift_phase_{c_, object_, let_go_, evidence_};
   PausePhase pause_phase_{c_, object_, let_go_};
+  ContactPhase contact_phase_{c_};
   YieldPhase yield_phase_{c_};
   RetreatPhase retreat_phase_{c_, object_, grasps_, scene_phase_, evidence_};
 

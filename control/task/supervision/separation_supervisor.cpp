@@ -349,6 +349,13 @@ std::optional<TaskEvent> SeparationSupervisor::path_obstructed() const {
   return TaskEvent{Event::PathObstructed, fmt::format("{}, for {:.0f} s", reason_, waited_s_)};
 }
 
+bool SeparationSupervisor::nobody_within(double distance_m) const {
+  const auto is_far = [&](const SeparationStatus::Body& b) {
+    return !b.distance_m || *b.distance_m > distance_m;
+  };
+  return c_.config.monitor.on && !blind_ && std::all_of(bodies_.begin(), bodies_.end(), is_far);
+}
+
 void SeparationSupervisor::report(SeparationStatus& out) const {
   out.on = c_.config.monitor.on;
   out.scale = scale_;

@@ -35,6 +35,8 @@ class SeparationSupervisor {
   /// somebody or for a confirmation, or the state has lost three times that in all to whoever comes near
   /// again and again.
   [[nodiscard]] std::optional<TaskEvent> waited_too_long() const;
+  /// Everybody in view is farther from the arm than that, and the view is not blind.
+  [[nodiscard]] bool nobody_within(double distance_m) const;
   /// Set when somebody or something has been in the path for so long that another path is to be planned.
   [[nodiscard]] std::optional<TaskEvent> path_obstructed() const;
   /// For page, record and report.

@@ -5,7 +5,7 @@ import { escaped, seconds } from "./words";
 
 const NOMINAL = ["observe", "await-partner", "decide", "plan", "approach", "close", "verify", "await-ready", "lift", "hold",
   "lower", "release", "retreat", "done"];
-const BAD_END = ["refused", "aborted", "stopped", "halt", "pause", "yield", "back-off"];
+const BAD_END = ["refused", "aborted", "stopped", "halt", "contact", "pause", "yield", "back-off"];
 
 export class PipelineStrip {
   private changes: TaskChange[] = [];

@@ -32,6 +32,7 @@ ReportTone tone_of(Task state) {
     case Task::Stopped:
       return ReportTone::Bad;
     case Task::BackOff:
+    case Task::Contact:
     case Task::Halt:
     case Task::Pause:
     case Task::Yield:

@@ -3,6 +3,7 @@
 
 #include "control/task/phases/approach_phase.hpp"
 #include "control/task/phases/back_off_phase.hpp"
+#include "control/task/phases/contact_phase.hpp"
 #include "control/task/phases/retreat_phase.hpp"
 #include "phase_rig.hpp"
 
@@ -39,6 +40,18 @@ struct EmptyHand : PhaseRig {
     back_off.begin(cause, approach.abandon(), approach.set_out());
     return run([this] { return back_off.back_off(); });
   }
+  /// Met by something that pushes for so long.
+  [[nodiscard]] std::optional<TaskEvent> contact_after(double push_s, bool nobody_near = true) {
+    enter(Task::Contact);
+    contact.begin("unexpected contact");
+    Eigen::Matrix<double, 6, 1> push = Eigen::Matrix<double, 6, 1>::Zero();
+    push[1] = 60.0;
+    external_nm =
+        hal::jacobian(hal::built_in_robot(), c->arm.commanded(), hal::Vec3::Zero()).transpose() * push;
+    if (auto event = run([&] { return contact.contact(nobody_near); }, push_s)) return event;
+    external_nm.setZero();
+    return run([&] { return contact.contact(nobody_near); });
+  }
   [[nodiscard]] double off(const hal::JointVector& q) const {
     return (c->arm.commanded() - q).cwiseAbs().maxCoeff();
   }
@@ -52,6 +65,7 @@ struct EmptyHand : PhaseRig {
   LetGoMonitor let_go{*c, object};
   LiftEvidence evidence{*c, object, let_go};
   RetreatPhase retreat{*c, object, grasps, scene, evidence};
+  ContactPhase contact{*c};
 };
 
 }  // namespace
@@ -154,6 +168,61 @@ TEST_CASE("a contact on the way blocks the approach", "[phases]") {
   const auto event = rig.run([&] { return rig.approach.approach(); }, 0.2);
   REQUIRE(event);
   CHECK(event->event == Event::Blocked);
+}
+
+TEST_CASE("what an open hand meets at the object is left when its force is gone", "[phases]") {
+  EmptyHand rig;
+  rig.approach_until(ApproachPhase::Leg::Straight);
+  SECTION("a moment, and nobody near") {
+    const auto event = rig.contact_after(0.3);
+    REQUIRE(event);
+    CHECK(event->event == Event::ForceGone);
+    CHECK_THAT(event->detail, Catch::Contains("unexpected contact"));
+    CHECK(rig.c->in_state_s() >= rig.c->config.monitor.force.yield_s);
+  }
+  SECTION("somebody near") {
+    const auto event = rig.contact_after(0.3, false);
+    REQUIRE(event);
+    CHECK(event->event == Event::Blocked);
+    CHECK_THAT(event->detail, Catch::Contains("somebody is near"));
+  }
+  SECTION("who keeps pushing is no object") {
+    const auto event = rig.contact_after(2.0);
+    REQUIRE(event);
+    CHECK(event->event == Event::Blocked);
+    CHECK_THAT(event->detail, Catch::Contains("the force stays"));
+  }
+}
+
+TEST_CASE("a hand that met the object goes straight back, and not to the grasp first", "[phases]") {
+  EmptyHand rig;
+  rig.approach_until(ApproachPhase::Leg::Straight);
+  REQUIRE(rig.contact_after(0.3)->event == Event::ForceGone);
+  const hal::JointVector grasp = rig.c->record.plan->approach.goal();
+  const double stopped_off = rig.off(grasp);
+  rig.c->attempts.failed = rig.c->attempts.touched = true;
+  rig.enter(Task::Retreat);
+  rig.retreat.begin_retreat();
+  double nearest = stopped_off;
+  const auto event = rig.run([&] {
+    nearest = std::min(nearest, rig.off(grasp));
+    return rig.retreat.retreat();
+  });
+  REQUIRE(event);
+  CHECK(nearest > stopped_off - 1e-3);
+  CHECK(event->event == Event::TryAgain);
+  CHECK(rig.off(phase_home()) < 1e-6);
+}
+
+TEST_CASE("as often as the arm may set out, a hand that met something tries elsewhere", "[phases]") {
+  EmptyHand rig;
+  rig.approach_until(ApproachPhase::Leg::Straight);
+  REQUIRE(rig.contact_after(0.3)->event == Event::ForceGone);
+  rig.c->attempts.failed = rig.c->attempts.touched = true;
+  rig.c->attempts.approaches = rig.c->config.task.attempts.max_approaches;
+  rig.enter(Task::Retreat);
+  rig.retreat.begin_retreat();
+  CHECK(rig.run([&] { return rig.retreat.retreat(); })->event == Event::BackInVain);
 }
 
 TEST_CASE("an approach that is given up says once whether it was near the object", "[phases]") {
