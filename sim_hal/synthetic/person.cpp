@@ -110,6 +110,34 @@ Grip grip_on_round(const Shape& bar, const Vec3& contact) {
   return g;
 }
 
+// the arm comes from the side where the thumb is not; from straight behind, a bar that rolls by a fraction of
+// a degree turns no hand around
+Grip with_thumb_away(Grip g, const Vec3& arm) {
+  constexpr double kBehind = 0.05;  // sine
+  if (g.across.dot(arm) > kBehind * arm.norm()) g.across = -g.across, g.along = -g.along;
+  return g;
+}
+
+// a handle or rung that a hand takes by the middle of one of its sides: the hand goes round it
+std::optional<Grip> grip_on_bar(const Shape& b, const Vec3& contact, const std::vector<OnFace>& on) {
+  constexpr double kMost_m = 0.045, kMiddle_m = 0.003, kOblong = 3.0;
+  int along = 0;
+  b.size.maxCoeff(&along);
+  if (on.size() != 1 || on.front().axis == along) return std::nullopt;
+  const int face = on.front().axis, across = 3 - along - face;
+  const double thick = std::max(b.size[face], b.size[across]);
+  const double aside = std::abs((b.X_WS.inverse() * contact)[across]);
+  if (thick > kMost_m || b.size[along] < kOblong * thick || aside > kMiddle_m) return std::nullopt;
+  Grip g;
+  g.kind = Grip::Kind::Wrap;
+  g.at = contact;
+  g.out = on.front().side * b.X_WS.linear().col(face);
+  g.along = b.X_WS.linear().col(along);
+  g.across = g.out.cross(g.along);
+  g.thickness = thick;
+  return g;
+}
+
 Grip grip_on_box(const Shape& b, const Vec3& contact, const Vec3& from) {
   constexpr double kThin_m = 0.065, kNearEdge_m = 0.03;
   const Vec3 p = b.X_WS.inverse() * contact, half = 0.5 * b.size;
@@ -121,6 +149,7 @@ Grip grip_on_box(const Shape& b, const Vec3& contact, const Vec3& from) {
   int thin = 0;
   half.minCoeff(&thin);
   std::vector<OnFace> on = faces_at(p, half);
+  if (auto bar = grip_on_bar(b, contact, on)) return with_thumb_away(*bar, from - contact);
   std::stable_sort(on.begin(), on.end(), [&](const OnFace& l, const OnFace& r) {
     return l.side * towards[l.axis] > r.side * towards[r.axis];
   });
@@ -245,7 +274,6 @@ Vec3 Grip::wrist() const {
 }
 
 Grip find_grip(const World& world, const Vec3& contact, const Vec3& from) {
-  constexpr double kBehind = 0.05;  // sine
   const Shape* nearest = nullptr;
   double smallest = 0.0;
   for (const Shape& shape : world.shapes) {
@@ -255,12 +283,7 @@ Grip find_grip(const World& world, const Vec3& contact, const Vec3& from) {
   }
   if (nearest && nearest->kind == Shape::Kind::Box) return grip_on_box(*nearest, contact, from);
   if (nearest && nearest->kind == Shape::Kind::Cylinder) {
-    Grip g = grip_on_round(*nearest, contact);
-    // the arm comes from the side where the thumb is not; from straight behind, a bar that rolls by a
-    // fraction of a degree turns no hand around
-    const Vec3 arm = from - contact;
-    if (g.across.dot(arm) > kBehind * arm.norm()) g.across = -g.across, g.along = -g.along;
-    return g;
+    return with_thumb_away(grip_on_round(*nearest, contact), from - contact);
   }
   Grip g;
   g.at = contact;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "control/task/grip_quality.hpp"
 
@@ -61,10 +62,11 @@ bool PausePhase::stands() const {
 TaskEvent PausePhase::put_down() {
   partner_.stop();
   if (from_ != Task::TestLift) {
-    c_.attempts.failed = true;
+    // a limit that had ended the lift before is the cause
+    if (!std::exchange(c_.attempts.failed, true))
+      c_.attempts.failure = fmt::format("the object stands; not known whether the partner {}: {}",
+                                        from_ == Task::Lower ? "set it down" : "lifted it", why_);
     c_.attempts.regrasp = false;
-    c_.attempts.failure = fmt::format("the object stands; not known whether the partner {}: {}",
-                                      from_ == Task::Lower ? "set it down" : "lifted it", why_);
   }
   return {Event::OnGround,
           fmt::format("both ends are seen where they stood, {:.1f} N in the hand", c_.arm.view().load_n)};

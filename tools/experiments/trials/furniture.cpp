@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "hal/types/units.hpp"
 #include "sim_hal/scenario/random_scenario.hpp"
@@ -227,17 +228,31 @@ void open_towards_camera(Scenario& s) {
   for (sim_hal::ScenarioPart& part : s.object.parts) part.xyz.y() *= -1.0;
 }
 
+// a suitcase stands across the view, as far as that leaves its end towards the robot: both handles are seen
+void turn_across_view(Scenario& s, double length_m, double bearing) {
+  constexpr double kMost_rad = 0.6;
+  const double yaw = hal::deg_to_rad(s.object.yaw_deg);
+  const Vec3 near_end = s.object.xyz - 0.5 * length_m * Vec3(std::cos(yaw), std::sin(yaw), 0.0);
+  const Vec3 view = s.object.xyz - s.camera.xyz;
+  double across = std::atan2(view.y(), view.x()) + 0.5 * std::numbers::pi;
+  while (across - bearing > 0.5 * std::numbers::pi) across -= std::numbers::pi;
+  while (across - bearing < -0.5 * std::numbers::pi) across += std::numbers::pi;
+  const double turned = bearing + std::clamp(across - bearing, -kMost_rad, kMost_rad);
+  s.object.xyz = near_end + 0.5 * length_m * Vec3(std::cos(turned), std::sin(turned), 0.0);
+  s.object.yaw_deg = hal::rad_to_deg(turned);
+}
+
 using Maker = Vec3 (*)(Scenario&, Draws&);
 struct Kind {
   const char* name;
   Maker make;
   double near_m, far_m;  // distance of its near end from the robot's axis
 };
-constexpr std::array<Kind, 8> kKinds{{{"stool", make_stool, 0.50, 0.65},
+constexpr std::array<Kind, 8> kKinds{{{"stool", make_stool, 0.66, 0.78},
                                       {"shelf", make_shelf, 0.46, 0.58},
                                       {"ladder", make_ladder, 0.50, 0.65},
                                       {"crate", make_crate, 0.48, 0.62},
-                                      {"suitcase", make_suitcase, 0.60, 0.72},
+                                      {"suitcase", make_suitcase, 0.72, 0.84},
                                       {"lidded-box", make_box_with_lid, 0.50, 0.65},
                                       {"bench", make_bench, 0.65, 0.80},
                                       {"frame", make_frame, 0.38, 0.50}}};
@@ -272,6 +287,7 @@ Scenario furniture_layout(int index, std::uint64_t seed) {
   sim_hal::draw_camera(s, draws, kCameraLeast_m, kCameraMost_m);
   s.object.size.clear();  // the parts have sizes
   if (kind.make == &make_shelf) open_towards_camera(s);
+  if (kind.make == &make_suitcase) turn_across_view(s, size.x(), bearing);
   return s;
 }
 

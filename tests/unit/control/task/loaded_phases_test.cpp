@@ -410,6 +410,13 @@ TEST_CASE("an object that stands already is set down, and not said to have been 
     CHECK(rig.c->in_state_s() == Approx(20.0).margin(0.1));
     CHECK_THAT(rig.c->attempts.failure, Catch::Contains("not known whether the partner lifted it"));
   }
+  SECTION("after a limit had ended the lift, that is the cause") {
+    rig.c->attempts.failed = true;
+    rig.c->attempts.failure = "the object slips 38 mm in the hand";
+    rig.pause.begin(Task::Lower, Event::PartnerLetGo, "his end falls");
+    REQUIRE(rig.run([&] { return rig.pause.pause(); })->event == Event::OnGround);
+    CHECK(rig.c->attempts.failure == "the object slips 38 mm in the hand");
+  }
   SECTION("not while it hangs") {
     rig.load(8.0);
     rig.idle(0.5);

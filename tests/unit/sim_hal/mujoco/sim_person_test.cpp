@@ -159,3 +159,27 @@ TEST_CASE("presence follows arrival and letting go", "[sim][person]") {
   CHECK(presence_at(9.0, 0.2) == Approx(0.75));
   CHECK(presence_at(9.0, 3.0) == Approx(0.5));
 }
+
+TEST_CASE(
+    "a hand goes round a handle, and keeps its grip when the handle moves by a hundredth of a millimetre",
+    "[sim][person]") {
+  const auto holding = [](double moved_m) {
+    World world;
+    Shape bar = box(Vec3(0.045, moved_m, 0.4), Vec3(0.018, 0.022, 0.17), 0.0, Label::Target);
+    world.shapes = {box(Vec3(-0.3, moved_m, 0.25), Vec3(0.6, 0.24, 0.5), 0.0, Label::Target), bar};
+    PartnerFigure figure = place_partner(world, Vec3(0.054, 0, 0.4), Vec3::UnitX());
+    figure.shoulder_W = Vec3(0.5, 0.0, 0.3);
+    return person(world, figure);
+  };
+  const auto before = holding(1e-5), after = holding(-1e-5);
+  REQUIRE(before.size() == after.size());
+  double palm_off_m = 1.0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    CHECK((before[i].X_WS.translation() - after[i].X_WS.translation()).norm() < 1e-3);
+    palm_off_m = std::min(palm_off_m, std::abs(distance(before[i], Vec3(0.054, 0, 0.4))));
+  }
+  CHECK(palm_off_m < 0.005);
+  // fingers on both sides of it
+  CHECK(nearest(before, Vec3(0.045, 0.02, 0.4)) < 0.01);
+  CHECK(nearest(before, Vec3(0.045, -0.02, 0.4)) < 0.01);
+}
