@@ -130,7 +130,9 @@ void Judge::tick(const TickReport& report) {
 void Judge::task_state(std::string_view name) {
   const std::scoped_lock lock(impl_->mutex);
   using Said = MotionRules::Said;
-  impl_->said = name == "stopped" ? Said::Stopped : name == "yield" ? Said::Yields : Said::Works;
+  impl_->said = name == "stopped"                      ? Said::Stopped
+                : name == "yield" || name == "contact" ? Said::Yields
+                                                       : Said::Works;
 }
 
 Verdict Judge::verdict(bool lifted) const {

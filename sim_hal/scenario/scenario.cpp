@@ -341,9 +341,9 @@ Scenario built_in_scenario() {
 
 const std::vector<std::string>& task_state_names() {
   static const std::vector<std::string> names{
-      "observe",   "await-partner", "decide", "plan",    "approach", "close",  "verify",  "await-ready",
-      "test-lift", "lift",          "hold",   "pause",   "yield",    "lower",  "release", "retreat",
-      "back-off",  "halt",          "done",   "refused", "aborted",  "stopped"};
+      "observe",     "await-partner", "decide", "plan", "approach", "contact", "close",  "verify",
+      "await-ready", "test-lift",     "lift",   "hold", "pause",    "yield",   "lower",  "release",
+      "retreat",     "back-off",      "halt",   "done", "refused",  "aborted", "stopped"};
   return names;
 }
 

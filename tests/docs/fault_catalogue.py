@@ -5,7 +5,7 @@ states in which no whole lift meets the fault the letter of the reason (REASONS)
 """
 
 STATES = {  # column: the states of the task machine that it stands for
-    "await": ["observe", "await-partner"], "plan": ["decide", "plan"], "approach": ["approach", "halt", "back-off"],
+    "await": ["observe", "await-partner"], "plan": ["decide", "plan"], "approach": ["approach", "contact", "halt", "back-off"],
     "close": ["close", "verify", "await-ready"], "lift": ["test-lift", "lift"], "hold": ["hold", "pause"], "lower": ["lower"],
     "release": ["release"], "retreat": ["retreat"],
 }
