@@ -259,9 +259,9 @@ struct CarryConfig {
     v("standing_tolerance_m", standing_tolerance_m, hal::Range{0, 0.05},
       "The object stands when both of its ends are seen this near to where they stood (m) ...");
     v("max_askew_deg", max_askew_deg, hal::Range{0, 30},
-      "An object on which the ground was felt, and which is no farther up than this tilt makes it, stands on "
-      "an "
-      "edge: it is let go to settle on its feet (deg).");
+      "Max tilt of an object that is let go on an edge, to settle on its feet: where the hand feels the "
+      "ground "
+      "and its lowest corner is seen where it stood (deg).");
     v("standing_load_n", standing_load_n, hal::Range{0, 50},
       "... and the hand carries less than this (N) ...");
     v("standing_load_fraction", standing_load_fraction, hal::kFraction,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "control/task/grip_quality.hpp"
 #include "hal/types/units.hpp"
@@ -54,10 +55,14 @@ bool ObjectMonitor::seen_askew() const {
   const CarryConfig& carry = c_.config.task.carry;
   if (!motion_ || !(tilt_rad_ <= hal::deg_to_rad(carry.max_askew_deg))) return false;
   const hal::OrientedBox& box = c_.session.analysis().scene.target->shape;
-  double half2_m2 = 0.0;
-  for (int i = 0; i < 3; ++i) half2_m2 += 0.25 * (box.size[i] * box.axes.col(i).head<2>()).squaredNorm();
-  const double most_m = carry.standing_tolerance_m + 2.0 * std::sqrt(half2_m2) * std::sin(tilt_rad_);
-  return motion_->rise(X_WH_grip_.translation(), hal::Vec3::UnitZ()) < most_m && partner_rise_m_ < most_m;
+  double lowest_m = std::numeric_limits<double>::infinity();
+  for (int corner = 0; corner < 8; ++corner) {
+    const hal::Vec3 half(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5);
+    const hal::Vec3 at = box.center + box.axes * half.cwiseProduct(box.size);
+    lowest_m = std::min(lowest_m, motion_->rise(at, hal::Vec3::UnitZ()));
+  }
+  return std::abs(lowest_m) < carry.standing_tolerance_m &&
+         partner_rise_m_ < 2.0 * carry.standing_tolerance_m;
 }
 
 // Where the mass was not known before the lift: what the partner bears by the measured load, if the robot

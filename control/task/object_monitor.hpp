@@ -39,8 +39,8 @@ class ObjectMonitor {
   /// Both ends are seen where they stood, up to CarryConfig::standing_tolerance_m; without a picture the
   /// palm's height above its grasp decides.
   [[nodiscard]] bool seen_down() const;
-  /// It is tilted by no more than CarryConfig::max_askew_deg, and seen no farther up at its ends than an
-  /// object of its size is that stands on an edge or on two of its feet.
+  /// It stands on an edge or on two of its feet, as far as that is seen: tilted by no more than
+  /// CarryConfig::max_askew_deg, its lowest corner where it stood, and the partner's end about there.
   [[nodiscard]] bool seen_askew() const;
   /// Angle of the object's up axis, and its slip in the hand along the lift; NaN until first seen.
   [[nodiscard]] double tilt_rad() const { return tilt_rad_; }

@@ -49,6 +49,8 @@ void PausePhase::lowering_confirmed() {
 
 bool PausePhase::goes_on() const {
   if (!obstructed_) return partner_.holds_again() && (!pulled_ || partner_.is_steady());
+  // it was the ground, and the newest picture shows it
+  if (object_.seen_askew()) return true;
   // what stood on something hangs in the hand again
   const CarryConfig& carry = c_.config.task.carry;
   const double load_n = c_.arm.view().load_n;

@@ -153,7 +153,8 @@ std::optional<TaskEvent> TaskRunner::pushed_event() const {
   if (!from_below) return TaskEvent{Event::Blocked, presumed_source(c_, force) + describe(force)};
   // where it was grasped, what pushes up is the ground, and so it is higher up under an object that slid in
   // the hand and is seen to stand: lowering judges that itself
-  if (c_.arm.view().height_m < c_.config.task.carry.standing_tolerance_m || object_.seen_down())
+  if (c_.arm.view().height_m < c_.config.task.carry.standing_tolerance_m || object_.seen_down() ||
+      object_.seen_askew())
     return std::nullopt;
   return TaskEvent{Event::Obstructed, presumed_source(c_, force) + describe(force)};
 }
