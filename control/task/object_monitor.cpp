@@ -41,6 +41,7 @@ std::optional<perception::HeldPoint> ObjectMonitor::held_point() const {
 void ObjectMonitor::start_lift() {
   set_grip();
   partner_top_m_ = 0.0;
+  hanging_tilt_rad_ = NAN;
   partner_bears_at_ = c_.now;
 }
 
@@ -53,7 +54,11 @@ bool ObjectMonitor::seen_down() const {
 
 bool ObjectMonitor::seen_askew() const {
   const CarryConfig& carry = c_.config.task.carry;
-  if (!motion_ || !(tilt_rad_ <= hal::deg_to_rad(carry.max_askew_deg))) return false;
+  // what was level in the air and is tilted now lies on something
+  constexpr double kMinHanging_rad = hal::deg_to_rad(1.5), kTiltNoise_rad = hal::deg_to_rad(0.5);
+  if (!motion_ || !(hanging_tilt_rad_ >= kMinHanging_rad)) return false;
+  if (!(tilt_rad_ <= std::min(hanging_tilt_rad_ + kTiltNoise_rad, hal::deg_to_rad(carry.max_askew_deg))))
+    return false;
   const hal::OrientedBox& box = c_.session.analysis().scene.target->shape;
   double lowest_m = std::numeric_limits<double>::infinity();
   for (int corner = 0; corner < 8; ++corner) {
@@ -93,6 +98,8 @@ void ObjectMonitor::update() {
     partner_rise_m_ = motion_->rise(c_.record.decision->partner->position, up);
     partner_top_m_ = std::max(partner_top_m_, partner_rise_m_);
     tilt_rad_ = motion_->tilt(up);
+    if (c_.state == Task::TestLift || c_.state == Task::Lift || c_.state == Task::Hold)
+      hanging_tilt_rad_ = tilt_rad_;
     // along the lift: across it a flat or round object may not show how far it went
     slip_m_ = std::abs(motion_->rise(grip, up) - (X_WH.translation() - grip).dot(up));
     sample.object_rise_m = motion_->rise(c_.session.analysis().scene.target->cog, up);

@@ -39,8 +39,9 @@ class ObjectMonitor {
   /// Both ends are seen where they stood, up to CarryConfig::standing_tolerance_m; without a picture the
   /// palm's height above its grasp decides.
   [[nodiscard]] bool seen_down() const;
-  /// It stands on an edge or on two of its feet, as far as that is seen: tilted by no more than
-  /// CarryConfig::max_askew_deg, its lowest corner where it stood, and the partner's end about there.
+  /// It stands on an edge or on two of its feet, as far as that is seen: tilted as it hung in the air, by no
+  /// more than CarryConfig::max_askew_deg, its lowest corner where it stood, and the partner's end about
+  /// there.
   [[nodiscard]] bool seen_askew() const;
   /// Angle of the object's up axis, and its slip in the hand along the lift; NaN until first seen.
   [[nodiscard]] double tilt_rad() const { return tilt_rad_; }
@@ -62,6 +63,7 @@ class ObjectMonitor {
   std::optional<perception::ObjectMotion> motion_;
   CarryOrder order_;  ///< Of the last frame.
   double partner_rise_m_ = 0.0, partner_top_m_ = 0.0, tilt_rad_ = NAN, slip_m_ = NAN;
+  double hanging_tilt_rad_ = NAN;                 ///< Before it was lowered.
   int frames_slipping_ = 0, frames_tilting_ = 0;  ///< In a row.
   hal::Timestamp partner_bears_at_{0};            ///< His load was last within its limit.
 };
