@@ -160,3 +160,11 @@ TEST_CASE("a shelf that hangs askew comes down on an edge, and is let go to sett
   CHECK(fmt::format("{}", fmt::join(run.lift.verdict.breaches, "; ")) == "");
   CHECK(run.lift.record.outcome == control::RunRecord::Result::Lifted);
 }
+
+TEST_CASE("a shelf that hangs askew is not let go on a thing that was pushed under it") {
+  const KeptRun run = run_kept("thing_under_an_askew_shelf");
+  INFO(told(run));
+  CHECK(run.lift.record.states.back().state == control::Task::Stopped);
+  CHECK(run.lift.record.hand_keeps_grip);
+  for (const auto& s : run.lift.record.states) CHECK(s.state != control::Task::Release);
+}
