@@ -18,7 +18,7 @@ struct Group {
 };
 
 bool is_empty_handed_in_motion(Task t) {
-  return (is_moving(t) || t == Task::Halt) && !is_loaded(t);
+  return (is_moving(t) || t == Task::Halt || t == Task::Contact) && !is_loaded(t);
 }
 
 bool is_before_motion(Task t) {
