@@ -242,6 +242,10 @@ bool ArmCommander::blocked() const {
                        view_.stalled || view_.force);
 }
 
+bool ArmCommander::touched() const {
+  return blocked() && !view_.trajectory_refused && !view_.stalled;
+}
+
 std::string ArmCommander::why_blocked() const {
   if (view_.trajectory_refused) return "the arm is not on its path: it was moved meanwhile";
   if (view_.stalled) return describe_stall(view_);

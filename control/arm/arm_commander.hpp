@@ -85,6 +85,8 @@ class ArmCommander {
   /// The arm stopped by itself because the task was late, and has not been asked to move since.
   [[nodiscard]] bool stalled() const { return view_.stalled; }
   [[nodiscard]] bool blocked() const;
+  /// Blocked by a force or by what holds the arm back, not by a late task or a path that was left.
+  [[nodiscard]] bool touched() const;
   [[nodiscard]] std::string why_blocked() const;
   [[nodiscard]] const hal::JointVector& commanded() const { return view_.commanded_rad; }
   /// The trajectory that was followed last, null before the first one; whether the arm goes back along it.

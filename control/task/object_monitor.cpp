@@ -52,6 +52,10 @@ bool ObjectMonitor::seen_down() const {
          partner_rise_m_ < tolerance_m;
 }
 
+bool ObjectMonitor::seen_standing() const {
+  return seen_down() || (c_.arm.blocked() && seen_askew());
+}
+
 bool ObjectMonitor::seen_askew() const {
   const CarryConfig& carry = c_.config.task.carry;
   // what was level in the air and is tilted now lies on something

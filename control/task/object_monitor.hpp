@@ -43,6 +43,8 @@ class ObjectMonitor {
   /// more than CarryConfig::max_askew_deg, its lowest corner where it stood, and the partner's end about
   /// there.
   [[nodiscard]] bool seen_askew() const;
+  /// It is seen to stand: both ends, or, where an arm that goes down was stopped, an edge of it.
+  [[nodiscard]] bool seen_standing() const;
   /// Angle of the object's up axis, and its slip in the hand along the lift; NaN until first seen.
   [[nodiscard]] double tilt_rad() const { return tilt_rad_; }
   [[nodiscard]] double slip_m() const { return slip_m_; }

@@ -105,7 +105,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Approach, HandUnfit, BackOff, "the hand may not grip now: returns"},
     {Approach, Interrupted, Stopped, kAskedInTransit},
 
-    {Contact, ForceGone, Retreat, "the force is gone: returns, then grasps elsewhere"},
+    {Contact, ForceGone, Retreat, "the force is gone: returns"},
     {Contact, Blocked, Yield, kHit},
     {Contact, TimeOut, Stopped, "the arm did not leave what it met; holds"},
     {Contact, ArmLost, Stopped, kArmGone},
@@ -263,6 +263,7 @@ constexpr auto kRules = std::to_array<Rule>({
     {Retreat, BackHome, Done, "lifted, set down, released, and back home"},
     {Retreat, TryAgain, AwaitPartner, "back home after a grasp that failed: tries again"},
     {Retreat, BackInVain, Aborted, "at home without the goal"},
+    {Retreat, TouchedObject, Contact, "the open hand still met the object; stops and yields"},
     {Retreat, Blocked, Yield, kHit},
     {Retreat, TimeOut, Stopped, "the arm did not get home; holds"},
     {Retreat, StaysNear, Stopped, kStaysNear},

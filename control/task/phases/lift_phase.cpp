@@ -202,9 +202,7 @@ std::optional<TaskEvent> LiftPhase::judge_lowering() {
   // alone it may still hang between the partner and a foot
   const auto& motion = object_.motion();
   const double rise_m = motion ? motion->rise(object_.X_WH_grip().translation(), hal::Vec3::UnitZ()) : NAN;
-  // an object that hangs askew comes down on an edge, and the hand keeps it there until it opens
-  const bool on_edge = c_.arm.blocked() && object_.seen_askew();
-  const bool seen_down = object_.seen_down() || on_edge;
+  const bool seen_down = object_.seen_standing();
   if (arm.load_n > limit_n) unsupported_at_ = c_.now;
   const double supported_s = hal::seconds(c_.now - unsupported_at_);
   const bool early =

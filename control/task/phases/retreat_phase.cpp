@@ -9,6 +9,7 @@ namespace colift::control {
 namespace {
 
 constexpr int kMaxUnloadings = 3;  // of one release, when the object is raised again and again
+constexpr int kMaxContacts = 3;    // after which a retreat is no object's doing
 
 }  // namespace
 
@@ -111,7 +112,8 @@ std::optional<TaskEvent> RetreatPhase::release() {
   return TaskEvent{Event::HandOpen, without_puck ? "as far as it answers" : ""};
 }
 
-void RetreatPhase::begin_retreat() {
+void RetreatPhase::begin_retreat(bool after_contact) {
+  contacts_ = after_contact ? contacts_ + 1 : 0;
   leg_ = Leg::FromObject;
   // from where the arm is commanded now, which is the grasp but for what lift and lowering left over
   std::vector<hal::JointVector> points{c_.arm.commanded()};
@@ -120,8 +122,8 @@ void RetreatPhase::begin_retreat() {
   constexpr int kPoints = 12;
   const auto off_rad = [&](int i) { return (planned.sample(s * i / kPoints).q_rad - points.front()).norm(); };
   int last = 0;
-  // a hand that did not get to the grasp does not go there first
-  while (c_.attempts.touched && last < kPoints - 1 && off_rad(last + 1) < off_rad(last)) ++last;
+  // a hand that is not at the grasp does not go there first
+  while (after_contact && last < kPoints - 1 && off_rad(last + 1) < off_rad(last)) ++last;
   for (int i = last + 1; i <= kPoints; ++i) points.push_back(planned.sample(s * i / kPoints).q_rad);
   planner::MotionLimits limits = planner::limits_of(c_.rig.model, c_.config.motion);
   limits.velocity_rad_s =
@@ -131,6 +133,10 @@ void RetreatPhase::begin_retreat() {
     c_.attempts.failure = back.error().detail;
   else
     (void)c_.follow(*back);
+}
+
+bool RetreatPhase::may_touch() const {
+  return leg_ == Leg::FromObject && contacts_ < kMaxContacts;
 }
 
 std::optional<TaskEvent> RetreatPhase::retreat() {

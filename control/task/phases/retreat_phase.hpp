@@ -27,8 +27,10 @@ class RetreatPhase {
 
   void begin_release();
   [[nodiscard]] std::optional<TaskEvent> release();
-  /// From the grasp, or from where the hand was stopped before it.
-  void begin_retreat();
+  /// From the grasp, or, after a contact, from where that stopped the hand.
+  void begin_retreat(bool after_contact);
+  /// The hand is still at the object, and has not met it too often on this way back.
+  [[nodiscard]] bool may_touch() const;
   [[nodiscard]] std::optional<TaskEvent> retreat();
   /// The arm's cycle was cut off and began anew: continues along the path.
   void resume_after_restart() { c_.arm.resume(); }
@@ -60,6 +62,7 @@ class RetreatPhase {
   Opening opening_ = Opening::Unloading;
   hal::Timestamp unsupported_at_{0};
   int unloadings_ = 0;  ///< Of this release.
+  int contacts_ = 0;    ///< Of this way back.
   hal::JointVector home_rad_ = hal::JointVector::Zero();
   Leg leg_ = Leg::FromObject;
 };

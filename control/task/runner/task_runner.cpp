@@ -20,7 +20,7 @@ constexpr hal::Duration kReportEvery = 33ms;  // the camera's frame period: noth
 bool is_failure(Task from, Event event, Task to) {
   return event == Event::LimitReached || event == Event::HangsAskew ||
          (from == Task::TestLift && to == Task::Lower) || (to == Task::Release && event != Event::OnGround) ||
-         to == Task::BackOff || to == Task::Contact;
+         to == Task::BackOff || (from == Task::Approach && to == Task::Contact);
 }
 
 }  // namespace
@@ -153,8 +153,7 @@ std::optional<TaskEvent> TaskRunner::pushed_event() const {
   if (!from_below) return TaskEvent{Event::Blocked, presumed_source(c_, force) + describe(force)};
   // where it was grasped, what pushes up is the ground, and so it is higher up under an object that slid in
   // the hand and is seen to stand: lowering judges that itself
-  if (c_.arm.view().height_m < c_.config.task.carry.standing_tolerance_m || object_.seen_down() ||
-      object_.seen_askew())
+  if (c_.arm.view().height_m < c_.config.task.carry.standing_tolerance_m || object_.seen_standing())
     return std::nullopt;
   return TaskEvent{Event::Obstructed, presumed_source(c_, force) + describe(force)};
 }
@@ -163,11 +162,13 @@ bool TaskRunner::nobody_near_hand() const {
   return separation_.nobody_within(c_.config.task.empty_hand.touch_clear_m);
 }
 
-// what blocks an open hand at the end of its approach, with nobody near, is the object
+// what blocks an open hand right before or beside the object, with nobody near, is the object
 TaskEvent TaskRunner::as_touch(TaskEvent event) const {
-  const bool at_object = c_.state == Task::Approach && approach_phase_.leg() == ApproachPhase::Leg::Straight;
-  if (event.event == Event::Blocked && at_object && c_.config.task.empty_hand.max_touch_s > 0.0 &&
-      nobody_near_hand())
+  const bool at_object =
+      (c_.state == Task::Approach && approach_phase_.leg() == ApproachPhase::Leg::Straight) ||
+      (c_.state == Task::Retreat && retreat_phase_.may_touch());
+  if (event.event == Event::Blocked && at_object && c_.arm.touched() &&
+      c_.config.task.empty_hand.max_touch_s > 0.0 && nobody_near_hand())
     event.event = Event::TouchedObject;
   return event;
 }
@@ -270,7 +271,7 @@ void TaskRunner::begin_state(Task from, Event event) {
     case Task::Release:
       return retreat_phase_.begin_release();
     case Task::Retreat:
-      return retreat_phase_.begin_retreat();
+      return retreat_phase_.begin_retreat(from == Task::Contact);
     case Task::Stopped:
     case Task::Refused:
     case Task::Aborted:
@@ -304,7 +305,7 @@ void TaskRunner::apply(const TaskEvent& event, const JobHooks& hooks) {
   if ((event.event == Event::GripBad || event.event == Event::HandEmpty) &&
       (from == Task::Close || from == Task::Verify))
     grasps_.refuse_grip("a grip here failed: " + event.detail);
-  if (event.event == Event::TouchedObject) {
+  if (event.event == Event::TouchedObject && from == Task::Approach) {
     c_.attempts.touched = true;
     grasps_.refuse_approach("the hand met something on its way here: " + event.detail);
   }

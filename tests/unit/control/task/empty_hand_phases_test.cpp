@@ -202,7 +202,7 @@ TEST_CASE("a hand that met the object goes straight back, and not to the grasp f
   const double stopped_off = rig.off(grasp);
   rig.c->attempts.failed = rig.c->attempts.touched = true;
   rig.enter(Task::Retreat);
-  rig.retreat.begin_retreat();
+  rig.retreat.begin_retreat(true);
   double nearest = stopped_off;
   const auto event = rig.run([&] {
     nearest = std::min(nearest, rig.off(grasp));
@@ -221,8 +221,29 @@ TEST_CASE("as often as the arm may set out, a hand that met something tries else
   rig.c->attempts.failed = rig.c->attempts.touched = true;
   rig.c->attempts.approaches = rig.c->config.task.attempts.max_approaches;
   rig.enter(Task::Retreat);
-  rig.retreat.begin_retreat();
+  rig.retreat.begin_retreat(true);
   CHECK(rig.run([&] { return rig.retreat.retreat(); })->event == Event::BackInVain);
+}
+
+TEST_CASE("on the way back an open hand may meet the object, but not for ever, and not on the way home",
+          "[phases]") {
+  EmptyHand rig;
+  rig.begin_approach();
+  REQUIRE(rig.run([&] { return rig.approach.approach(); }));
+  rig.enter(Task::Retreat);
+  rig.retreat.begin_retreat(false);
+  int contacts = 0;
+  for (; contacts < 100 && rig.retreat.may_touch(); ++contacts) rig.retreat.begin_retreat(true);
+  CHECK(contacts == 3);
+  rig.retreat.begin_retreat(false);
+  CHECK(rig.retreat.may_touch());
+  const auto home = rig.run([&]() -> std::optional<TaskEvent> {
+    if (rig.retreat.leg() == RetreatPhase::Leg::Home) return TaskEvent{Event::Interrupted, ""};
+    return rig.retreat.retreat();
+  });
+  REQUIRE(home);
+  CHECK(home->event == Event::Interrupted);
+  CHECK_FALSE(rig.retreat.may_touch());
 }
 
 TEST_CASE("an approach that is given up says once whether it was near the object", "[phases]") {
@@ -358,7 +379,7 @@ TEST_CASE("a retreat goes from the object, then home, and says how the job stand
   rig.begin_approach();
   REQUIRE(rig.run([&] { return rig.approach.approach(); }));
   rig.enter(Task::Retreat);
-  rig.retreat.begin_retreat();
+  rig.retreat.begin_retreat(false);
   CHECK(rig.retreat.leg() == RetreatPhase::Leg::FromObject);
   Attempts& attempts = rig.c->attempts;
   Event wanted = Event::BackInVain;
@@ -403,7 +424,7 @@ TEST_CASE("a retreat without a path home stays clear of the object, and says why
   elsewhere[0] += 0.4;  // than where the plan began, and without a collision world nothing leads there
   rig.retreat.set_home(elsewhere);
   rig.enter(Task::Retreat);
-  rig.retreat.begin_retreat();
+  rig.retreat.begin_retreat(false);
   const auto event = rig.run([&] { return rig.retreat.retreat(); });
   REQUIRE(event);
   CHECK(event->event == Event::TimeOut);
@@ -420,7 +441,7 @@ TEST_CASE("a retreat keeps the acceleration that the configuration allows planne
     rig.begin_approach();
     REQUIRE(rig.run([&] { return rig.approach.approach(); }));
     rig.enter(Task::Retreat);
-    rig.retreat.begin_retreat();
+    rig.retreat.begin_retreat(false);
     constexpr double kCycle_s = 0.005;
     JointVector q = rig.c->arm.commanded(), v = JointVector::Zero();
     double most = 0.0;
