@@ -53,7 +53,7 @@ void set_method_defaults(Method method, Config& config) {
   config.candidates = planner::thesis_candidates();
   config.candidates.step_m = kStep_m;
   config.candidates.collision.feature_margin_m = kStray_m;
-  config.candidates.refine_lines = 0;  // it knows no optimum to look around
+  config.candidates.refine_lines = config.candidates.refine_steps = 0;  // it knows no optimum to look around
 }
 
 }  // namespace colift::control

@@ -105,9 +105,9 @@ struct EmptyHandConfig {
       "Speed scale of the motion back along the approach.");
     v("return_timeout_s", return_timeout_s, hal::Range{1, 3600}, "Timeout of back-off and of retreat (s).");
     v("touch_clear_m", touch_clear_m, hal::Range{0, 5},
-      "With everybody farther from the arm than that, what an open hand meets at the end of its approach is "
-      "the "
-      "object, and another grasp is tried (m).");
+      "With everybody farther from the arm than that, what an open hand meets beside the object is the "
+      "object, "
+      "and the hand goes back (m).");
     v("max_touch_s", max_touch_s, hal::Range{0, 10},
       "Max time for which the force of such a contact lasts; 0: each contact ends the job (s).");
   }
@@ -234,6 +234,7 @@ struct CarryConfig {
   double load_loss_s = 0.15;
   double regrasp_s = 0.5;
   double regrasp_timeout_s = 20.0;
+  int max_regrasps = 5;
   double regrasp_load_factor = 0.3;
 
   template <class Visitor>
@@ -285,6 +286,10 @@ struct CarryConfig {
       "How long a partner who let go has to hold again before the arm continues (s).");
     v("regrasp_timeout_s", regrasp_timeout_s, hal::Range{0.1, 3600},
       "Timeout for him to grasp again; then the arm holds, and a person decides (s).");
+    v("max_regrasps", max_regrasps, hal::Range{0, 1000},
+      "Max number of times that he lets go or pulls and the lift continues all the same; then the object is "
+      "set "
+      "down together.");
     v("regrasp_load_factor", regrasp_load_factor, hal::kFraction,
       "Max deviation of the load from what it was, as a fraction, at which he is taken to carry again.");
   }

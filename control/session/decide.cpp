@@ -115,8 +115,17 @@ hal::Result<> choose(const SceneAnalysis& analysis, const Config& config, const 
     if (judge_more) judge_more(more);
     out.candidates.insert(out.candidates.end(), more.begin(), more.end());
   }
+  const std::vector<planner::GraspCandidate> possible = out.candidates;
   auto decision = planner::decide_grasp(out.candidates, input, config.decision);
   if (!decision) return tl::unexpected(decision.error());
+  if (decision->chosen && config.candidates.refine_steps > 0 && !analysis.own_candidates) {
+    auto more = analysis.finder->around(out.candidates[*decision->chosen], possible);
+    if (judge_more) judge_more(more);
+    out.candidates = possible;
+    out.candidates.insert(out.candidates.end(), more.begin(), more.end());
+    decision = planner::decide_grasp(out.candidates, input, config.decision);
+    if (!decision) return tl::unexpected(decision.error());
+  }
   out.decision = std::move(*decision);
   if (auto done = choose_robustly(analysis, config.decision, out); !done) return tl::unexpected(done.error());
   out.share = share_contract(out, analysis, uncertain_scene(analysis, *out.partner, config.decision), config,
@@ -128,6 +137,21 @@ hal::Result<> choose(const SceneAnalysis& analysis, const Config& config, const 
 }
 
 }  // namespace
+
+void add_grasps(SceneAnalysis& analysis, const planner::CandidateConfig& config, const Judge& judge_reach) {
+  constexpr double kSmallest_m = 0.012;  // half a fingertip's width
+  if (!analysis.finder) return;
+  std::vector<planner::GraspCandidate>& all = analysis.candidates;
+  const auto possible = [&] {
+    return std::count_if(all.begin(), all.end(),
+                         [](const auto& c) { return c.verdict == planner::Verdict::Ok; });
+  };
+  for (double step = config.step_m; step >= kSmallest_m && possible() < config.min_in_reach; step *= 0.5) {
+    auto more = analysis.finder->between(step, all);
+    judge_reach(more);
+    all.insert(all.end(), more.begin(), more.end());
+  }
+}
 
 hal::Result<> choose_instead(Outcome& outcome, std::size_t candidate, std::string reason) {
   planner::Decision& d = outcome.decision;

@@ -44,10 +44,14 @@ struct Outcome {
 /// Judges candidates that are made on demand, around the optimum: sets to Unreachable what the arm cannot do.
 using Judge = std::function<void(std::vector<planner::GraspCandidate>&)>;
 
+/// Adds candidates where fewer than `config.min_in_reach` are feasible: on other sides of bars, and at
+/// smaller steps.
+void add_grasps(SceneAnalysis& analysis, const planner::CandidateConfig& config, const Judge& judge_reach);
+
 /// The decision for a partner who is known: candidates of the look, and some around the closed-form optimum
-/// (config.candidates.refine_lines), judged by `judge_more`. `mass_kg`: of the object, where the caller knows
-/// or measured it. Errors: BadConfig (weights or limits), BadInput (the partner's grasp is not finite, or its
-/// covariance is none).
+/// (config.candidates.refine_lines) and the best one (refine_steps), judged by `judge_more`. `mass_kg`: of
+/// the object, where the caller knows or measured it. Errors: BadConfig (weights or limits), BadInput (the
+/// partner's grasp is not finite, or its covariance is none).
 [[nodiscard]] hal::Result<Outcome> decide_for(const SceneAnalysis& analysis,
                                               const perception::PartnerGrasp& partner, const Config& config,
                                               const hal::Clock& clock, const Judge& judge_more = {},

@@ -15,27 +15,12 @@ void GraspSelector::set_scene() {
   if (const auto& own = c_.options.policies.grasps; own && analysis.finder)
     use_candidates(analysis, own(analysis));
   judge_reach(analysis.candidates);
-  if (!c_.options.policies.grasps) add_grasps(analysis);
+  if (!c_.options.policies.grasps)
+    add_grasps(analysis, c_.config.candidates,
+               [this](std::vector<planner::GraspCandidate>& more) { judge_reach(more); });
   analysis.reason = planner::explain(analysis.candidates);
   c_.record.analysis = analysis;
   judged_.clear();
-}
-
-// Where few grasps are in reach, other sides of bars and places between the others may be too.
-void GraspSelector::add_grasps(SceneAnalysis& analysis) {
-  constexpr double kSmallest_m = 0.012;  // half a fingertip's width
-  if (!analysis.finder) return;
-  std::vector<planner::GraspCandidate>& all = analysis.candidates;
-  const auto possible = [&] {
-    return std::count_if(all.begin(), all.end(),
-                         [](const auto& c) { return c.verdict == planner::Verdict::Ok; });
-  };
-  for (double step = c_.config.candidates.step_m;
-       step >= kSmallest_m && possible() < c_.config.candidates.min_in_reach; step *= 0.5) {
-    auto more = analysis.finder->between(step, all);
-    judge_reach(more);
-    all.insert(all.end(), more.begin(), more.end());
-  }
 }
 
 void GraspSelector::begin_decision() {

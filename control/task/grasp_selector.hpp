@@ -45,7 +45,6 @@ class GraspSelector {
   /// Sets to Unreachable what the arm does not reach; where it does not get there straight, but at an angle
   /// to the face, the candidate becomes that one.
   void judge_reach(std::vector<planner::GraspCandidate>& candidates);
-  void add_grasps(SceneAnalysis& analysis);
   /// JobPolicies::choice. False where it names a candidate that is not feasible: nothing is chosen then.
   [[nodiscard]] bool take_own_choice();
   void test_beyond_limits();

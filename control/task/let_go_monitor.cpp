@@ -195,7 +195,7 @@ std::optional<TaskEvent> LetGoMonitor::let_go() const {
     return TaskEvent{Event::PartnerLetGo,
                      fmt::format("his end is {:.0f} mm lower than the hand (limit {:.0f}; camera)",
                                  1e3 * lag_m(), 1e3 * carry.partner_lag_m)};
-  if (in_the_air() && fall_m_ > config_.fall_m)
+  if (in_the_air() && fall_m_ > std::max(config_.fall_m, object_.end_noise_m()))
     return TaskEvent{Event::PartnerLetGo,
                      fmt::format("his end falls: by {:.0f} mm more than the hand at once (limit "
                                  "{:.0f}; camera)",
@@ -212,10 +212,11 @@ std::optional<TaskEvent> LetGoMonitor::let_go() const {
   return std::nullopt;
 }
 
-bool LetGoMonitor::holds_again() const {
+bool LetGoMonitor::holds_again(bool ground_may_bear) const {
   const CarryConfig& carry = c_.config.task.carry;
   if (!(lag_m() < carry.partner_lag_m)) return false;
   if (const auto seen = hand_seen(); seen && !his_end_is_up()) return *seen;
+  if (ground_may_bear) return false;
   const double load_n = c_.arm.view().load_n;
   return std::min(load_n, load_before_n_) > config_.min_load_n &&
          is_borne_again(load_n, load_before_n_, carry.regrasp_load_factor, his_end_is_up());

@@ -36,8 +36,9 @@ class LetGoMonitor {
   /// The sideways force on the hand is steady: nobody pulls at the object.
   [[nodiscard]] bool is_steady() const;
   /// He holds a raised object again: his hand is seen and his end is up. Where his hand cannot be seen: the
-  /// load is what it was; with his end in the air it may be less, he bears the more then.
-  [[nodiscard]] bool holds_again() const;
+  /// load is what it was; with his end in the air it may be less, he bears the more then; an
+  /// end that the ground may bear has to be held by a hand that is seen.
+  [[nodiscard]] bool holds_again(bool ground_may_bear) const;
   /// In the last frame his hand was at his contact, no farther from its mean than usual.
   [[nodiscard]] bool hand_stays() const;
   /// His end is seen in the air beside the palm: he carries, whatever hides his hand.

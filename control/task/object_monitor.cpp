@@ -12,6 +12,10 @@
 namespace colift::control {
 namespace {
 
+// Where the view does not hold it, his end's place jumps from frame to frame between two that fit. What is
+// larger than the largest jump of the last seconds is a motion. A fall is no jump until some frames later,
+// and the largest one may be one, so that it counts only so far.
+constexpr double kMotion_jumps = 1.3, kRemembered = 0.99, kMaxJump_m = 0.015;
 constexpr double kMinShare = 0.05;  // with less, the robot's load says nothing of the partner's
 
 // The joint with the least angle left to one of its limits, in words.
@@ -101,6 +105,9 @@ void ObjectMonitor::update() {
     const hal::Vec3 grip = X_WH_grip_.translation();
     partner_rise_m_ = motion_->rise(c_.record.decision->partner->position, up);
     partner_top_m_ = std::max(partner_top_m_, partner_rise_m_);
+    update_noise(sample.palm_height_m - partner_rise_m_);
+    const double first_m = std::max(c_.config.task.lift.leader_rise_m, end_noise_m());
+    frames_first_ = partner_rise_m_ - sample.palm_height_m > first_m ? frames_first_ + 1 : 0;
     tilt_rad_ = motion_->tilt(up);
     if (c_.state == Task::TestLift || c_.state == Task::Lift || c_.state == Task::Hold)
       hanging_tilt_rad_ = tilt_rad_;
@@ -120,6 +127,24 @@ void ObjectMonitor::update() {
   if (c_.options.policies.carry && (c_.state == Task::Lift || c_.state == Task::Hold))
     order_ = c_.options.policies.carry(sample);
   c_.carry_scale = std::clamp(std::isnan(order_.speed_scale) ? 1.0 : order_.speed_scale, 0.0, 1.0);
+}
+
+void ObjectMonitor::update_noise(double lag_m) {
+  std::shift_right(lags_m_.begin(), lags_m_.end(), 1);
+  lags_m_.front() = lag_m;
+  // against the mean of its neighbours, doubled: a steady motion is no jump
+  const std::size_t n = lags_m_.size();
+  const double jump_m = lags_m_[n - 3] - 2.0 * lags_m_[n - 2] + lags_m_[n - 1];
+  if (std::isnan(jump_m)) return;
+  jump_m_ = std::max(std::min(std::abs(jump_m), kMaxJump_m), kRemembered * jump_m_);
+}
+
+double ObjectMonitor::end_noise_m() const {
+  return kMotion_jumps * jump_m_;
+}
+
+bool ObjectMonitor::partner_lifts_first() const {
+  return frames_first_ >= c_.config.task.carry.limit_frames;
 }
 
 std::optional<TaskEvent> ObjectMonitor::beyond_limits() const {

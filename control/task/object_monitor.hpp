@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -33,9 +34,15 @@ class ObjectMonitor {
   /// JobPolicies::carry wants the hold to end.
   [[nodiscard]] bool to_be_lowered() const { return order_.lower; }
   /// How far the partner's end has risen, when it was last seen; and how far it has come down since its
-  /// highest place in this lift (m).
+  /// highest place in this lift, or since that was forgotten (m).
   [[nodiscard]] double partner_rise_m() const { return partner_rise_m_; }
   [[nodiscard]] double partner_fall_m() const { return partner_top_m_ - partner_rise_m_; }
+  void forget_partner_top() { partner_top_m_ = partner_rise_m_; }
+  /// What his end has to move to be moving: less is the noise of its place, as measured from frame to frame
+  /// (m).
+  [[nodiscard]] double end_noise_m() const;
+  /// His end is farther up than the hand by more than LiftMotionConfig::leader_rise_m, and stays so.
+  [[nodiscard]] bool partner_lifts_first() const;
   /// Both ends are seen where they stood, up to CarryConfig::standing_tolerance_m; without a picture the
   /// palm's height above its grasp decides.
   [[nodiscard]] bool seen_down() const;
@@ -56,6 +63,7 @@ class ObjectMonitor {
  private:
   TaskContext& c_;
   [[nodiscard]] double partner_load_n() const;
+  void update_noise(double lag_m);
   /// From when the hand has a good grip until the object is set down.
   [[nodiscard]] std::optional<perception::HeldPoint> held_point() const;
 
@@ -65,9 +73,11 @@ class ObjectMonitor {
   std::optional<perception::ObjectMotion> motion_;
   CarryOrder order_;  ///< Of the last frame.
   double partner_rise_m_ = 0.0, partner_top_m_ = 0.0, tilt_rad_ = NAN, slip_m_ = NAN;
-  double hanging_tilt_rad_ = NAN;                 ///< Before it was lowered.
-  int frames_slipping_ = 0, frames_tilting_ = 0;  ///< In a row.
-  hal::Timestamp partner_bears_at_{0};            ///< His load was last within its limit.
+  std::array<double, 5> lags_m_{NAN, NAN, NAN, NAN, NAN};  ///< His end below the palm, newest first.
+  double jump_m_ = 0.0;                                    ///< Largest of its jumps, fading.
+  double hanging_tilt_rad_ = NAN;                          ///< Before it was lowered.
+  int frames_slipping_ = 0, frames_tilting_ = 0, frames_first_ = 0;  ///< In a row.
+  hal::Timestamp partner_bears_at_{0};                               ///< His load was last within its limit.
 };
 
 }  // namespace colift::control

@@ -247,6 +247,35 @@ std::vector<GraspCandidate> CandidateFinder::near(const Vec3& point,
   return found;
 }
 
+std::vector<GraspCandidate> CandidateFinder::around(const GraspCandidate& candidate,
+                                                    const std::vector<GraspCandidate>& existing) const {
+  constexpr double kOnLine_m = 0.001;
+  const auto line = std::find_if(lines_.begin(), lines_.end(), [&](const GraspLine& l) {
+    return l.kind == candidate.kind && l.surface == candidate.surface &&
+           l.approach.dot(candidate.approach) > 0.999 && std::abs(l.closing.dot(candidate.closing)) > 0.999 &&
+           (l.nearest(candidate.position) - candidate.position).norm() < kOnLine_m;
+  });
+  std::vector<GraspCandidate> found;
+  if (line == lines_.end() || line->length() <= 0.0) return found;
+  const Vec3 along = (line->to - line->from).normalized();
+  const double step_m = config_.step_m / (config_.refine_steps + 1);
+  int next_id = next_id_after(existing);
+  for (int k = -config_.refine_steps; k <= config_.refine_steps; ++k) {
+    GraspCandidate c = candidate;
+    c.position += k * step_m * along;
+    if (k == 0 || (line->nearest(c.position) - c.position).norm() > kOnLine_m ||
+        is_known(existing, c, kSamePlace_m))
+      continue;
+    c.verdict = Verdict::Ok;
+    c.reason.clear();
+    judge(c);
+    if (config_.pads_bear) c.depth_m = pad_depth(c, hand_);
+    c.id = next_id++;
+    found.push_back(std::move(c));
+  }
+  return found;
+}
+
 std::optional<Collision> CandidateFinder::collides(const GraspCandidate& candidate, double enough_m) const {
   const HandPlacement placement = collision_->place(candidate, seen());
   if (auto met = collision_->check(placement, obstacles_, enough_m)) return met;

@@ -61,6 +61,7 @@ struct CandidateConfig {
   double wrap_step_deg = 30.0;
   bool try_both_ways = true;
   int refine_lines = 4;
+  int refine_steps = 3;
   double turn_step_deg = 20.0;
   double max_turn_deg = 0.0;
   double min_hold_depth_m = 0.03;
@@ -90,9 +91,8 @@ struct CandidateConfig {
       "steps; 0: never.");
     v("edges", edges, "Whether rims of plates are grasped.");
     v("side_clearance_m", side_clearance_m, hal::Range{0, 0.2},
-      "Distance to both sides along a rim within which the hand must not meet the object either: of a leg "
-      "only "
-      "the faces towards the camera are seen (m).");
+      "Distance to both sides along a rim within which the hand must not meet the object either, because of "
+      "a leg only the faces towards the camera are seen (m).");
     v("assumed_thickness_m", assumed_thickness_m, hal::Range{0.001, 0.5},
       "Thickness of a plate whose edge was not seen (m).");
     v("edge_probe_m", edge_probe_m, hal::Range{0.001, 0.2},
@@ -107,6 +107,8 @@ struct CandidateConfig {
     v("try_both_ways", try_both_ways, "Whether the hand is tried turned by 180 degrees where it collides.");
     v("refine_lines", refine_lines, hal::Range{0, 100},
       "Number of grasp lines that get a candidate near a given point.");
+    v("refine_steps", refine_steps, hal::Range{0, 100},
+      "Number of candidates that are added on each side of the chosen one, up to its neighbours; 0: none.");
     v("turn_step_deg", turn_step_deg, hal::Range{1, 90},
       "Step of the angles at which the hand approaches a face that the arm does not reach along its normal "
       "(deg).");
@@ -152,6 +154,12 @@ class CandidateFinder {
   /// already (within 2 mm, with the same approach and closing axis); ids go on after the last of `existing`.
   [[nodiscard]] std::vector<GraspCandidate> near(const Vec3& point,
                                                  const std::vector<GraspCandidate>& existing) const;
+
+  /// Candidates on the line of one of them, on both sides of it up to its neighbours (config.refine_steps).
+  /// Judged like the others, without those of `existing`; ids go on after its last. None for a candidate that
+  /// was turned off its line.
+  [[nodiscard]] std::vector<GraspCandidate> around(const GraspCandidate& candidate,
+                                                   const std::vector<GraspCandidate>& existing) const;
 
   /// Candidates at this step on all lines and on the other sides of bars, without those that `existing` holds
   /// within half a step. Judged like the others; ids go on after the last of `existing`.

@@ -13,7 +13,7 @@ namespace {
 constexpr double kOpens_rad = 0.03;                         // of the fingers' mean
 constexpr double kSupported_n = 3.0, kSupportedPart = 0.1;  // below that somebody else bears the object
 constexpr double kFalls_s = 0.5, kDropped_m = 0.003, kTilted_rad = 0.009;  // what was not supported moves
-constexpr double kLifted_m = 0.01, kNearTop = 0.95;
+constexpr double kLifted_m = 0.01, kNearTop = 0.95, kStillUp = 0.8;
 
 }  // namespace
 
@@ -41,9 +41,15 @@ void LoadRules::tick(const TickReport& r, std::vector<std::string>& breaches) {
       opening_.reset();
     }
   }
-  max_height_m_ = std::max(max_height_m_, r.truth.height_m);
-  if (max_height_m_ > kLifted_m && r.truth.height_m > kNearTop * max_height_m_)
-    partner_at_top_ = r.truth.partner_W.has_value();
+  const double height_m = r.truth.height_m;
+  const bool held = r.truth.partner_W.has_value();
+  // who takes hold again in the air need not raise it as high as it was before
+  if (held && !held_) top_m_ = height_m;
+  held_ = held;
+  top_m_ = std::max(top_m_, height_m);
+  max_height_m_ = std::max(max_height_m_, height_m);
+  if (max_height_m_ > kLifted_m && height_m > kNearTop * top_m_ && height_m > kStillUp * max_height_m_)
+    partner_at_top_ = held;
 }
 
 void LoadRules::lifted(std::vector<std::string>& breaches) const {

@@ -168,3 +168,28 @@ TEST_CASE("a shelf that hangs askew is not let go on a thing that was pushed und
   CHECK(run.lift.record.hand_keeps_grip);
   for (const auto& s : run.lift.record.states) CHECK(s.state != control::Task::Release);
 }
+
+TEST_CASE("a partner who holds his end lower after a stumble has not let it fall") {
+  KeptRun run = run_kept("holds_lower_after_a_stumble");
+  INFO(told(run));
+  CHECK(fmt::format("{}", fmt::join(run.lift.verdict.breaches, "; ")) == "");
+  CHECK(run.lift.record.outcome == control::RunRecord::Result::Lifted);
+}
+
+TEST_CASE("a lift that is interrupted too often is set down together") {
+  const KeptRun run = run_kept("holds_lower_after_a_stumble", {{"task.carry.max_regrasps", "0"}});
+  INFO(told(run));
+  CHECK(fmt::format("{}", fmt::join(run.lift.verdict.breaches, "; ")) == "");
+  CHECK(run.lift.record.outcome == control::RunRecord::Result::Aborted);
+  CHECK_THAT(run.lift.record.reason, Catch::Matchers::Contains("the lift was interrupted once"));
+  CHECK(run.lift.record.states.back().state == control::Task::Aborted);
+}
+
+TEST_CASE("who lets go millimetres above the ground has not lowered it: set down, and not called lifted") {
+  const KeptRun run = run_kept("lets_go_right_above_the_ground");
+  INFO(told(run));
+  CHECK(fmt::format("{}", fmt::join(run.lift.verdict.breaches, "; ")) == "");
+  CHECK(run.lift.record.outcome == control::RunRecord::Result::Aborted);
+  CHECK(run.lift.record.states.back().state == control::Task::Aborted);
+  CHECK_THAT(run.lift.record.reason, Catch::Matchers::Contains("the partner let go before the object stood"));
+}

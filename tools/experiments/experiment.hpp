@@ -121,5 +121,6 @@ struct Experiment {
 [[nodiscard]] Experiment certificate_experiment();
 [[nodiscard]] Experiment views_experiment();
 [[nodiscard]] Experiment furniture_experiment();
+[[nodiscard]] Experiment candidates_experiment();
 
 }  // namespace colift::experiments

@@ -232,10 +232,10 @@ constexpr auto kRules = std::to_array<Rule>({
 
     // in the air on the spot: nothing lowers it by itself, a person may be under it, unless it stands already
     {Pause, PartnerBack, Lift, "the partner holds again: the lift continues"},
-    {Pause, HoldOver, Lower, "the partner holds again, or the object meets the ground: lowering continues"},
+    {Pause, HoldOver, Lower, "the partner holds again, or the object meets the ground: sets it down"},
     {Pause, OnGround, Lower, "the object stands: nothing is left to carry"},
     {Pause, LowerConfirmed, Lower, "a person confirmed lowering: sets the object down"},
-    {Pause, TimeOut, Stopped, "timeout: nobody took the object up again; holds, the grip stays closed"},
+    {Pause, TimeOut, Stopped, "timeout: nobody keeps hold of the object; holds, the grip stays closed"},
     {Pause, HandEmpty, Stopped, kFell},
     {Pause, Blocked, Yield, kPushed},
     {Pause, ArmLost, Stopped, kArmGone},

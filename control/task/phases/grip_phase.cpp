@@ -135,17 +135,17 @@ std::optional<TaskEvent> GripPhase::verify() {
 std::optional<TaskEvent> GripPhase::await_ready() {
   const hal::HandState& hand = c_.readings.hand;
   object_.update();
-  const double rise_m = object_.partner_rise_m();
-  const double leader_rise_m = c_.config.task.lift.leader_rise_m;
   c_.doing = "watches whether the partner is ready";
   if (!hand.held) return TaskEvent{Event::HandEmpty, "the hand has lost the object"};
   if (hand.hot) return TaskEvent{Event::GripBad, hand.warning.str()};
-  if (object_.motion() && rise_m > leader_rise_m) {
+  if (object_.partner_lifts_first()) {
     c_.role = LiftController::Role::Follow;
     return TaskEvent{Event::PartnerReady,
-                     fmt::format("the partner lifts already, by {:.0f} mm: the robot follows", 1e3 * rise_m)};
+                     fmt::format("the partner lifts already, by {:.0f} mm: the robot follows",
+                                 1e3 * object_.partner_rise_m())};
   }
-  if (c_.readings.frame && (!object_.motion() || std::abs(rise_m) < leader_rise_m))
+  if (c_.readings.frame &&
+      (!object_.motion() || std::abs(object_.partner_rise_m()) < c_.config.task.lift.leader_rise_m))
     if (auto gone = let_go()) return gone;
   if (c_.in_state_s() > c_.config.task.grip.ready_timeout_s)
     return TaskEvent{Event::TimeOut, "the partner does not come to rest"};

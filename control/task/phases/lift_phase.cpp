@@ -15,6 +15,8 @@ constexpr double kMeanLoad = 0.005;  // of a cycle in the slow mean of the load:
 
 void LiftPhase::begin_lift(Task from) {
   c_.attempts.lifted = true;
+  // he may hold his end lower than before
+  if (from == Task::Pause) object_.forget_partner_top();
   evidence_.start_lift();
   from_ = from;
   raises_ = false;
@@ -127,7 +129,8 @@ std::optional<TaskEvent> LiftPhase::hold() {
 std::optional<TaskEvent> LiftPhase::partner_gone_or_lowers() {
   const CarryConfig& carry = c_.config.task.carry;
   const double load_n = c_.arm.view().load_n;
-  const bool fell = object_.motion() && object_.partner_fall_m() > carry.partner_fall_m;
+  const bool fell =
+      object_.motion() && object_.partner_fall_m() > std::max(carry.partner_fall_m, object_.end_noise_m());
   // what deviates quickly from the mean before it is news
   const bool heavier =
       load_n > carry.load_jump_factor * mean_load_n_ && load_n > mean_load_n_ + carry.load_jump_n;

@@ -18,6 +18,7 @@ void PausePhase::begin(Task from, Event event, std::string why) {
   load_at_start_n_ = c_.arm.view().load_n;
   c_.arm.pause();
   partner_.ask_again();
+  if (!obstructed_) ++pauses_;
   if (from == Task::TestLift) {
     // what was measured until now says nothing: it is set down, and measured anew
     c_.attempts.failed = c_.attempts.regrasp = true;
@@ -48,13 +49,21 @@ void PausePhase::lowering_confirmed() {
 }
 
 bool PausePhase::goes_on() const {
-  if (!obstructed_) return partner_.holds_again() && (!pulled_ || partner_.is_steady());
+  if (!obstructed_) return is_nearly_down() || (holds_again() && (!pulled_ || partner_.is_steady()));
   // it was the ground, and the newest picture shows it
   if (object_.seen_askew()) return true;
   // what stood on something hangs in the hand again
   const CarryConfig& carry = c_.config.task.carry;
   const double load_n = c_.arm.view().load_n;
   return load_n > carry.standing_load_n && load_n > load_at_start_n_ + carry.standing_load_n;
+}
+
+bool PausePhase::is_nearly_down() const {
+  return from_ == Task::Lower && !obstructed_ && !pulled_ && object_.motion() && object_.seen_down();
+}
+
+bool PausePhase::holds_again() const {
+  return partner_.holds_again(is_nearly_down());
 }
 
 bool PausePhase::stands() const {
@@ -74,6 +83,30 @@ TaskEvent PausePhase::put_down() {
           fmt::format("both ends are seen where they stood, {:.1f} N in the hand", c_.arm.view().load_n)};
 }
 
+TaskEvent PausePhase::go_on() {
+  const CarryConfig& carry = c_.config.task.carry;
+  const std::string how_long = fmt::format("for {:.1f} s", carry.regrasp_s);
+  if (from_ != Task::Lift && from_ != Task::Hold) {
+    // lowering that is interrupted without end is no lowering
+    if (pauses_ > 2 * carry.max_regrasps + 1)
+      return {Event::TimeOut, fmt::format("interrupted {} times", pauses_)};
+    if (is_nearly_down() && !holds_again()) {
+      partner_.stop();
+      c_.attempts.regrasp = false;
+      if (!std::exchange(c_.attempts.failed, true))
+        c_.attempts.failure = "the partner let go before the object stood: " + why_;
+    }
+    return {Event::HoldOver, how_long};
+  }
+  if (pauses_ <= carry.max_regrasps) return {Event::PartnerBack, how_long};
+  c_.attempts.failed = true;
+  c_.attempts.regrasp = false;
+  c_.attempts.failure = fmt::format("the lift was interrupted {}, the last time because {}",
+                                    pauses_ == 1 ? "once" : fmt::format("{} times", pauses_),
+                                    pulled_ ? "somebody pulled" : "the partner let go");
+  return {Event::HoldOver, c_.attempts.failure};
+}
+
 std::optional<TaskEvent> PausePhase::pause() {
   object_.update();
   partner_.update();
@@ -89,9 +122,7 @@ std::optional<TaskEvent> PausePhase::pause() {
   if (hand.slips) return TaskEvent{Event::HandUnfit, slip_words(hand)};
   if (!goes_on()) not_since_ = c_.now;
   if (!stands()) hangs_at_ = c_.now;
-  if (hal::seconds(c_.now - not_since_) >= carry.regrasp_s)
-    return TaskEvent{from_ == Task::Lift || from_ == Task::Hold ? Event::PartnerBack : Event::HoldOver,
-                     fmt::format("for {:.1f} s", carry.regrasp_s)};
+  if (hal::seconds(c_.now - not_since_) >= carry.regrasp_s) return go_on();
   const bool asked_in_vain = c_.in_state_s() > carry.regrasp_timeout_s;
   // on its way up he is asked first
   const bool was_to_stand = from_ == Task::Lower || from_ == Task::TestLift;

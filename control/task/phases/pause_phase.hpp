@@ -25,6 +25,12 @@ class PausePhase {
 
  private:
   [[nodiscard]] bool goes_on() const;
+  /// It was lowered, and both of its ends are seen where they stood, up to millimetres: nothing falls,
+  /// whoever holds it.
+  [[nodiscard]] bool is_nearly_down() const;
+  [[nodiscard]] bool holds_again() const;
+  /// What continues now; after CarryConfig::max_regrasps no lift any more.
+  [[nodiscard]] TaskEvent go_on();
   /// Next to nothing hangs in the hand, and both ends of the object are seen where they stood.
   [[nodiscard]] bool stands() const;
   /// It stands, and nobody took it up: the robot sets its end down and releases it.
@@ -36,6 +42,7 @@ class PausePhase {
   LetGoMonitor& partner_;
   Task from_ = Task::Lift;
   bool obstructed_ = false, pulled_ = false;
+  int pauses_ = 0;  ///< Of this job, but those in which something was under the object.
   double load_at_start_n_ = 0.0;
   std::string why_;              ///< It was paused.
   hal::Timestamp not_since_{0};  ///< When it was last not to go on ...

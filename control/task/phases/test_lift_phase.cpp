@@ -27,11 +27,10 @@ std::optional<TaskEvent> TestLiftPhase::test_lift() {
   if (auto end = object_.end_of_reach()) return end;
   if (auto limit = object_.beyond_limits()) return limit;
   const double now_m = c_.arm.view().height_m;
-  const double rise_m = object_.partner_rise_m();
-  if (object_.motion() && rise_m > now_m + c_.config.task.lift.leader_rise_m) {
+  if (object_.partner_lifts_first()) {
     c_.role = LiftController::Role::Follow;
-    return TaskEvent{Event::PartnerReady,
-                     fmt::format("his end is {:.0f} mm up: the robot follows", 1e3 * rise_m)};
+    return TaskEvent{Event::PartnerReady, fmt::format("his end is {:.0f} mm up: the robot follows",
+                                                      1e3 * object_.partner_rise_m())};
   }
   const TaskConfig& task = c_.config.task;
   if (c_.in_state_s() > c_.config.test_lift.raise_s / task.slow_fraction + task.partner_timeout_s)

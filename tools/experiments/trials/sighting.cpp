@@ -94,6 +94,9 @@ struct Observation::Impl {
     if (!watch.analysis().scene.target) return tl::unexpected(missing(watch.analysis().reason));
     set_scene();
     planner.judge(watch.analysis().candidates, lift_height_m);
+    control::add_grasps(
+        watch.analysis(), config.candidates,
+        [this](std::vector<planner::GraspCandidate>& more) { planner.judge(more, lift_height_m); });
     return {};
   }
 
@@ -190,6 +193,17 @@ hal::Result<control::Outcome> Observation::decide_for(const perception::PartnerG
                              [this](std::vector<planner::GraspCandidate>& more) {
                                impl_->planner.judge(more, impl_->lift_height_m);
                              });
+}
+
+hal::Result<control::Outcome> Observation::decide_finely(const control::Config& config, double step_m) {
+  control::SceneAnalysis& analysis = impl_->watch.analysis();
+  const std::vector<planner::GraspCandidate> before = analysis.candidates;
+  auto more = analysis.finder->between(step_m, before);
+  impl_->planner.judge(more, impl_->lift_height_m);
+  analysis.candidates.insert(analysis.candidates.end(), more.begin(), more.end());
+  auto outcome = decide(config);
+  analysis.candidates = before;
+  return outcome;
 }
 
 hal::Result<control::Outcome> Observation::decide(const control::Config& config, const hal::Vec3& cog) {

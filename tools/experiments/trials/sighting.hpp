@@ -56,6 +56,8 @@ class Observation {
 
   /// The run's own decision, with any prices. Errors: those of decide_for().
   [[nodiscard]] hal::Result<control::Outcome> decide(const control::Config& config);
+  /// The same among all candidates at steps of `step_m` along the lines, too.
+  [[nodiscard]] hal::Result<control::Outcome> decide_finely(const control::Config& config, double step_m);
   /// The same for a partner who is elsewhere now.
   [[nodiscard]] hal::Result<control::Outcome> decide_for(const perception::PartnerGrasp& partner,
                                                          const control::Config& config);

@@ -41,7 +41,7 @@ SceneAnalysis table(double sigma_m) {
 
 Config config_with(std::optional<double> share) {
   Config config;
-  config.candidates.refine_lines = 0;
+  config.candidates.refine_lines = config.candidates.refine_steps = 0;
   config.decision.unevenness = 0.0;
   config.certificate.share_below = config.certificate.share_above = 1.96;
   config.decision.max_lever_m = 0.065;

@@ -302,6 +302,36 @@ TEST_CASE("a candidate near a point lies at the foot on its line and is not repe
   }
 }
 
+TEST_CASE("around a candidate there are others on its line, up to its neighbours", "[candidates]") {
+  const auto seen = tests::see(table(), false);
+  CandidateConfig config;
+  const CandidateFinder finder(seen.scene, &seen.cloud, HandModel{}, config);
+  auto all = finder.find();
+  const auto chosen =
+      std::find_if(all.begin(), all.end(), [](const auto& c) { return c.verdict == Verdict::Ok; });
+  REQUIRE(chosen != all.end());
+  const GraspCandidate best = *chosen;
+  const auto more = finder.around(best, all);
+  REQUIRE_FALSE(more.empty());
+  CHECK(more.size() <= 2 * static_cast<std::size_t>(config.refine_steps));
+  int id = static_cast<int>(all.size());
+  for (const auto& c : more) {
+    const double away_m = (c.position - best.position).norm();
+    CHECK(away_m > 0.25 * config.step_m - 1e-6);
+    CHECK(away_m < config.step_m);
+    CHECK(c.approach.dot(best.approach) > 0.999);
+    CHECK(c.surface == best.surface);
+    CHECK(c.id == id++);
+  }
+  all.insert(all.end(), more.begin(), more.end());
+  CHECK(finder.around(best, all).empty());
+  const auto turned = finder.turned(best, 0.3);
+  REQUIRE(turned);
+  CHECK(finder.around(*turned, all).empty());
+  config.refine_steps = 0;
+  CHECK(CandidateFinder(seen.scene, &seen.cloud, HandModel{}, config).around(best, {}).empty());
+}
+
 TEST_CASE("a hand comes at an angle to a rim with its pads parallel to the plate", "[candidates]") {
   const auto seen = tests::see(table(), false);
   const CandidateFinder finder(seen.scene, &seen.cloud, HandModel{}, CandidateConfig{});

@@ -365,6 +365,25 @@ TEST_CASE("lifted is said of what rose, with the partner, and of nobody's harm")
     room.ms(10);
     CHECK_THAT(breaches(room, true).at(0), Contains("partner did not hold"));
   }
+  SECTION("he let go on the way, took hold again, and it was raised not quite as high") {
+    room.truth.partner_W.reset();
+    room.truth.height_m = 0.02;
+    room.ms(10);
+    room.truth.partner_W = Vec3::Zero();
+    room.ms(10);
+    room.truth.height_m = 0.045;
+    room.ms(10);
+    CHECK(breaches(room, true).empty());
+  }
+  SECTION("he let go on the way, and took hold again when it was nearly down") {
+    room.truth.partner_W.reset();
+    room.ms(10);
+    room.truth.height_m = 0.02;
+    room.ms(10);
+    room.truth.partner_W = Vec3::Zero();
+    room.ms(10);
+    CHECK_THAT(breaches(room, true).at(0), Contains("partner did not hold"));
+  }
   SECTION("somebody was hit") {
     room.touch(BodyRegion::Hand, 60.0);
     room.ms(10);

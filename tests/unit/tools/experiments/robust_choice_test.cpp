@@ -129,7 +129,7 @@ TEST_CASE("decision.robust changes the choice where the nominal grip may slip, a
   analysis.scene.ground = ground;
   analysis.scene.target = target;
   control::Config config;
-  config.candidates.refine_lines = 0;  // the candidates as they stand
+  config.candidates.refine_lines = config.candidates.refine_steps = 0;  // the candidates as they stand
   config.decision.check_reach = false;
   config.decision.mass_kg = 6.0;
   analysis.finder =
