@@ -129,6 +129,8 @@ bool GraspSelector::choose_level(const perception::PartnerGrasp& partner, const 
   Config config = c_.config;
   config.decision.max_lever_m = config.test_lift.max_lever_m;
   config.decision.share_strict.reset();  // of the grasp that is chosen in the end
+  // centimetres beside a grasp that did not hold it level another one does not either
+  config.candidates.refine_steps = 0;
   const auto decide = [&](const hal::Vec3& cog) {
     hal::Vec3& believed = c_.session.analysis().scene.target->cog;
     const hal::Vec3 of_shape = std::exchange(believed, cog);

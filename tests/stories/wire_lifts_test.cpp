@@ -109,8 +109,8 @@ const Row kRows[] = {
     {"46, stuck", "freeze:1", "+.+.+.+.+..", ""},
     {"46, not a number", "nan@3:0.05", "...........", "arm"},
     // while the object is borne a wrong torque is a wrong load, within its limit; a hand at work feels
-    // nothing
-    {"47, torque offset", "torque-offset=20@2:1", "+.++++..++.", ""},
+    // nothing; beside the object it passes for a contact that ends
+    {"47, torque offset", "torque-offset=20@2:1", "+.++++.+++.", ""},
     // in the air 60 N more look like a partner who let go: the arm pauses, then lifts on with him. Before the
     // hand opens they are a load that has to go first
     {"48, contact", "contact=60:1", "...++++....", ""},

@@ -117,11 +117,14 @@ TrialRows run(const Trial& trial) {
 
 std::vector<Figure> figures(const Results& r) {
   const double half_mm = 0.5e3 * planner::CandidateConfig{}.step_m;
-  int possible = 0, again = 0, refused = 0, chose = 0, same = 0, decided = 0, near = 0;
+  // candidates of one object are found or lost together: each object counts once
+  std::vector<double> again, refused;
+  int chose = 0, same = 0, decided = 0, near = 0;
   for (const Row& row : r.trials.rows()) {
-    possible += static_cast<int>(r.trials.number(row, "possible"));
-    again += static_cast<int>(r.trials.number(row, "again"));
-    refused += static_cast<int>(r.trials.number(row, "refused"));
+    if (const double possible = r.trials.number(row, "possible"); possible > 0.0) {
+      again.push_back(r.trials.number(row, "again") / possible);
+      refused.push_back(r.trials.number(row, "refused") / possible);
+    }
     chose += r.trials.number(row, "both_chose") > 0.5;
     same += r.trials.number(row, "same_choice") > 0.5;
     const double apart_mm = r.trials.number(row, "apart_mm");
@@ -130,8 +133,9 @@ std::vector<Figure> figures(const Results& r) {
     near += apart_mm <= half_mm;
   }
   return {
-      {"again", "possible candidates that a second look finds again", rate(again, possible), "%", 0.95},
-      {"refused", "found again, but refused there", rate(refused, possible), "%"},
+      {"again", "possible candidates that a second look finds again, mean over objects", mean_estimate(again),
+       "%", 0.95},
+      {"refused", "found again, but refused there", mean_estimate(refused), "%"},
       {"same", "both looks choose: the same grasp, within half a step", rate(same, chose), "%"},
       {"near", "chosen: at most half a step from the best of a search at 4 mm", rate(near, decided), "%",
        0.95},
