@@ -8,7 +8,7 @@
 namespace colift::tools {
 namespace {
 
-constexpr double kSamePlace_m = 1e-3;
+constexpr double kSamePlace_m = 1e-3, kBeside_m = 0.05;
 constexpr const char* kLift = "lift";
 constexpr const char* kHold = "hold";
 
@@ -42,12 +42,24 @@ std::vector<StateComparison> compare_states(const Both<const RecordedRun*>& runs
   return out;
 }
 
-bool same_candidates(const RecordedDecision& a, const RecordedDecision& b) {
-  if (a.candidates.size() != b.candidates.size()) return false;
-  return std::all_of(a.candidates.begin(), a.candidates.end(), [&](const RecordedCandidate& c) {
-    const RecordedCandidate* other = b.candidate(c.id);
-    return other != nullptr && other->kind == c.kind && c.position_W && other->position_W &&
-           (*c.position_W - *other->position_W).norm() < kSamePlace_m;
+/// The same candidate of another decision, if it has it.
+const RecordedCandidate* same_in(const RecordedDecision& other, const RecordedCandidate& c) {
+  const RecordedCandidate* found = other.candidate(c.id);
+  const bool same = found != nullptr && found->kind == c.kind && c.position_W && found->position_W &&
+                    (*c.position_W - *found->position_W).norm() < kSamePlace_m;
+  return same ? found : nullptr;
+}
+
+/// Those around the chosen one were added after the choice: where that is another, so are they.
+bool is_beside_choice(const RecordedDecision& d, const RecordedCandidate& c) {
+  const RecordedCandidate* chosen = d.chosen ? d.candidate(*d.chosen) : nullptr;
+  return chosen != nullptr && chosen->position_W && c.position_W &&
+         (*chosen->position_W - *c.position_W).norm() < kBeside_m;
+}
+
+bool has_all_of(const RecordedDecision& other, const RecordedDecision& d) {
+  return std::all_of(d.candidates.begin(), d.candidates.end(), [&](const RecordedCandidate& c) {
+    return same_in(other, c) != nullptr || is_beside_choice(d, c);
   });
 }
 
@@ -64,12 +76,12 @@ DecisionComparison compare_decisions(const RecordedDecision& a, const RecordedDe
       out.chosen[1]->position_W)
     out.grasps_apart_m = (*out.chosen[0]->position_W - *out.chosen[1]->position_W).norm();
   if (a.partner_W && b.partner_W) out.partners_apart_m = (*a.partner_W - *b.partner_W).norm();
-  out.same_candidates = same_candidates(a, b);
+  out.same_candidates = has_all_of(a, b) && has_all_of(b, a);
   if (!out.same_candidates) return out;
   for (const RecordedCandidate& c : a.candidates) {
-    const RecordedCandidate& other = *b.candidate(c.id);
-    if (possible_or(c.verdict) != possible_or(other.verdict))
-      out.verdicts.push_back({c.id, {c.verdict, other.verdict}, {c.reason, other.reason}});
+    const RecordedCandidate* other = same_in(b, c);
+    if (other != nullptr && possible_or(c.verdict) != possible_or(other->verdict))
+      out.verdicts.push_back({c.id, {c.verdict, other->verdict}, {c.reason, other->reason}});
   }
   return out;
 }
