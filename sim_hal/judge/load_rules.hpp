@@ -29,7 +29,7 @@ class LoadRules {
   std::array<Moment, kBefore_ms> past_{};  // the last 100 ms
   std::optional<Opening> opening_;         // with a load: the object stays where it is, or was not supported
   std::size_t tick_ = 0;
-  std::optional<double> closed_rad_;  // mean of the fingers, at their most closed on the object
+  std::optional<double> closed_rad_;         // mean of the fingers, at their most closed on the object
   double max_height_m_ = 0.0, top_m_ = 0.0;  ///< Of the run; since the partner took hold.
   bool held_ = false;
   bool partner_at_top_ = false;

@@ -41,10 +41,10 @@ struct VerdictDifference {
 
 /// The last decision of both.
 struct DecisionComparison {
-  Both<const RecordedCandidate*> chosen{};    ///< Nothing: no candidate was chosen.
-  std::optional<double> grasps_apart_m;       ///< Between the chosen ones.
-  std::optional<double> partners_apart_m;     ///< Between the partners' grasps as seen.
-  bool same_candidates = false;               ///< The same ids at the same places, to 1 mm, but for those around a choice.
+  Both<const RecordedCandidate*> chosen{};  ///< Nothing: no candidate was chosen.
+  std::optional<double> grasps_apart_m;     ///< Between the chosen ones.
+  std::optional<double> partners_apart_m;   ///< Between the partners' grasps as seen.
+  bool same_candidates = false;  ///< The same ids at the same places, to 1 mm, but for those around a choice.
   std::vector<VerdictDifference> verdicts{};  ///< Only of the same candidates.
 };
 

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/types/units.hpp"
 #include "tools/experiments/bar_plot.hpp"
 #include "tools/experiments/experiment.hpp"
 #include "tools/experiments/trials/furniture.hpp"
 #include "tools/experiments/trials/layouts.hpp"
 #include "tools/experiments/trials/sighting.hpp"
+#include "tools/experiments/trials/tried_grasps.hpp"
 
 namespace colift::experiments {
 namespace candidate_trials {
@@ -19,12 +19,6 @@ namespace {
 
 constexpr double kLift_m = 0.05, kFine_m = 0.004;
 constexpr double kSameSide = 0.966;  // cosine of 15 degrees
-
-bool is_possible(const planner::GraspCandidate& c) {
-  using planner::Verdict;
-  return c.verdict == Verdict::Ok || c.verdict == Verdict::Chosen || c.verdict == Verdict::OverLimit ||
-         c.verdict == Verdict::NearPartner;
-}
 
 /// Both would put the hand to the same place, from the same side and with fingers on the same faces.
 bool is_same(const planner::GraspCandidate& a, const planner::GraspCandidate& b, double within_m) {
@@ -42,11 +36,11 @@ FoundAgain found_again(const std::vector<planner::GraspCandidate>& first,
                        const std::vector<planner::GraspCandidate>& second, double within_m) {
   FoundAgain found;
   for (const planner::GraspCandidate& a : first) {
-    if (!is_possible(a)) continue;
+    if (!is_in_reach(a)) continue;
     ++found.possible;
     const auto is_there = [&](bool possible) {
       return std::any_of(second.begin(), second.end(), [&](const planner::GraspCandidate& b) {
-        return is_possible(b) == possible && is_same(a, b, within_m);
+        return is_in_reach(b) == possible && is_same(a, b, within_m);
       });
     };
     if (is_there(true))

@@ -9,6 +9,7 @@
 #include "tools/experiments/runs/whole_lift.hpp"
 #include "tools/experiments/trials/furniture.hpp"
 #include "tools/experiments/trials/layouts.hpp"
+#include "tools/experiments/trials/tried_grasps.hpp"
 
 namespace colift::experiments {
 namespace furniture_trials {
@@ -16,15 +17,10 @@ namespace {
 
 constexpr int kEnough = 5;  // candidates from which a partner's grasp leaves a choice
 
-/// Candidates that the hand and the arm can carry out, whatever the partner does.
 int in_reach(const control::RunRecord& record) {
   if (!record.decision) return 0;
   const auto& all = record.decision->candidates;
-  using planner::Verdict;
-  return static_cast<int>(std::count_if(all.begin(), all.end(), [](const planner::GraspCandidate& c) {
-    return c.verdict == Verdict::Ok || c.verdict == Verdict::Chosen || c.verdict == Verdict::NearPartner ||
-           c.verdict == Verdict::OverLimit;
-  }));
+  return static_cast<int>(std::count_if(all.begin(), all.end(), is_in_reach));
 }
 
 TrialRows run(const Trial& trial) {

@@ -28,6 +28,12 @@ std::vector<std::size_t> spread_over(const std::vector<planner::GraspCandidate>&
   return taken;
 }
 
+bool is_in_reach(const planner::GraspCandidate& c) {
+  using planner::Verdict;
+  return c.verdict == Verdict::Ok || c.verdict == Verdict::Chosen || c.verdict == Verdict::NearPartner ||
+         c.verdict == Verdict::OverLimit;
+}
+
 std::vector<std::size_t> next_best(const control::Outcome& outcome, std::size_t n) {
   std::vector<std::size_t> rivals;
   for (std::size_t i = 0; i < outcome.candidates.size(); ++i)

@@ -16,6 +16,9 @@ namespace colift::experiments {
                                                    const std::vector<bool>& possible,
                                                    const std::vector<std::size_t>& always, std::size_t most);
 
+/// Hand and arm can carry it out, whatever the partner does.
+[[nodiscard]] bool is_in_reach(const planner::GraspCandidate& candidate);
+
 /// The `n` cheapest rivals of the chosen grasp, cheapest first.
 [[nodiscard]] std::vector<std::size_t> next_best(const control::Outcome& outcome, std::size_t n);
 
