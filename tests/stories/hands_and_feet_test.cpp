@@ -4,10 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <string>
 
 #include "tests/support/fault_table.hpp"
+#include "tests/support/thorough.hpp"
 #include "tools/experiments/runs/faulty_lift.hpp"
 #include "tools/experiments/runs/people_scene.hpp"
 #include "tools/experiments/runs/thing_between.hpp"
@@ -67,6 +69,7 @@ TEST_CASE("hands and feet in the way here", "[.fault-table]") {
 
 TEST_CASE("fingers that are between palm and object are never gripped on, and not squeezed (row 16)") {
   for (int nth = 0; nth < 4; ++nth) {
+    if (!tests::chosen(0, nth)) continue;
     const Told told = tell(scene(PeopleScene::HandInFingers, nth, Task::Close, 0.0));
     INFO(nth << ": " << words(told));
     CHECK(fmt::format("{}", fmt::join(told.lift.verdict.breaches, "; ")) == "");
@@ -106,8 +109,11 @@ TEST_CASE("a thing under a finger that wraps a pipe is felt over the hand's real
 }
 
 TEST_CASE("who reaches under the object with his foot is not touched, whatever the state") {
-  const Task in = GENERATE(Task::Lift, Task::Hold, Task::Lower);
+  constexpr std::array kStates{Task::Lift, Task::Hold, Task::Lower};
+  const std::size_t state = GENERATE(0, 1, 2);
+  const Task in = kStates[state];
   for (int nth = 0; nth < 4; ++nth) {
+    if (!tests::chosen(state, nth)) continue;
     const Told told = tell(scene(PeopleScene::FootUnder, nth, in, 0.0));
     INFO(control::word(in) << ", " << nth << ": " << words(told));
     CHECK(fmt::format("{}", fmt::join(told.lift.verdict.breaches, "; ")) == "");

@@ -270,4 +270,4 @@ TESTS = (sample_time_jumps, sample_time_jumps_in_time, counter_set_back, nan_at_
          terminal_hangs_up, reader_goes)
 
 if __name__ == "__main__":
-    sys.exit(main(TESTS, Krc, attempts=8))
+    sys.exit(main(TESTS, Krc, attempts=8, at_once=2))

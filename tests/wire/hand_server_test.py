@@ -400,4 +400,4 @@ TESTS = (session, late, doubled, doubled_late, reset, jump, far_jump_while_holdi
 
 
 if __name__ == "__main__":
-    sys.exit(main(TESTS, Hand, attempts=6))
+    sys.exit(main(TESTS, Hand, attempts=6, at_once=3))

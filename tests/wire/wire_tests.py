@@ -1,13 +1,19 @@
 """Runs the tests of a far end that is played in Python, each anew where this machine held the far end up."""
 
+import subprocess
 import sys
 import time
 
 
-def main(tests, far_end, attempts):
+def main(tests, far_end, attempts, at_once=1):
     """Those of `tests` that are named, or all: COLIFT [NAME...]. `far_end` knows its longest_pause, of all instances since
-    it was set to 0, MAX_PAUSE and their UNIT, and how to end the last program under test: end_program()."""
+    it was set to 0, MAX_PAUSE and their UNIT, and how to end the last program under test: end_program(). Far end and
+    program wait for each other most of the time, so all tests are shared out to `at_once` processes."""
     colift, names = sys.argv[1], sys.argv[2:]
+    if at_once > 1 and not names:
+        shares = [[test.__name__ for test in tests[i::at_once]] for i in range(at_once)]
+        processes = [subprocess.Popen([sys.executable, sys.argv[0], colift, *share]) for share in shares]
+        return max(p.wait() for p in processes)
     failed = 0
     for test in tests:
         if names and test.__name__ not in names:
