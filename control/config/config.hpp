@@ -96,8 +96,7 @@ struct Config {
       "How fast the arm may be: as limits allow, or as the KRC's mode T1 does (0.24 rad/s in each joint).");
     v("support", support, hal::Choices{"auto", "floor", "table"},
       "What the object stands on: the floor, a table top above it, or a table where nothing on the floor can "
-      "be "
-      "the target.");
+      "be the target.");
     v("noise", noise, "Depth noise of the camera.");
     v("ground", ground, "How the ground is found.");
     v("target", target, "Which object is the target.");

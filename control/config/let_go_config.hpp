@@ -62,8 +62,7 @@ struct EvidenceConfig {
   void visit(Visitor& v) {
     v("min_rise_fraction", min_rise_fraction, hal::kFraction,
       "Min rise of either end of the object, as a fraction of task.lift_height_m: a tilted object has one "
-      "end "
-      "lower, one that stands on an edge does not rise there at all.");
+      "end lower, one that stands on an edge does not rise there at all.");
     v("top_fraction", top_fraction, hal::kFraction,
       "The palm is at the top from this fraction of task.lift_height_m on.");
     v("min_load_n", min_load_n, hal::kNotNegative, "Min mean load in the hand at the top (N).");

@@ -45,8 +45,7 @@ struct SupervisionConfig {
     v("image_age_filter_s", image_age_filter_s, hal::Range{0.001, 10}, "Time constant of that mean (s).");
     v("beat_timeout_s", beat_timeout_s, hal::Range{0.02, 10},
       "A moving arm stops by itself when the job's thread has not run for this time; an arm whose thread has "
-      "not "
-      "run for it is lost (s).");
+      "not run for it is lost (s).");
     v("stall_timeout_s", stall_timeout_s, hal::Range{0, 60},
       "A job whose thread did not run for longer than this while the arm moved ends (s).");
     v("stall_recovery_s", stall_recovery_s, hal::Range{0, 60},
@@ -106,8 +105,7 @@ struct EmptyHandConfig {
     v("return_timeout_s", return_timeout_s, hal::Range{1, 3600}, "Timeout of back-off and of retreat (s).");
     v("touch_clear_m", touch_clear_m, hal::Range{0, 5},
       "With everybody farther from the arm than that, what an open hand meets beside the object is the "
-      "object, "
-      "and the hand goes back (m).");
+      "object, and the hand goes back (m).");
     v("max_touch_s", max_touch_s, hal::Range{0, 10},
       "Max time for which the force of such a contact lasts; 0: each contact ends the job (s).");
   }
@@ -195,8 +193,7 @@ struct LiftMotionConfig {
       "The partner leads when his end is higher than the palm by this (m).");
     v("control", control, hal::Choices{"joint_impedance", "cartesian_impedance"},
       "Impedance of the arm while it carries: of its joints, or of the palm (stiff along gravity and in "
-      "tilt, "
-      "soft sideways).");
+      "tilt, soft sideways).");
     v("cartesian", cartesian, "The palm's impedance.");
     v("tilt_compliance", tilt_compliance, "How the palm gives way to what tilts the object.");
     v("energy_margin_j", energy_margin_j, hal::Range{0, 100},
@@ -261,8 +258,7 @@ struct CarryConfig {
       "The object stands when both of its ends are seen this near to where they stood (m) ...");
     v("max_askew_deg", max_askew_deg, hal::Range{0, 30},
       "Max tilt of an object that is let go on an edge, to settle on its feet: where the hand feels the "
-      "ground "
-      "and its lowest corner is seen where it stood (deg).");
+      "ground and its lowest corner is seen where it stood (deg).");
     v("standing_load_n", standing_load_n, hal::Range{0, 50},
       "... and the hand carries less than this (N) ...");
     v("standing_load_fraction", standing_load_fraction, hal::kFraction,
@@ -288,8 +284,7 @@ struct CarryConfig {
       "Timeout for him to grasp again; then the arm holds, and a person decides (s).");
     v("max_regrasps", max_regrasps, hal::Range{0, 1000},
       "Max number of times that he lets go or pulls and the lift continues all the same; then the object is "
-      "set "
-      "down together.");
+      "set down together.");
     v("regrasp_load_factor", regrasp_load_factor, hal::kFraction,
       "Max deviation of the load from what it was, as a fraction, at which he is taken to carry again.");
   }

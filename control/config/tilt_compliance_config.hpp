@@ -13,8 +13,7 @@ struct TiltComplianceConfig {
   void visit(Visitor& v) {
     v("speed_rad_s_nm", speed_rad_s_nm, hal::Range{0, 0.1},
       "Angular speed of the palm about the horizontal axis across the line of the hands, per moment about "
-      "it; "
-      "0: none (rad/s per N m).");
+      "it; 0: none (rad/s per N m).");
     v("max_deg", max_deg, hal::Range{0, 45}, "Max angle that the palm turns by (deg).");
   }
 };

@@ -135,8 +135,7 @@ std::string describe(const LoadError& e, const FlangeLoad& expected) {
     t += fmt::format(
         "no load explains {:.1f} N m at A{}: the arm touches something, a cable pulls, or this torque sensor "
         "has an offset; free the arm, or adjust the sensor at the panel, and measure again before the "
-        "figures "
-        "are used\n",
+        "figures are used\n",
         e.residual_nm, e.residual_joint + 1);
   if (!e.wrong())
     return t + (e.unexplained() ? "" : "the KRC's load data agree with what hangs on the flange\n");

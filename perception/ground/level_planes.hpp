@@ -27,8 +27,7 @@ struct LevelPlaneConfig {
   void visit(Visitor& v) {
     v("max_below_fraction", max_below_fraction, hal::kFraction,
       "Fraction of the flat area in view below a plane at which its evidence ends; nothing lies below a "
-      "floor "
-      "but mirror images.");
+      "floor but mirror images.");
     v("never_below_fraction", never_below_fraction, hal::kFraction,
       "Max fraction of the flat area in view that lies below the ground: shoulders and shelves are no "
       "ground.");

@@ -216,8 +216,7 @@ struct ObjectFollower::Impl {
     return fmt::format(
         "only {:.0f} % of the object's {} points were found again, {:.0f} % are needed: {:.0f} % are hidden "
         "behind something nearer, {:.0f} % have no depth, {:.0f} % are farther than expected, {:.0f} % are "
-        "out "
-        "of view",
+        "out of view",
         percent(sums.found), samples.size(), 100.0 * config.min_fraction, percent(sums.nearer),
         percent(sums.unseen), percent(sums.farther), percent(sums.outside));
   }

@@ -45,8 +45,7 @@ struct DecisionConfig {
   void visit(Visitor& v) {
     v("share", share, hal::kFraction,
       "Share of the load that the robot shall carry, more than 0 and less than 1; sets weights.epsilon. Of "
-      "the "
-      "two, the one that was set last counts. ~: weights.epsilon.");
+      "the two, the one that was set last counts. ~: weights.epsilon.");
     v("share_first", share_first,
       "Whether a wanted share is weighed before the cost: of the candidates near the reachable share that is "
       "nearest to it, the one of lowest cost is chosen. The thesis's rule weighs the cost alone.");
@@ -103,8 +102,7 @@ struct DecisionConfig {
       "Distance from the wrist's centre to the palm along the approach (m).");
     v("robust", robust, hal::Choices{"nominal", "expected", "worst"},
       "Which cost the choice minimises: the nominal one, or the expected or the worst over samples of centre "
-      "of "
-      "gravity and partner, with mass_kg and with grips that slip.");
+      "of gravity and partner, with mass_kg and with grips that slip.");
     v("unevenness", unevenness, hal::kFraction,
       "Standard deviation of the centre of gravity from uneven density, as a fraction of the object's size.");
     v("what_ifs", what_ifs, hal::Range{2, 1e6}, "Number of these samples.");

@@ -31,8 +31,7 @@ std::string terms(const WhyCandidate& w) {
   const auto part = [&](double term) { return w.cost > 0.0 ? 100.0 * term / w.cost : 0.0; };
   return fmt::format(
       "cost {:.4g} N^2 = partner's force {:.4g} ({:.0f} %) + his torque {:.4g} ({:.0f} %) + robot's force "
-      "{:.4g} "
-      "({:.0f} %) + its torque {:.4g} ({:.0f} %)",
+      "{:.4g} ({:.0f} %) + its torque {:.4g} ({:.0f} %)",
       w.cost, w.partner_force, part(w.partner_force), w.partner_torque, part(w.partner_torque), w.robot_force,
       part(w.robot_force), w.robot_torque, part(w.robot_torque));
 }

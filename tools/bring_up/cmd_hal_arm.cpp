@@ -46,8 +46,7 @@ hal::Result<Bench> load_bench(const CommonOptions& common, const HalOptions& opt
   if (file->emulator == "always" && !common.quiet)
     std::fputs(
         "the file's own emulator belongs to \"colift run\"; here \"colift emulate krc\" in another terminal "
-        "is "
-        "the far end\n",
+        "is the far end\n",
         stderr);
   auto model = read_model(file->model);
   if (!model) return tl::unexpected(model.error());

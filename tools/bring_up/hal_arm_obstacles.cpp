@@ -115,8 +115,7 @@ class Finder {
     if (late)
       next = fmt::format(
           "the answers come late: run \"colift doctor\" and mend its rows on priority, kernel and governor, "
-          "or "
-          "open FRI with a longer period (friOpen({:.0f}) in the KRL program)",
+          "or open FRI with a longer period (friOpen({:.0f}) in the KRL program)",
           std::ceil(2e3 * period_s));
     else if (s.unsent > 0)
       next = "this program could not send every answer: see the network card and its cable (ip -s link)";
@@ -168,8 +167,7 @@ class Finder {
            m.power == 0 ? std::string("the drives are off (power 0x00)")
                         : fmt::format("only some drives are on (power 0x{:02X}, all is 0x7F)", m.power),
            "release the emergency stop, hold the enabling switch (T1, T2) or press \"drives on\" (AUT), and "
-           "start "
-           "the KRL program: its small PTP opens the brakes");
+           "start the KRL program: its small PTP opens the brakes");
   }
 
   void program() {
@@ -308,8 +306,7 @@ class Finder {
           fmt::format("the arm stands nearly straight (A2 {:.0f}, A4 {:.0f} deg)", hal::rad_to_deg(q[1]),
                       hal::rad_to_deg(q[3])),
           "bend A2 and A4 by 45 deg or more at the panel: near the upright pose the KRC tends to refuse, and "
-          "the "
-          "estimate of the wrench means nothing");
+          "the estimate of the wrench means nothing");
   }
 
   void remarks() {
@@ -355,10 +352,9 @@ std::string obstacles_text(const std::vector<Obstacle>& found) {
 std::string silence_advice(const hal::FriConfig& c) {
   return fmt::format(
       "is the KRL program started (it calls friOpen)? does friSetup or FRIHOST, FRISOCK in dlrrc.ini name "
-      "this "
-      "machine's address and port {}? does \"ip -br addr\" show that address on the card of the KRC's cable, "
-      "with "
-      "the link up? does a firewall drop UDP? what comes shows in \"tcpdump -ni any udp port {}\"",
+      "this machine's address and port {}? does \"ip -br addr\" show that address on the card of the KRC's "
+      "cable, with the link up? does a firewall drop UDP? what comes shows in \"tcpdump -ni any udp port "
+      "{}\"",
       c.port, c.port);
 }
 

@@ -295,8 +295,7 @@ std::string limits_table(const hal::RobotModel& model, const hal::GuardConfig& g
   }
   t += fmt::format(
       "acceleration: guarded {:.1f} rad/s^2, in T1 {:.1f} rad/s^2; stiffness up to {:.0f} N m/rad, "
-      "superposed "
-      "torque up to {:.0f} N m\n",
+      "superposed torque up to {:.0f} N m\n",
       guard.acceleration_rad_s2, kT1Acceleration_rad_s2, guard.max_stiffness_nm_rad, guard.max_superposed_nm);
   return t;
 }

@@ -191,8 +191,7 @@ hal::Result<> write_outcome(const Experiment& e, const Campaign& campaign, const
 hal::Result<> write_index(const fs::path& folder) {
   std::string body = picture::report_paragraphs(
       {"The experiments of the thesis's chapter 6 in simulation, and what goes beyond them. Rates have "
-       "Wilson's "
-       "95 % interval, quantiles the one between order statistics, means a bootstrap."});
+       "Wilson's 95 % interval, quantiles the one between order statistics, means a bootstrap."});
   for (const Experiment& e : all_experiments()) {
     std::error_code ignored;
     if (!fs::exists(folder / (e.name + ".csv"), ignored)) continue;

@@ -148,10 +148,8 @@ Raises Error (bad-input) for another type, shape, unit or range.)")
           },
           py::arg("file"), py::arg("camera") = py::none(),
           "Reads a 16-bit depth PNG (with `camera`, or camera.json beside it), a PCD or a PLY file, or a "
-          "frame "
-          "that is shipped, by its name (`colift scenes`). Raises "
-          "Error "
-          "(bad-input) with the place in the file.")
+          "frame that is shipped, by its name (`colift scenes`). Raises Error (bad-input) with the place in "
+          "the file.")
       .def(
           "write",
           [](const Frame& self, const std::string& png) {

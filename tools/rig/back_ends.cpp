@@ -48,8 +48,7 @@ hal::Result<> check_together(const RobotFile& file, bool emulated, const std::st
   if (file.hand == "simulated")
     return refuse(
         "hand: simulated lives in a simulation that is not stepped beside a real arm; expected hand: "
-        "barrett, "
-        "or emulator: always");
+        "barrett, or emulator: always");
   if (file.camera == "simulated")
     return refuse(
         "camera: simulated observes a simulation that is not stepped beside a real arm; expected camera: "

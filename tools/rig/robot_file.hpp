@@ -73,8 +73,7 @@ struct RobotFile {
       "the scenario.");
     v("emulator", emulator, hal::Choices{"never", "always", "auto"},
       "The far ends of the wires, in this program, on the scenario's world, for machines without a robot; "
-      "auto: "
-      "unless colift emulate rig serves them in another program.");
+      "auto: unless colift emulate rig serves them in another program.");
   }
 };
 

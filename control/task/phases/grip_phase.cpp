@@ -89,8 +89,7 @@ std::optional<std::string> GripPhase::something_between(const hal::HandState& ha
       if (hand.finger_rad[f] < limit_rad)
         return fmt::format(
             "something is between F{} and the object: it stops at {:.0f} deg (by what was seen at {:.0f}; "
-            "{:.0f} "
-            "with {:.0f} mm between)",
+            "{:.0f} with {:.0f} mm between)",
             f + 1, hal::rad_to_deg(hand.finger_rad[f]),
             hal::rad_to_deg(planner::stopped_angle(c_.rig.hand, grasp)), hal::rad_to_deg(limit_rad),
             1e3 * limit_m);

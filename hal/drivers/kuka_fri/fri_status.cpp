@@ -118,8 +118,7 @@ std::string no_command_mode(const FriStatus& s, const FriConfig& c) {
   if (s.power == 0 && c.script != "colift")
     text +=
         "; the drives are off: the brakes closed while nothing moved, and this program makes no motion "
-        "before "
-        "friStart (start it anew at the panel), or an emergency stop";
+        "before friStart (start it anew at the panel), or an emergency stop";
   if (s.pose_mismatch_rad > 0.02)
     text += fmt::format(
         "; A{} is measured {:.3f} rad away from where the KRC commands it: check the load data of the tool",
@@ -264,8 +263,7 @@ std::string describe_stall(const FriStatus& s) {
   if (!certain && (s.stall_s <= 0.0 || s.recent_misses < kStallMisses)) return {};
   return fmt::format(
       "this program did not run for {:.0f} ms (it was stopped, or the machine had no time for it) and the "
-      "KRC "
-      "got no answers meanwhile{}",
+      "KRC got no answers meanwhile{}",
       1e3 * s.stall_s, s.krc_misses > 0 ? fmt::format(" ({} missed by its count)", s.krc_misses) : "");
 }
 

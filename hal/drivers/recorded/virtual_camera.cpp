@@ -342,8 +342,7 @@ Result<VirtualView> view_points(const PointFile& file, const std::string& name) 
     if (view->visible >= kMinVisible) return std::move(*view);
     if (!best || view->visible > best->visible) {
       reason = fmt::format(
-          "only {:.0f} % of the {} points can be seen by one camera {} (min {:.0f} %): the rest lies "
-          "behind "
+          "only {:.0f} % of the {} points can be seen by one camera {} (min {:.0f} %): the rest lies behind "
           "other points, as in a map of several views",
           100.0 * view->visible, rays.finite, from.words, 100.0 * kMinVisible);
       best = std::move(view);

@@ -361,8 +361,7 @@ CameraCorrection estimate_correction(const hal::DepthFrame& frame, int frames, c
     out.verdict = Verdict::Applied;
     out.reason = fmt::format(
         "camera corrected from the arm and the floor in view: {}; the workspace moves by {:.0f} mm (sigma "
-        "{:.0f} "
-        "mm), the arm is {:.0f} mm from its model instead of {:.0f}",
+        "{:.0f} mm), the arm is {:.0f} mm from its model instead of {:.0f}",
         figures_of(out), 1e3 * out.shift_m, 1e3 * out.sigma_m, 1e3 * out.residual_m,
         1e3 * out.residual_before_m);
   }

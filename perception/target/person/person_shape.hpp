@@ -53,8 +53,7 @@ struct PersonShapeConfig {
       "The same, in standard deviations of the depth noise.");
     v("max_curvature_m", max_curvature_m, hal::kPositive,
       "Max root mean square distance of the torso's points from a plane (m): a seat and its back rest are "
-      "two "
-      "planes.");
+      "two planes.");
     v("min_top_height_m", min_top_height_m, hal::kNotNegative,
       "Min height of the head over the ground (m); a person who crouches reaches it.");
   }

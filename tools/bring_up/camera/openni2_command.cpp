@@ -28,8 +28,7 @@ std::string advice_for(const std::string& source) {
   if (source.starts_with("file:"))
     return "a recording is a file that OpenNI2 wrote: colift hal camera record NAME.oni, NiViewer2";
   return "colift doctor --robot FILE names the devices that OpenNI2 finds; its drivers are the files "
-         "lib*.so.0 "
-         "in OpenNI2/Drivers beside libOpenNI2.so.0";
+         "lib*.so.0 in OpenNI2/Drivers beside libOpenNI2.so.0";
 }
 
 }  // namespace

@@ -186,8 +186,7 @@ class Runner {
     for (const double c : report.temperature_c) hottest = std::fmax(hottest, c);
     return fmt::format(
         "the fingers stopped on something, but the strongest measures {:.2f} of the {:.2f} N m that were "
-        "asked: "
-        "not a grip to lift with; {}",
+        "asked: not a grip to lift with; {}",
         strongest, task_.torque_nm,
         std::isnan(hottest)
             ? std::string("no temperature is known")
@@ -239,8 +238,7 @@ std::string hand_summary(const HandTask& task, const HandTaskEnd& e) {
   if (e.moved) {
     t += fmt::format(
         "took {:.1f} s: fingers from {:.0f}, {:.0f}, {:.0f} to {:.0f}, {:.0f}, {:.0f} deg, spread from "
-        "{:.0f} "
-        "to {:.0f} deg\n",
+        "{:.0f} to {:.0f} deg\n",
         e.took_s, hal::rad_to_deg(e.before.finger_rad[0]), hal::rad_to_deg(e.before.finger_rad[1]),
         hal::rad_to_deg(e.before.finger_rad[2]), hal::rad_to_deg(e.after.finger_rad[0]),
         hal::rad_to_deg(e.after.finger_rad[1]), hal::rad_to_deg(e.after.finger_rad[2]),
@@ -276,10 +274,9 @@ std::string hand_advice(hal::ErrorCode code, const std::string& bus) {
       if (bus.starts_with("socketcand:"))
         return fmt::format(
             "does a gateway run there (socketcand -v -i can0 -l INTERFACE -e 1FFFFFFF; without a hand: "
-            "colift emulate hand --bus {})? "
-            "behind it: supply on (48 V)? CAN termination on at the hand's supply (the usual cause)? bit "
-            "rate "
-            "1 Mbit/s? candump -e can0 on the gateway shows what the bus says",
+            "colift emulate hand --bus {})? behind it: supply on (48 V)? CAN termination on at the hand's "
+            "supply (the usual cause)? bit rate 1 Mbit/s? candump -e can0 on the gateway shows what the bus "
+            "says",
             bus);
       return "supply on (48 V)? CAN termination on at the hand's supply (the usual cause), 120 ohm at the "
              "other end? bit "

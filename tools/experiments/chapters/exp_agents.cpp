@@ -242,12 +242,9 @@ Experiment agents_experiment() {
   e.thesis = "beyond it";
   e.question =
       "A table and a partner anywhere at its far end or its sides. He is told where he should rather take "
-      "hold, goes there, and all is seen, "
-      "decided "
-      "and lifted anew. Then, computed with everything where it truly is: a second person at a place drawn "
-      "from "
-      "the object's edges, and a weaker robot in the person's place; what does the choice save that knows of "
-      "them?";
+      "hold, goes there, and all is seen, decided and lifted anew. Then, computed with everything where it "
+      "truly is: a second person at a place drawn from the object's edges, and a weaker robot in the "
+      "person's place; what does the choice save that knows of them?";
   e.default_trials = 100;
   e.columns = {"layout",       "mass_kg",        "possible",           "suggested",
                "moved_m",      "expected_gain",  "realised_gain",      "tilt_before_deg",

@@ -121,8 +121,7 @@ Experiment false_stops_experiment() {
   e.question =
       "Tables, boxes, pipes and chairs are lifted, each once with the monitors of people and force and once "
       "without them. A pause, a yield or a hold is a false stop. How often, and how much time do the "
-      "monitors "
-      "cost?";
+      "monitors cost?";
   e.default_trials = 400;
   e.columns = {"object", "without",    "outcome",  "stopped", "took_s",
                "bare_s", "time_ratio", "breaches", "because"};

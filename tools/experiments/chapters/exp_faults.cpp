@@ -127,11 +127,9 @@ Experiment faults_experiment() {
   e.question =
       "Tables, boxes, pipes and chairs are lifted while camera, arm, hand, partner, other people, things or "
       "the operator do what they should not: one to three faults, each at a random instant of a random "
-      "state. "
-      "A run ended well when the judge is silent, it came to an end by itself within 240 s, lifted was true "
-      "where it was said, nothing moved on where a fault asked for rest, and from a stop colift recover "
-      "brings "
-      "the arm home with an open hand, once the causes are mended.";
+      "state. A run ended well when the judge is silent, it came to an end by itself within 240 s, lifted "
+      "was true where it was said, nothing moved on where a fault asked for rest, and from a stop colift "
+      "recover brings the arm home with an open hand, once the causes are mended.";
   e.default_trials = 100;
   e.columns = {"layout", "rig", "faults", "outcome", "end", "against", "because", "recovery", "survived"};
   e.detail_columns = {"group", "fault", "state", "began_s", "survived"};

@@ -221,10 +221,8 @@ Experiment impedance_experiment() {
   e.thesis = "beyond";
   e.question =
       "The same lift of tables, boxes, pipes and chairs with the arm's joints as springs, and with springs "
-      "of "
-      "the palm (stiff along gravity and in tilt, soft sideways); the partner's hand holds still, sways by "
-      "15 "
-      "to 30 mm while the object goes up, or goes across at the top.";
+      "of the palm (stiff along gravity and in tilt, soft sideways); the partner's hand holds still, sways "
+      "by 15 to 30 mm while the object goes up, or goes across at the top.";
   e.default_trials = 60;
   e.columns = {"layout", "partner", "mass_kg"};
   for (const std::string control : kShort)

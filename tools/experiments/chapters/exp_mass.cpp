@@ -159,9 +159,8 @@ Experiment mass_experiment() {
   e.thesis = "beyond it";
   e.question =
       "Tables, boxes, pipes, chairs and furniture of several bodies are lifted once; nobody says what they "
-      "weigh. "
-      "Of one half the density is uniform, of the other it is not. How well are mass, centre of gravity and "
-      "share known, and do their intervals of 95 % hold?";
+      "weigh. Of one half the density is uniform, of the other it is not. How well are mass, centre of "
+      "gravity and share known, and do their intervals of 95 % hold?";
   e.default_trials = 200;
   e.columns = {"object",     "density",   "outcome",     "kg_true",      "kg",     "kg_low",
                "kg_high",    "cog_mm",    "cog_sigma",   "share_true",   "share",  "share_low",

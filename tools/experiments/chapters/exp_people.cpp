@@ -195,8 +195,7 @@ Experiment people_experiment() {
       "A whole lift of a table, box, pipe or chair, and a person who walks or runs into the arm's path, "
       "reaches for its hand, crouches at the grasp, puts a foot under the object or a hand between the "
       "fingers, or grasps along, at a random moment of a random state. Forces, speeds and distances are "
-      "those "
-      "of the simulation's judge. In view: at least 10 of 160 x 120 rays of the camera meet him first.";
+      "those of the simulation's judge. In view: at least 10 of 160 x 120 rays of the camera meet him first.";
   e.default_trials = 1000;
   e.columns = {"scene",   "object",    "state",          "enters_s",       "speed",       "outcome",
                "came",    "touches",   "touched_s",      "region",         "peak_n",      "of_limit",

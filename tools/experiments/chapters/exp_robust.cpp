@@ -199,10 +199,8 @@ Experiment robust_experiment() {
   e.question =
       "Tables, and boxes whose partner holds not far from the middle, with a centre of gravity that uneven "
       "density has moved by a normal deviate of 5 % of each side. Lifted with the nominal choice and with "
-      "those "
-      "that minimise the expected and the worst cost over 10 000 what-ifs. The mass is known, the friction "
-      "is "
-      "not.";
+      "those that minimise the expected and the worst cost over 10 000 what-ifs. The mass is known, the "
+      "friction is not.";
   e.default_trials = 100;
   e.columns = {"layout", "kind", "mass_kg", "friction", "cog_off_mm"};
   for (const std::string aim : kAims)

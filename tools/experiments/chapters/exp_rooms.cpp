@@ -134,10 +134,8 @@ Experiment rooms_experiment() {
   e.thesis = "beyond it";
   e.question =
       "A random room (walls, doors, windows, cupboards, sofas, stairs, small things, persons; four kinds of "
-      "depth "
-      "cameras at any height, rolled) is seen once, without gravity or pose; the target is compared with the "
-      "truth "
-      "of every pixel. The picture shows the failures.";
+      "depth cameras at any height, rolled) is seen once, without gravity or pose; the target is compared "
+      "with the truth of every pixel. The picture shows the failures.";
   e.default_trials = 200;
   e.columns = {"seed",   "sensor",       "class",      "has_person", "verdict",
                "ground", "ground_right", "confidence", "room",       "because"};

@@ -256,11 +256,9 @@ Experiment share_experiment() {
   e.thesis = "beyond";
   e.question =
       "Whole jobs on tables, boxes, pipes and chairs of random size and pose, the partner anywhere at his "
-      "end, "
-      "with 30, 40, 50, 60 and 70 % wanted in turn: which shares were said to be possible, which one was "
-      "predicted, measured and true; and where another place of the partner was named for the wanted share, "
-      "a "
-      "second job with him there.";
+      "end, with 30, 40, 50, 60 and 70 % wanted in turn: which shares were said to be possible, which one "
+      "was predicted, measured and true; and where another place of the partner was named for the wanted "
+      "share, a second job with him there.";
   e.default_trials = 100;
   e.columns = {"layout",           "kind",
                "mass_kg",          "wanted",

@@ -106,9 +106,8 @@ Experiment stalls_experiment() {
   e.thesis = "beyond it";
   e.question =
       "A table is lifted in real time on emulated devices by a run in a process of its own; one of its "
-      "threads "
-      "is stopped at a random instant in which the arm moves. When is the arm at rest? Standstills of the "
-      "machine are told apart.";
+      "threads is stopped at a random instant in which the arm moves. When is the arm at rest? Standstills "
+      "of the machine are told apart.";
   e.default_trials = 20;
   e.times_computing = true;
   e.real_time = true;

@@ -199,11 +199,9 @@ Experiment views_experiment() {
   e.thesis = "beyond";
   e.question =
       "Tables, boxes, pipes and chairs of random size and pose, seen by one camera anywhere around the "
-      "object, "
-      "and by this one and a second one about opposite, each at its own time: how much of the space around "
-      "the object nobody sees, how far off the centre of gravity is, and whether and where the partner's "
-      "hand "
-      "is found.";
+      "object, and by this one and a second one about opposite, each at its own time: how much of the space "
+      "around the object nobody sees, how far off the centre of gravity is, and whether and where the "
+      "partner's hand is found.";
   e.default_trials = 100;
   e.columns = {"layout",       "kind",         "scene_1",      "scene_2",    "unseen_1",  "unseen_2",
                "cog_mm_1",     "cog_mm_2",     "level_mm_1",   "level_mm_2", "partner_1", "partner_2",

@@ -95,8 +95,7 @@ Experiment complex_experiment() {
   e.thesis = "6.3.4, figures 6.13 and 6.14";
   e.question =
       "The whole job, from the first look to the retreat, with a pipe on two blocks (even trials) and a "
-      "chair "
-      "(odd trials) and a partner at the far side.";
+      "chair (odd trials) and a partner at the far side.";
   e.default_trials = 400;
   e.columns = {"object",   "layout",      "mass_kg", "outcome", "grasp",
                "tilt_deg", "share_robot", "slip_mm", "hit",     "because"};

@@ -174,12 +174,9 @@ Experiment tasks_experiment() {
   e.thesis = "4.2, eq. 4.6 to 4.8";
   e.question =
       "A table (even trials) or a box (odd ones) and a partner. For lowering, rolling and pitching by 60 "
-      "degrees, "
-      "turning, carrying through waypoints, and all of it, the grasp is chosen for the task and for the "
-      "lift "
-      "alone, on what was seen; the effort of both in the task is computed with the true centre of gravity "
-      "and "
-      "the true place of the partner.";
+      "degrees, turning, carrying through waypoints, and all of it, the grasp is chosen for the task and for "
+      "the lift alone, on what was seen; the effort of both in the task is computed with the true centre of "
+      "gravity and the true place of the partner.";
   e.default_trials = 100;
   e.columns = {"layout", "mass_kg", "candidates", "because"};
   e.detail_columns = {"task", "lift_id", "task_id", "saved", "lift_choice_nm", "task_choice_nm"};
