@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "perception/shape/seen_parts.hpp"
 #include "perception/shape/shape_evidence.hpp"
 #include "perception/shape/shape_kinds.hpp"
 
@@ -32,8 +33,7 @@ void doubt_load(CompletedShape& shape, const ShapeEvidence& seen, const Rectangl
   }
   shape.reason += fmt::format(
       "; {:.0f} % of its points stand on it, and what that weighs is not known (no chair: its top is {:.2f} "
-      "x "
-      "{:.2f} m at {:.2f} m)",
+      "x {:.2f} m at {:.2f} m)",
       100 * above, top.size.x(), top.size.y(), height);
 }
 
@@ -60,13 +60,21 @@ CompletedShape complete_shape(const OrganisedCloud& cloud, const Target& target,
       // what stands on a plate may stick out over it
       top = seen.widened(*found, ground.plane.height(found->center) + config.above_clearance_m);
     }
+    if (seen.gaps(top.top) > config.max_gaps) return complete_parts(seen, nullptr, config);
     const double support = seen.seen_support(top.top);
-    CompletedShape shape = support < config.closed_support ? complete_plate(seen, top, support, config)
-                                                           : complete_block(seen, top, support);
+    const bool open = support < config.closed_support;
+    const double whole = seen.footprint().size.head<2>().prod();
+    if (open && (top.top.size.prod() < config.min_top_of_whole * whole ||
+                 top.top.size.minCoeff() < config.min_panel_m))
+      return complete_parts(seen, nullptr, config);
+    if (open && has_panels(seen, top.top, config)) return complete_parts(seen, &top, config);
+    CompletedShape shape =
+        open ? complete_plate(seen, top, support, config) : complete_block(seen, top, support);
     if (above > config.min_above_fraction) doubt_load(shape, seen, top.top, above, config);
     return shape;
   }
   if (auto open = complete_open_box(seen, config)) return *open;
+  if (seen.gaps(seen.footprint()) > config.min_gaps) return complete_parts(seen, nullptr, config);
   return complete_mirrored(seen, config);
 }
 
@@ -82,6 +90,8 @@ const char* name_of(CompletedShape::Kind kind) {
       return "cylinder";
     case CompletedShape::Kind::Chair:
       return "chair";
+    case CompletedShape::Kind::Parts:
+      return "parts";
     case CompletedShape::Kind::Mirrored:
       return "mirrored";
   }

@@ -42,6 +42,13 @@ struct CompletionConfig {
   double back_thickness_sigma = 0.25;
   double back_facing = 0.35;
   double min_back_fill = 0.2;
+  double max_gaps = 0.5;
+  double min_gaps = 0.55;
+  double min_panel_m = 0.10;
+  double min_top_of_whole = 0.6;
+  double part_sigma = 0.5;
+  double hidden_part_sigma = 0.6;
+  double min_wall_fraction = 0.25;
   double max_bottom_height = 0.25;
   double min_inward_fraction = 0.15;
   double vertical_sigma_m = 0.002;
@@ -103,6 +110,21 @@ struct CompletionConfig {
     v("min_back_fill", min_back_fill, hal::kFraction,
       "Min fraction of a back that is seen from the front; with less it is the post of one seen from its "
       "edge.");
+    v("max_gaps", max_gaps, hal::kFraction,
+      "Max fraction of a top at which the camera looks through it; above, it is no top.");
+    v("min_gaps", min_gaps, hal::kFraction,
+      "Min fraction of the object's box that is seen to be empty, for an object of parts with nothing "
+      "behind them.");
+    v("min_panel_m", min_panel_m, hal::kPositive,
+      "Min short side of a face below a top that is a side or a shelf, not a leg (m).");
+    v("min_top_of_whole", min_top_of_whole, hal::kFraction,
+      "Min fraction of the footprint that a top on legs covers.");
+    v("part_sigma", part_sigma, hal::kFraction,
+      "Standard deviation of the mass of a seen part, as a fraction of it: its thickness is inferred.");
+    v("hidden_part_sigma", hidden_part_sigma, hal::kFraction,
+      "The same of a part that is taken to be on the hidden side.");
+    v("min_wall_fraction", min_wall_fraction, hal::kFraction,
+      "Min fraction of the walls of an open box that is seen.");
     v("max_bottom_height", max_bottom_height, hal::kFraction,
       "Max height of the bottom of an open box, as a fraction of the object's.");
     v("min_inward_fraction", min_inward_fraction, hal::kFraction,
@@ -119,7 +141,7 @@ struct CompletionConfig {
 
 /// What one view implies about the whole object.
 struct CompletedShape {
-  enum class Kind { Block, Plate, OpenBox, Cylinder, Chair, Mirrored };
+  enum class Kind { Block, Plate, OpenBox, Cylinder, Chair, Parts, Mirrored };
   Kind kind = Kind::Mirrored;
   Vec3 cog = Vec3::Zero();                               ///< Centroid at uniform density, in W (m).
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< Of the centroid (m^2).
@@ -130,8 +152,9 @@ struct CompletedShape {
 /// Completes the visible side of an object, by the first of these that fits: a cylinder is as its mantle
 /// says; a level top over seen sides is a block that goes down to the ground; level top with little below it
 /// a plate on four legs; a top of the size and height of a seat with something over it is a chair, symmetric
-/// about its middle; upright walls around a low bottom an open box; anything else is mirrored through the
-/// middle of its box. Needs points; `surfaces` as found in the same view.
+/// about its middle; upright walls around a low bottom an open box; boards, sides and bars between which the
+/// camera looks through are parts of their own; anything else is mirrored through the middle of its box.
+/// Needs points; `surfaces` as found in the same view.
 [[nodiscard]] CompletedShape complete_shape(const OrganisedCloud& cloud, const Target& target,
                                             const std::vector<Surface>& surfaces, const Ground& ground,
                                             const NoiseModel& noise, const CompletionConfig& config = {});

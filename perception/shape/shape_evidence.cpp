@@ -24,6 +24,7 @@ ShapeEvidence::ShapeEvidence(const OrganisedCloud& cloud, const Target& target,
                              const NoiseModel& noise, const CompletionConfig& config)
     : cloud_(cloud),
       target_(target),
+      surfaces_(surfaces),
       ground_(ground.plane),
       up_(ground.plane.normal),
       noise_(noise),
@@ -90,8 +91,15 @@ ShapeEvidence::Widened ShapeEvidence::widened(const Rectangle& top, double below
     const std::array<double, 2> all = points_along(e, below_m);
     const double middle = e.dot(r.center);
     double low = middle - 0.5 * r.size[axis], high = middle + 0.5 * r.size[axis];
-    if (all[0] < low - margin) low = outer_face(-e, all[0]);
-    if (all[1] > high + margin) high = -outer_face(e, -all[1]);
+    const auto continued = [&](double from, double to) {
+      Rectangle strip = r;
+      strip.center += (0.5 * (from + to) - middle) * e;
+      strip.size[axis] = std::abs(to - from);
+      // a handle below the top sticks out
+      return gaps(strip) > config_.max_gaps ? from : to;
+    };
+    if (all[0] < low - margin) low = continued(low, outer_face(-e, all[0]));
+    if (all[1] > high + margin) high = continued(high, -outer_face(e, -all[1]));
     r.center += (0.5 * (low + high) - middle) * e;
     result.added_m[static_cast<std::size_t>(axis)] = high - low - r.size[axis];
     r.size[axis] = high - low;
@@ -120,6 +128,41 @@ double ShapeEvidence::part_above(const Rectangle& top) const {
   return static_cast<double>(above) / static_cast<double>(std::max<std::size_t>(1, target_.points.size()));
 }
 
+ShapeEvidence::Sight ShapeEvidence::at(const Vec3& point) const {
+  const auto pixel = cloud_.project(point);
+  if (!cloud_.contains(pixel.u, pixel.v)) return Sight::Unknown;
+  const auto k = static_cast<std::size_t>(std::lround(pixel.v)) * static_cast<std::size_t>(cloud_.width()) +
+                 static_cast<std::size_t>(std::lround(pixel.u));
+  if (!cloud_.seen(k)) return Sight::Unknown;
+  const double behind = static_cast<double>(cloud_.depth_m[k]) - pixel.depth_m;
+  const double tolerance = 4 * noise_.sigma(pixel.depth_m) + config_.side_tolerance_m;
+  if (behind > tolerance) return Sight::Empty;
+  return behind > -tolerance ? Sight::There : Sight::Unknown;
+}
+
+double ShapeEvidence::gaps(const Rectangle& face) const {
+  OrientedBox box;
+  box.center = face.center;
+  box.axes << face.u, face.v, face.normal;
+  box.size = Vec3(face.size.x(), face.size.y(), 0.0);
+  return gaps(box);
+}
+
+double ShapeEvidence::gaps(const OrientedBox& box) const {
+  constexpr int kSteps = 12;
+  int empty = 0, there = 0;
+  const int layers = box.size.z() > 0.0 ? kSteps : 1;
+  for (int i = 0; i < kSteps; ++i)
+    for (int j = 0; j < kSteps; ++j)
+      for (int k = 0; k < layers; ++k) {
+        const Vec3 part((i + 0.5) / kSteps - 0.5, (j + 0.5) / kSteps - 0.5, (k + 0.5) / layers - 0.5);
+        const Sight sight = at(box.center + box.axes * part.cwiseProduct(box.size));
+        empty += sight == Sight::Empty, there += sight == Sight::There;
+      }
+  if (empty + there == 0) return std::numeric_limits<double>::quiet_NaN();
+  return static_cast<double>(empty) / (empty + there);
+}
+
 double ShapeEvidence::seen_support(const Rectangle& top) const {
   const int columns = config_.side_columns, rows = config_.side_rows;
   const double edge_width = config_.max_edge_width_m;
@@ -139,18 +182,8 @@ double ShapeEvidence::seen_support(const Rectangle& top) const {
           const double down = edge_width + (height - edge_width - 0.02) * (j + 0.5) / rows;
           if (down > height) continue;
           const Vec3 p = edge + length * ((i + 0.5) / columns - 0.5) * along - down * up_;
-          const auto pixel = cloud_.project(p);
-          if (!cloud_.contains(pixel.u, pixel.v)) continue;
-          const auto k =
-              static_cast<std::size_t>(std::lround(pixel.v)) * static_cast<std::size_t>(cloud_.width()) +
-              static_cast<std::size_t>(std::lround(pixel.u));
-          if (!cloud_.seen(k)) continue;
-          const double behind = static_cast<double>(cloud_.depth_m[k]) - pixel.depth_m;
-          const double tolerance = 4 * noise_.sigma(pixel.depth_m) + config_.side_tolerance_m;
-          if (behind > tolerance)
-            ++empty;
-          else if (behind > -tolerance)
-            ++solid;
+          const Sight sight = at(p);
+          empty += sight == Sight::Empty, solid += sight == Sight::There;
         }
     }
   if (solid + empty == 0) return std::numeric_limits<double>::quiet_NaN();

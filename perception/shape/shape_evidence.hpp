@@ -32,6 +32,15 @@ class ShapeEvidence {
   /// Part of the points that lie clearly over a top.
   [[nodiscard]] double part_above(const Rectangle& top) const;
 
+  /// What the camera saw at a point: nothing, so that it looked through; a surface; something nearer, or no
+  /// data.
+  enum class Sight { Empty, There, Unknown };
+  [[nodiscard]] Sight at(const Vec3& point) const;
+  /// Part of a face, or of a box, at which the camera looked through; Unknown does not count. NaN where all
+  /// is unknown.
+  [[nodiscard]] double gaps(const Rectangle& face) const;
+  [[nodiscard]] double gaps(const OrientedBox& box) const;
+
   /// Part of what would be the visible sides of a solid below this top at which the camera saw a surface;
   /// where it saw nothing or something nearer does not count. NaN when no side faces the camera.
   [[nodiscard]] double seen_support(const Rectangle& top) const;
@@ -62,6 +71,8 @@ class ShapeEvidence {
   [[nodiscard]] Vec3 eye() const { return cloud_.X_WC.translation(); }
   [[nodiscard]] const std::vector<const Rectangle*>& level() const { return level_; }
   [[nodiscard]] const std::vector<const Rectangle*>& upright() const { return upright_; }
+  [[nodiscard]] const std::vector<Surface>& surfaces() const { return surfaces_; }
+  [[nodiscard]] const OrganisedCloud& cloud() const { return cloud_; }
   [[nodiscard]] const Cylinder* cylinder() const { return cylinder_; }  ///< The largest, or nullptr.
   [[nodiscard]] const OrientedBox& footprint() const { return footprint_; }
   [[nodiscard]] double total_area_m2() const { return total_area_; }
@@ -74,6 +85,7 @@ class ShapeEvidence {
 
   const OrganisedCloud& cloud_;
   const Target& target_;
+  const std::vector<Surface>& surfaces_;
   hal::Plane ground_;
   Vec3 up_;
   const NoiseModel& noise_;

@@ -197,6 +197,8 @@ std::optional<CompletedShape> complete_open_box(const ShapeEvidence& seen, const
   std::nth_element(heights.begin(), top, heights.end());
   const double h = *top, w = side1[1] - side1[0], d = side2[1] - side2[0], t = config.wall_m;
   if (!(w > 0 && d > 0 && h > 0)) return std::nullopt;
+  // bars around an empty middle are no walls
+  if (inward + outward < config.min_wall_fraction * (w + d) * h) return std::nullopt;
 
   CompletedShape s;
   s.kind = CompletedShape::Kind::OpenBox;

@@ -108,6 +108,7 @@ CandidateConfig thesis_candidates() {
   config.wraps = false;
   config.pads_bear = false;
   config.measure_depth = false;
+  config.max_pull_back_m = 0.0;
   config.min_in_reach = 0;
   config.collision.refuse_unseen = false;
   config.collision.obstacles.surroundings = false;
@@ -293,6 +294,18 @@ std::optional<double> CandidateFinder::raised_gap(const GraspCandidate& candidat
   return gap;
 }
 
+std::optional<double> CandidateFinder::pulled_back_gap(const GraspCandidate& candidate,
+                                                       const Collision& met) const {
+  constexpr double kClear_m = 0.002;
+  const bool finger = met.part.starts_with("finger");
+  if (!finger || met.with != Collision::With::Object || candidate.kind == GraspKind::Wrap ||
+      met.depth_m > config_.max_pull_back_m)
+    return std::nullopt;
+  const double gap = hand_.gap(candidate) + met.depth_m + kClear_m;
+  if (gap > hand_.largest_gap(candidate)) return std::nullopt;
+  return gap;
+}
+
 bool CandidateFinder::same_when_turned(const Collision& met) const {
   if (hand_.cuboids.empty()) return false;
   const HandCuboid& palm = hand_.cuboids.front();
@@ -350,6 +363,10 @@ void CandidateFinder::judge(GraspCandidate& candidate) const {
       attempt(-first.closing, first.gap_m);
       if (raised) attempt(-first.closing, raised);
     }
+  }
+  if (met) {
+    const GraspCandidate nearest = candidate;
+    if (const auto back = pulled_back_gap(nearest, *met)) attempt(nearest.closing, back);
   }
   if (config_.stability.enabled) {
     const hal::Wrench load = nominal_load(candidate, up_, cog_, config_.stability);

@@ -60,6 +60,7 @@ struct CandidateConfig {
   bool wraps = true;
   double wrap_step_deg = 30.0;
   bool try_both_ways = true;
+  double max_pull_back_m = 0.015;
   int refine_lines = 4;
   int refine_steps = 3;
   double turn_step_deg = 20.0;
@@ -105,6 +106,8 @@ struct CandidateConfig {
     v("wrap_step_deg", wrap_step_deg, hal::Range{1, 180},
       "Angle between approaches around a cylinder (deg).");
     v("try_both_ways", try_both_ways, "Whether the hand is tried turned by 180 degrees where it collides.");
+    v("max_pull_back_m", max_pull_back_m, hal::Range{0, 0.1},
+      "Max distance by which the hand reaches less far, where a finger would meet what is behind (m).");
     v("refine_lines", refine_lines, hal::Range{0, 100},
       "Number of grasp lines that get a candidate near a given point.");
     v("refine_steps", refine_steps, hal::Range{0, 100},
@@ -184,6 +187,9 @@ class CandidateFinder {
   [[nodiscard]] const SeenSpace* seen() const { return seen_ ? &*seen_ : nullptr; }
 
  private:
+  /// A gap at which the fingers reach less far behind the face, where one of them met the object there.
+  [[nodiscard]] std::optional<double> pulled_back_gap(const GraspCandidate& candidate,
+                                                      const Collision& met) const;
   /// A gap that keeps the fingers off the ground, if there is one with which they still hold.
   [[nodiscard]] std::optional<double> raised_gap(const GraspCandidate& candidate, const Collision& met) const;
   /// Collision of a hand on a rim with the object, with the hand shifted sideways along the rim.

@@ -13,6 +13,7 @@ namespace {
 // Resolution of footprints. It only has to be finer than the overlaps that FragmentConfig asks for.
 constexpr double kCell_m = 0.04;
 constexpr double kCellsPerMeter = 1.0 / kCell_m;
+constexpr double kSlender = 1.5;             // height over width of what falls over if nothing holds it
 constexpr std::size_t kFootprintStride = 4;  // every fourth pixel still hits each cell several times
 
 // std::floor is a library call on plain x86-64
@@ -75,12 +76,12 @@ double fraction_under(const Fragment& small, const FlatRectangle& r) {
 
 /// Least distance in space between fragments, over pixels that follow one another in a row or column of the
 /// image with nothing of the mask between them. Fragments that nowhere follow one another are infinitely far
-/// apart.
+/// apart. Beside it the same over pixels where the second fragment may hide how the first one goes on.
 class Gaps {
  public:
   Gaps(const OrganisedCloud& cloud, const Components& components, const std::vector<std::int32_t>& slot,
        std::size_t n)
-      : n_(n), square_(n * n, std::numeric_limits<float>::infinity()) {
+      : n_(n), square_(n * n, std::numeric_limits<float>::infinity()), behind_(square_) {
     // the image is walked row by row; what each column saw last is kept beside it
     const std::size_t w = static_cast<std::size_t>(cloud.width());
     std::vector<std::int32_t> slot_above(w, -1), row_above(w, 0);
@@ -111,11 +112,16 @@ class Gaps {
 
   [[nodiscard]] double between(std::size_t a, std::size_t b) const { return std::sqrt(square_[a * n_ + b]); }
 
+  /// Over pixels at which `a` is further away from the camera than `b`.
+  [[nodiscard]] double behind(std::size_t a, std::size_t b) const { return std::sqrt(behind_[a * n_ + b]); }
+
   // fragment b becomes part of a
   void join(std::size_t a, std::size_t b) {
     for (std::size_t k = 0; k < n_; ++k) {
       const float d = std::min(square_[a * n_ + k], square_[b * n_ + k]);
       square_[a * n_ + k] = square_[k * n_ + a] = d;
+      behind_[a * n_ + k] = std::min(behind_[a * n_ + k], behind_[b * n_ + k]);
+      behind_[k * n_ + a] = std::min(behind_[k * n_ + a], behind_[k * n_ + b]);
     }
   }
 
@@ -127,10 +133,12 @@ class Gaps {
     const float d = dx * dx + dy * dy + dz * dz;
     const std::size_t i = static_cast<std::size_t>(slot_a), k = static_cast<std::size_t>(slot_b);
     if (d < square_[i * n_ + k]) square_[i * n_ + k] = square_[k * n_ + i] = d;
+    float& further = cloud.depth_m[a] > cloud.depth_m[b] ? behind_[i * n_ + k] : behind_[k * n_ + i];
+    further = std::min(further, d);
   }
 
   std::size_t n_;
-  std::vector<float> square_;
+  std::vector<float> square_, behind_;
 };
 
 Fragment joined(const Fragment& a, const Fragment& b) {
@@ -159,9 +167,9 @@ Fragment joined(const Fragment& a, const Fragment& b) {
   return f;
 }
 
-// `gap_m`: distance between a and b along the image
-bool belong_together(const Fragment& a, const Fragment& b, double gap_m, const NoiseModel& noise,
-                     const FragmentConfig& c) {
+// `gap_m`: distance between a and b along the image; `behind_m`: of the smaller one behind the larger one
+bool belong_together(const Fragment& a, const Fragment& b, double gap_m, double behind_m,
+                     const NoiseModel& noise, const FragmentConfig& c) {
   // one surface with a hole in its depth
   const double depth = std::min(a.mean_depth_m, b.mean_depth_m);
   if (gap_m <= c.hole_gap_m + noise.step(depth)) return true;
@@ -171,7 +179,12 @@ bool belong_together(const Fragment& a, const Fragment& b, double gap_m, const N
   const Fragment& small = &large == &a ? b : a;
   const bool minor =
       static_cast<double>(small.pixels) < c.max_small_fraction * static_cast<double>(large.pixels);
-  if (minor && small.min_height_m > c.min_hanging_height_m && gap_m <= c.hanging_gap_m) return true;
+  const bool hangs = small.min_height_m > c.min_hanging_height_m;
+  if (minor && hangs && gap_m <= c.hanging_gap_m) return true;
+  // what neither stands nor could, and goes on behind its neighbour
+  const bool little = minor && small.area_m2 < c.max_hidden_area_m2;
+  const bool slender = small.max_height_m - small.min_height_m > kSlender * footprint_span(small);
+  if (little && (hangs || slender) && behind_m <= c.hidden_gap_m) return true;
 
   // one stands on the other
   const Fragment& upper = a.min_height_m > b.min_height_m ? a : b;
@@ -351,7 +364,10 @@ std::vector<Fragment> join_fragments(std::vector<Fragment> fragments, const Orga
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t k = i + 1; k < n; ++k) {
         if (gone[i] || gone[k]) continue;
-        if (!belong_together(fragments[i], fragments[k], gaps.between(i, k), noise, config)) continue;
+        const bool k_is_small = fragments[i].pixels >= fragments[k].pixels;
+        const double behind_m = k_is_small ? gaps.behind(k, i) : gaps.behind(i, k);
+        if (!belong_together(fragments[i], fragments[k], gaps.between(i, k), behind_m, noise, config))
+          continue;
         fragments[i] = joined(fragments[i], fragments[k]);
         gaps.join(i, k);
         gone[k] = changed = true;

@@ -17,6 +17,8 @@ struct FragmentConfig {
   int min_pixels = 40;
   double hole_gap_m = 0.015;
   double hanging_gap_m = 0.09;
+  double hidden_gap_m = 0.30;
+  double max_hidden_area_m2 = 0.01;
   double standing_gap_m = 0.07;
   double under_fraction = 0.8;
   double min_hanging_height_m = 0.1;
@@ -35,6 +37,10 @@ struct FragmentConfig {
     v("hanging_gap_m", hanging_gap_m, hal::kNotNegative,
       "Max distance between a small region above the ground and the neighbour in the image that it hangs on "
       "(m).");
+    v("hidden_gap_m", hidden_gap_m, hal::kNotNegative,
+      "The same where the neighbour is nearer to the camera and may hide what connects them (m).");
+    v("max_hidden_area_m2", max_hidden_area_m2, hal::kPositive,
+      "Max visible area of such a region; a larger one is a thing of its own (m^2).");
     v("standing_gap_m", standing_gap_m, hal::kNotNegative,
       "Max gap in height between a region and the one, with overlapping footprint, that it stands on (m).");
     v("under_fraction", under_fraction, hal::kFraction,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "tools/experiments/bar_plot.hpp"
 #include "tools/experiments/experiment.hpp"
@@ -15,6 +16,7 @@ namespace colift::experiments {
 namespace furniture_trials {
 namespace {
 
+constexpr double kCog_mm = 20.0;
 constexpr int kEnough = 5;  // candidates from which a partner's grasp leaves a choice
 
 int in_reach(const control::RunRecord& record) {
@@ -23,15 +25,29 @@ int in_reach(const control::RunRecord& record) {
   return static_cast<int>(std::count_if(all.begin(), all.end(), is_in_reach));
 }
 
+/// How far from the truth the centre of gravity is seen before anything moves (m): level, and upwards.
+struct CogError {
+  double level_m = NAN, up_m = NAN;
+};
+
+CogError cog_error(const control::RunRecord& record, const hal::Vec3& truth) {
+  if (!record.analysis || !record.analysis->scene.target) return {};
+  const hal::Vec3 e = record.analysis->scene.target->cog - truth;
+  return {e.head<2>().norm(), e.z()};
+}
+
 TrialRows run(const Trial& trial) {
   const auto& kinds = furniture_kinds();
   const std::string& kind = kinds[static_cast<std::size_t>(trial.index) % kinds.size()];
   const sim_hal::Scenario scenario = seen_from(trial.view, furniture_layout(trial.index, trial.seed));
   const std::uint64_t seed = trial.own_seed(61);
-  const auto lift = run_whole_lift(scenario, trial.method, seed);
+  hal::Vec3 true_cog = hal::Vec3::Zero();
+  LiftHooks hooks;
+  hooks.started = [&](const sim_hal::SimWorld& world) { true_cog = world.truth().cog_W; };
+  const auto lift = run_whole_lift(scenario, trial.method, seed, hooks);
   if (!lift) {
     Row row{kind, scenario.name, cell(scenario.object.mass), "0", "error"};
-    row.resize(10);
+    row.resize(12);
     row.push_back(lift.error().text());
     return {row, {}, lift.error().text()};
   }
@@ -40,6 +56,7 @@ TrialRows run(const Trial& trial) {
   if (record.decision && record.decision->decision.chosen)
     grasp = planner::name_of(record.decision->candidates[*record.decision->decision.chosen].kind);
   const int reached = in_reach(record);
+  const CogError cog = cog_error(record, true_cog);
   TrialRows rows;
   rows.row = {kind,
               scenario.name,
@@ -51,6 +68,8 @@ TrialRows run(const Trial& trial) {
               cell(lift->share_robot),
               cell(1e3 * lift->slip_m),
               cell(lift->hit_something),
+              cell(1e3 * cog.level_m),
+              cell(1e3 * cog.up_m),
               record.reason};
   rows.words =
       fmt::format("{}: {} in reach, {}: {}", scenario.name, reached, word(record.outcome), record.reason);
@@ -77,6 +96,12 @@ std::vector<Figure> figures(const Results& r) {
   }
   out.push_back({"reach", "all: five or more candidates in reach", rate(all_enough, all), "%", 0.9});
   out.push_back({"lifted", "all: lifted, held, lowered, released", rate(all_lifted, all), "%", 0.9});
+  std::vector<double> cog_mm;
+  for (const Row& row : r.trials.rows())
+    if (const double mm = r.trials.number(row, "cog_mm"); std::isfinite(mm)) cog_mm.push_back(mm);
+  const auto near = std::count_if(cog_mm.begin(), cog_mm.end(), [](double mm) { return mm <= kCog_mm; });
+  out.push_back({"cog", "all: centre of gravity seen within 20 mm, level",
+                 rate(static_cast<int>(near), static_cast<int>(cog_mm.size())), "%", 0.9});
   out.push_back({"hit", "all: runs in which the robot met something", rate(hit, all), "%", 0.0, false});
   return out;
 }
@@ -105,11 +130,10 @@ Experiment furniture_experiment() {
   e.thesis = "beyond";
   e.question =
       "The whole job with a stool, shelf, ladder, crate, suitcase, box with a lid, bench and a frame of "
-      "tubes, "
-      "each drawn at random, in turn. A candidate is in reach when hand and arm can carry it out.";
+      "tubes, each drawn at random, in turn. A candidate is in reach when hand and arm can carry it out.";
   e.default_trials = 400;
-  e.columns = {"kind",     "layout",      "mass_kg", "in_reach", "outcome", "grasp",
-               "tilt_deg", "share_robot", "slip_mm", "hit",      "because"};
+  e.columns = {"kind",        "layout",  "mass_kg", "in_reach", "outcome",   "grasp",  "tilt_deg",
+               "share_robot", "slip_mm", "hit",     "cog_mm",   "cog_up_mm", "because"};
   e.run = run;
   e.figures = figures;
   e.plot = plot;

@@ -124,6 +124,66 @@ TEST_CASE("a round leg as long as the seat is wide makes no pipe of a chair", "[
   CHECK((with_leg.cog - chair.cog).norm() < 0.02);
 }
 
+namespace {
+
+/// Boxes, each with middle and size, as heavy as they are large.
+struct Boxes {
+  std::vector<sim_hal::Shape> shapes;
+  Vec3 moment = Vec3::Zero();
+  double volume = 0.0;
+
+  void add(const Vec3& center, const Vec3& size) {
+    shapes.push_back(sim_hal::box(center, size, 0.0, sim_hal::Label::Target));
+    moment += size.prod() * center, volume += size.prod();
+  }
+  [[nodiscard]] Vec3 cog() const { return moment / volume; }
+};
+
+void check_cog(const CompletedShape& shape, const Vec3& truth, double level_m, double vertical_m) {
+  const Vec3 e = shape.cog - truth;
+  INFO(shape.reason << "\noff by " << e.transpose());
+  CHECK(e.head<2>().norm() < level_m);
+  CHECK(std::abs(e.z()) < vertical_m);
+  CHECK(e.dot(shape.covariance.inverse() * e) < 16.3);
+}
+
+}  // namespace
+
+TEST_CASE("a shelf is as heavy as its boards, sides and back, not a plate on legs", "[completion]") {
+  Boxes shelf;
+  for (const double z : {0.06, 0.40, 0.79}) shelf.add({0, 0, z}, {0.70, 0.30, 0.018});
+  for (const double x : {-0.36, 0.36}) shelf.add({x, 0, 0.40}, {0.018, 0.30, 0.80});
+  shelf.add({0, -0.155, 0.40}, {0.72, 0.008, 0.80});
+  const View view(scene_of(shelf.shapes, {0.5, 1.5, 1.3}, {0, 0, 0.4}), 3);
+  const CompletedShape shape = view.shape();
+  CHECK(shape.kind == Kind::Parts);
+  check_cog(shape, shelf.cog(), 0.04, 0.06);
+}
+
+TEST_CASE("of a frame of bars nothing is taken to be where the camera looks through", "[completion]") {
+  Boxes frame;  // a goal with a small plate on top
+  for (const double x : {-0.4, 0.3}) frame.add({x, 0, 0.4}, {0.035, 0.035, 0.8});
+  for (const double z : {0.3, 0.6}) frame.add({-0.05, 0, z}, {0.7, 0.03, 0.03});
+  frame.add({-0.4, 0, 0.82}, {0.24, 0.13, 0.04});
+  frame.add({0.3, 0, 0.7}, {0.03, 0.5, 0.03});
+  const View view(scene_of(frame.shapes, {0.4, 1.6, 1.3}, {0, 0, 0.4}), 3);
+  const CompletedShape shape = view.shape();
+  CHECK(shape.kind == Kind::Parts);
+  check_cog(shape, frame.cog(), 0.06, 0.06);
+}
+
+TEST_CASE("a handle that sticks out beside a closed body does not make its top longer", "[completion]") {
+  Boxes suitcase;
+  suitcase.add({0, 0, 0.24}, {0.70, 0.25, 0.48});
+  const Vec3 truth = suitcase.cog();
+  suitcase.add({0.395, 0, 0.30}, {0.018, 0.022, 0.17});
+  for (const double z : {0.22, 0.38}) suitcase.add({0.372, 0, z}, {0.045, 0.02, 0.02});
+  const View view(scene_of(suitcase.shapes, {0.7, 1.5, 1.2}, {0, 0, 0.25}), 3);
+  const CompletedShape shape = view.shape();
+  CHECK(shape.kind == Kind::Block);
+  CHECK((shape.cog - truth).head<2>().norm() < 0.008);
+}
+
 TEST_CASE("every completion says what was assumed", "[completion]") {
   const View table(ObjectKind::Table, 1), box(ObjectKind::Box, 1);
   CHECK(table.shape().reason.find("legs") != std::string::npos);

@@ -59,6 +59,35 @@ TEST_CASE("a point picks its object instead of the largest", "[target]") {
   CHECK(picked.reason.find("given point") != std::string::npos);
 }
 
+TEST_CASE("a handle that goes on behind the end of its suitcase is part of it, a box behind it is not",
+          "[target]") {
+  using namespace sim_hal;
+  World world;
+  world.shapes.push_back(half_space(Vec3::Zero(), Vec3::UnitZ(), Label::Ground));
+  world.shapes.push_back(box({0, 0, 0.24}, {0.70, 0.25, 0.48}, 0.0, Label::Target));
+  world.shapes.push_back(box({0.395, 0, 0.30}, {0.018, 0.022, 0.17}, 0.0, Label::Partner));
+  for (const double z : {0.22, 0.38})
+    world.shapes.push_back(box({0.372, 0, z}, {0.045, 0.02, 0.02}, 0.0, Label::Partner));
+  world.shapes.push_back(box({-0.45, 0.3, 0.15}, {0.2, 0.2, 0.3}, 0.0, Label::Clutter));
+  const Pose X_WC = look_at(Vec3(-0.1, -1.7, 1.2), Vec3(0, 0, 0.25));
+  const Rendering truth = cast_rays(world, {}, X_WC);
+  const OrganisedCloud cloud = deproject(measure(truth, {}, 5), X_WC);
+  const TargetResult found = target_of(cloud);
+  REQUIRE(found.target);
+  std::vector<bool> mine(cloud.size(), false);
+  for (const std::uint32_t p : found.target->pixels) mine[p] = true;
+  int handle = 0, of_handle = 0, clutter = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!cloud.seen(i)) continue;
+    handle += truth.label[i] == Label::Partner, of_handle += truth.label[i] == Label::Partner && mine[i];
+    clutter += truth.label[i] == Label::Clutter && mine[i];
+  }
+  INFO(of_handle << " of " << handle << " pixels of the handle, " << clutter << " of the box");
+  CHECK(handle > 150);
+  CHECK(of_handle > handle / 2);
+  CHECK(clutter < 100);  // a few at the rim, of thousands
+}
+
 TEST_CASE("an object that the image cuts at the side is not free-standing", "[target]") {
   using namespace sim_hal;
   World world;

@@ -1,6 +1,7 @@
 // Bars, legs and handles: how deep a body is behind the face that is grasped.
 #include "planner/grasp/body_depth.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "planner/grasp/grasp_candidates.hpp"
@@ -112,4 +113,24 @@ TEST_CASE("candidates between the others are new ones", "[bar]") {
   std::vector<GraspCandidate> all = coarse;
   all.insert(all.end(), fine.begin(), fine.end());
   CHECK(finder.between(step, all).empty());
+}
+
+TEST_CASE("where a finger would meet what is behind a handle, the hand reaches less far", "[bar]") {
+  const Vec3 center(0, 0, 0.5), size(0.17, 0.022, 0.018);
+  auto scene = tests::scene_of(
+      {sim_hal::box(center, size, 0, kTarget), sim_hal::box({0, 0.133, 0.35}, {0.6, 0.2, 0.5}, 0, kTarget)},
+      {0.1, -1.3, 1.1}, center);
+  tests::add_faces(scene, center, size);
+  const auto seen = tests::see(scene, false);
+  const HandModel hand;
+  const auto free_from_front = [&](double max_pull_back_m) {
+    CandidateConfig config;
+    config.max_pull_back_m = max_pull_back_m;
+    const auto all = CandidateFinder(seen.scene, &seen.cloud, hand, config).find();
+    return std::count_if(all.begin(), all.end(), [](const GraspCandidate& c) {
+      return c.verdict == Verdict::Ok && c.approach.y() > 0.95;
+    });
+  };
+  CHECK(free_from_front(0.0) == 0);
+  CHECK(free_from_front(0.015) >= 3);
 }
