@@ -285,14 +285,21 @@ struct ObjectFollower::Impl {
   }
 
   // Turns are left as they are seen: about its own axis a pipe would follow every error of the held point.
+  // The gain is not the best one then, so the covariance follows from it in Joseph's form, which stays
+  // positive.
   void join(const HeldPoint& held, ObjectMotion& motion) {
     const Eigen::Matrix3d P = motion.covariance.topLeftCorner<3, 3>();
-    const Eigen::Matrix3d S = P + config.held_sigma_m * config.held_sigma_m * Eigen::Matrix3d::Identity();
-    const Eigen::Matrix3d gain = hal::solve_small_symmetric(S, P).transpose();
-    const Vec3 shift = gain * (held.now_W - motion.X_WTnow_WTref * held.ref_W);
+    const Eigen::Matrix3d R = config.held_sigma_m * config.held_sigma_m * Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d gain = hal::solve_small_symmetric(Eigen::Matrix3d(P + R), P).transpose();
+    const Vec3 held_W = motion.X_WTnow_WTref * held.ref_W;
+    const Vec3 shift = gain * (held.now_W - held_W);
+    Information rest = Information::Identity();
+    rest.topLeftCorner<3, 3>() -= gain;
+    rest.topRightCorner<3, 3>() = gain * cross_matrix(Vec3(held_W - motion.center_W));
+    motion.covariance = (rest * motion.covariance * rest.transpose()).eval();
+    motion.covariance.topLeftCorner<3, 3>() += gain * R * gain.transpose();
     motion.X_WTnow_WTref.translation() += shift;
     motion.center_W += shift;
-    motion.covariance.topLeftCorner<3, 3>() -= gain * P;
     last.shift += X_WC.linear().transpose() * shift;
   }
 };

@@ -1,3 +1,4 @@
+#include <Eigen/Eigenvalues>
 #include <catch2/catch.hpp>
 
 #include <limits>
@@ -157,6 +158,9 @@ TEST_CASE("along what the view does not hold, an object is where the hand has it
   CHECK(std::abs(off_held.z()) < 0.003);  // the height is seen, and that the object slipped in the hand
   CHECK(degrees(turned_rad) < 1.0);
   CHECK(held.last().covariance(0, 0) < 0.25 * alone.last().covariance(0, 0));
+  // of every point of the object: its variance is one
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> of(held.last().covariance);
+  CHECK(of.eigenvalues().minCoeff() > -1e-9 * of.eigenvalues().maxCoeff());
 }
 
 TEST_CASE("a pipe that may roll is followed in all the rest") {
