@@ -234,6 +234,11 @@ CompletedShape complete_parts(const ShapeEvidence& seen, const ShapeEvidence::Wi
   s.cog = moment / mass;
   const double end = seen.end_sigma(s.box.size.head<2>().maxCoeff()) + seen.depth_sigma_m();
   s.covariance = end * end * Eigen::Matrix3d::Identity();
+  // without a top nobody knows what of it is hidden, cut by the view or lost on the ground
+  if (!top) {
+    const Vec3 sigma = config.shape_sigma * s.box.size;
+    s.covariance += s.box.axes * sigma.cwiseAbs2().asDiagonal() * s.box.axes.transpose();
+  }
   for (const Part& part : list.parts()) {
     const Vec3 by_seen = config.part_sigma * (part.seen_moment - part.seen * s.cog) / mass;
     const Vec3 by_hidden = config.hidden_part_sigma * (part.hidden_moment - part.hidden * s.cog) / mass;
