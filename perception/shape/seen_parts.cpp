@@ -245,9 +245,8 @@ CompletedShape complete_parts(const ShapeEvidence& seen, const ShapeEvidence::Wi
     s.covariance += by_seen * by_seen.transpose() + by_hidden * by_hidden.transpose();
   }
   s.reason = fmt::format(
-      "{} parts between which the camera looks through, {:.0f} mm thick; {:.0f} % of the whole is taken to "
-      "be "
-      "on the hidden side, opposite of what is seen",
+      "{} parts between which the camera looks through, {:.0f} mm thick; {:.0f} % of the whole is taken "
+      "to be on the hidden side, opposite of what is seen",
       list.parts().size(), 1e3 * thickness_m, 100.0 * hidden / mass);
   return s;
 }
