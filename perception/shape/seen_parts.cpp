@@ -42,9 +42,7 @@ double typical_thickness(const ShapeEvidence& seen, const CompletionConfig& conf
     if (width <= config.max_edge_width_m && length > 2.0 * width) widths.push_back(width);
   }
   if (widths.empty()) return config.thickness_m;
-  const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
-  std::nth_element(widths.begin(), middle, widths.end());
-  return std::clamp(*middle, kThinnest_m, kThickest_m);
+  return std::clamp(median_width(widths), kThinnest_m, kThickest_m);
 }
 
 bool lies_on(const Vec3& p, const Surface& s, double tolerance_m) {
@@ -235,10 +233,7 @@ CompletedShape complete_parts(const ShapeEvidence& seen, const ShapeEvidence::Wi
   const double end = seen.end_sigma(s.box.size.head<2>().maxCoeff()) + seen.depth_sigma_m();
   s.covariance = end * end * Eigen::Matrix3d::Identity();
   // without a top nobody knows what of it is hidden, cut by the view or lost on the ground
-  if (!top) {
-    const Vec3 sigma = config.shape_sigma * s.box.size;
-    s.covariance += s.box.axes * sigma.cwiseAbs2().asDiagonal() * s.box.axes.transpose();
-  }
+  if (!top) s.covariance += spread(s.box.axes, config.shape_sigma * s.box.size);
   for (const Part& part : list.parts()) {
     const Vec3 by_seen = config.part_sigma * (part.seen_moment - part.seen * s.cog) / mass;
     const Vec3 by_hidden = config.hidden_part_sigma * (part.hidden_moment - part.hidden * s.cog) / mass;

@@ -9,15 +9,12 @@
 #include "perception/footprint.hpp"
 
 namespace colift::perception {
-namespace {
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
+double median_width(std::vector<double> widths) {
+  const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
+  std::nth_element(widths.begin(), middle, widths.end());
   return *middle;
 }
-
-}  // namespace
 
 ShapeEvidence::ShapeEvidence(const OrganisedCloud& cloud, const Target& target,
                              const std::vector<Surface>& surfaces, const Ground& ground,
@@ -264,7 +261,7 @@ std::optional<double> ShapeEvidence::leg_width(double height) const {
   if (cylinder_ && std::abs(cylinder_->axis.dot(up_)) > 0.95 && ground_.height(cylinder_->center) < height)
     widths.push_back(std::sqrt(std::numbers::pi) * cylinder_->radius);
   if (widths.empty()) return std::nullopt;
-  return median(widths);
+  return median_width(widths);
 }
 
 double ShapeEvidence::end_sigma(double length) const {

@@ -9,6 +9,9 @@
 
 namespace colift::perception {
 
+/// Of one width at least (m).
+[[nodiscard]] double median_width(std::vector<double> widths);
+
 /// What one view says about parts of an object that were not seen: measures from its surfaces, its points and
 /// the empty places beside them, on which complete_shape() decides. Refers to its arguments.
 class ShapeEvidence {

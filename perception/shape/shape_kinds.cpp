@@ -22,10 +22,6 @@ struct Mixture {
   [[nodiscard]] Vec3 centroid() const { return moment / mass; }
 };
 
-Eigen::Matrix3d spread(const Eigen::Matrix3d& axes, const Vec3& sigma) {
-  return axes * sigma.cwiseAbs2().asDiagonal() * axes.transpose();
-}
-
 OrientedBox upright_box(const Rectangle& top, double height, const Vec3& up) {
   OrientedBox box;
   const Vec3 u = (top.u - up * up.dot(top.u)).normalized();
@@ -49,6 +45,10 @@ void put_up_last(OrientedBox& box, const Vec3& up) {
 }
 
 }  // namespace
+
+Eigen::Matrix3d spread(const Eigen::Matrix3d& axes, const Vec3& sigma) {
+  return axes * sigma.cwiseAbs2().asDiagonal() * axes.transpose();
+}
 
 CompletedShape complete_cylinder(const ShapeEvidence& seen, const CompletionConfig& config) {
   const Vec3& up = seen.up();

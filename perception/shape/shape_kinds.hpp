@@ -25,6 +25,9 @@ namespace colift::perception {
 [[nodiscard]] std::optional<CompletedShape> complete_open_box(const ShapeEvidence& seen,
                                                               const CompletionConfig& config);
 
+/// Covariance with these standard deviations (m) along axes.
+[[nodiscard]] Eigen::Matrix3d spread(const Eigen::Matrix3d& axes, const Vec3& sigma);
+
 /// For what has no known shape.
 [[nodiscard]] CompletedShape complete_mirrored(const ShapeEvidence& seen, const CompletionConfig& config);
 

@@ -11,9 +11,10 @@ def main(tests, far_end, attempts, at_once=1):
     program wait for each other most of the time, so all tests are shared out to `at_once` processes."""
     colift, names = sys.argv[1], sys.argv[2:]
     if at_once > 1 and not names:
-        shares = [[test.__name__ for test in tests[i::at_once]] for i in range(at_once)]
+        shares = [[test.__name__ for test in tests[i::at_once]] for i in range(min(at_once, len(tests)))]
         processes = [subprocess.Popen([sys.executable, sys.argv[0], colift, *share]) for share in shares]
-        return max(p.wait() for p in processes)
+        ends = [p.wait() for p in processes]  # negative of a process that a signal ended
+        return 1 if any(ends) else 0
     failed = 0
     for test in tests:
         if names and test.__name__ not in names:
