@@ -10,6 +10,10 @@ namespace {
 
 constexpr std::size_t kSide = BlockGrid::kSide;
 constexpr double kMiddle_px = 0.5 * (static_cast<double>(kSide) - 1.0);  // of a block
+// How far a foot reaches beyond what is seen of the object, and how well ground and the object's motion
+// agree.
+constexpr float kFootBeside_m = 0.05F, kFootHeight_m = 0.06F, kFootMargin_m = 0.008F;
+constexpr double kMinRisen = 0.6;       // of a part's area
 constexpr double kMoved_m = 0.002;      // an object that moved by less stands where it stood
 constexpr std::size_t kMaxParts = 256;  // small ones beyond are noise everywhere: the largest count
 
@@ -44,6 +48,14 @@ BodyFinder::BodyFinder(const ReferenceImage& reference, std::span<const Eigen::V
   robot_.resize(blocks, 0);
   foreign_.resize(blocks);
   unknown_.resize(blocks);
+  risen_.resize(blocks);
+  X_CW_ = X_WC_.inverse().cast<float>();
+  for (const Eigen::Vector3f& p : object) under_object_.extend(p);
+  if (has_object_) {
+    under_object_.max().z() = under_object_.min().z() + kFootHeight_m;
+    under_object_.min() -= Eigen::Vector3f(kFootBeside_m, kFootBeside_m, kFootHeight_m);
+    under_object_.max() += Eigen::Vector3f(kFootBeside_m, kFootBeside_m, 0.0F);
+  }
   for (std::size_t i = 0; i < robot_hid.size(); ++i) {
     const std::size_t b = grid_.of_pixel(i);
     if (robot_hid[i] != 0 && !reference.cloud.seen(i) && b < blocks) unknown_[b] = 1;
@@ -131,7 +143,7 @@ void BodyFinder::place_blocks(const hal::Pose& X_WTnow_WTref) {
              sigma2 = static_cast<float>(2.0 * noise_.sigma2_per_m);
   const auto least = static_cast<float>(config_.min_block_px);
   for (std::size_t b = 0; b < count_.size(); ++b) {
-    foreign_[b] = 0;
+    foreign_[b] = risen_[b] = 0;
     if (count_[b] < least) continue;
     const float z = depth_[b] / count_[b];
     depth_[b] = z;
@@ -142,9 +154,25 @@ void BodyFinder::place_blocks(const hal::Pose& X_WTnow_WTref) {
       if (patch != ObjectGrid::kNone &&
           (p - object_.patches()[static_cast<std::size_t>(patch)]).norm() < margin + sigma0 + sigma2 * z * z)
         continue;
+      risen_[b] = moved && is_under_object(p) ? 1 : 0;
     }
     foreign_[b] = 1;
   }
+}
+
+// Less than the least height of what counts as standing on the ground, the feet of an object are the ground,
+// until it is lifted.
+bool BodyFinder::is_under_object(const Eigen::Vector3f& p_ref) const {
+  if (!under_object_.contains(p_ref)) return false;
+  const Eigen::Vector3f p = X_CW_ * p_ref;
+  const float u = p.x() / p.z() * static_cast<float>(intrinsics_.fx) + static_cast<float>(intrinsics_.cx);
+  const float v = p.y() / p.z() * static_cast<float>(intrinsics_.fy) + static_cast<float>(intrinsics_.cy);
+  if (!(p.z() > 0.0F) || !(u >= 0.0F) || !(v >= 0.0F)) return false;
+  const std::size_t column = static_cast<std::size_t>(u) / kSide, row = static_cast<std::size_t>(v) / kSide;
+  if (column >= grid_.columns || row >= grid_.rows) return false;
+  const float noise_m = static_cast<float>(2.0 * noise_.sigma0_m +
+                                           2.0 * noise_.sigma2_per_m * static_cast<double>(p.z() * p.z()));
+  return std::abs(behind_m_[row * grid_.columns + column] - p.z()) < kFootMargin_m + noise_m;
 }
 
 void BodyFinder::connect() {
@@ -171,6 +199,7 @@ void BodyFinder::grow_part(std::size_t seed) {
     const double area_m2 = static_cast<double>(count_[b] * z * z) * pixel_area_;
     part.area_m2 += area_m2;
     part.unknown_m2 += unknown_[b] != 0 ? area_m2 : 0.0;
+    part.risen_m2 += risen_[b] != 0 ? area_m2 : 0.0;
     part.box.extend(point_[b].cast<double>());
     grid_.around(b, [&](std::size_t n) {
       if (foreign_[n] != 1 || std::abs(depth_[n] - z) > jump0 + jump2 * z * z) return;
@@ -179,6 +208,7 @@ void BodyFinder::grow_part(std::size_t seed) {
     });
   }
   part.count = order_.size() - part.first;
+  if (part.area_m2 <= config_.max_foot_m2 && part.risen_m2 >= kMinRisen * part.area_m2) return;
   if (part.area_m2 >= config_.min_part_m2 && part.unknown_m2 <= config_.max_unknown_fraction * part.area_m2)
     parts_.push_back(part);
 }

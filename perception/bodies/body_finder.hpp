@@ -28,6 +28,7 @@ struct BodyConfig {
   double join_m = 0.12;
   double object_margin_m = 0.02;
   double moved_object_margin_m = 0.04;
+  double max_foot_m2 = 0.02;
   double hidden_m = 0.25;
   int max_points = 300;
 
@@ -49,6 +50,9 @@ struct BodyConfig {
       "What is this near to the object's known surface is the object (m).");
     v("moved_object_margin_m", moved_object_margin_m, hal::Range{0, 0.2},
       "The same while the object is carried: sides come into view that were not seen before (m).");
+    v("max_foot_m2", max_foot_m2, hal::Range{0, 1},
+      "Max visible area of a flat foot of the object that counted as ground: what rises with the object from "
+      "where the ground was seen under it (m^2). 0: there is none.");
     v("hidden_m", hidden_m, hal::Range{0, 2},
       "Depth of the space behind a body's visible side that counts as the body: nobody observes it (m).");
     v("max_points", max_points, hal::Range{20, 5000}, "Max number of points that stand for one body.");
@@ -100,6 +104,7 @@ class BodyFinder {
  private:
   struct Part {
     double area_m2 = 0.0, unknown_m2 = 0.0;  // of it, where the reference knows nothing
+    double risen_m2 = 0.0;                   // of it, ground that has moved with the object
     hal::Aabb box;
     std::size_t first = 0, count = 0;  // of its blocks in order_
     int body = -1;
@@ -107,6 +112,8 @@ class BodyFinder {
   void mark(const std::vector<float>& depth_m);
   void leave_out_robot(std::span<const std::uint32_t> robot);
   void place_blocks(const hal::Pose& X_WTnow_WTref);
+  /// A point of the object's reference pose lies on what the reference shows right under the object.
+  [[nodiscard]] bool is_under_object(const Eigen::Vector3f& p_ref) const;
   void connect();
   void grow_part(std::size_t seed);
   void join_parts();
@@ -122,13 +129,15 @@ class BodyFinder {
   double pixel_area_ = 0.0;
   ObjectGrid object_;
   bool has_object_ = false;
+  Eigen::AlignedBox3f under_object_;  // a slice at its lower end (W, reference)
+  Eigen::Isometry3f X_CW_ = Eigen::Isometry3f::Identity();
   std::vector<float> limit_m_, behind_m_;  // by pixel; by block
   BlockGrid grid_;
   std::vector<Eigen::Vector3f> ray_;  // of each block, W, z along the optical axis is 1
 
   // by block
   std::vector<float> row_sum_, row_count_, depth_, count_;
-  std::vector<std::uint8_t> robot_, foreign_, unknown_;
+  std::vector<std::uint8_t> robot_, foreign_, unknown_, risen_;
   std::vector<Eigen::Vector3f> point_;
   std::optional<LimitRenewal> renewal_;
   std::vector<std::uint32_t> order_, stack_;

@@ -221,6 +221,45 @@ TEST_CASE("an object that was raised is no body, and somebody beside it is") {
   }
 }
 
+TEST_CASE("a flat foot that was the ground rises with the object and is no body; what was not there is one") {
+  Room room(ObjectKind::Table, 5);
+  const Vec3 eye = room.scene.X_WC.translation();
+  const Vec3 nearer = Vec3(eye.x() - room.object_at.x(), eye.y() - room.object_at.y(), 0.0).normalized();
+  const Vec3 at = Vec3(room.object_at.x(), room.object_at.y(), 0.0) + 0.2 * nearer;
+  const auto plate = [&](double height_m, Label label) {
+    return sim_hal::box({at.x(), at.y(), height_m - 0.01}, {0.12, 0.12, 0.02}, 0.0, label);
+  };
+  hal::Pose lift = hal::Pose::Identity();
+  lift.translation().z() = 0.05;
+  sim_hal::World before = room.scene.world, raised = room.scene.world;
+  for (auto& shape : raised.shapes)
+    if (shape.label == Label::Target) shape.X_WS = lift * shape.X_WS;
+  raised.shapes.push_back(plate(0.07, Label::Clutter));
+
+  SECTION("it was there") {
+    before.shapes.push_back(plate(0.02, Label::Clutter));
+    room.take_reference(before);
+    BodyFinder finder = room.finder();
+    REQUIRE(room.bodies(finder, room.frame(before, 0.0), 0.0).empty());
+    CHECK(room.bodies(finder, room.frame(raised, 0.0), 0.0, lift).empty());
+    // it does not hide a foot that is set down there
+    sim_hal::World foot = raised;
+    foot.shapes.push_back(sim_hal::box({at.x(), at.y(), 0.095}, {0.10, 0.25, 0.05}, 0.0, Label::Partner));
+    CHECK(room.bodies(finder, room.frame(foot, 0.0), 0.0, lift).size() == 1);
+  }
+  SECTION("without the rule it is a body") {
+    before.shapes.push_back(plate(0.02, Label::Clutter));
+    room.take_reference(before);
+    BodyFinder finder = room.finder({.max_foot_m2 = 0.0});
+    CHECK(room.bodies(finder, room.frame(raised, 0.0), 0.0, lift).size() == 1);
+  }
+  SECTION("it was not there") {
+    BodyFinder finder = room.finder();
+    raised.shapes.back() = plate(0.10, Label::Partner);
+    CHECK(room.bodies(finder, room.frame(raised, 0.0), 0.0, lift).size() == 1);
+  }
+}
+
 TEST_CASE("what a body hides counts as the body, as deep as it may be thick") {
   Room room(ObjectKind::Box, 2);
   BodyFinder finder = room.finder();
