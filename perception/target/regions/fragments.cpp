@@ -13,7 +13,9 @@ namespace {
 // Resolution of footprints. It only has to be finer than the overlaps that FragmentConfig asks for.
 constexpr double kCell_m = 0.04;
 constexpr double kCellsPerMeter = 1.0 / kCell_m;
-constexpr double kSlender = 1.5;             // height over width of what falls over if nothing holds it
+constexpr double kSlender = 1.5;  // height over width of what falls over if nothing holds it
+// What touches the ground on a spot, and has its middle so far beside it, falls over alone.
+constexpr double kContact_m = 0.08, kSpot_m = 0.15, kBeside_m = 0.05;
 constexpr std::size_t kFootprintStride = 4;  // every fourth pixel still hits each cell several times
 
 // std::floor is a library call on plain x86-64
@@ -161,10 +163,19 @@ Fragment joined(const Fragment& a, const Fragment& b) {
   f.cut_top += b.cut_top;
   f.cut_bottom += b.cut_bottom;
   f.box.extend(b.box);
+  f.contact.extend(b.contact);
   std::vector<std::int64_t> cells;
   std::set_union(a.cells.begin(), a.cells.end(), b.cells.begin(), b.cells.end(), std::back_inserter(cells));
   f.cells = std::move(cells);
   return f;
+}
+
+bool would_fall(const Fragment& f) {
+  if (f.cells.empty() || f.contact.isEmpty() || f.contact.diagonal().norm() > kSpot_m) return false;
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const std::int64_t cell : f.cells) middle += GroundAxes::center(cell);
+  return f.contact.exteriorDistance(Eigen::Vector2d(middle / static_cast<double>(f.cells.size()))) >
+         kBeside_m;
 }
 
 // `gap_m`: distance between a and b along the image; `behind_m`: of the smaller one behind the larger one
@@ -181,10 +192,14 @@ bool belong_together(const Fragment& a, const Fragment& b, double gap_m, double 
       static_cast<double>(small.pixels) < c.max_small_fraction * static_cast<double>(large.pixels);
   const bool hangs = small.min_height_m > c.min_hanging_height_m;
   if (minor && hangs && gap_m <= c.hanging_gap_m) return true;
-  // what neither stands nor could, and goes on behind its neighbour
+  // what would fall over alone leans on its neighbour
+  const bool lesser = 2 * small.pixels < large.pixels && small.area_m2 < c.max_leaning_area_m2;
+  if (lesser && gap_m <= c.hanging_gap_m && would_fall(small)) return true;
+  // What neither stands nor could. The joint of what hangs in the air may be behind itself; a slender thing
+  // that stands goes on behind its neighbour
   const bool little = minor && small.area_m2 < c.max_hidden_area_m2;
   const bool slender = small.max_height_m - small.min_height_m > kSlender * footprint_span(small);
-  if (little && (hangs || slender) && behind_m <= c.hidden_gap_m) return true;
+  if (little && ((hangs && gap_m <= c.hidden_gap_m) || (slender && behind_m <= c.hidden_gap_m))) return true;
 
   // one stands on the other
   const Fragment& upper = a.min_height_m > b.min_height_m ? a : b;
@@ -314,6 +329,8 @@ std::vector<Fragment> describe_fragments(const OrganisedCloud& cloud, const Comp
     for (std::size_t u = static_cast<std::size_t>(run.first) + skip; u <= static_cast<std::size_t>(run.last);
          u += kFootprintStride) {
       const std::int64_t cell = axes.cell(cloud.point(row + u));
+      if (heights[static_cast<Eigen::Index>(u) - run.first] < static_cast<float>(kContact_m))
+        f.contact.extend(GroundAxes::center(cell));
       if (t.is_new(cell)) f.cells.push_back(cell);
     }
   }

@@ -19,6 +19,7 @@ struct FragmentConfig {
   double hanging_gap_m = 0.09;
   double hidden_gap_m = 0.30;
   double max_hidden_area_m2 = 0.01;
+  double max_leaning_area_m2 = 0.04;
   double standing_gap_m = 0.07;
   double under_fraction = 0.8;
   double min_hanging_height_m = 0.1;
@@ -38,9 +39,14 @@ struct FragmentConfig {
       "Max distance between a small region above the ground and the neighbour in the image that it hangs on "
       "(m).");
     v("hidden_gap_m", hidden_gap_m, hal::kNotNegative,
-      "The same where the neighbour is nearer to the camera and may hide what connects them (m).");
+      "The same where the joint is hidden (m): of a little region that hangs in the air, and of a slender "
+      "one "
+      "that goes on behind a neighbour which is nearer to the camera.");
     v("max_hidden_area_m2", max_hidden_area_m2, hal::kPositive,
       "Max visible area of such a region; a larger one is a thing of its own (m^2).");
+    v("max_leaning_area_m2", max_leaning_area_m2, hal::kNotNegative,
+      "Max visible area of a region that touches the ground beside its middle, and so leans on a neighbour "
+      "within hanging_gap_m (m^2). 0: none does.");
     v("standing_gap_m", standing_gap_m, hal::kNotNegative,
       "Max gap in height between a region and the one, with overlapping footprint, that it stands on (m).");
     v("under_fraction", under_fraction, hal::kFraction,
@@ -69,6 +75,8 @@ struct Fragment {
   int u_min = 1 << 20, u_max = -1, v_min = 1 << 20, v_max = -1;
   int cut_left = 0, cut_right = 0, cut_top = 0, cut_bottom = 0;  ///< Pixels on the rim of the seen image.
   Aabb box;                                                      ///< In W.
+  /// Where it comes near to the ground, in that plane; empty for what hangs.
+  Eigen::AlignedBox2d contact;
   std::vector<std::int64_t> cells;  ///< Footprint: sorted 4 cm cells of the ground plane.
 };
 
