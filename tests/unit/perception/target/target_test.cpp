@@ -88,6 +88,55 @@ TEST_CASE("a handle that goes on behind the end of its suitcase is part of it, a
   CHECK(clutter < 100);  // a few at the rim, of thousands
 }
 
+TEST_CASE("fork and handlebar lean on the frame that they belong to; a bottle beside it stands alone",
+          "[target]") {
+  using namespace sim_hal;
+  World world;
+  world.shapes.push_back(half_space(Vec3::Zero(), Vec3::UnitZ(), Label::Ground));
+  const double turn = -0.227;
+  const auto at = [&](double x, double y, double z) {
+    return Vec3(Eigen::AngleAxisd(turn, Vec3::UnitZ()) * Vec3(x, y, z));
+  };
+  const auto tube = [&](const Vec3& a, const Vec3& b, Label label) {
+    world.shapes.push_back(capsule(a, b, 0.014, label));
+  };
+  const Vec3 seat = at(-0.20, 0, 0.73), crank = at(-0.08, 0, 0.26), rear = at(-0.48, 0, 0.31);
+  const Vec3 front = at(0.48, 0, 0.31), head = at(0.33, 0, 0.71);
+  world.shapes.push_back(box(at(-0.23, 0, 0.826), {0.24, 0.12, 0.05}, turn, Label::Target));
+  tube(seat, at(0.33, 0, 0.67), Label::Target);
+  tube(crank, at(0.33, 0, 0.60), Label::Target);
+  tube(crank, at(-0.22, 0, 0.81), Label::Target);
+  tube(rear, crank, Label::Target);
+  tube(rear, seat, Label::Target);
+  tube(at(-0.48, 0, 0.02), rear, Label::Target);
+  tube(front, head, Label::Partner);
+  tube(at(0.48, 0, 0.02), front, Label::Partner);
+  for (const double x : {-0.48, 0.48})
+    world.shapes.push_back(box(at(x, 0, 0.01), {0.06, 0.34, 0.02}, turn, Label::Ground));
+  tube(at(0.33, -0.26, 0.726), at(0.33, 0.26, 0.726), Label::Partner);
+  world.shapes.push_back(cylinder(at(-0.59, 0, 0.15), Vec3::UnitZ(), 0.04, 0.30, Label::Clutter));
+  const Pose X_WC = look_at(Vec3(0.16, -1.59, 1.76), Vec3(-0.05, -0.02, 0.52));
+  const Rendering truth = cast_rays(world, {}, X_WC);
+  const std::uint64_t seed = GENERATE(range(1, 13));
+  const OrganisedCloud cloud = deproject(measure(truth, {}, seed), X_WC);
+  const TargetResult found = target_of(cloud);
+  REQUIRE(found.target);
+  std::vector<bool> mine(cloud.size(), false);
+  for (const std::uint32_t p : found.target->pixels) mine[p] = true;
+  int fork = 0, of_fork = 0, bottle = 0, of_bottle = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!cloud.seen(i)) continue;
+    fork += truth.label[i] == Label::Partner, of_fork += truth.label[i] == Label::Partner && mine[i];
+    bottle += truth.label[i] == Label::Clutter, of_bottle += truth.label[i] == Label::Clutter && mine[i];
+  }
+  INFO(of_fork << " of " << fork << " pixels of the fork, " << of_bottle << " of " << bottle
+               << " of the bottle");
+  CHECK(fork > 1500);
+  CHECK(of_fork > 3 * fork / 4);
+  CHECK(bottle > 1000);
+  CHECK(of_bottle < 100);
+}
+
 TEST_CASE("an object that the image cuts at the side is not free-standing", "[target]") {
   using namespace sim_hal;
   World world;
