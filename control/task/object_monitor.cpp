@@ -16,7 +16,7 @@ namespace {
 // larger than the largest jump of the last seconds is a motion. A fall is no jump until some frames later,
 // and the largest one may be one, so that it counts only so far.
 constexpr double kMotion_jumps = 1.3, kRemembered = 0.99, kMaxJump_m = 0.015;
-constexpr double kMinShare = 0.05;  // with less, noise of the robot's load would be a load of the partner
+constexpr double kMinShare = 0.05;  // with less, the robot's load says nothing of the partner's
 
 // The joint with the least angle left to one of its limits, in words.
 std::string nearest_limit(const hal::RobotModel& model, const hal::JointVector& q_rad) {
@@ -80,16 +80,17 @@ bool ObjectMonitor::seen_askew() const {
 
 // Nobody measures his force. Where the mass was not known before the lift, what he bears follows from the
 // load in the hand and the robot's share, which a plain lift tells no better than the prediction does
-// (docs/decisions/0015): at the lower end of its interval he bears the most.
-double ObjectMonitor::max_partner_load_n() const {
-  const ShareContract& share = c_.record.decision->share;
-  if (share.mass_kg || !share.interval) return 0.0;
-  return c_.arm.view().load_n * (1.0 / std::max(share.interval->low, kMinShare) - 1.0);
+// (docs/decisions/0015). Not from the lower end of the share's interval: of light ladders, of which it is
+// said to be 9 to 64 %, that would make 400 N.
+double ObjectMonitor::partner_load_n() const {
+  const Outcome& outcome = *c_.record.decision;
+  const double share = outcome.decision.share;
+  if (outcome.share.mass_kg || share <= kMinShare) return 0.0;
+  return c_.arm.view().load_n * (1.0 / share - 1.0);
 }
 
 void ObjectMonitor::update() {
-  if (c_.record.decision && max_partner_load_n() <= c_.config.decision.partner_load_n)
-    partner_bears_at_ = c_.now;
+  if (c_.record.decision && partner_load_n() <= c_.config.decision.partner_load_n) partner_bears_at_ = c_.now;
   if (!c_.readings.frame) return;
   motion_ = c_.session.watch_object(*c_.readings.frame, c_.posture(), held_point());
   const hal::Vec3 up = hal::Vec3::UnitZ();
@@ -169,13 +170,18 @@ std::optional<TaskEvent> ObjectMonitor::beyond_limits() const {
                      fmt::format("the arm has put {:.1f} J into the object and whoever holds it, all that a "
                                  "lift may take",
                                  task.max_load_n * task.lift_height_m + task.lift.energy_margin_j - left_j)};
-  if (hal::seconds(c_.now - partner_bears_at_) > task.carry.settle_s)
+  if (hal::seconds(c_.now - partner_bears_at_) > task.carry.settle_s) {
+    const Outcome& outcome = *c_.record.decision;
+    const auto& interval = outcome.share.interval;
+    const std::string known =
+        interval ? fmt::format("{:.0f} to {:.0f} %", 1e2 * interval->low, 1e2 * interval->high) : "unknown";
     return TaskEvent{
         Event::LimitReached,
-        fmt::format("the partner may bear as much as {:.0f} N (limit {:.0f} N): the hand carries {:.0f} N, "
-                    "and the robot's share may be as little as {:.0f} %",
-                    max_partner_load_n(), c_.config.decision.partner_load_n, c_.arm.view().load_n,
-                    1e2 * c_.record.decision->share.interval->low)};
+        fmt::format("the partner bears about {:.0f} N (limit {:.0f} N), if the robot's {:.0f} N are "
+                    "the predicted share of {:.0f} % ({})",
+                    partner_load_n(), c_.config.decision.partner_load_n, c_.arm.view().load_n,
+                    1e2 * outcome.decision.share, known)};
+  }
   return std::nullopt;
 }
 

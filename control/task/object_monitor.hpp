@@ -62,7 +62,7 @@ class ObjectMonitor {
 
  private:
   TaskContext& c_;
-  [[nodiscard]] double max_partner_load_n() const;
+  [[nodiscard]] double partner_load_n() const;
   void update_noise(double lag_m);
   /// From when the hand has a good grip until the object is set down.
   [[nodiscard]] std::optional<perception::HeldPoint> held_point() const;
