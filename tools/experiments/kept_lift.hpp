@@ -14,6 +14,7 @@ namespace colift::experiments {
 struct KeptLift {
   sim_hal::Scenario scenario;
   std::uint64_t seed = 0;  ///< Of the run.
+  std::string rig = {};    ///< Whose sensors have faults (`--rig`); empty: ideal ones.
 };
 
 /// Writes FOLDER/NAME.yaml, whose head says the command that repeats the run. Errors: it cannot be written.

@@ -58,8 +58,10 @@ TrialRows run(const Trial& trial) {
   add_lift(rows, run_whole_lift(scenario, trial.method, seed), scenario.object.mass, kRigs[0]);
   LiftHooks hooks;
   hooks.errors = errors;
-  add_lift(rows, run_whole_lift(sim_hal::with_errors(scenario, errors), trial.method, seed, hooks),
-           scenario.object.mass, kRigs[1]);
+  const auto lift = run_whole_lift(sim_hal::with_errors(scenario, errors), trial.method, seed, hooks);
+  add_lift(rows, lift, scenario.object.mass, kRigs[1]);
+  if (!lift || lift->record.outcome != control::RunRecord::Result::Lifted)
+    rows.kept = KeptLift{scenario, seed, kRigs[1]};
   return rows;
 }
 
