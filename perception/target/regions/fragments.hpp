@@ -40,8 +40,7 @@ struct FragmentConfig {
       "(m).");
     v("hidden_gap_m", hidden_gap_m, hal::kNotNegative,
       "The same where the joint is hidden (m): of a little region that hangs in the air, and of a slender "
-      "one "
-      "that goes on behind a neighbour which is nearer to the camera.");
+      "one that goes on behind a neighbour which is nearer to the camera.");
     v("max_hidden_area_m2", max_hidden_area_m2, hal::kPositive,
       "Max visible area of such a region; a larger one is a thing of its own (m^2).");
     v("max_leaning_area_m2", max_leaning_area_m2, hal::kNotNegative,
