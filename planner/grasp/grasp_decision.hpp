@@ -63,8 +63,8 @@ struct DecisionConfig {
       "worse, set less.");
     v.or_infinite("partner_load_n");
     v("known_mass_kg", known_mass_kg, hal::kPositive,
-      "Mass of the object where somebody knows it (kg), for partner_load_n. ~: unknown; then the load is "
-      "compared with the limit when it is measured.");
+      "Mass of the object where somebody knows it (kg), for partner_load_n. ~: unknown; then it is "
+      "compared in the lift, by the load in the hand and the predicted share.");
     v("grip_torque_nm", grip_torque_nm, hal::kNotNegative,
       "Standard deviation of the torque with which hands resist a tilt of the object, in the interval of the "
       "predicted share (N m).");
