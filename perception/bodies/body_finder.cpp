@@ -13,7 +13,7 @@ constexpr double kMiddle_px = 0.5 * (static_cast<double>(kSide) - 1.0);  // of a
 // How far a foot reaches beyond what is seen of the object, and how well ground and the object's motion
 // agree.
 constexpr float kFootBeside_m = 0.05F, kFootHeight_m = 0.06F, kFootMargin_m = 0.008F;
-constexpr double kMinRisen = 0.6;       // of a part's area
+constexpr double kMinRisen = 0.6;       // fraction of a foot's area: blocks at its rim mix it with the ground
 constexpr double kMoved_m = 0.002;      // an object that moved by less stands where it stood
 constexpr std::size_t kMaxParts = 256;  // small ones beyond are noise everywhere: the largest count
 
@@ -26,6 +26,17 @@ COLIFT_ALSO_AVX2 void add_foreign(const float* __restrict depth, const float* __
   }
 }
 
+// The space at the lower end of the object, and a little beside and below it, in which its feet are.
+Eigen::AlignedBox3f space_under(std::span<const Eigen::Vector3f> object) {
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& p : object) box.extend(p);
+  if (box.isEmpty()) return box;
+  box.max().z() = box.min().z() + kFootHeight_m;
+  box.min() -= Eigen::Vector3f(kFootBeside_m, kFootBeside_m, kFootHeight_m);
+  box.max() += Eigen::Vector3f(kFootBeside_m, kFootBeside_m, 0.0F);
+  return box;
+}
+
 }  // namespace
 
 BodyFinder::BodyFinder(const ReferenceImage& reference, std::span<const Eigen::Vector3f> object,
@@ -33,11 +44,12 @@ BodyFinder::BodyFinder(const ReferenceImage& reference, std::span<const Eigen::V
     : config_(config),
       noise_(noise),
       intrinsics_(reference.cloud.intrinsics),
-      X_WC_(reference.cloud.X_WC),
-      eye_(X_WC_.translation().cast<float>()),
+      X_CW_(reference.cloud.X_WC.inverse().cast<float>()),
+      eye_(reference.cloud.X_WC.translation().cast<float>()),
       pixel_area_(1.0 / (intrinsics_.fx * intrinsics_.fy)),
       object_(object, 0.015, std::max(config.object_margin_m, config.moved_object_margin_m) + 0.03),
       has_object_(!object.empty()),
+      under_object_(space_under(object)),
       limit_m_(change_limits(reference, noise, config.change, {0, 0, intrinsics_.width, intrinsics_.height})),
       grid_(static_cast<std::size_t>(intrinsics_.width), static_cast<std::size_t>(intrinsics_.height)) {
   const std::size_t blocks = grid_.size();
@@ -49,13 +61,6 @@ BodyFinder::BodyFinder(const ReferenceImage& reference, std::span<const Eigen::V
   foreign_.resize(blocks);
   unknown_.resize(blocks);
   risen_.resize(blocks);
-  X_CW_ = X_WC_.inverse().cast<float>();
-  for (const Eigen::Vector3f& p : object) under_object_.extend(p);
-  if (has_object_) {
-    under_object_.max().z() = under_object_.min().z() + kFootHeight_m;
-    under_object_.min() -= Eigen::Vector3f(kFootBeside_m, kFootBeside_m, kFootHeight_m);
-    under_object_.max() += Eigen::Vector3f(kFootBeside_m, kFootBeside_m, 0.0F);
-  }
   for (std::size_t i = 0; i < robot_hid.size(); ++i) {
     const std::size_t b = grid_.of_pixel(i);
     if (robot_hid[i] != 0 && !reference.cloud.seen(i) && b < blocks) unknown_[b] = 1;
@@ -68,7 +73,7 @@ BodyFinder::BodyFinder(const ReferenceImage& reference, std::span<const Eigen::V
   parts_.reserve(blocks);
   bodies_.reserve(kMaxParts);
   points_.reserve(16 * static_cast<std::size_t>(config.max_points));
-  const Eigen::Matrix3f R_WC = X_WC_.linear().cast<float>();
+  const Eigen::Matrix3f R_WC = reference.cloud.X_WC.linear().cast<float>();
   for (std::size_t b = 0; b < blocks; ++b) {
     const double u = static_cast<double>(grid_.u(b)) + kMiddle_px;
     const double v = static_cast<double>(grid_.v(b)) + kMiddle_px;
@@ -154,24 +159,24 @@ void BodyFinder::place_blocks(const hal::Pose& X_WTnow_WTref) {
       if (patch != ObjectGrid::kNone &&
           (p - object_.patches()[static_cast<std::size_t>(patch)]).norm() < margin + sigma0 + sigma2 * z * z)
         continue;
-      risen_[b] = moved && is_under_object(p) ? 1 : 0;
+      risen_[b] = moved && was_ground_under_object(p) ? 1 : 0;
     }
     foreign_[b] = 1;
   }
 }
 
-// Less than the least height of what counts as standing on the ground, the feet of an object are the ground,
-// until it is lifted.
-bool BodyFinder::is_under_object(const Eigen::Vector3f& p_ref) const {
-  if (!under_object_.contains(p_ref)) return false;
-  const Eigen::Vector3f p = X_CW_ * p_ref;
+// Feet that are lower than what counts as standing on the ground are the ground, until the object is lifted.
+bool BodyFinder::was_ground_under_object(const Eigen::Vector3f& p_W) const {
+  if (!under_object_.contains(p_W)) return false;
+  const Eigen::Vector3f p = X_CW_ * p_W;
   const float u = p.x() / p.z() * static_cast<float>(intrinsics_.fx) + static_cast<float>(intrinsics_.cx);
   const float v = p.y() / p.z() * static_cast<float>(intrinsics_.fy) + static_cast<float>(intrinsics_.cy);
-  if (!(p.z() > 0.0F) || !(u >= 0.0F) || !(v >= 0.0F)) return false;
+  const bool in_image = p.z() > 0.0F && u >= 0.0F && v >= 0.0F &&
+                        u < static_cast<float>(kSide * grid_.columns) &&
+                        v < static_cast<float>(kSide * grid_.rows);
+  if (!in_image) return false;
   const std::size_t column = static_cast<std::size_t>(u) / kSide, row = static_cast<std::size_t>(v) / kSide;
-  if (column >= grid_.columns || row >= grid_.rows) return false;
-  const float noise_m = static_cast<float>(2.0 * noise_.sigma0_m +
-                                           2.0 * noise_.sigma2_per_m * static_cast<double>(p.z() * p.z()));
+  const auto noise_m = static_cast<float>(2.0 * noise_.sigma(static_cast<double>(p.z())));
   return std::abs(behind_m_[row * grid_.columns + column] - p.z()) < kFootMargin_m + noise_m;
 }
 

@@ -112,8 +112,8 @@ class BodyFinder {
   void mark(const std::vector<float>& depth_m);
   void leave_out_robot(std::span<const std::uint32_t> robot);
   void place_blocks(const hal::Pose& X_WTnow_WTref);
-  /// A point of the object's reference pose lies on what the reference shows right under the object.
-  [[nodiscard]] bool is_under_object(const Eigen::Vector3f& p_ref) const;
+  /// The reference shows a surface at this point, right under the object: its foot, which counted as ground.
+  [[nodiscard]] bool was_ground_under_object(const Eigen::Vector3f& p_W) const;
   void connect();
   void grow_part(std::size_t seed);
   void join_parts();
@@ -124,13 +124,12 @@ class BodyFinder {
   BodyConfig config_;
   NoiseModel noise_;
   hal::CameraIntrinsics intrinsics_;
-  hal::Pose X_WC_;
+  Eigen::Isometry3f X_CW_;
   Eigen::Vector3f eye_;
   double pixel_area_ = 0.0;
   ObjectGrid object_;
   bool has_object_ = false;
-  Eigen::AlignedBox3f under_object_;  // a slice at its lower end (W, reference)
-  Eigen::Isometry3f X_CW_ = Eigen::Isometry3f::Identity();
+  Eigen::AlignedBox3f under_object_;       // in the reference, W; empty without an object
   std::vector<float> limit_m_, behind_m_;  // by pixel; by block
   BlockGrid grid_;
   std::vector<Eigen::Vector3f> ray_;  // of each block, W, z along the optical axis is 1

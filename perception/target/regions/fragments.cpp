@@ -14,7 +14,8 @@ namespace {
 constexpr double kCell_m = 0.04;
 constexpr double kCellsPerMeter = 1.0 / kCell_m;
 constexpr double kSlender = 1.5;  // height over width of what falls over if nothing holds it
-// What touches the ground on a spot, and has its middle so far beside it, falls over alone.
+// What is lower than kContact_m touches the ground. Where that is one spot, with the middle of the footprint
+// farther beside it than kBeside_m, the thing would fall over alone.
 constexpr double kContact_m = 0.08, kSpot_m = 0.15, kBeside_m = 0.05;
 constexpr std::size_t kFootprintStride = 4;  // every fourth pixel still hits each cell several times
 
@@ -192,7 +193,7 @@ bool belong_together(const Fragment& a, const Fragment& b, double gap_m, double 
       static_cast<double>(small.pixels) < c.max_small_fraction * static_cast<double>(large.pixels);
   const bool hangs = small.min_height_m > c.min_hanging_height_m;
   if (minor && hangs && gap_m <= c.hanging_gap_m) return true;
-  // what would fall over alone leans on its neighbour
+  // what would fall over alone leans on its neighbour, if that is twice as large at least
   const bool lesser = 2 * small.pixels < large.pixels && small.area_m2 < c.max_leaning_area_m2;
   if (lesser && gap_m <= c.hanging_gap_m && would_fall(small)) return true;
   // What neither stands nor could. The joint of what hangs in the air may be behind itself; a slender thing

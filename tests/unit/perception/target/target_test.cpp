@@ -17,6 +17,24 @@ TargetResult target_of(const OrganisedCloud& cloud, const std::optional<Vec3>& a
   return find_target(cloud, blocks, *g.ground, noise, {}, at);
 }
 
+/// Pixels with this label that were seen, and those of them that are the target's.
+struct Found {
+  int seen = 0, of_target = 0;
+};
+
+Found found_of(sim_hal::Label label, const sim_hal::Rendering& truth, const OrganisedCloud& cloud,
+               const Target& target) {
+  std::vector<bool> mine(cloud.size(), false);
+  for (const std::uint32_t p : target.pixels) mine[p] = true;
+  Found found;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!cloud.seen(i) || truth.label[i] != label) continue;
+    ++found.seen;
+    found.of_target += mine[i];
+  }
+  return found;
+}
+
 }  // namespace
 
 TEST_CASE("the target's mask covers the truth on noisy frames", "[target]") {
@@ -74,18 +92,13 @@ TEST_CASE("a handle that goes on behind the end of its suitcase is part of it, a
   const OrganisedCloud cloud = deproject(measure(truth, {}, 5), X_WC);
   const TargetResult found = target_of(cloud);
   REQUIRE(found.target);
-  std::vector<bool> mine(cloud.size(), false);
-  for (const std::uint32_t p : found.target->pixels) mine[p] = true;
-  int handle = 0, of_handle = 0, clutter = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!cloud.seen(i)) continue;
-    handle += truth.label[i] == Label::Partner, of_handle += truth.label[i] == Label::Partner && mine[i];
-    clutter += truth.label[i] == Label::Clutter && mine[i];
-  }
-  INFO(of_handle << " of " << handle << " pixels of the handle, " << clutter << " of the box");
-  CHECK(handle > 150);
-  CHECK(of_handle > handle / 2);
-  CHECK(clutter < 100);  // a few at the rim, of thousands
+  const Found handle = found_of(Label::Partner, truth, cloud, *found.target);
+  const Found clutter = found_of(Label::Clutter, truth, cloud, *found.target);
+  INFO(handle.of_target << " of " << handle.seen << " pixels of the handle, " << clutter.of_target
+                        << " of the box");
+  CHECK(handle.seen > 150);
+  CHECK(handle.of_target > handle.seen / 2);
+  CHECK(clutter.of_target < 100);  // a few at the rim, of thousands
 }
 
 TEST_CASE("fork and handlebar lean on the frame that they belong to; a bottle beside it stands alone",
@@ -121,20 +134,14 @@ TEST_CASE("fork and handlebar lean on the frame that they belong to; a bottle be
   const OrganisedCloud cloud = deproject(measure(truth, {}, seed), X_WC);
   const TargetResult found = target_of(cloud);
   REQUIRE(found.target);
-  std::vector<bool> mine(cloud.size(), false);
-  for (const std::uint32_t p : found.target->pixels) mine[p] = true;
-  int fork = 0, of_fork = 0, bottle = 0, of_bottle = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!cloud.seen(i)) continue;
-    fork += truth.label[i] == Label::Partner, of_fork += truth.label[i] == Label::Partner && mine[i];
-    bottle += truth.label[i] == Label::Clutter, of_bottle += truth.label[i] == Label::Clutter && mine[i];
-  }
-  INFO(of_fork << " of " << fork << " pixels of the fork, " << of_bottle << " of " << bottle
-               << " of the bottle");
-  CHECK(fork > 1500);
-  CHECK(of_fork > 3 * fork / 4);
-  CHECK(bottle > 1000);
-  CHECK(of_bottle < 100);
+  const Found fork = found_of(Label::Partner, truth, cloud, *found.target);
+  const Found bottle = found_of(Label::Clutter, truth, cloud, *found.target);
+  INFO(fork.of_target << " of " << fork.seen << " pixels of the fork, " << bottle.of_target << " of "
+                      << bottle.seen << " of the bottle");
+  CHECK(fork.seen > 1500);
+  CHECK(fork.of_target > 3 * fork.seen / 4);
+  CHECK(bottle.seen > 1000);
+  CHECK(bottle.of_target < 100);
 }
 
 TEST_CASE("an object that the image cuts at the side is not free-standing", "[target]") {
