@@ -13,21 +13,27 @@ constexpr double kFingertip_m = 0.015;
 constexpr double kStep_m = 0.003;    // about a pixel at 1.5 m
 constexpr double kAside_m = 0.012;   // clear of the noise at its edges
 constexpr double kBeside_m = 0.006;  // points of its sides lie this far outside of its width
+// Part of its width that a body is at least as deep, where the camera saw the space behind it, and where it
+// saw past both sides only. A face that is found on a tube lies behind the tube's front and is as wide as its
+// widest noise: pads at less than this let a tube go outwards.
+constexpr double kLeastSeen = 0.5, kLeastHidden = 0.75;
 
-// where the first stretch begins, wide enough for a fingertip, through which the camera looked: behind the
-// body, or past it on both sides where it hides what is behind it
-std::optional<double> free_from(const Vec3& place, const GraspLine& line, const SeenSpace& seen,
-                                double reach_m) {
+// How deep the body is by where the first stretch begins, wide enough for a fingertip, through which the
+// camera looked: behind the body, or past it on both sides where it hides what is behind it.
+std::optional<double> seen_depth(const Vec3& place, const GraspLine& line, const SeenSpace& seen,
+                                 double reach_m) {
   const Vec3 aside = (0.5 * line.width + kAside_m) * line.closing;
-  const auto is_free = [&](double d) {
-    const Vec3 p = place + d * line.approach;
-    if (seen.at(p) == Sight::Free) return true;
-    return seen.at(p + aside) == Sight::Free && seen.at(p - aside) == Sight::Free;
-  };
-  int free = 0;
+  int free = 0, behind = 0;  // steps in a row; of them behind the body itself
   for (double d = kStep_m; d <= reach_m; d += kStep_m) {
-    free = is_free(d) ? free + 1 : 0;
-    if (free * kStep_m >= kFingertip_m) return d - (free - 1) * kStep_m;
+    const Vec3 p = place + d * line.approach;
+    const bool is_behind = seen.at(p) == Sight::Free;
+    const bool is_free =
+        is_behind || (seen.at(p + aside) == Sight::Free && seen.at(p - aside) == Sight::Free);
+    free = is_free ? free + 1 : 0;
+    behind = is_behind ? behind + 1 : 0;
+    if (free * kStep_m < kFingertip_m) continue;
+    const double least = behind == free ? kLeastSeen : kLeastHidden;
+    return std::clamp(d - (free - 1) * kStep_m, least * line.width, line.width);
   }
   return std::nullopt;
 }
@@ -63,8 +69,8 @@ std::optional<double> body_depth(const GraspLine& line, const Obstacles& obstacl
   for (int i = 0; i <= spans; ++i) {
     const Vec3 place = line.from + static_cast<double>(i) / spans * (line.to - line.from);
     const double last = last_point(place, line, obstacles, reach_m);
-    if (const auto free = free_from(place, line, seen, reach_m))
-      depths.push_back(std::max(last, std::clamp(*free, 0.5 * line.width, line.width)));
+    if (const auto depth = seen_depth(place, line, seen, reach_m))
+      depths.push_back(std::max(last, *depth));
     else if (last < line.width + kAside_m)  // seen straight on: of a plate its sides would show
       depths.push_back(line.width);
   }

@@ -61,6 +61,31 @@ TEST_CASE("of a bar its depth is measured, and the pads press on it instead of b
   CHECK(on_bar >= 3);
 }
 
+TEST_CASE("pads press a tube at its middle or behind it, where the camera sees past its sides only",
+          "[bar]") {
+  // what is found of a tube is a face behind its front, as wide as its noise: of a whole lift that lost its
+  // grip
+  constexpr double kRadius_m = 0.013, kFace_m = 0.0103, kWide_m = 0.032;
+  const Vec3 center(0, 0, 0.5), axis = Vec3(0.61, 0.12, 0.78).normalized();
+  const Vec3 approach = Vec3(0.34, 0.85, -0.4).cross(axis).cross(-axis).normalized();
+  const auto scene = tests::scene_of({sim_hal::cylinder(center, axis, kRadius_m, 0.5, kTarget)},
+                                     center + Vec3(0.2, -1.25, 1.21), center);
+  auto seen = tests::see(scene, false);
+  perception::Rectangle face;
+  face.center = center - kFace_m * approach;
+  face.normal = -approach, face.u = axis, face.v = face.normal.cross(axis);
+  face.size = {0.48, kWide_m};
+  face.fill = 1.0;
+  seen.scene.surfaces = {face};
+  const CandidateFinder finder(seen.scene, &seen.cloud, HandModel{}, {});
+  const auto* front = line_towards(finder.lines(), approach);
+  REQUIRE(front);
+  REQUIRE(front->depth);
+  const double pads_m = 0.5 * *front->depth;  // behind the face
+  CHECK(pads_m > kFace_m);
+  CHECK(pads_m < kFace_m + kRadius_m);
+}
+
 TEST_CASE("a bar is grasped from sides too that show no face", "[bar]") {
   auto seen = tests::see(bar_on_posts(), true);
   // at a camera's distance one rectangle stands for the whole bar
