@@ -13,8 +13,8 @@ constexpr double kFingertip_m = 0.015;
 constexpr double kStep_m = 0.003;    // about a pixel at 1.5 m
 constexpr double kAside_m = 0.012;   // clear of the noise at its edges
 constexpr double kBeside_m = 0.006;  // points of its sides lie this far outside of its width
-// Part of its width that a body is at least as deep, where the camera saw the space behind it, and where it
-// saw past both sides only. A face that is found on a tube lies behind the tube's front and is as wide as its
+// Of its width a body is at least this deep: where the camera saw the space behind it, and where it saw past
+// both sides only. A face that is found on a tube lies behind the tube's front and is as wide as its
 // widest noise: pads at less than this let a tube go outwards.
 constexpr double kLeastSeen = 0.5, kLeastHidden = 0.75;
 

@@ -11,8 +11,10 @@ namespace colift::planner {
 
 /// How far a body goes on behind a face that is grasped, as on a bar, a rung, a leg or a handle (m along the
 /// approach): to the object's last point between the fingers, and not to where the camera looked through
-/// behind the face. As deep as wide where nothing of it shows behind the face. Median of places along the
-/// line. None where it goes on up to `reach_m`, as behind the rim of a plate.
+/// behind the face. Never deeper than wide by that space, and at least half as deep as wide; three quarters
+/// where the camera saw past both of its sides, but not behind it. As deep as wide where nothing of it shows
+/// behind the face. Median of places along the line. None where it goes on up to `reach_m`, as behind the rim
+/// of a plate.
 [[nodiscard]] std::optional<double> body_depth(const GraspLine& line, const Obstacles& obstacles,
                                                const SeenSpace& seen, double reach_m);
 

@@ -63,8 +63,7 @@ TEST_CASE("of a bar its depth is measured, and the pads press on it instead of b
 
 TEST_CASE("pads press a tube at its middle or behind it, where the camera sees past its sides only",
           "[bar]") {
-  // what is found of a tube is a face behind its front, as wide as its noise: of a whole lift that lost its
-  // grip
+  // a face is found behind the front of a tube and wider than it; the figures are those of a lost grip
   constexpr double kRadius_m = 0.013, kFace_m = 0.0103, kWide_m = 0.032;
   const Vec3 center(0, 0, 0.5), axis = Vec3(0.61, 0.12, 0.78).normalized();
   const Vec3 approach = Vec3(0.34, 0.85, -0.4).cross(axis).cross(-axis).normalized();
