@@ -40,5 +40,7 @@ struct OrganisedCloud {
 
 /// Points of a depth frame in W, for a camera at X_WC.
 [[nodiscard]] OrganisedCloud deproject(const hal::DepthFrame& frame, const hal::Pose& X_WC);
+/// The same into a cloud whose memory is kept from frame to frame.
+void deproject(const hal::DepthFrame& frame, const hal::Pose& X_WC, OrganisedCloud& cloud);
 
 }  // namespace colift::perception

@@ -22,17 +22,19 @@ class FastSight final : public PartnerSight {
 
   hal::Result<PartnerObservation> find(const hal::DepthFrame& frame,
                                        std::vector<Eigen::Vector3f>& points) override {
-    const OrganisedCloud cloud = deproject(frame, X_WC_);
-    auto observation = finder_.find(cloud);
+    deproject(frame, X_WC_, cloud_);
+    auto observation = finder_.find(cloud_);
     if (!observation) return observation;
     points.clear();
-    for (const std::uint32_t p : observation->pixels) points.emplace_back(cloud.x[p], cloud.y[p], cloud.z[p]);
+    for (const std::uint32_t p : observation->pixels)
+      points.emplace_back(cloud_.x[p], cloud_.y[p], cloud_.z[p]);
     return observation;
   }
 
  private:
   PartnerFinder finder_;
   hal::Pose X_WC_;
+  OrganisedCloud cloud_;  // of the last frame
 };
 
 TargetConfig on_table(TargetConfig config) {

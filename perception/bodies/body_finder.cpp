@@ -17,12 +17,18 @@ constexpr double kMinRisen = 0.6;       // fraction of a foot's area: blocks at 
 constexpr double kMoved_m = 0.002;      // an object that moved by less stands where it stood
 constexpr std::size_t kMaxParts = 256;  // small ones beyond are noise everywhere: the largest count
 
-// A row's depths that are nearer than their limits; a NaN compares false.
-COLIFT_ALSO_AVX2 void add_foreign(const float* __restrict depth, const float* __restrict limit, std::size_t n,
-                                  float* __restrict sum, float* __restrict count) {
-  for (std::size_t u = 0; u < n; ++u) {
-    sum[u] += depth[u] < limit[u] ? depth[u] : 0.0F;
-    count[u] += depth[u] < limit[u] ? 1.0F : 0.0F;
+// Sums and counts of depths that are nearer than their limits, by column over a row of blocks; a NaN compares
+// false.
+COLIFT_ALSO_AVX2 void sum_foreign(const float* __restrict depth, const float* __restrict limit,
+                                  std::size_t width, float* __restrict sum, float* __restrict count) {
+  static_assert(kSide == 4);
+  const auto near = [](float z, float most) { return z < most ? z : 0.0F; };
+  const auto one = [](float z, float most) { return z < most ? 1.0F : 0.0F; };
+  const float *z1 = depth + width, *z2 = z1 + width, *z3 = z2 + width;
+  const float *most1 = limit + width, *most2 = most1 + width, *most3 = most2 + width;
+  for (std::size_t u = 0; u < width; ++u) {
+    sum[u] = near(depth[u], limit[u]) + near(z1[u], most1[u]) + near(z2[u], most2[u]) + near(z3[u], most3[u]);
+    count[u] = one(depth[u], limit[u]) + one(z1[u], most1[u]) + one(z2[u], most2[u]) + one(z3[u], most3[u]);
   }
 }
 
@@ -113,14 +119,10 @@ const std::vector<Body>& BodyFinder::find(const hal::DepthFrame& frame, std::spa
 // Sums and counts of foreign depths by block.
 void BodyFinder::mark(const std::vector<float>& depth_m) {
   for (std::size_t row = 0; row < grid_.rows; ++row) {
-    std::fill(row_sum_.begin(), row_sum_.end(), 0.0F);
-    std::fill(row_count_.begin(), row_count_.end(), 0.0F);
+    const std::size_t at = row * kSide * grid_.width;
     float* sum = row_sum_.data();
     float* count = row_count_.data();
-    for (std::size_t k = 0; k < kSide; ++k) {
-      const std::size_t at = (row * kSide + k) * grid_.width;
-      add_foreign(depth_m.data() + at, limit_m_.data() + at, grid_.width, sum, count);
-    }
+    sum_foreign(depth_m.data() + at, limit_m_.data() + at, grid_.width, sum, count);
     for (std::size_t c = 0; c < grid_.columns; ++c) {
       const std::size_t u = c * kSide, b = row * grid_.columns + c;
       depth_[b] = sum[u] + sum[u + 1] + sum[u + 2] + sum[u + 3];

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "sim_hal/synthetic/hash_random.hpp"
-#include "sim_hal/synthetic/kinect/kinect_code.hpp"
 #include "sim_hal/synthetic/kinect/kinect_edges.hpp"
 #include "sim_hal/synthetic/kinect/kinect_grain.hpp"
 #include "sim_hal/synthetic/kinect/kinect_light.hpp"
@@ -92,27 +92,44 @@ class Measurement {
     moved_.resize(count);
   }
 
-  // true depth of a row, with what its pixels took from elsewhere; `moved` goes on to the next row
-  void load_row(int v, std::vector<Moved>::const_iterator& moved, std::vector<float>& z) const {
-    const std::size_t begin = at(0, v), end = at(0, v + 1);
-    std::copy_n(&truth_.depth_m[begin], width_, z.begin());
-    for (; moved != moved_.end() && moved->pixel < end; ++moved)
-      z[moved->pixel - begin] = truth_.depth_m[moved->source];
+  [[nodiscard]] std::span<const Moved> moved_in(int v) const {
+    const auto before = [](const Moved& m, std::size_t pixel) { return m.pixel < pixel; };
+    const auto begin = std::lower_bound(moved_.begin(), moved_.end(), at(0, v), before);
+    return {begin, std::lower_bound(begin, moved_.end(), at(0, v + 1), before)};
   }
 
-  // a value that belongs to neither surface, where the window sees both: of one row and its neighbours, null
-  // beyond the image
-  void fly_at(const PixelSet& edges, int v, const std::array<const float*, 3>& neighbours) {
+  // true depth of what a pixel sees, which may be elsewhere
+  [[nodiscard]] float depth_seen(std::span<const Moved> moved, std::size_t pixel) const {
+    const auto m = std::lower_bound(moved.begin(), moved.end(), pixel,
+                                    [](const Moved& a, std::size_t i) { return a.pixel < i; });
+    return truth_.depth_m[m != moved.end() && m->pixel == pixel ? m->source : pixel];
+  }
+
+  // a row of the rendering itself, or a copy where pixels see elsewhere
+  template <class T>
+  const T* seen(const std::vector<T>& truth, std::size_t begin, std::span<const Moved> moved,
+                std::vector<T>& copy) const {
+    if (moved.empty() && whole_ == static_cast<std::size_t>(width_)) return &truth[begin];
+    std::copy_n(&truth[begin], width_, copy.begin());
+    for (const Moved& m : moved) copy[m.pixel - begin] = truth[m.source];
+    return copy.data();
+  }
+
+  // a value that belongs to neither surface, where the window sees both: of a row and its neighbours
+  void fly_at(const PixelSet& edges, int v) {
     flying_.clear();
     const auto threshold = static_cast<std::uint64_t>(kFlyingPart * 0x1p53);
     edges.for_each_in_row(v, [&](int u, int, std::size_t i) {
       if (random(kFly, i) >> 11 >= threshold) return;
       float near = std::numeric_limits<float>::infinity(), far = 0.0f;
-      for (const float* row : neighbours)
-        for (int x = std::max(u - 1, 0); row && x <= std::min(u + 1, width_ - 1); ++x) {
-          if (row[x] < near) near = row[x];
-          if (row[x] > far) far = row[x];
+      for (int y = std::max(v - 1, 0); y <= std::min(v + 1, height_ - 1); ++y) {
+        const std::span<const Moved> moved = moved_in(y);
+        for (int x = std::max(u - 1, 0); x <= std::min(u + 1, width_ - 1); ++x) {
+          const float z = depth_seen(moved, at(x, y));
+          if (z < near) near = z;
+          if (z > far) far = z;
         }
+      }
       if (!(near < far)) return;
       const auto mix = static_cast<float>(0.1 + 0.8 * unit(random(kFlyMix, i)));
       // the window averages disparity
@@ -129,56 +146,41 @@ class Measurement {
     if (noise_.holes) light.emplace(truth_.reflectivity, width_, seed_);
     std::optional<KinectGrain> grain;
     if (noise_.axial) grain.emplace(width_, seed_);
-    std::vector<float> above(whole_, 1.0f), z(whole_, 1.0f), below(whole_, 1.0f);
-    std::vector<float> w(whole_), cosine(whole_, 1.0f), seen(whole_);
-    std::vector<std::int16_t> shape(whole_, -1);
-    std::vector<float> image;
-    image.reserve(truth_.depth_m.size());
-    auto loaded = moved_.cbegin(), moved = moved_.cbegin();
+    std::vector<float> w(whole_), cosines(whole_, 1.0f);
+    std::vector<std::int16_t> shapes(whole_, -1);
+    std::vector<float> image(truth_.depth_m.size());
     for (int v = 0; v < height_; ++v) {
-      above.swap(z), z.swap(below);
-      if (v == 0) load_row(0, loaded, z);
-      if (v + 1 < height_) load_row(v + 1, loaded, below);
-      const std::size_t begin = at(0, v), end = at(0, v + 1);
-      std::copy_n(&truth_.cos_incidence[begin], n, cosine.begin());
-      std::copy_n(&truth_.shape[begin], n, shape.begin());
-      for (; moved != moved_.cend() && moved->pixel < end; ++moved) {
-        cosine[moved->pixel - begin] = truth_.cos_incidence[moved->source];
-        shape[moved->pixel - begin] = truth_.shape[moved->source];
-      }
-      kinect_rows::invert(z.data(), whole_, w.data());
+      const std::size_t begin = at(0, v);
+      const std::span<const Moved> moved = moved_in(v);
+      const float* cosine = seen(truth_.cos_incidence, begin, moved, cosines);
+      const std::int16_t* shape = seen(truth_.shape, begin, moved, shapes);
+      kinect_rows::invert(&truth_.depth_m[begin], n, w.data());
+      for (const Moved& m : moved) w[m.pixel - begin] = 1.0f / truth_.depth_m[m.source];
+      std::fill(w.begin() + width_, w.end(), 1.0f);
       // both ask what light comes back from, before either has changed it
       if (shadow) shadow->find(w.data());
-      if (edges)
-        fly_at(*edges, v,
-               {v > 0 ? above.data() : nullptr, z.data(), v + 1 < height_ ? below.data() : nullptr});
+      if (edges) fly_at(*edges, v);
       for (const Flying& f : flying_) w[f.column] = 1.0f / f.depth_m;
       if (shadow) shadow->apply(w.data());
-      if (light) light->punch_holes(v, shape.data(), cosine.data(), w.data());
+      if (light) light->punch_holes(v, shape, cosine, w.data());
       if (grain)
-        kinect_rows::shake(grain->next_row(), KinectGrain::kUnit, cosine.data(), noise_.quantisation, whole_,
+        kinect_rows::shake(grain->next_row(), KinectGrain::kUnit, cosine, noise_.quantisation, whole_,
                            w.data());
-      std::copy(z.begin(), z.end(), seen.begin());
-      for (const Flying& f : flying_) seen[f.column] = f.depth_m;
-      read_out(w.data(), seen.data());
-      image.insert(image.end(), seen.begin(), seen.begin() + width_);
+      read_out(v, moved, w.data(), &image[begin]);
     }
     return image;
   }
 
-  // depth as the sensor says it; `depth_m`: before it was measured
-  void read_out(const float* inverse_depth, float* depth_m) {
-    if (noise_.quantisation) {
-      const std::array<float, kKinectCodes + 2>& table = kinect_depths_m();
-      codes_.resize(whole_);
-      kinect_rows::nearest_codes(inverse_depth, whole_, codes_.data());
-      for (std::size_t u = 0; u < whole_; ++u) depth_m[u] = table[static_cast<std::size_t>(codes_[u])];
-    } else if (noise_.axial) {
-      kinect_rows::invert(inverse_depth, whole_, depth_m);
-    } else {
-      for (std::size_t u = 0; u < whole_; ++u)
-        if (std::isnan(inverse_depth[u])) depth_m[u] = std::numeric_limits<float>::quiet_NaN();
-    }
+  // a row's depth as the sensor says it
+  void read_out(int v, std::span<const Moved> moved, const float* inverse_depth, float* depth_m) const {
+    const auto n = static_cast<std::size_t>(width_);
+    if (noise_.quantisation) return kinect_rows::read_codes(inverse_depth, n, depth_m);
+    if (noise_.axial) return kinect_rows::invert(inverse_depth, n, depth_m);
+    std::copy_n(&truth_.depth_m[at(0, v)], n, depth_m);
+    for (const Moved& m : moved) depth_m[m.pixel - at(0, v)] = truth_.depth_m[m.source];
+    for (const Flying& f : flying_) depth_m[f.column] = f.depth_m;
+    for (std::size_t u = 0; u < n; ++u)
+      if (std::isnan(inverse_depth[u])) depth_m[u] = std::numeric_limits<float>::quiet_NaN();
   }
 
   const Rendering& truth_;
@@ -188,7 +190,6 @@ class Measurement {
   std::size_t whole_;           // width, rounded up
   std::vector<Moved> moved_;    // in image order
   std::vector<Flying> flying_;  // of the row at hand
-  std::vector<std::int32_t> codes_;
 };
 
 hal::DepthFrame frame_of(const Rendering& truth, std::vector<float> depth_m) {

@@ -1,6 +1,7 @@
 #include "sim_hal/synthetic/kinect/kinect_rows.hpp"
 
 #include <bit>
+#include <limits>
 
 #include "hal/types/avx2.hpp"
 #include "sim_hal/synthetic/kinect/kinect_code.hpp"
@@ -55,15 +56,27 @@ COLIFT_ALSO_AVX2 void shake(const std::int16_t* __restrict grain, float grain_un
   }
 }
 
-COLIFT_ALSO_AVX2 void nearest_codes(const float* __restrict inverse_depth, std::size_t n,
-                                    std::int32_t* __restrict code) {
+COLIFT_ALSO_AVX2 void read_codes(const float* __restrict inverse_depth, std::size_t n,
+                                 float* __restrict depth_m) {
   constexpr auto kLast = static_cast<float>(kKinectCodes + 1);
   constexpr auto kAtInfinity = static_cast<float>(kKinectRawAtInfinity + 1.5);  // a half to round, one up
-  for (std::size_t u = 0; u < n; ++u) {
-    float raw = kAtInfinity - kCode_m * inverse_depth[u];
-    raw = raw > 0.0f ? raw : 0.0f;  // the first for what has no depth
-    raw = raw < kLast ? raw : kLast;
-    code[u] = static_cast<std::int32_t>(raw);
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  // kKinectK_mm and the broken part of kKinectRawAtInfinity, rounded so that every code has its depth to the
+  // bit
+  constexpr float kK_mm = 345489.375F, kBeyond = 0.408F;
+  float raw[kBlock];
+  std::int32_t mm[kBlock];
+  for (std::size_t begin = 0; begin < n; begin += kBlock) {
+    const std::size_t size = n - begin < kBlock ? n - begin : kBlock;
+    for (std::size_t u = 0; u < size; ++u) raw[u] = kAtInfinity - kCode_m * inverse_depth[begin + u];
+    for (std::size_t u = 0; u < size; ++u) raw[u] = raw[u] > 0.0F ? raw[u] : 0.0F;  // of what has no depth
+    for (std::size_t u = 0; u < size; ++u) raw[u] = raw[u] < kLast ? raw[u] : kLast;
+    for (std::size_t u = 0; u < size; ++u) raw[u] = static_cast<float>(static_cast<std::int32_t>(raw[u]));
+    for (std::size_t u = 0; u < size; ++u)
+      mm[u] = static_cast<std::int32_t>(kK_mm / (kLast - raw[u] + kBeyond));
+    for (std::size_t u = 0; u < size; ++u) depth_m[begin + u] = static_cast<float>(mm[u]) / 1000.0F;
+    for (std::size_t u = 0; u < size; ++u) depth_m[begin + u] = raw[u] > 0.0F ? depth_m[begin + u] : kNan;
+    for (std::size_t u = 0; u < size; ++u) depth_m[begin + u] = raw[u] < kLast ? depth_m[begin + u] : kNan;
   }
 }
 

@@ -15,8 +15,8 @@ void invert(const float* from, std::size_t n, float* to);
 void shake(const std::int16_t* grain, float grain_unit, const float* cosine, bool rounded, std::size_t n,
            float* inverse_depth);
 
-/// Places of the nearest codes in kinect_depths_m().
-void nearest_codes(const float* inverse_depth, std::size_t n, std::int32_t* code);
+/// Depth (m) of the nearest code, as in kinect_depths_m() to the bit; NaN where there is none.
+void read_codes(const float* inverse_depth, std::size_t n, float* depth_m);
 
 /// What one surface has to send back to be seen for certain.
 struct Light {

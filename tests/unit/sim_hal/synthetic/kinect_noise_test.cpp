@@ -3,8 +3,12 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <set>
+#include <vector>
 
+#include "sim_hal/synthetic/kinect/kinect_code.hpp"
+#include "sim_hal/synthetic/kinect/kinect_rows.hpp"
 #include "sim_hal/synthetic/scenes.hpp"
 
 using namespace colift::sim_hal;
@@ -373,4 +377,25 @@ TEST_CASE("an empty or tiny picture is measured without complaint", "[kinect_noi
   CHECK(measure(cast_rays(world, one, Pose::Identity()), {}, 0).depth_m.size() == 1);
   CameraIntrinsics none{0, 0, 500, 500, 0, 0};
   CHECK(measure(cast_rays(world, none, Pose::Identity()), {}, 0).depth_m.empty());
+}
+
+TEST_CASE("every code is read out as its depth in the table, to the bit") {
+  std::vector<float> inverse_depth, expected;
+  const auto& table = kinect_depths_m();
+  for (int code = 0; code < kKinectCodes; ++code) {
+    inverse_depth.push_back(static_cast<float>((kKinectRawAtInfinity - code) / (kKinectK_mm / 1000.0)));
+    expected.push_back(table[static_cast<std::size_t>(code) + 1]);
+  }
+  std::vector<float> depth_m(inverse_depth.size());
+  kinect_rows::read_codes(inverse_depth.data(), inverse_depth.size(), depth_m.data());
+  CHECK(depth_m == expected);
+}
+
+TEST_CASE("what is beyond the codes, or not seen at all, has no depth") {
+  const float nearer_than_any = static_cast<float>((kKinectRawAtInfinity + 1.0) / (kKinectK_mm / 1000.0));
+  const std::vector<float> inverse_depth{nearer_than_any, 100.0F, 0.0F, -1.0F,
+                                         std::numeric_limits<float>::quiet_NaN()};
+  std::vector<float> depth_m(inverse_depth.size());
+  kinect_rows::read_codes(inverse_depth.data(), inverse_depth.size(), depth_m.data());
+  for (const float z : depth_m) CHECK(std::isnan(z));
 }
