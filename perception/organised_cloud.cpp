@@ -1,7 +1,15 @@
 #include "perception/organised_cloud.hpp"
 
+#include "hal/types/avx2.hpp"
+
 namespace colift::perception {
 namespace {
+
+// to = depth (along x + base) + origin. A missing depth is NaN and stays NaN through the arithmetic.
+COLIFT_ALSO_AVX2 void place(const float* __restrict depth, const float* __restrict x, std::size_t n,
+                            float along, float base, float origin, float* __restrict to) {
+  for (std::size_t u = 0; u < n; ++u) to[u] = depth[u] * (along * x[u] + base) + origin;
+}
 
 // The rays of an image in W, row by row.
 class Rays {
@@ -16,19 +24,11 @@ class Rays {
 
   [[nodiscard]] std::size_t width() const { return x_.size(); }
 
-  // A missing depth is NaN and stays NaN through the arithmetic: no branch in the loop.
-  void points(int v, const float* __restrict depth, float* __restrict px, float* __restrict py,
-              float* __restrict pz) const {
+  void points(int v, const float* depth, float* px, float* py, float* pz) const {
     const float y = static_cast<float>((v - k_.cy) / k_.fy);
-    const float bx = R_(0, 1) * y + R_(0, 2), by = R_(1, 1) * y + R_(1, 2), bz = R_(2, 1) * y + R_(2, 2);
-    const float r00 = R_(0, 0), r10 = R_(1, 0), r20 = R_(2, 0), tx = t_.x(), ty = t_.y(), tz = t_.z();
-    const float* x = x_.data();
-    for (std::size_t u = 0; u < x_.size(); ++u) {
-      const float d = depth[u];
-      px[u] = d * (r00 * x[u] + bx) + tx;
-      py[u] = d * (r10 * x[u] + by) + ty;
-      pz[u] = d * (r20 * x[u] + bz) + tz;
-    }
+    const Eigen::Vector3f base = R_.col(1) * y + R_.col(2);
+    float* const to[3] = {px, py, pz};
+    for (Eigen::Index i = 0; i < 3; ++i) place(depth, x_.data(), x_.size(), R_(i, 0), base[i], t_[i], to[i]);
   }
 
  private:

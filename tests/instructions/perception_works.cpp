@@ -115,11 +115,9 @@ std::vector<Work> perception_works() {
     auto sight = (*pipeline)->observe_partner({*r->reference, *r->analysis, *hidden}, r->config);
     if (!sight) std::abort();
     std::shared_ptr<control::PartnerSight> finder = std::move(*sight);
-    return [r, hidden, finder] {
-      std::vector<Eigen::Vector3f> points;
-      hal::DepthFrame frame = r->held;
-      (void)finder->find(frame, points);
-    };
+    std::vector<Eigen::Vector3f> points;
+    (void)finder->find(r->held, points);  // the memory that is kept from frame to frame
+    return [r, hidden, finder, points]() mutable { (void)finder->find(r->held, points); };
   }));
   works.push_back(in_room("reference", "ten frames of the scene averaged", [](const RoomPtr& r) {
     return [r] {
