@@ -13,6 +13,7 @@
 
 #include "perception/ground/image_border.hpp"
 #include "perception/target/regions/raised_pixels.hpp"
+#include "perception/target/regions/thickness.hpp"
 
 namespace colift::perception {
 namespace {
@@ -192,7 +193,10 @@ class Search {
   [[nodiscard]] std::optional<RejectedObject> object_to_shape(const Fragment& object,
                                                               const Components& components) {
     const Silhouette silhouette(cloud_, components, object, ground_);
-    if (const auto found = find_person(silhouette, noise_, c_.person)) {
+    const auto thickness = [&](const Silhouette::Window& window) {
+      return median_thickness(cloud_, components, object, jump_, silhouette, window);
+    };
+    if (const auto found = find_person(silhouette, noise_, thickness, c_.person)) {
       ++persons_;
       RejectedObject no{RejectedObject::Kind::Person, object.box.center(), object.pixels,
                         fmt::format("a person: a head {:.2f} m wide, {:.2f} m above shoulders of {:.2f} m",

@@ -22,7 +22,13 @@ struct LimbShapeConfig {
   double min_length_m = 0.25;
   double max_pipe_slimness = 0.45;
   double max_pipe_upward = 0.3;
+  double max_pipe_unevenness = 0.2;
+  double sure_pipe_width_m = 0.11;
   double min_thickness_m = 0.05;
+  int min_openings = 2;
+  double min_opening_m2 = 0.004;
+  double max_frame_height_m = 0.6;
+  double max_frame_thickness_m = 0.10;
   CurvatureConfig curvature;
 
   template <class Visitor>
@@ -43,9 +49,24 @@ struct LimbShapeConfig {
     v("max_pipe_slimness", max_pipe_slimness, hal::kFraction,
       "Max ratio of width to length of a round object that is a pipe ...");
     v("max_pipe_upward", max_pipe_upward, hal::kFraction,
-      "... and max upward part of its direction: a pipe lies, or leans a little.");
+      "... and max upward part of its direction: a pipe lies, or leans a little ...");
+    v("max_pipe_unevenness", max_pipe_unevenness, hal::kNotNegative,
+      "... and max range of the middle 80 % of its widths along it, as a fraction of their median: who lies "
+      "on "
+      "the floor has a neck, shoulders and legs.");
+    v("sure_pipe_width_m", sure_pipe_width_m, hal::kNotNegative,
+      "Max median width (m) of what is a pipe however uneven: on blocks, or half hidden.");
     v("min_thickness_m", min_thickness_m, hal::kNotNegative,
       "Min median thickness of its parts across the view (m): a frame of tubes is thinner than a wrist.");
+    v("min_openings", min_openings, hal::Range{1, 1000},
+      "Min number of openings through a lying object, such as between the rungs of a ladder, that is a frame "
+      "and no part of a person ...");
+    v("min_opening_m2", min_opening_m2, hal::kNotNegative, "... their min area (m^2) ...");
+    v("max_frame_height_m", max_frame_height_m, hal::kNotNegative,
+      "... max height of it above the ground (m; 0: no frame is told from a limb) ...");
+    v("max_frame_thickness_m", max_frame_thickness_m, hal::kNotNegative,
+      "... and max median thickness of its parts across the view (m): the thighs and the trunk of who lies "
+      "there with his hands behind his head are thicker (thigh: 0.12 m, 5th percentile, DIN 33402-2).");
     v("curvature", curvature, "How the curvature of a surface is measured.");
   }
 };

@@ -9,6 +9,7 @@ namespace colift::perception {
 namespace {
 
 using Point = Silhouette::Point;
+using Thickness = std::function<double(const Silhouette::Window&)>;
 
 double median_along(std::vector<Point>& points) {
   const auto middle = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
@@ -27,7 +28,7 @@ std::pair<std::size_t, std::size_t> contour_at(const std::vector<float>& top, st
 
 // the peak of the contour around bin `at`, judged as a head
 std::optional<HeadAndShoulders> head_at(const Silhouette& s, std::size_t at, const NoiseModel& noise,
-                                        const PersonShapeConfig& c) {
+                                        const Thickness& thickness, const PersonShapeConfig& c) {
   const std::vector<float>& top = s.top();
   const double peak = top[at];
   if (peak < c.min_top_height_m) return std::nullopt;
@@ -81,6 +82,7 @@ std::optional<HeadAndShoulders> head_at(const Silhouette& s, std::size_t at, con
   if (bend < std::max(c.min_curvature_m, c.min_curvature_sigma * noise.sigma(distance)) ||
       bend > c.max_curvature_m)
     return std::nullopt;
+  if (thickness(front) < c.min_torso_thickness_m) return std::nullopt;
   return HeadAndShoulders{
       s.place({static_cast<float>(middle), static_cast<float>(peak), static_cast<float>(distance)}), width,
       rise, shoulders, bend};
@@ -89,12 +91,12 @@ std::optional<HeadAndShoulders> head_at(const Silhouette& s, std::size_t at, con
 }  // namespace
 
 std::optional<HeadAndShoulders> find_person(const Silhouette& s, const NoiseModel& noise,
-                                            const PersonShapeConfig& config) {
+                                            const Thickness& thickness, const PersonShapeConfig& config) {
   const std::vector<float>& top = s.top();
   for (std::size_t i = 0; i < top.size(); ++i) {
     const bool peak = (i == 0 || top[i] >= top[i - 1]) && (i + 1 == top.size() || top[i] > top[i + 1]);
     if (!peak) continue;
-    if (auto found = head_at(s, i, noise, config)) return found;
+    if (auto found = head_at(s, i, noise, thickness, config)) return found;
   }
   return std::nullopt;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "hal/config/range.hpp"
@@ -22,6 +23,7 @@ struct PersonShapeConfig {
   double shoulder_reach_m = 0.35;
   double torso_length_m = 0.30;
   double min_torso_fill = 0.55;
+  double min_torso_thickness_m = 0.058;
   double max_torso_depth_m = 0.38;
   double min_curvature_m = 0.010;
   double min_curvature_sigma = 1.6;
@@ -45,6 +47,9 @@ struct PersonShapeConfig {
     v("torso_length_m", torso_length_m, hal::kPositive,
       "Length of the torso below the shoulders that has to be there (m).");
     v("min_torso_fill", min_torso_fill, hal::kFraction, "Min fraction of that torso that is seen.");
+    v("min_torso_thickness_m", min_torso_thickness_m, hal::kNotNegative,
+      "Min median thickness of that torso's parts across the view (m): the rails of a stepladder are "
+      "thinner.");
     v("max_torso_depth_m", max_torso_depth_m, hal::kPositive,
       "Max difference in distance between torso and head (m).");
     v("min_curvature_m", min_curvature_m, hal::kNotNegative,
@@ -66,9 +71,10 @@ struct HeadAndShoulders {
 };
 
 /// A peak of the object's upper contour that is as wide and high as a head, over a curved torso at its own
-/// distance. At any posture in which the head is up; nothing when the view cuts the head.
-[[nodiscard]] std::optional<HeadAndShoulders> find_person(const Silhouette& silhouette,
-                                                          const NoiseModel& noise,
-                                                          const PersonShapeConfig& config = {});
+/// distance. At any posture in which the head is up; nothing when the view cuts the head. `thickness`: how
+/// thick the object's parts are within a window (m).
+[[nodiscard]] std::optional<HeadAndShoulders> find_person(
+    const Silhouette& silhouette, const NoiseModel& noise,
+    const std::function<double(const Silhouette::Window&)>& thickness, const PersonShapeConfig& config = {});
 
 }  // namespace colift::perception

@@ -94,7 +94,7 @@ PointSpread spread(std::span<const Silhouette::Point> points) {
   mean /= n;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
   axes.computeDirect(second / n - mean * mean.transpose());
-  return {axes.eigenvalues().cwiseMax(0.0).cwiseSqrt(), axes.eigenvectors()};
+  return {mean, axes.eigenvalues().cwiseMax(0.0).cwiseSqrt(), axes.eigenvectors()};
 }
 
 double fill(const std::vector<Silhouette::Point>& points, const Silhouette::Window& w) {

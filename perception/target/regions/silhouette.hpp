@@ -40,6 +40,10 @@ class Silhouette {
   [[nodiscard]] double depth() const;
   [[nodiscard]] std::vector<Point> in(const Window& window) const;
   [[nodiscard]] Vec3 place(const Point& p) const;
+  [[nodiscard]] bool contains(const Window& w, const Vec3& p_W) const {
+    const double across = right_.dot(p_W - eye_), height = ground_.height(p_W);
+    return across >= w.left && across <= w.right && height >= w.low && height <= w.high;
+  }
 
  private:
   std::vector<Point> points_;
@@ -49,9 +53,10 @@ class Silhouette {
   Plane ground_;
 };
 
-/// How points spread about their mean: standard deviations (m), ascending, and their axes (across, height,
-/// along) as columns.
+/// How points (across, height, along) spread about their mean: standard deviations (m), ascending, and their
+/// axes as columns.
 struct PointSpread {
+  Vec3 mean = Vec3::Zero();
   Vec3 deviation_m = Vec3::Zero();
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
 };

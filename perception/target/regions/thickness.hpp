@@ -3,6 +3,7 @@
 #include "perception/organised_cloud.hpp"
 #include "perception/target/regions/components.hpp"
 #include "perception/target/regions/fragments.hpp"
+#include "perception/target/regions/silhouette.hpp"
 
 namespace colift::perception {
 
@@ -11,5 +12,11 @@ namespace colift::perception {
 /// A bar that lies askew in the image looks up to 1.4 times as thick.
 [[nodiscard]] double median_thickness(const OrganisedCloud& cloud, const Components& components,
                                       const Fragment& object);
+
+/// The same within a window of the object's silhouette, where a run also ends at a jump in depth: what shows
+/// behind an edge is another part. A few missing pixels do not end one.
+[[nodiscard]] double median_thickness(const OrganisedCloud& cloud, const Components& components,
+                                      const Fragment& object, const DepthJump& jump,
+                                      const Silhouette& silhouette, const Silhouette::Window& window);
 
 }  // namespace colift::perception

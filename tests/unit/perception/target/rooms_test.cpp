@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "lying_person.hpp"
 #include "perception/ground/image_border.hpp"
 #include "perception/target/outline.hpp"
 #include "sim_hal/synthetic/person.hpp"
@@ -212,6 +213,24 @@ TEST_CASE("random rooms: the object, and no person, most of the time", "[rooms]"
   CHECK(right >= 0.75 * solvable);
   CHECK(wrong <= 0.15 * kRooms);
   CHECK(persons == 0);
+}
+
+TEST_CASE("who lies on the floor is hardly ever the target, from wherever he is seen", "[person]") {
+  const Vec3 middle(1.4, -0.1, 0.1);
+  int views = 0, targets = 0;
+  for (int k = 0; k < 12; ++k)
+    for (const double away : {1.4, 2.0, 2.6})
+      for (const double height : {0.9, 1.6})
+        for (const bool hands_behind_head : {true, false}) {
+          const double azimuth = 2.0 * M_PI * k / 12.0;
+          const Vec3 eye = middle + Vec3(away * std::cos(azimuth), away * std::sin(azimuth), height);
+          World world = floor_only();
+          for (const Shape& part : lying_person({1.4, 0, 0}, hands_behind_head)) world.shapes.push_back(part);
+          ++views;
+          targets += target_of(world, look_at(eye, middle)).target ? 1 : 0;
+        }
+  INFO(targets << " of " << views << " views");
+  CHECK(targets <= 8);  // seen along the body, or as two parts; as a "pipe that lies" it was most of the views
 }
 
 }  // namespace colift::perception
