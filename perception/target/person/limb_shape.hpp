@@ -8,9 +8,10 @@
 
 namespace colift::perception {
 
-/// What is as round as a limb or a trunk: radii of 14 to 150 mm; slimness and upward direction separate a
-/// pipe that lies from a leg. All figures were chosen on random rooms (`colift experiment rooms --seed 405`
-/// and 406), whose persons are capsules.
+/// What is as round as a limb or a trunk: radii of 14 to 150 mm; slimness, direction and widths separate a
+/// pipe that lies from a leg, and from who lies on the floor. The figures were chosen on random rooms
+/// (`colift experiment rooms --seed 405` and 406; those of widths 411), those of frames on ladders
+/// (`furniture --seed 251` and 263), all with persons of capsules.
 struct LimbShapeConfig {
   double min_curvature_per_m = 6.5;
   double max_curvature_per_m = 70.0;
