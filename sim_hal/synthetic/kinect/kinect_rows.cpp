@@ -61,7 +61,7 @@ COLIFT_ALSO_AVX2 void read_codes(const float* __restrict inverse_depth, std::siz
   constexpr auto kLast = static_cast<float>(kKinectCodes + 1);
   constexpr auto kAtInfinity = static_cast<float>(kKinectRawAtInfinity + 1.5);  // a half to round, one up
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  // kKinectK_mm and the broken part of kKinectRawAtInfinity, rounded so that every code has its depth to the
+  // kKinectK_mm and the fractional part of kKinectRawAtInfinity, rounded so that every code has its depth to the
   // bit
   constexpr float kK_mm = 345489.375F, kBeyond = 0.408F;
   float raw[kBlock];

@@ -230,7 +230,8 @@ TEST_CASE("who lies on the floor is hardly ever the target, from wherever he is 
           targets += target_of(world, look_at(eye, middle)).target ? 1 : 0;
         }
   INFO(targets << " of " << views << " views");
-  CHECK(targets <= 8);  // seen along the body, or as two parts; as a "pipe that lies" it was most of the views
+  CHECK(targets <=
+        8);  // seen along the body, or as two parts; as a "pipe that lies" it was most of the views
 }
 
 }  // namespace colift::perception
