@@ -16,6 +16,7 @@ constexpr double kLengthPerDeviation = 3.4641;
 
 struct Extent {
   double length_m = 0.0, slimness = 1.0, upward = 1.0;
+  PointSpread spread;
 };
 
 // length of the longest axis, ratio of the next one to it, and how far it points up
@@ -23,7 +24,7 @@ Extent extent_of(const Silhouette& silhouette) {
   if (silhouette.points().empty()) return {};
   const PointSpread s = spread(silhouette.points());
   const double longest = std::max(1e-6, s.deviation_m(2));
-  return {kLengthPerDeviation * longest, s.deviation_m(1) / longest, std::abs(s.axes.col(2).y())};
+  return {kLengthPerDeviation * longest, s.deviation_m(1) / longest, std::abs(s.axes.col(2).y()), s};
 }
 
 // Widths of an object at places along its longest axis: their median, and the range of the middle 80 % of
@@ -32,10 +33,9 @@ struct Widths {
   double median_m = 0.0, unevenness = 0.0;
 };
 
-Widths widths_along(const Silhouette& silhouette, const Vec3& eye) {
+Widths widths_along(const Silhouette& silhouette, const PointSpread& s, const Vec3& eye) {
   constexpr double kStep_m = 0.05;
   constexpr std::size_t kMinPoints = 5;
-  const PointSpread s = spread(silhouette.points());
   const Vec3 axis = s.axes.col(2);
   const Vec3 view = s.mean - Vec3(0.0, (eye - silhouette.place({0.0F, 0.0F, 0.0F})).norm(), 0.0);
   const Vec3 aside = axis.cross(view).normalized();
@@ -65,7 +65,7 @@ Widths widths_along(const Silhouette& silhouette, const Vec3& eye) {
 // wide as who lies on the floor.
 bool is_pipe(const Silhouette& silhouette, const Vec3& eye, const Extent& extent, const LimbShapeConfig& c) {
   if (extent.slimness >= c.max_pipe_slimness || extent.upward >= c.max_pipe_upward) return false;
-  const Widths widths = widths_along(silhouette, eye);
+  const Widths widths = widths_along(silhouette, extent.spread, eye);
   return widths.median_m <= c.sure_pipe_width_m || widths.unevenness <= c.max_pipe_unevenness;
 }
 
@@ -76,12 +76,7 @@ bool is_lying_frame(const OrganisedCloud& cloud, const Components& components, c
   if (thickness_m > c.max_frame_thickness_m || object.cut_top > 0 ||
       object.max_height_m > c.max_frame_height_m || extent.upward >= c.max_pipe_upward)
     return false;
-  const std::vector<std::uint8_t> own = own_pixels(cloud, components, object);
-  std::vector<std::uint32_t> pixels;
-  pixels.reserve(object.pixels);
-  for (std::size_t i = 0; i < own.size(); ++i)
-    if (own[i]) pixels.push_back(static_cast<std::uint32_t>(i));
-  return count_openings(cloud, pixels, object.mean_depth_m, c.min_opening_m2) >= c.min_openings;
+  return count_openings(cloud, components, object, c.min_opening_m2) >= c.min_openings;
 }
 
 }  // namespace

@@ -79,15 +79,21 @@ void OpenRuns::unite(std::size_t a, std::size_t b) {
   parent_[static_cast<std::size_t>(std::max(i, k))] = std::min(i, k);
 }
 
-int count_openings(const OrganisedCloud& cloud, const std::vector<std::uint32_t>& pixels, double depth_m,
+int count_openings(const OrganisedCloud& cloud, const Components& components, const Fragment& object,
                    double min_area_m2) {
+  const std::vector<std::uint8_t> own = own_pixels(cloud, components, object);
+  std::vector<std::uint32_t> pixels;
+  pixels.reserve(object.pixels);
+  for (std::size_t i = 0; i < own.size(); ++i)
+    if (own[i]) pixels.push_back(static_cast<std::uint32_t>(i));
   if (pixels.empty()) return 0;
   OpenRuns open(cloud, pixels);
   std::vector<int> area_px(open.runs().size() + 1, 0);
   for (std::size_t r = 0; r < open.runs().size(); ++r)
     area_px[static_cast<std::size_t>(open.opening(r))] += open.runs()[r].last - open.runs()[r].first + 1;
   area_px[OpenRuns::kOutside] = 0;
-  const double pixel_m2 = depth_m * depth_m / (cloud.intrinsics.fx * cloud.intrinsics.fy);
+  const double pixel_m2 =
+      object.mean_depth_m * object.mean_depth_m / (cloud.intrinsics.fx * cloud.intrinsics.fy);
   return static_cast<int>(std::count_if(area_px.begin(), area_px.end(),
                                         [&](int n) { return n > 0 && n * pixel_m2 >= min_area_m2; }));
 }

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "perception/organised_cloud.hpp"
+#include "perception/target/regions/components.hpp"
+#include "perception/target/regions/fragments.hpp"
 
 namespace colift::perception {
 
@@ -36,8 +38,8 @@ class OpenRuns {
 };
 
 /// Number of openings through an object, as between the rungs of a ladder, of at least `min_area_m2` at the
-/// object's depth. `pixels`: its own, ascending.
-[[nodiscard]] int count_openings(const OrganisedCloud& cloud, const std::vector<std::uint32_t>& pixels,
-                                 double depth_m, double min_area_m2);
+/// object's depth.
+[[nodiscard]] int count_openings(const OrganisedCloud& cloud, const Components& components,
+                                 const Fragment& object, double min_area_m2);
 
 }  // namespace colift::perception

@@ -16,7 +16,7 @@ constexpr int kFrames = 10;
 constexpr float kRaised_m = 0.012f;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-// a part of a ladder that stands at (x, y), turned by `yaw`, leaning by `lean` about its own y axis
+// a part of a ladder, in the ladder's frame, leaning about its own y axis
 struct Part {
   Vec3 size, at;
   double lean_deg = 0.0;
@@ -60,11 +60,7 @@ SeenObject stepladder(std::uint64_t seed) {
 }
 
 int openings(const SeenObject& seen, double min_area_m2) {
-  const std::vector<std::uint8_t> own = own_pixels(seen.cloud, seen.components, seen.object);
-  std::vector<std::uint32_t> pixels;
-  for (std::size_t i = 0; i < own.size(); ++i)
-    if (own[i]) pixels.push_back(static_cast<std::uint32_t>(i));
-  return count_openings(seen.cloud, pixels, seen.object.mean_depth_m, min_area_m2);
+  return count_openings(seen.cloud, seen.components, seen.object, min_area_m2);
 }
 
 int of_ten(const std::function<bool(std::uint64_t)>& holds) {
@@ -99,7 +95,7 @@ TEST_CASE("openings through a frame are counted where they are wide enough", "[p
   const SeenObject seen = on_one_rail(4, 0.388, 1);
   CHECK(openings(seen, 0.004) == 3);
   CHECK(openings(seen, 0.5) == 0);
-  CHECK(count_openings(seen.cloud, {}, 1.0, 0.0) == 0);
+  CHECK(count_openings(seen.cloud, seen.components, Fragment(), 0.0) == 0);
 }
 
 TEST_CASE("a stepladder seen from its side has a top and rails, and no head on a torso", "[person]") {
