@@ -167,19 +167,16 @@ class Search {
       if (parts_of[k] < 2) reject(divisible_[k], components_, std::move(why_not_[k]));
   }
 
-  // An arm or a leg beside a person, or beside something as high as one that the view cuts, is no object.
+  // An arm or a leg beside a person, or beside something that may be one, is no object.
   void drop_limbs() {
     std::erase_if(candidates, [&](const Candidate& k) {
-      for (const Fragment& body : bodies_) {
-        const double limit = k.cut_out ? c_.max_cut_out_limb_fraction : c_.max_limb_fraction;
-        if (static_cast<double>(k.object.pixels) > limit * static_cast<double>(body.pixels)) continue;
-        if (footprint_gap(k.object, body) > c_.max_limb_gap_m) continue;
-        reject(k.object, *k.components,
-               {RejectedObject::Kind::Person, k.object.box.center(), k.object.pixels,
-                "it stands beside a person, or something that may be one, and may be a part of that"});
-        return true;
-      }
-      return false;
+      const auto body = std::find_if(bodies_.begin(), bodies_.end(),
+                                     [&](const Body& b) { return is_part_of(k, b.object) && is_body(b); });
+      if (body == bodies_.end()) return false;
+      reject(k.object, *k.components,
+             {RejectedObject::Kind::Person, k.object.box.center(), k.object.pixels,
+              "it stands beside a person, or something that may be one, and may be a part of that"});
+      return true;
     });
   }
 
@@ -217,25 +214,44 @@ class Search {
     return std::nullopt;
   }
 
-  // refused for what the view or something else hides of it, whatever it is
-  static bool may_hide_limb(RejectedObject::Kind kind) {
+  // What was refused and may be a person.
+  struct Body {
+    Fragment object;
+    const Components* components;
+    bool known;  // by its shape or size; else only if it is round
+  };
+
+  // refused for what the view or something else hides of it, or for its size, whatever it is
+  static bool may_be_body(RejectedObject::Kind kind) {
     using Kind = RejectedObject::Kind;
-    return kind == Kind::Cut || kind == Kind::Attached || kind == Kind::Floating;
+    return kind == Kind::Cut || kind == Kind::Attached || kind == Kind::Floating || kind == Kind::Large;
   }
 
-  [[nodiscard]] bool is_round(const Fragment& object, const Components& components) const {
-    const Silhouette silhouette(cloud_, components, object, ground_);
-    return find_limb(cloud_, components, object, silhouette, noise_, c_.limb).has_value();
+  [[nodiscard]] bool is_body(const Body& b) const {
+    if (b.known) return true;
+    if (footprint_span(b.object) > c_.limb_part.max_body_span_m) return false;
+    const Silhouette silhouette(cloud_, *b.components, b.object, ground_);
+    return find_limb(cloud_, *b.components, b.object, silhouette, noise_, c_.limb).has_value();
+  }
+
+  [[nodiscard]] bool is_part_of(const Candidate& k, const Fragment& body) const {
+    const double most =
+        (k.cut_out ? c_.max_cut_out_limb_fraction : c_.max_limb_fraction) * static_cast<double>(body.pixels);
+    if (static_cast<double>(k.object.pixels) <= most && footprint_gap(k.object, body) <= c_.max_limb_gap_m)
+      return true;
+    const auto thickness = [&] { return median_thickness(cloud_, *k.components, k.object); };
+    return is_limb_of(k.object, body, c_.max_limb_fraction, thickness, c_.limb_part);
   }
 
   void reject(const Fragment& object, const Components& components, RejectedObject no) {
     if (at_W_) no.away_m = distance(object, cloud_, components, *at_W_);
     const bool tall =
         no.kind == RejectedObject::Kind::Person ||
-        (no.kind == RejectedObject::Kind::Cut && object.max_height_m > c_.person.min_top_height_m);
-    if (no.whole || (footprint_span(object) < c_.max_person_span_m &&
-                     (tall || (may_hide_limb(no.kind) && is_round(object, components)))))
-      bodies_.push_back(object);
+        (no.kind == RejectedObject::Kind::Cut && object.max_height_m > c_.limb_part.min_cut_height_m);
+    if (no.whole || (tall && footprint_span(object) < c_.max_person_span_m))
+      bodies_.push_back({object, &components, true});
+    else if (may_be_body(no.kind))
+      bodies_.push_back({object, &components, false});
     rejected.push_back(std::move(no));
   }
 
@@ -268,7 +284,7 @@ class Search {
   Components parts_components_;  // of what was looked at again
   std::vector<Fragment> divisible_;
   std::vector<RejectedObject> why_not_;
-  std::vector<Fragment> bodies_;  // persons, and what may be one
+  std::vector<Body> bodies_;
   int persons_ = 0;
 };
 

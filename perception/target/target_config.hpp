@@ -5,6 +5,7 @@
 #include "perception/ground/walls.hpp"
 #include "perception/target/on_table.hpp"
 #include "perception/target/outline.hpp"
+#include "perception/target/person/limb_part.hpp"
 #include "perception/target/person/limb_shape.hpp"
 #include "perception/target/person/person_shape.hpp"
 #include "perception/target/regions/enclosed_pixels.hpp"
@@ -60,6 +61,7 @@ struct TargetConfig {
   OutlineConfig outline;
   PersonShapeConfig person;
   LimbShapeConfig limb;
+  LimbPartConfig limb_part;
   BoxTrim box;
   OnTableConfig on_table;
 
@@ -116,7 +118,7 @@ struct TargetConfig {
     v("min_on_ground", min_on_ground, hal::kFraction,
       "Min fraction of a target's outline along which the ground begins.");
     v("max_person_span_m", max_person_span_m, hal::kPositive,
-      "Max diagonal of the footprint of what may be a person that the view cuts (m).");
+      "Max diagonal of the footprint of what may be a person by its height alone (m).");
     v("max_limb_gap_m", max_limb_gap_m, hal::kNotNegative,
       "Max distance from a person of what may be the person's arm or leg (m).");
     v("max_limb_fraction", max_limb_fraction, hal::kFraction,
@@ -142,6 +144,7 @@ struct TargetConfig {
     v("outline", outline, "How the outline of an object is read.");
     v("person", person, "What a head on shoulders looks like.");
     v("limb", limb, "What is as round as a part of a person.");
+    v("limb_part", limb_part, "What may be an arm or a leg that the view shows apart from its person.");
     v("on_table", on_table, "What counts as a target where the support is a table top.");
   }
 };

@@ -19,7 +19,7 @@ constexpr double kWallThick_m = 0.1, kRoomHeight_m = 2.7;
 // crosses it.
 class RoomMaker {
  public:
-  explicit RoomMaker(std::uint64_t seed) : draws_(seed, 9100) {}
+  RoomMaker(std::uint64_t seed, bool occupied) : draws_(seed, 9100), occupied_(occupied) {}
 
   RandomRoom make(std::uint64_t seed) {
     constexpr DepthSensor kSensors[] = {DepthSensor::Kinect, DepthSensor::Xtion, DepthSensor::ActiveStereo,
@@ -32,7 +32,10 @@ class RoomMaker {
     furniture();
     if (draws_.chance(0.8)) object();
     if (room_.has_object) small_things();
-    if (draws_.chance(0.35)) person();
+    if (occupied_)
+      somebody();
+    else if (draws_.chance(0.35))
+      person();
     camera();
     room_.name = fmt::format("room {}: {}{}", seed, name_of(room_.sensor), words_);
     return std::move(room_);
@@ -223,12 +226,52 @@ class RoomMaker {
     room_.has_person = true;
   }
 
+  // how far the parts of somebody are from the object and, where that is less than 2 cm, from all else but
+  // the floor
+  double clearance(const std::vector<Shape>& parts) const {
+    constexpr double kAlong[] = {-0.5, -0.25, 0.0, 0.25, 0.5}, kFurniture_m = 0.02;
+    double object = 10.0, others = 10.0;
+    for (const Shape& part : parts)
+      for (const double along : kAlong) {
+        const Vec3 p = part.X_WS * Vec3(0, 0, along * part.size[1]);
+        for (const Shape& s : room_.world.shapes) {
+          if (s.label == Label::Ground) continue;
+          double& nearest = s.label == Label::Target ? object : others;
+          nearest = std::min(nearest, distance(s, p) - part.size[0]);
+        }
+      }
+    return others < kFurniture_m ? others : object;
+  }
+
+  void somebody() {
+    constexpr int kPlaces = 200;
+    const auto stance = kStances[static_cast<std::size_t>(draws_.below(static_cast<int>(kStances.size())))];
+    const double clear = draws_.chance(0.25) ? 0.05 : 0.25;
+    const Draws body = draws_;
+    std::vector<Shape> parts;
+    for (int k = 0; k < kPlaces; ++k) {
+      Draws same = body;  // one person, tried in many places
+      const Vec3 at(draws_.between(0.9, std::max(1.3, back_ - 0.3)), draws_.between(-1.3, 1.3), 0);
+      parts = person_in(stance, same, at, draws_.between(-M_PI, M_PI));
+      if (clearance(parts) > clear) break;
+      parts.clear();
+    }
+    if (parts.empty()) return;
+    for (const Shape& s : parts) room_.world.shapes.push_back(s);
+    somebody_at_ = parts.front().X_WS.translation();
+    room_.stance = stance;
+    room_.has_person = true;
+    say(fmt::format("somebody {}", word(stance)));
+  }
+
   void camera() {
     const double height = draws_.between(0.25, 1.9), aside = draws_.between(-0.3, 0.3);
     const Vec3 eye(draws_.between(-0.3, 0.2), aside, height);
     Vec3 aim(draws_.between(1.4, 2.4), draws_.between(-0.3, 0.3), draws_.between(0.1, 0.5));
     if (room_.has_object)
       aim = at_ + Vec3(draws_.between(-0.2, 0.2), draws_.between(-0.3, 0.3), draws_.between(0.1, 0.4));
+    if (somebody_at_ && (!room_.has_object || draws_.chance(0.5)))
+      aim = *somebody_at_ + Vec3(0, draws_.between(-0.3, 0.3), draws_.between(-0.2, 0.2));
     room_.X_WC = look_at(eye, aim);
     const double roll = draws_.chance(0.3) ? draws_.between(-12, 12) : draws_.between(-2, 2);
     room_.X_WC.linear() =
@@ -236,17 +279,22 @@ class RoomMaker {
   }
 
   Draws draws_;
+  bool occupied_;
   RandomRoom room_;
   std::string words_;
   double back_ = 3.0, radius_ = 0.0;
   Vec3 at_ = Vec3::Zero();
-  std::optional<Vec3> seat_;
+  std::optional<Vec3> seat_, somebody_at_;
 };
 
 }  // namespace
 
 RandomRoom make_room(std::uint64_t seed) {
-  return RoomMaker(seed).make(seed);
+  return RoomMaker(seed, false).make(seed);
+}
+
+RandomRoom make_occupied_room(std::uint64_t seed) {
+  return RoomMaker(seed, true).make(seed);
 }
 
 ObjectInView object_in_view(const RandomRoom& room, const Rendering& truth) {

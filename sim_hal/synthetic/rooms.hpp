@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "sim_hal/synthetic/depth_sensors.hpp"
 #include "sim_hal/synthetic/scenes.hpp"
 #include "sim_hal/synthetic/shapes.hpp"
+#include "sim_hal/synthetic/stances.hpp"
 
 namespace colift::sim_hal {
 
@@ -18,6 +20,7 @@ struct RandomRoom {
   hal::CameraIntrinsics intrinsics;
   Pose X_WC = Pose::Identity();
   bool has_object = false, has_person = false;
+  std::optional<Stance> stance;  ///< Of the person of make_occupied_room(), where there was room for one.
 };
 
 /// A room drawn from a seed, as laboratories, offices and kitchens are and as no scene of make_scene() is:
@@ -26,6 +29,10 @@ struct RandomRoom {
 /// of four sensors, held at any height from 0.25 to 1.9 m and rolled by up to 12 degrees, sees the floor and
 /// whatever stands in its way.
 [[nodiscard]] RandomRoom make_room(std::uint64_t seed);
+
+/// A room of make_room() with a person in a drawn Stance, clear of the object by 25 cm or more (in one of
+/// four as close as 5 cm); every other camera looks at him.
+[[nodiscard]] RandomRoom make_occupied_room(std::uint64_t seed);
 
 /// What can be seen of the object in a rendering of the room.
 struct ObjectInView {

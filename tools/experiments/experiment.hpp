@@ -116,6 +116,7 @@ struct Experiment {
 [[nodiscard]] Experiment share_experiment();
 [[nodiscard]] Experiment lift_alone_experiment();
 [[nodiscard]] Experiment rooms_experiment();
+[[nodiscard]] Experiment stances_experiment();
 [[nodiscard]] Experiment imperfect_experiment();
 [[nodiscard]] Experiment impedance_experiment();
 [[nodiscard]] Experiment certificate_experiment();

@@ -27,46 +27,75 @@ Extent extent_of(const Silhouette& silhouette) {
   return {kLengthPerDeviation * longest, s.deviation_m(1) / longest, std::abs(s.axes.col(2).y()), s};
 }
 
-// Widths of an object at places along its longest axis: their median, and the range of the middle 80 % of
-// them as a fraction of it. A pipe is as wide everywhere; between neck, shoulders and legs a person is not.
-struct Widths {
-  double median_m = 0.0, unevenness = 0.0;
+// What an object looks like along its longest axis, in slices.
+struct Profile {
+  double median_width_m = 0.0;
+  double unevenness = 0.0;  // range of the middle 80 % of the widths, as a fraction of their median
+  double ridge_m = 0.0;     // range of the middle 80 % of the slices' tops about a straight line
 };
 
-Widths widths_along(const Silhouette& silhouette, const PointSpread& s, const Vec3& eye) {
+// range of the middle 80 %
+double middle_range(std::vector<double>& sorted) {
+  std::sort(sorted.begin(), sorted.end());
+  return sorted[sorted.size() * 9 / 10] - sorted[sorted.size() / 10];
+}
+
+// of heights at places, without the line that fits best
+std::vector<double> off_line(const std::vector<double>& at, const std::vector<double>& height) {
+  const auto n = static_cast<Eigen::Index>(at.size());
+  const Eigen::Map<const Eigen::ArrayXd> x(at.data(), n), y(height.data(), n);
+  const Eigen::ArrayXd from_mean = x - x.mean();
+  const double slope = (from_mean * y).sum() / std::max(1e-9, from_mean.square().sum());
+  const Eigen::ArrayXd rest = y - y.mean() - slope * from_mean;
+  return {rest.begin(), rest.end()};
+}
+
+Profile profile_along(const Silhouette& silhouette, const PointSpread& s, const Vec3& eye) {
   constexpr double kStep_m = 0.05;
   constexpr std::size_t kMinPoints = 5;
   const Vec3 axis = s.axes.col(2);
   const Vec3 view = s.mean - Vec3(0.0, (eye - silhouette.place({0.0F, 0.0F, 0.0F})).norm(), 0.0);
   const Vec3 aside = axis.cross(view).normalized();
-  std::vector<std::pair<double, double>> places;  // along the axis, beside it
+  struct Place {
+    double along, beside, height;
+  };
+  std::vector<Place> places;
   places.reserve(silhouette.points().size());
   for (const Silhouette::Point& p : silhouette.points()) {
     const Vec3 q(p.across, p.height, p.along);
-    places.emplace_back(axis.dot(q), aside.dot(q));
+    places.push_back({axis.dot(q), aside.dot(q), p.height});
   }
-  std::sort(places.begin(), places.end());
-  std::vector<double> widths, beside;
+  std::sort(places.begin(), places.end(), [](const Place& l, const Place& r) { return l.along < r.along; });
+  std::vector<double> at, widths, tops, beside, heights;
   for (std::size_t i = 0; i < places.size();) {
-    const double end = places[i].first + kStep_m;
+    const double end = places[i].along + kStep_m;
     beside.clear();
-    for (; i < places.size() && places[i].first < end; ++i) beside.push_back(places[i].second);
+    heights.clear();
+    for (; i < places.size() && places[i].along < end; ++i) {
+      beside.push_back(places[i].beside);
+      heights.push_back(places[i].height);
+    }
     if (beside.size() < kMinPoints) continue;
     std::sort(beside.begin(), beside.end());
+    std::sort(heights.begin(), heights.end());
+    at.push_back(end);
     widths.push_back(beside[beside.size() * 19 / 20] - beside[beside.size() / 20]);
+    tops.push_back(heights[heights.size() * 19 / 20]);
   }
   if (widths.empty()) return {};
-  std::sort(widths.begin(), widths.end());
-  const std::size_t n = widths.size();
-  return {widths[n / 2], (widths[n * 9 / 10] - widths[n / 10]) / std::max(1e-3, widths[n / 2])};
+  std::vector<double> ridge = off_line(at, tops);
+  const double range = middle_range(widths), median = widths[widths.size() / 2];
+  return {median, range / std::max(1e-3, median), middle_range(ridge)};
 }
 
-// A pipe that lies, or leans a little. On blocks, or half hidden, it is wider here than there, but nowhere as
-// wide as who lies on the floor.
-bool is_pipe(const Silhouette& silhouette, const Vec3& eye, const Extent& extent, const LimbShapeConfig& c) {
+// A pipe that lies, or leans a little: its upper side is straight. On blocks, or half hidden, it is wider
+// here than there, but nowhere as wide as who lies on the floor.
+bool is_pipe(const Silhouette& silhouette, const Vec3& eye, const Extent& extent, double sigma_m,
+             const LimbShapeConfig& c) {
   if (extent.slimness >= c.max_pipe_slimness || extent.upward >= c.max_pipe_upward) return false;
-  const Widths widths = widths_along(silhouette, extent.spread, eye);
-  return widths.median_m <= c.sure_pipe_width_m || widths.unevenness <= c.max_pipe_unevenness;
+  const Profile profile = profile_along(silhouette, extent.spread, eye);
+  if (profile.ridge_m > std::max(c.max_pipe_ridge_m, c.max_pipe_ridge_sigma * sigma_m)) return false;
+  return profile.median_width_m <= c.sure_pipe_width_m || profile.unevenness <= c.max_pipe_unevenness;
 }
 
 // Rails and rungs surround the ground more than once. Of what is higher, or goes on beyond the upper rim of
@@ -79,24 +108,43 @@ bool is_lying_frame(const OrganisedCloud& cloud, const Components& components, c
   return count_openings(cloud, components, object, c.min_opening_m2) >= c.min_openings;
 }
 
+// Nearly all that could be measured is round; `enough`: factor of the limits.
+bool is_round(const SurfaceCurvature& s, double enough, const LimbShapeConfig& c) {
+  return s.pieces >= c.min_pieces && s.measured >= c.min_measured && s.convex >= enough * c.min_convex;
+}
+
+// Little could be measured, but that is as round as a bar of the object's own thickness. Tables and chairs,
+// whose legs are the only round parts, are thinner.
+bool is_round_bar(const SurfaceCurvature& s, double thickness_m, const LimbShapeConfig& c) {
+  const double diameters = s.median_per_m * thickness_m;  // of a cylinder: 2
+  return s.pieces >= c.min_bar_pieces && s.measured >= c.min_bar_measured &&
+         thickness_m >= c.min_bar_thickness_m && s.convex >= c.min_bar_convex &&
+         diameters >= c.min_bar_diameters && diameters <= c.max_bar_diameters;
+}
+
 }  // namespace
 
 std::optional<LimbShape> find_limb(const OrganisedCloud& cloud, const Components& components,
                                    const Fragment& object, const Silhouette& silhouette,
                                    const NoiseModel& noise, const LimbShapeConfig& c) {
   const Extent extent = extent_of(silhouette);
-  if (extent.length_m < c.min_length_m) return std::nullopt;
-  if (is_pipe(silhouette, cloud.X_WC.translation(), extent, c)) return std::nullopt;
+  if (std::max(extent.length_m, object.max_height_m) < c.min_length_m) return std::nullopt;
+  if (is_pipe(silhouette, cloud.X_WC.translation(), extent, noise.sigma(object.mean_depth_m), c))
+    return std::nullopt;
   const SurfaceCurvature s = surface_curvature(cloud, components, object, noise, c.curvature);
   // above the rim of the view there may be a head
-  const double enough = object.cut_top > 0 ? c.headless : 1.0;
-  if (s.pieces < c.min_pieces || s.measured < c.min_measured || s.convex < enough * c.min_convex)
+  const double headless = object.cut_top > 0 ? c.headless : 1.0;
+  if (s.pieces == 0 || s.median_per_m < headless * c.min_curvature_per_m ||
+      s.median_per_m > c.max_curvature_per_m)
     return std::nullopt;
-  if (s.median_per_m < enough * c.min_curvature_per_m || s.median_per_m > c.max_curvature_per_m)
-    return std::nullopt;
-  if (s.median_per_m - 2 * s.sigma_per_m < enough * c.sure_curvature_per_m) return std::nullopt;
   const double thickness_m = median_thickness(cloud, components, object);
   if (thickness_m < c.min_thickness_m) return std::nullopt;
+  const bool bar = is_round_bar(s, thickness_m, c);
+  if (!bar && !is_round(s, headless, c)) return std::nullopt;
+  const double enough = bar ? 1.0 : headless;
+  if (s.median_per_m < enough * c.min_curvature_per_m ||
+      s.median_per_m - 2 * s.sigma_per_m < enough * c.sure_curvature_per_m)
+    return std::nullopt;
   if (is_lying_frame(cloud, components, object, extent, thickness_m, c)) return std::nullopt;
   return LimbShape{1.0 / s.median_per_m, extent.length_m};
 }

@@ -10,7 +10,8 @@ namespace colift::perception {
 
 /// What is as round as a limb or a trunk: radii of 14 to 150 mm; slimness, direction and widths separate a
 /// pipe that lies from a leg, and from who lies on the floor. The figures were chosen on random rooms
-/// (`colift experiment rooms --seed 405` and 406; those of widths 411), those of frames on ladders
+/// (`colift experiment rooms --seed 405` and 406; those of widths 411; those of ridges and bars `stances
+/// --seed 501`), those of frames on ladders
 /// (`furniture --seed 251` and 263), all with persons of capsules.
 struct LimbShapeConfig {
   double min_curvature_per_m = 6.5;
@@ -25,7 +26,15 @@ struct LimbShapeConfig {
   double max_pipe_upward = 0.3;
   double max_pipe_unevenness = 0.2;
   double sure_pipe_width_m = 0.11;
+  double max_pipe_ridge_m = 0.035;
+  double max_pipe_ridge_sigma = 3.0;
   double min_thickness_m = 0.05;
+  int min_bar_pieces = 2;
+  double min_bar_measured = 0.03;
+  double min_bar_convex = 0.85;
+  double min_bar_thickness_m = 0.08;
+  double min_bar_diameters = 1.2;
+  double max_bar_diameters = 3.4;
   int min_openings = 2;
   double min_opening_m2 = 0.004;
   double max_frame_height_m = 0.6;
@@ -46,7 +55,8 @@ struct LimbShapeConfig {
     v("min_measured", min_measured, hal::kFraction,
       "Min fraction of its pixels on which the curvature could be measured.");
     v("min_pieces", min_pieces, hal::Range{1, 1e4}, "Min number of pieces of its surface, measured.");
-    v("min_length_m", min_length_m, hal::kNotNegative, "Min length of it (m); cans and bottles are shorter.");
+    v("min_length_m", min_length_m, hal::kNotNegative,
+      "Min length or height of it (m); cans and bottles are shorter.");
     v("max_pipe_slimness", max_pipe_slimness, hal::kFraction,
       "Max ratio of width to length of a round object that is a pipe ...");
     v("max_pipe_upward", max_pipe_upward, hal::kFraction,
@@ -57,8 +67,24 @@ struct LimbShapeConfig {
       "the floor has a neck, shoulders and legs.");
     v("sure_pipe_width_m", sure_pipe_width_m, hal::kNotNegative,
       "Max median width (m) of what is a pipe however uneven: on blocks, or half hidden.");
+    v("max_pipe_ridge_m", max_pipe_ridge_m, hal::kNotNegative,
+      "... and max range of the middle 80 % of the heights of its upper side about a straight line (m): "
+      "head, chest and "
+      "legs of who lies there are not on one ...");
+    v("max_pipe_ridge_sigma", max_pipe_ridge_sigma, hal::kNotNegative,
+      "... the same in standard deviations of the depth noise, whichever is more.");
     v("min_thickness_m", min_thickness_m, hal::kNotNegative,
       "Min median thickness of its parts across the view (m): a frame of tubes is thinner than a wrist.");
+    v("min_bar_pieces", min_bar_pieces, hal::Range{1, 1e4},
+      "Min number of measured pieces of what is as round as a bar of its own thickness ...");
+    v("min_bar_measured", min_bar_measured, hal::kFraction,
+      "... min fraction of its pixels on which the curvature could be measured ...");
+    v("min_bar_convex", min_bar_convex, hal::kFraction, "... min fraction of that that is convex ...");
+    v("min_bar_thickness_m", min_bar_thickness_m, hal::kNotNegative,
+      "... min median thickness of its parts (m): legs of tables and chairs are thinner ...");
+    v("min_bar_diameters", min_bar_diameters, hal::kNotNegative,
+      "... and min and max of curvature times thickness, 2 for a cylinder: the lower limit ...");
+    v("max_bar_diameters", max_bar_diameters, hal::kPositive, "... and the upper one.");
     v("min_openings", min_openings, hal::Range{1, 1000},
       "Min number of openings through a lying object, such as between the rungs of a ladder, that is a frame "
       "and no part of a person ...");

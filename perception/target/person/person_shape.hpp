@@ -28,7 +28,7 @@ struct PersonShapeConfig {
   double min_curvature_m = 0.010;
   double min_curvature_sigma = 1.6;
   double max_curvature_m = 0.075;
-  double min_top_height_m = 0.87;
+  double min_top_height_m = 0.7;
 
   template <class Visitor>
   void visit(Visitor& v) {
@@ -60,7 +60,7 @@ struct PersonShapeConfig {
       "Max root mean square distance of the torso's points from a plane (m): a seat and its back rest are "
       "two planes.");
     v("min_top_height_m", min_top_height_m, hal::kNotNegative,
-      "Min height of the head over the ground (m); a person who crouches reaches it.");
+      "Min height of the head over the ground (m); a person who crouches or sits on the ground reaches it.");
   }
 };
 

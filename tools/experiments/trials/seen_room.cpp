@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "control/config/resolve_config.hpp"
 #include "hal/types/units.hpp"
@@ -66,11 +67,18 @@ bool SeenRoom::solvable() const {
   return room.has_object && object.pixels >= 1500 && object.hidden_fraction < 0.3 && !object.cut;
 }
 
-SeenRoom see_room(std::uint64_t seed, control::Method method) {
+std::string SeenRoom::object_class() const {
+  if (!room.has_object) return "empty";
+  return solvable() ? "solvable" : "hard";
+}
+
+SeenRoom see_room(sim_hal::RandomRoom room, std::uint64_t seed, control::Method method) {
   SeenRoom seen;
-  seen.room = sim_hal::make_room(seed);
+  seen.room = std::move(room);
   seen.truth = sim_hal::cast_rays(seen.room.world, seen.room.intrinsics, seen.room.X_WC);
   seen.object = sim_hal::object_in_view(seen.room, seen.truth);
+  seen.person_pixels =
+      static_cast<std::size_t>(std::count(seen.truth.label.begin(), seen.truth.label.end(), Label::Partner));
   control::SceneAnalysisInput input;  // in the camera's own frame, as `colift look` without a camera pose
   input.frame = sim_hal::measure_with(seen.room.sensor, seen.truth, seed);
   control::ConfigRequest request;

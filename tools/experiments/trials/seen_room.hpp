@@ -26,12 +26,16 @@ struct SeenRoom {
   sim_hal::ObjectInView object;
   control::SceneAnalysis analysis;
   RoomVerdict verdict = RoomVerdict::Nothing;
+  std::size_t person_pixels = 0;
   bool ground_right = false;  ///< Within 3 degrees and 10 cm.
 
   /// A person would point at the object: at least 1500 of its pixels, not cut, less than 30 % of it hidden.
   [[nodiscard]] bool solvable() const;
+  /// "solvable", "hard", or "empty" where there is no object.
+  [[nodiscard]] std::string object_class() const;
 };
 
-[[nodiscard]] SeenRoom see_room(std::uint64_t seed, control::Method method);
+/// Seed: of the sensor's noise.
+[[nodiscard]] SeenRoom see_room(sim_hal::RandomRoom room, std::uint64_t seed, control::Method method);
 
 }  // namespace colift::experiments
