@@ -74,6 +74,7 @@ set(COLIFT_PUBLIC_HEADERS
   perception/target/objections.hpp
   perception/target/on_table.hpp
   perception/target/outline.hpp
+  perception/target/person/limb_part.hpp
   perception/target/person/limb_shape.hpp
   perception/target/person/person_shape.hpp
   perception/target/regions/components.hpp

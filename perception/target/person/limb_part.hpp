@@ -7,9 +7,8 @@
 
 namespace colift::perception {
 
-/// What may be an arm or a leg of somebody, though the view shows it apart from him. Chosen on `colift
-/// experiment stances
-/// --seed 501`.
+/// What may be an arm or a leg of somebody, though the view shows it apart from him. Chosen on
+/// `colift experiment stances --seed 501`.
 struct LimbPartConfig {
   double touching_m = 0.15;
   double behind_m = 0.8;
