@@ -229,7 +229,6 @@ class Search {
 
   [[nodiscard]] bool is_body(const Body& b) const {
     if (b.known) return true;
-    if (footprint_span(b.object) > c_.limb_part.max_body_span_m) return false;
     const Silhouette silhouette(cloud_, *b.components, b.object, ground_);
     return find_limb(cloud_, *b.components, b.object, silhouette, noise_, c_.limb).has_value();
   }
@@ -248,9 +247,10 @@ class Search {
     const bool tall =
         no.kind == RejectedObject::Kind::Person ||
         (no.kind == RejectedObject::Kind::Cut && object.max_height_m > c_.limb_part.min_cut_height_m);
-    if (no.whole || (tall && footprint_span(object) < c_.max_person_span_m))
+    const double span = footprint_span(object);
+    if (no.whole || (tall && span < c_.max_person_span_m))
       bodies_.push_back({object, &components, true});
-    else if (may_be_body(no.kind))
+    else if (may_be_body(no.kind) && span <= c_.limb_part.max_body_span_m)
       bodies_.push_back({object, &components, false});
     rejected.push_back(std::move(no));
   }

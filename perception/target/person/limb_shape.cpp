@@ -34,9 +34,8 @@ struct Profile {
   double ridge_m = 0.0;     // range of the middle 80 % of the slices' tops about a straight line
 };
 
-// range of the middle 80 %
-double middle_range(std::vector<double>& sorted) {
-  std::sort(sorted.begin(), sorted.end());
+// range of the middle 80 % of ascending values
+double middle_range(const std::vector<double>& sorted) {
   return sorted[sorted.size() * 9 / 10] - sorted[sorted.size() / 10];
 }
 
@@ -84,8 +83,10 @@ Profile profile_along(const Silhouette& silhouette, const PointSpread& s, const 
   }
   if (widths.empty()) return {};
   std::vector<double> ridge = off_line(at, tops);
-  const double range = middle_range(widths), median = widths[widths.size() / 2];
-  return {median, range / std::max(1e-3, median), middle_range(ridge)};
+  std::sort(ridge.begin(), ridge.end());
+  std::sort(widths.begin(), widths.end());
+  const double median = widths[widths.size() / 2];
+  return {median, middle_range(widths) / std::max(1e-3, median), middle_range(ridge)};
 }
 
 // A pipe that lies, or leans a little: its upper side is straight. On blocks, or half hidden, it is wider

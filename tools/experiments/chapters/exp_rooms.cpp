@@ -28,31 +28,23 @@ TrialRows run(const Trial& trial) {
   return rows;
 }
 
-Estimate share_of(const Results& r, const std::string& kind, const std::vector<std::string>& verdicts) {
-  int all = 0, hits = 0;
-  for (const Row& row : r.trials.rows()) {
-    if (!kind.empty() && r.trials.text(row, "class") != kind) continue;
-    ++all;
-    hits += std::count(verdicts.begin(), verdicts.end(), r.trials.text(row, "verdict")) > 0 ? 1 : 0;
-  }
-  return rate(hits, all);
-}
-
 std::vector<Figure> figures(const Results& r) {
   int grounds = 0, right_grounds = 0;
   for (const Row& row : r.trials.rows()) {
     grounds += r.trials.number(row, "ground") > 0.5;
     right_grounds += r.trials.number(row, "ground_right") > 0.5;
   }
-  return {{"right", "the object, of those that a person would point at", share_of(r, "solvable", {"right"}),
-           "%", 0.8},
-          {"partly", "a part of it, or more than it", share_of(r, "solvable", {"partly"}), "%"},
-          {"nothing", "nothing found, with a reason", share_of(r, "solvable", {"nothing"}), "%"},
-          {"wrong", "something else as the target, of all rooms", share_of(r, "", {"wrong", "person"}), "%",
-           0.1, false},
-          {"person", "a person as the target, of all rooms", share_of(r, "", {"person"}), "%", 0.0, false},
-          {"empty", "no target where there is no object", share_of(r, "empty", {"nothing"}), "%"},
-          {"ground", "ground right, of those that were found", rate(right_grounds, grounds), "%"}};
+  return {
+      {"right", "the object, of those that a person would point at",
+       verdict_share(r, "class", "solvable", {"right"}), "%", 0.8},
+      {"partly", "a part of it, or more than it", verdict_share(r, "class", "solvable", {"partly"}), "%"},
+      {"nothing", "nothing found, with a reason", verdict_share(r, "class", "solvable", {"nothing"}), "%"},
+      {"wrong", "something else as the target, of all rooms",
+       verdict_share(r, "class", "", {"wrong", "person"}), "%", 0.1, false},
+      {"person", "a person as the target, of all rooms", verdict_share(r, "class", "", {"person"}), "%", 0.0,
+       false},
+      {"empty", "no target where there is no object", verdict_share(r, "class", "empty", {"nothing"}), "%"},
+      {"ground", "ground right, of those that were found", rate(right_grounds, grounds), "%"}};
 }
 
 }  // namespace

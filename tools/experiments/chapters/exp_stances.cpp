@@ -33,25 +33,16 @@ TrialRows run(const Trial& trial) {
 }
 
 std::vector<Figure> figures(const Results& r) {
-  const auto count = [&](const std::string& column, const std::string& value, const std::string& verdict) {
-    int all = 0, hits = 0;
-    for (const Row& row : r.trials.rows()) {
-      if (!value.empty() && r.trials.text(row, column) != value) continue;
-      ++all;
-      hits += r.trials.text(row, "verdict") == verdict ? 1 : 0;
-    }
-    return rate(hits, all);
-  };
-  std::vector<Figure> out{
-      {"person", "a person as the target, of all rooms", count("", "", "person"), "%", 0.0, false},
-      {"right", "the object, of those that a person would point at", count("class", "solvable", "right"),
-       "%"}};
+  std::vector<Figure> out{{"person", "a person as the target, of all rooms",
+                           verdict_share(r, "stance", "", {"person"}), "%", 0.0, false},
+                          {"right", "the object, of those that a person would point at",
+                           verdict_share(r, "class", "solvable", {"right"}), "%"}};
   for (const sim_hal::Stance stance : sim_hal::kStances) {
     const std::string name(sim_hal::word(stance));
     std::string key = "person_" + name;
     std::replace(key.begin(), key.end(), ' ', '_');
-    out.push_back(
-        {key, "somebody " + name + " as the target", count("stance", name, "person"), "%", 0.0, false});
+    out.push_back({key, "somebody " + name + " as the target", verdict_share(r, "stance", name, {"person"}),
+                   "%", 0.0, false});
   }
   return out;
 }

@@ -47,6 +47,17 @@ std::vector<std::uint8_t> thumbnail(const SeenRoom& seen) {
 
 }  // namespace
 
+Estimate verdict_share(const Results& r, const std::string& column, const std::string& value,
+                       const std::vector<std::string>& verdicts) {
+  int all = 0, hits = 0;
+  for (const Row& row : r.trials.rows()) {
+    if (!value.empty() && r.trials.text(row, column) != value) continue;
+    ++all;
+    hits += std::count(verdicts.begin(), verdicts.end(), r.trials.text(row, "verdict")) > 0 ? 1 : 0;
+  }
+  return rate(hits, all);
+}
+
 picture::Canvas room_sheet(const Results& r, const std::function<sim_hal::RandomRoom(std::uint64_t)>& make) {
   picture::Canvas canvas(kColumns * kThumbWidth, kRows * (kThumbHeight + kCaption), picture::kPaper);
   int k = 0;
