@@ -35,7 +35,7 @@ const std::vector<std::string> kRobots = [] {
 }();
 
 std::string shown(const std::string& words) {
-  const auto r = story::colift("check --for " + words);
+  const auto r = story::run_colift("check --for " + words);
   INFO(words << "\n" << r.err);
   REQUIRE(r.code == 0);
   return r.out;
@@ -86,14 +86,14 @@ TEST_CASE("what check --for run shows is what stands in the run's recording", "[
         " --scenario " + scenario.string() + " --share 0.3 --method " + method + words_of(common);
     // nobody comes within a second: the run is over soon after its first pictures
     const auto file = scratch() / (method + ".mcap");
-    const auto run = story::colift("run" + options + " --dry-run --record " + file.string());
+    const auto run = story::run_colift("run" + options + " --dry-run --record " + file.string());
     INFO(run.err);
     REQUIRE(run.code == 1);
     const std::string config = recorded(file);
     CHECK(config == shown("run" + options));
     // other places of --for, and one that says what is asked for in one word
-    CHECK(config == story::colift("check" + options + " --for run").out);
-    CHECK(config == story::colift("check --for=run" + options).out);
+    CHECK(config == story::run_colift("check" + options + " --for run").out);
+    CHECK(config == story::run_colift("check --for=run" + options).out);
     CHECK_THAT(config, Catch::Contains("share: 0.3  # --share") && Catch::Contains("step_m: 0.02  # ") &&
                            Catch::Contains("lift_height_m: 0.07  # scenario ") &&
                            Catch::Contains("# arm_mode t1"));
@@ -101,7 +101,7 @@ TEST_CASE("what check --for run shows is what stands in the run's recording", "[
     tools::LogOptions log;
     log.file = file;
     CHECK(used(tools::config_of_replay({}, log)) == shown("log replay " + file.string()));
-    const auto replay = story::colift("log replay " + file.string() + " --json");
+    const auto replay = story::run_colift("log replay " + file.string() + " --json");
     INFO(replay.out);
     CHECK(replay.code == 0);
   }
@@ -164,7 +164,7 @@ TEST_CASE("a run on the emulated rig records the configuration that check shows"
       " --robot " + robot.string() +
       " --set task.partner_timeout_s=1 --set task.lift_height_m=0.04 --set arm_mode=t1";
   const auto file = scratch() / "emulated.mcap";
-  const auto run = story::colift("run" + options + " --dry-run --record " + file.string());
+  const auto run = story::run_colift("run" + options + " --dry-run --record " + file.string());
   INFO(run.err);
   REQUIRE(run.code == 1);
   CHECK(recorded(file) == shown("run" + options));
@@ -172,7 +172,7 @@ TEST_CASE("a run on the emulated rig records the configuration that check shows"
 
 TEST_CASE("the configuration of a robot whose camera was not calibrated yet is shown all the same",
           "[program][config]") {
-  const auto r = story::colift("check --for run --robot real");
+  const auto r = story::run_colift("check --for run --robot real");
   CHECK(r.code == 2);
   CHECK_THAT(r.err, Catch::Contains("camera.yaml"));
   CHECK(r.out == shown("run"));
@@ -180,23 +180,23 @@ TEST_CASE("the configuration of a robot whose camera was not calibrated yet is s
 
 TEST_CASE("check says whose configuration it shows, who said what, and what it cannot show",
           "[program][config]") {
-  const auto plain = nlohmann::json::parse(story::colift("check --json").out);
+  const auto plain = nlohmann::json::parse(story::run_colift("check --json").out);
   CHECK(plain["for"] == "run");
   CHECK(plain["config"] == shown("run"));
   CHECK(plain["changed"]["decision.max_lever_m"] == "run's default");
   const auto decide =
-      nlohmann::json::parse(story::colift("check --for decide --method thesis --share 0.2 --json").out);
+      nlohmann::json::parse(story::run_colift("check --for decide --method thesis --share 0.2 --json").out);
   CHECK(decide["for"] == "decide");
   CHECK(decide["changed"]["decision.weights.epsilon"] == "decision.share (--share)");
   CHECK(decide["changed"]["decision.max_sideways"] == "method thesis");
   CHECK_THAT(shown("run --explain"), Catch::Contains("# Height of the lift"));
   for (const char* words : {"rank", "doctor", "emulate krc", "log info"}) {
-    const auto r = story::colift(std::string("check --for ") + words);
+    const auto r = story::run_colift(std::string("check --for ") + words);
     INFO(words << "\n" << r.err);
     CHECK(r.code == 2);
     CHECK_THAT(r.err, Catch::Contains("takes no configuration"));
   }
-  CHECK(story::colift("check --for").code == 2);
-  CHECK(story::colift("check --for frobnicate").code == 2);
-  CHECK(story::colift("check --for run --share 2").code == 2);
+  CHECK(story::run_colift("check --for").code == 2);
+  CHECK(story::run_colift("check --for frobnicate").code == 2);
+  CHECK(story::run_colift("check --for run --share 2").code == 2);
 }

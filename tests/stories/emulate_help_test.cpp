@@ -21,7 +21,7 @@ TEST_CASE("the help of each emulated device names the duration of a fault that h
   CHECK(camera->for_s == default_s);
   CHECK(sim_hal::parse_hand_fault("1:silent:2")->for_s == 2.0);  // and not another
   for (const char* device : {"krc", "hand", "camera", "rig"}) {
-    const auto help = story::colift(fmt::format("emulate {} --help", device));
+    const auto help = story::run_colift(fmt::format("emulate {} --help", device));
     INFO(help.out << help.err);
     CHECK(help.code == 0);
     CHECK_THAT(help.out, Catch::Contains("T:KIND[:DURATION]") &&

@@ -91,7 +91,7 @@ void check_stopped_well(int code, const std::string& state, const std::filesyste
   CHECK(result["outcome"] == "aborted");
   CHECK(result["states"].back()["state"] == "stopped");
   CHECK(result["states"][result["states"].size() - 2]["state"] == state);
-  const ProgramRun info = colift("log info --json " + file.string());
+  const ProgramRun info = run_colift("log info --json " + file.string());
   CHECK(info.code == 0);
   const auto recording = nlohmann::json::parse(info.out, nullptr, false);
   REQUIRE_FALSE(recording.is_discarded());

@@ -14,7 +14,7 @@ using namespace colift;
 
 namespace {
 
-const int kLayouts = tests::thorough() ? 26 : tests::repetitions(16, 3);
+const int kLayouts = tests::thorough() ? 26 : tests::repetitions(10, 3);
 
 struct Limits {
   double lifted, share_within, partner_p90_m;

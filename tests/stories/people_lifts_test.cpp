@@ -43,6 +43,12 @@ tests::SimulatedLift lift_with(const sim_hal::ScenarioPerson& person,
   return tests::simulate(scenario, control::Method::Fast, 1, std::move(config));
 }
 
+/// Nobody but the partner is there.
+const tests::SimulatedLift& alone() {
+  static const tests::SimulatedLift lift = tests::simulate(table(), control::Method::Fast, 1);
+  return lift;
+}
+
 double entered_s(const tests::SimulatedLift& lift, Task task) {
   for (const control::StateChange& s : lift.record.states)
     if (s.state == task) return hal::seconds(s.at);
@@ -280,12 +286,11 @@ TEST_CASE("a confirmation does not continue an arm that was touched") {
 }
 
 TEST_CASE("who passes far away changes nothing") {
-  const auto alone = tests::simulate(table(), control::Method::Fast, 1);
   const auto lift = lift_with(somebody(3.5, {{-1.5, 2.6}, {1.5, 2.8}}, "walk", std::nullopt));
   INFO(told(lift));
   CHECK(lift.record.outcome == Result::Lifted);
   CHECK(lift.record.monitor.stops == 0);
-  CHECK(entered_s(lift, Task::Close) == Approx(entered_s(alone, Task::Close)).margin(0.5));
+  CHECK(entered_s(lift, Task::Close) == Approx(entered_s(alone(), Task::Close)).margin(0.5));
 }
 
 TEST_CASE("without the monitor it is said, and the arm goes at the speed of T1") {
@@ -296,6 +301,5 @@ TEST_CASE("without the monitor it is said, and the arm goes at the speed of T1")
   CHECK_FALSE(lift.record.monitor.on);
   REQUIRE_FALSE(lift.record.faults.empty());
   CHECK(lift.record.faults.front().device == "monitor");
-  const auto alone = tests::simulate(table(), control::Method::Fast, 1);
-  CHECK(entered_s(lift, Task::Close) > entered_s(alone, Task::Close) + 3.0);
+  CHECK(entered_s(lift, Task::Close) > entered_s(alone(), Task::Close) + 3.0);
 }

@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-using story::colift;
+using story::run_colift;
 using story::scratch;
 using story::slurp;
 using Run = story::ProgramRun;
@@ -38,7 +38,7 @@ bool unit(const Json& v) {
 }  // namespace
 
 TEST_CASE("look prints one JSON document of the agreed form", "[program]") {
-  const Run r = colift("look " + kLaptop + " --json --quiet");
+  const Run r = run_colift("look " + kLaptop + " --json --quiet");
   CHECK(r.code == 0);
   const Json j = Json::parse(r.out);
   CHECK(j["schema"] == "colift.look/1");
@@ -62,7 +62,7 @@ TEST_CASE("look prints one JSON document of the agreed form", "[program]") {
 }
 
 TEST_CASE("a frame without a target is a finding, exit code 1", "[program]") {
-  const Run r = colift("look " + kReal + "04_five_people/depth.png --json");
+  const Run r = run_colift("look " + kReal + "04_five_people/depth.png --json");
   CHECK(r.code == 1);
   const Json j = Json::parse(r.out);
   CHECK(j["target"].is_null());
@@ -72,15 +72,16 @@ TEST_CASE("a frame without a target is a finding, exit code 1", "[program]") {
 
 TEST_CASE("what counts as a target on a table is what the configuration says", "[program]") {
   const std::string office = "look " + kReal + "12_office/depth.png --support table";
-  CHECK(colift(office).code == 0);
-  CHECK(colift(office + " --set target.on_table.max_height_m=0.05").code == 1);
+  CHECK(run_colift(office).code == 0);
+  CHECK(run_colift(office + " --set target.on_table.max_height_m=0.05").code == 1);
   // that of what stands on the floor is another one
-  CHECK(colift(office + " --set target.max_height_m=0.05").code == 0);
+  CHECK(run_colift(office + " --set target.max_height_m=0.05").code == 0);
 }
 
 TEST_CASE("results are in the robot's frame when the camera's pose is known", "[program]") {
   // the camera one metre above the floor, looking along the base's x axis and 35 degrees down
-  const Run r = colift("look " + kLaptop + " --json --camera-pose 0,0,1,-0.64086,0.64086,-0.29884,0.29884");
+  const Run r =
+      run_colift("look " + kLaptop + " --json --camera-pose 0,0,1,-0.64086,0.64086,-0.29884,0.29884");
   INFO(r.err);
   REQUIRE((r.code == 0 || r.code == 1));
   const Json j = Json::parse(r.out);
@@ -88,7 +89,7 @@ TEST_CASE("results are in the robot's frame when the camera's pose is known", "[
 }
 
 TEST_CASE("decide names the chosen candidate and says why", "[program]") {
-  const Run r = colift("decide " + kLaptop + " --partner -0.27,-0.03,0.78 --json");
+  const Run r = run_colift("decide " + kLaptop + " --partner -0.27,-0.03,0.78 --json");
   CHECK(r.code == 0);
   const Json j = Json::parse(r.out);
   CHECK(j["schema"] == "colift.decide/1");
@@ -107,7 +108,7 @@ TEST_CASE("decide names the chosen candidate and says why", "[program]") {
 
 TEST_CASE("a larger wanted share moves the choice towards the centre of gravity", "[program]") {
   const auto share = [](const char* s) {
-    const Run r = colift("decide " + kLaptop + " --partner -0.27,-0.03,0.78 --json --share " + s);
+    const Run r = run_colift("decide " + kLaptop + " --partner -0.27,-0.03,0.78 --json --share " + s);
     REQUIRE(r.code == 0);
     return Json::parse(r.out)["decision"]["share"].get<double>();
   };
@@ -117,7 +118,7 @@ TEST_CASE("a larger wanted share moves the choice towards the centre of gravity"
 TEST_CASE("decide says which shares are possible, and never that 55 % are the 30 % that were asked",
           "[program]") {
   const std::string decide = "decide " + kLaptop + " --partner -0.27,-0.03,0.78 --share 0.3";
-  const Run r = colift(decide + " --json");
+  const Run r = run_colift(decide + " --json");
   REQUIRE(r.code == 0);
   const Json share = Json::parse(r.out)["share"];
   CHECK(share["wanted"] == 0.3);
@@ -132,7 +133,7 @@ TEST_CASE("decide says which shares are possible, and never that 55 % are the 30
   CHECK(share["partner_limit_n"] == 245.0);
   CHECK(Json::parse(r.out)["decision"]["share"] == predicted);
 
-  const Run strict = colift(decide + " --share-strict 0.1 --json");
+  const Run strict = run_colift(decide + " --share-strict 0.1 --json");
   CHECK(strict.code == 1);
   const Json refused = Json::parse(strict.out);
   CHECK(refused["decision"].is_null());
@@ -141,7 +142,7 @@ TEST_CASE("decide says which shares are possible, and never that 55 % are the 30
 }
 
 TEST_CASE("a run with a strict share that cannot be had is refused, and nothing moves", "[program]") {
-  const Run r = colift("run --seed 1 --share 0.3 --share-strict 0.05 --json --quiet");
+  const Run r = run_colift("run --seed 1 --share 0.3 --share-strict 0.05 --json --quiet");
   CHECK(r.code == 1);
   const Json run = Json::parse(r.out);
   CHECK(run["outcome"] == "refused");
@@ -152,7 +153,7 @@ TEST_CASE("a run with a strict share that cannot be had is refused, and nothing 
 
 TEST_CASE("the same frame gives the same decision, but for the times", "[program]") {
   const auto once = [] {
-    Json j = Json::parse(colift("decide " + kLaptop + " --partner -0.27,-0.03,0.78 --json").out);
+    Json j = Json::parse(run_colift("decide " + kLaptop + " --partner -0.27,-0.03,0.78 --json").out);
     j.erase("timing_ms");
     return j;
   };
@@ -161,8 +162,8 @@ TEST_CASE("the same frame gives the same decision, but for the times", "[program
 
 TEST_CASE("picture and report are written", "[program]") {
   const auto png = scratch() / "p.png", html = scratch() / "r.html";
-  const Run r = colift("decide " + kLaptop + " --partner -0.27,-0.03,0.78 --quiet --png " + png.string() +
-                       " --report " + html.string());
+  const Run r = run_colift("decide " + kLaptop + " --partner -0.27,-0.03,0.78 --quiet --png " + png.string() +
+                           " --report " + html.string());
   CHECK(r.code == 0);
   CHECK(slurp(png).substr(1, 3) == "PNG");
   CHECK(slurp(html).find("<html") != std::string::npos);
@@ -205,7 +206,7 @@ TEST_CASE("what is wrong is said in one line with the place, exit code 2", "[pro
       {"rank /no/such.json", "/no/such.json"},
       {"check --set a.b=1", "--set a.b=1"},
   }));
-  const Run r = colift(arguments);
+  const Run r = run_colift(arguments);
   INFO(arguments << "\n" << r.err);
   CHECK(r.code == 2);
   CHECK(r.err.find(words) != std::string::npos);
@@ -222,7 +223,7 @@ TEST_CASE("a page on a port that somebody else has is refused before the run, wi
   REQUIRE(::bind(taken, reinterpret_cast<const sockaddr*>(&address), size) == 0);
   REQUIRE(::listen(taken, 1) == 0);
   REQUIRE(::getsockname(taken, reinterpret_cast<sockaddr*>(&address), &size) == 0);
-  const Run r = colift("run --view " + std::to_string(ntohs(address.sin_port)));
+  const Run r = run_colift("run --view " + std::to_string(ntohs(address.sin_port)));
   ::close(taken);
   INFO(r.err);
   CHECK(r.code == 2);
@@ -237,12 +238,12 @@ TEST_CASE(
   const auto here = std::filesystem::current_path();
   std::filesystem::create_directories(scratch() / "elsewhere");
   std::filesystem::current_path(scratch() / "elsewhere");
-  const Run pipe = colift("run --scenario pipe --dry-run --json --quiet");
+  const Run pipe = run_colift("run --scenario pipe --dry-run --json --quiet");
   std::ofstream("pipe") << "schema: colift.scenario/1\nobject: {kind: anvil}\n";
-  const Run own = colift("run --scenario pipe --dry-run --json --quiet");
-  const Run robot = colift("check --for run --robot emulated --json");
-  const Run frame = colift("look 01_office_chair_and_bottles --json");
-  const Run no_frame = colift("look 01_office_chair --json");
+  const Run own = run_colift("run --scenario pipe --dry-run --json --quiet");
+  const Run robot = run_colift("check --for run --robot emulated --json");
+  const Run frame = run_colift("look 01_office_chair_and_bottles --json");
+  const Run no_frame = run_colift("look 01_office_chair --json");
   std::filesystem::current_path(here);
   INFO(pipe.err << own.err << robot.err << frame.err << no_frame.err);
   CHECK(pipe.code == 0);
@@ -265,7 +266,7 @@ TEST_CASE("a run whose hand has no bus is denied at its start: nothing is guesse
   const auto rig = scratch() / "no_bus.yaml";
   std::ofstream(rig) << "arm: fri\nemulator: always\nfri: {address: 127.0.0.1, krc: 127.0.0.1, port: 0}\n"
                      << "hand: barrett\nbarrett: {can: \"" << can << "\"}\ncamera: simulated\n";
-  const Run r = colift("run --robot " + rig.string() + " --json");
+  const Run r = run_colift("run --robot " + rig.string() + " --json");
   INFO(can << "\n" << r.err);
   CHECK(r.code == 2);
   CHECK(r.out.empty());
@@ -280,15 +281,15 @@ TEST_CASE("a run of real devices alone is refused until somebody says where the 
     return "run --robot " + file.string() + " --dry-run --json";
   };
   const std::string arm = "arm: fri\nemulator: never\nfri: {address: 127.0.0.1, port: 49901}\n";
-  const Run blind = colift(robot(arm + "hand: barrett\ncamera: kinect\n"));
+  const Run blind = run_colift(robot(arm + "hand: barrett\ncamera: kinect\n"));
   CHECK(blind.code == 2);
   CHECK(blind.out.empty());
   CHECK(blind.err.find("colift calibrate --robot") != std::string::npos);
   // what stands in a simulated world has no place beside a real arm
-  const Run mixed = colift(robot(arm + "hand: barrett\ncamera: simulated\n"));
+  const Run mixed = run_colift(robot(arm + "hand: barrett\ncamera: simulated\n"));
   CHECK(mixed.code == 2);
   CHECK(mixed.err.find("expected camera: kinect") != std::string::npos);
-  const Run lost = colift(robot(arm + "hand: barrett\ncamera: kinect\ncalibration: nowhere.yaml\n"));
+  const Run lost = run_colift(robot(arm + "hand: barrett\ncamera: kinect\ncalibration: nowhere.yaml\n"));
   CHECK(lost.code == 2);
   CHECK(lost.err.find("nowhere.yaml") != std::string::npos);
 }
@@ -296,10 +297,10 @@ TEST_CASE("a run of real devices alone is refused until somebody says where the 
 TEST_CASE("a rig is served for three real drivers, and once", "[program]") {
   const auto file = scratch() / "half.yaml";
   std::ofstream(file) << "arm: fri\nhand: simulated\ncamera: kinect\n";
-  const Run half = colift("emulate rig --robot " + file.string());
+  const Run half = run_colift("emulate rig --robot " + file.string());
   CHECK(half.code == 2);
   CHECK(half.err.find("expected arm: fri, hand: barrett") != std::string::npos);
-  const Run fast = colift("emulate rig --speed 2");
+  const Run fast = run_colift("emulate rig --speed 2");
   CHECK(fast.code == 2);
   CHECK(fast.err.find("--speed") != std::string::npos);
 }
@@ -309,7 +310,7 @@ TEST_CASE("every broken file is refused in one line", "[program]") {
   for (const auto& entry : std::filesystem::directory_iterator(std::string(COLIFT_TEST_DATA) + "/bad")) {
     if (!entry.is_regular_file() || entry.path().extension() == ".json" || entry.path().extension() == ".md")
       continue;
-    const Run r = colift("look '" + entry.path().string() + "' --json");
+    const Run r = run_colift("look '" + entry.path().string() + "' --json");
     INFO(entry.path() << "\n" << r.err);
     CHECK(r.code == 2);
     CHECK(r.out.empty());
@@ -324,7 +325,7 @@ TEST_CASE("rank answers the documented example", "[program]") {
   std::ofstream(problem)
       << R"({"cog":[0,0,0],"partner":[-0.4,0,0],"candidates":[[0.4,0,0],[0.2,0,0]],"wrenches":[[0,0,40,0,0,0]],
     "weights":{"epsilon":1,"omega1":1,"omega2":1}})";
-  const Run r = colift("rank " + problem.string() + " --json");
+  const Run r = run_colift("rank " + problem.string() + " --json");
   CHECK(r.code == 0);
   const Json j = Json::parse(r.out);
   CHECK(j["best"] == 0);
@@ -333,11 +334,11 @@ TEST_CASE("rank answers the documented example", "[program]") {
 }
 
 TEST_CASE("check prints a configuration that loads back", "[program]") {
-  const Run first = colift("check --set decision.near_partner_m=0.2");
+  const Run first = run_colift("check --set decision.near_partner_m=0.2");
   REQUIRE(first.code == 0);
   const auto file = scratch() / "effective.yaml";
   std::ofstream(file) << first.out;
-  const Run second = colift("check --config " + file.string() + " --json");
+  const Run second = run_colift("check --config " + file.string() + " --json");
   INFO(second.err);
   REQUIRE(second.code == 0);
   CHECK(Json::parse(second.out)["config"].get<std::string>().find("near_partner_m: 0.2") !=
@@ -345,9 +346,9 @@ TEST_CASE("check prints a configuration that loads back", "[program]") {
 }
 
 TEST_CASE("--version and --help are not errors", "[program]") {
-  CHECK(colift("--version").out.find("colift 0.") == 0);
+  CHECK(run_colift("--version").out.find("colift 0.") == 0);
   for (const char* help : {"--help", "look --help", "decide --help", "rank --help", "check --help"}) {
-    const Run r = colift(help);
+    const Run r = run_colift(help);
     CHECK(r.code == 0);
     CHECK(r.out.size() > 200);
   }
@@ -356,7 +357,7 @@ TEST_CASE("--version and --help are not errors", "[program]") {
 TEST_CASE("every command is there, whichever program has it", "[program]") {
   for (const char* command : {"run", "log", "experiment", "look", "decide", "rank", "check", "hal",
                               "calibrate", "doctor", "emulate"}) {
-    const Run r = colift(std::string(command) + " --help");
+    const Run r = run_colift(std::string(command) + " --help");
     INFO(command << "\n" << r.err);
     CHECK(r.code == 0);
     CHECK_THAT(r.out, Catch::Contains(std::string("colift ") + command));
@@ -380,17 +381,17 @@ TEST_CASE("two runs are compared by their recordings", "[program]") {
   const auto file = [](const char* name) { return (scratch() / name).string(); };
   const std::string run = "run --quiet --dry-run --seed 3 --record ";
   for (const std::string& more : {file("a.mcap"), file("b.mcap") + " --set decision.near_partner_m=1.2"}) {
-    const Run r = colift(run + more);
+    const Run r = run_colift(run + more);
     INFO(r.err);
     REQUIRE(r.code <= 1);
   }
-  const Run same = colift("log compare " + file("a.mcap") + " " + file("a.mcap"));
+  const Run same = run_colift("log compare " + file("a.mcap") + " " + file("a.mcap"));
   INFO(same.err);
   CHECK(same.code == 0);
   CHECK_THAT(same.out, Catch::Contains("the same in everything that is compared"));
 
   const Run other =
-      colift("log compare --json " + file("a.mcap") + " " + file("b.mcap") + " --out " + file("ab.html"));
+      run_colift("log compare --json " + file("a.mcap") + " " + file("b.mcap") + " --out " + file("ab.html"));
   INFO(other.err);
   REQUIRE(other.code == 0);
   const Json j = Json::parse(other.out);
@@ -404,14 +405,14 @@ TEST_CASE("two runs are compared by their recordings", "[program]") {
   CHECK_FALSE(j["decision"]["verdicts"].empty());
   CHECK(std::filesystem::file_size(scratch() / "ab.html") > 10000);
 
-  const Run none = colift("log compare " + file("a.mcap") + " nowhere.mcap");
+  const Run none = run_colift("log compare " + file("a.mcap") + " nowhere.mcap");
   CHECK(none.code == 2);
   CHECK_THAT(none.err, Catch::Contains("nowhere.mcap"));
 }
 
 TEST_CASE("a file behind --view is the recording, a number is the port", "[program]") {
   for (const char* arguments : {"log replay --view nowhere.mcap", "log replay nowhere.mcap --view 0"}) {
-    const Run r = colift(arguments);
+    const Run r = run_colift(arguments);
     INFO(arguments << "\n" << r.err);
     CHECK(r.code == 2);
     CHECK_THAT(r.err, Catch::Contains("nowhere.mcap"));

@@ -38,7 +38,7 @@ inline ProgramRun run_program(const std::filesystem::path& program, const std::s
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), slurp(out), slurp(err)};
 }
 
-inline ProgramRun colift(const std::string& arguments) {
+inline ProgramRun run_colift(const std::string& arguments) {
   return run_program(COLIFT_PROGRAM, arguments);
 }
 

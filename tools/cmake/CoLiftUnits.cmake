@@ -19,7 +19,7 @@ function(colift_units target)
     endif()
   endforeach()
   list(SORT files)
-  execute_process(COMMAND ${AWK} -v most_lines=1500 -f ${PROJECT_SOURCE_DIR}/tools/cmake/units.awk ${files}
+  execute_process(COMMAND ${AWK} -v most_lines=3000 -f ${PROJECT_SOURCE_DIR}/tools/cmake/units.awk ${files}
                   OUTPUT_VARIABLE units COMMAND_ERROR_IS_FATAL ANY)
   string(REPLACE "\n" ";" units "${units}")
   foreach(line ${units})

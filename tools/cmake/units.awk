@@ -5,7 +5,7 @@
 # A file that takes all names of an enum into its namespace stays alone. Relies on clang-format: what stands in a namespace
 # starts in the first column.
 
-FNR == 1 { files[++count] = FILENAME; own = 0; scope = "" }
+FNR == 1 { files[++count] = FILENAME; own = 0; scope = ""; list = "" }
 { ++lines[count] }
 /^namespace [a-z_]+ \{/ && $2 != "colift" { scope = $2; opens[count, scope] = 1 }
 /^\}  \/\/ namespace [a-z_]+$/ { if ($4 == scope) scope = "" }
@@ -15,6 +15,9 @@ FNR == 1 { files[++count] = FILENAME; own = 0; scope = "" }
   text = $0
   gsub(/"([^"\\]|\\.)*"/, "\"\"", text)
   sub(/\/\/.*/, "", text)
+  if (own && text ~ /^(enum |(inline )?const(expr)? )/) list = text ~ /^enum / ? "enum" : "constants"
+  if (own && list != "") note_list(text)
+  if (text ~ /[;(]/ && list != "") list = ""
   if (text ~ /^using enum/) alone[count] = 1
   else if (text ~ /^using [A-Za-z0-9_:]*;/ || (own && text ~ /^[A-Za-z\[]/)) note(text)
   # every name that occurs; what is looked up in something else (a.b, a->b, a::b) is not the file's own
@@ -52,6 +55,17 @@ function note(text,  name) {
   if (match(text, /^[A-Za-z_][A-Za-z0-9_]*/)) declares[count] = declares[count] " " scope ":" substr(text, RSTART, RLENGTH)
 }
 
+# Constants after the first of "constexpr int kA = 1, kB = 2;", and those of an enum, on as many lines as they take.
+function note_list(text,  name, one) {
+  one = list == "enum" ? "(^ *|[{,] *)k[A-Z][A-Za-z0-9_]*" : "k[A-Z][A-Za-z0-9_]* ="
+  while (match(text, one)) {
+    name = substr(text, RSTART, RLENGTH)
+    gsub(/[^A-Za-z0-9_]/, "", name)
+    declares[count] = declares[count] " " scope ":" name
+    text = substr(text, RSTART + RLENGTH)
+  }
+}
+
 function contradict(a, b,  n, i, word, scoped) {
   if (alone[a] || alone[b]) return 1
   n = split(declares[a], word, " ")
@@ -64,12 +78,25 @@ function contradict(a, b,  n, i, word, scoped) {
   return 0
 }
 
+# The files that go with the fewest others choose their unit first: that leaves fewer units.
 END {
-  for (f = 1; f <= count; ++f) {
+  for (f = 1; f <= count; ++f)
+    for (g = 1; g < f; ++g)
+      if (contradict(f, g) || contradict(g, f)) {
+        apart[f, g] = apart[g, f] = 1
+        ++meets[f]
+        ++meets[g]
+      }
+  for (placed = 1; placed <= count; ++placed) {
+    next_file = 0
+    for (f = 1; f <= count; ++f)
+      if (!(f in has_unit) && (!next_file || meets[f] > meets[next_file])) next_file = f
+    f = next_file
+    has_unit[f] = 1
     for (u = 1; u <= units; ++u) {
       fits = size[u] + lines[f] <= most_lines
       for (m = 1; fits && m <= members[u]; ++m)
-        if (contradict(f, member[u, m]) || contradict(member[u, m], f)) fits = 0
+        if ((f, member[u, m]) in apart) fits = 0
       if (fits) break
     }
     if (u > units) units = u

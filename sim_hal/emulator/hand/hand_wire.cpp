@@ -4,12 +4,13 @@
 #include <initializer_list>
 #include <numeric>
 
+#include "sim_hal/emulator/hand/hand_property.hpp"
+
 namespace colift::sim_hal {
 namespace {
 
 constexpr std::uint16_t kGroup = 0x400;
 constexpr int kOfPosition = 3, kOfValue = 6, kOfJoint = 7, kOfTop = 8, kOfRows = 9;
-constexpr int kT = 42;
 
 std::uint16_t to_group(int puck, int group) {
   return static_cast<std::uint16_t>(kGroup | puck << 5 | group);
@@ -39,7 +40,7 @@ std::optional<HandRequest> read_hand_request(const hal::CanFrame& frame) {
     if (frame.length > 2) return std::nullopt;
     return r;
   }
-  if (frame.length == 8 && r.property == kT) {
+  if (frame.length == 8 && r.property == prop::kT) {
     r.kind = HandRequest::Kind::PackedTorque;
     std::uint64_t bits = 0;
     for (std::size_t i = 1; i < 8; ++i) bits = bits << 8 | frame.data[i];

@@ -1,4 +1,5 @@
-// As library.hpp, for the program: it writes JSON in many places.
+// As library.hpp, for the programs: they write JSON in many places, and their command lines are parsed by CLI11.
 #include "library.hpp"
 
+#include <CLI/App.hpp>
 #include <nlohmann/json.hpp>

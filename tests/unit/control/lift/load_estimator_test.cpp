@@ -35,7 +35,7 @@ JointVector bent() {
   return (JointVector() << 0.3, 0.6, -0.2, -1.3, 0.4, 0.9, -0.5).finished();
 }
 
-const hal::RobotModel& robot() {
+const hal::RobotModel& built_in() {
   return hal::built_in_robot();
 }
 
@@ -54,7 +54,7 @@ TEST_CASE("joint torques of a wrench give the wrench back", "[load]") {
     JointVector q = bent();
     for (int j = 0; j < hal::kArmJoints; ++j) q[j] += draw(0.4);
     const hal::Wrench F{Vec3(draw(50), draw(50), draw(50)), Vec3(draw(5), draw(5), draw(5))};
-    const hal::Wrench seen = palm_wrench(robot(), q, torques_of(q, F));
+    const hal::Wrench seen = palm_wrench(built_in(), q, torques_of(q, F));
     CHECK((seen.force - F.force).norm() < 1e-4);
     CHECK((seen.torque - F.torque).norm() < 1e-4);
   }
@@ -68,7 +68,7 @@ TEST_CASE("a stretched arm feels less than there is, never wildly more", "[load]
     const hal::Wrench F{Vec3(0, 0, -30), Vec3::Zero()};
     JointVector tau = torques_of(q, F);
     for (int j = 0; j < hal::kArmJoints; ++j) tau[j] += j % 2 ? 0.2 : -0.2;  // what sensors make up
-    const hal::Wrench seen = palm_wrench(robot(), q, tau);
+    const hal::Wrench seen = palm_wrench(built_in(), q, tau);
     CAPTURE(elbow);
     REQUIRE(seen.force.allFinite());
     CHECK(seen.force.norm() < 60.0);
@@ -76,7 +76,7 @@ TEST_CASE("a stretched arm feels less than there is, never wildly more", "[load]
 }
 
 TEST_CASE("what was felt with an empty hand is nothing afterwards", "[load]") {
-  LoadEstimator load(robot(), LoadConfig{});
+  LoadEstimator load(built_in(), LoadConfig{});
   const JointVector offset = (JointVector() << 1.0, -2.0, 0.5, 1.5, -0.3, 0.2, 0.1).finished();
   load.start_tare();
   for (int t = 1; t <= 100; ++t) {
@@ -92,7 +92,7 @@ TEST_CASE("what was felt with an empty hand is nothing afterwards", "[load]") {
 }
 
 TEST_CASE("a tare without any state changes nothing", "[load]") {
-  LoadEstimator load(robot(), LoadConfig{});
+  LoadEstimator load(built_in(), LoadConfig{});
   load.start_tare();
   load.end_tare();
   CHECK_FALSE(load.wrench_W());
@@ -103,7 +103,7 @@ TEST_CASE("a tare without any state changes nothing", "[load]") {
 
 TEST_CASE("a sudden load is seen with the filter's time constant, whatever the cycle", "[load]") {
   for (const int cycle_ms : {1, 2, 5}) {
-    LoadEstimator load(robot(), LoadConfig{0.05});
+    LoadEstimator load(built_in(), LoadConfig{0.05});
     load.update(ms(0), bent(), JointVector::Zero());
     const JointVector tau = torques_of(bent(), {Vec3(0, 0, -20), Vec3::Zero()});
     for (int t = cycle_ms; t <= 50; t += cycle_ms) load.update(ms(t), bent(), tau);
@@ -112,7 +112,7 @@ TEST_CASE("a sudden load is seen with the filter's time constant, whatever the c
 }
 
 TEST_CASE("a state that came twice, late or broken is not felt", "[load]") {
-  LoadEstimator load(robot(), LoadConfig{});
+  LoadEstimator load(built_in(), LoadConfig{});
   const JointVector tau = torques_of(bent(), {Vec3(0, 0, -20), Vec3::Zero()});
   load.update(ms(10), bent(), tau);
   JointVector broken = 10.0 * tau;
@@ -125,7 +125,7 @@ TEST_CASE("a state that came twice, late or broken is not felt", "[load]") {
 }
 
 TEST_CASE("feeling the load allocates nothing", "[load]") {
-  LoadEstimator load(robot(), LoadConfig{});
+  LoadEstimator load(built_in(), LoadConfig{});
   const JointVector tau = torques_of(bent(), {Vec3(0, 0, -20), Vec3::Zero()});
   load.update(ms(0), bent(), tau);
   const auto before = allocations();

@@ -173,7 +173,7 @@ struct BoxOnPlane {
   }
 };
 
-double angle_deg(const Vector3d& a, const Vector3d& b) {
+double angle_of_lines_deg(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), std::abs(a.dot(b))) * 180 / M_PI;
 }
 
@@ -185,7 +185,7 @@ TEST_CASE("a box on a tilted plane is found with its size, place and direction",
 
   CHECK((box.size - truth.size).cwiseAbs().maxCoeff() < 1e-3);
   CHECK((box.center - truth.center).norm() < 1e-3);
-  CHECK(angle_deg(box.axes.col(0), truth.u) < 0.1);
+  CHECK(angle_of_lines_deg(box.axes.col(0), truth.u) < 0.1);
   CHECK(box.axes.col(2).isApprox(truth.ground.normal, 1e-12));
   CHECK(box.axes.determinant() == Approx(1));
   CHECK(std::isnan(box_on_plane({}, truth.ground).center.x()));
