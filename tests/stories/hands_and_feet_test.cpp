@@ -69,7 +69,7 @@ TEST_CASE("hands and feet in the way here", "[.fault-table]") {
 
 TEST_CASE("fingers that are between palm and object are never gripped on, and not squeezed (row 16)") {
   for (int nth = 0; nth < 4; ++nth) {
-    if (!tests::chosen(0, nth)) continue;
+    if (nth != 0 && !tests::thorough()) continue;
     const Told told = tell(scene(PeopleScene::HandInFingers, nth, Task::Close, 0.0));
     INFO(nth << ": " << words(told));
     CHECK(fmt::format("{}", fmt::join(told.lift.verdict.breaches, "; ")) == "");
@@ -113,7 +113,7 @@ TEST_CASE("who reaches under the object with his foot is not touched, whatever t
   const std::size_t state = GENERATE(0, 1, 2);
   const Task in = kStates[state];
   for (int nth = 0; nth < 4; ++nth) {
-    if (!tests::chosen(state, nth)) continue;
+    if (nth != (3 - static_cast<int>(state)) % 3 && !tests::thorough()) continue;
     const Told told = tell(scene(PeopleScene::FootUnder, nth, in, 0.0));
     INFO(control::word(in) << ", " << nth << ": " << words(told));
     CHECK(fmt::format("{}", fmt::join(told.lift.verdict.breaches, "; ")) == "");
