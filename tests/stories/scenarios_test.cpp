@@ -204,7 +204,8 @@ TEST_CASE("a partner in the middle of the object leaves nothing to share", "[sce
 }
 
 TEST_CASE("same scenario and seed give the same lift, bit for bit", "[scenario]") {
-  const tests::SimulatedLift &a = lift_of_table(), b = run("table");
+  const tests::SimulatedLift& a = lift_of_table();
+  const tests::SimulatedLift b = run("table");
   REQUIRE(a.record.curve.size() == b.record.curve.size());
   for (std::size_t i = 0; i < a.record.curve.size(); ++i)
     REQUIRE(a.record.curve[i].load_n == b.record.curve[i].load_n);

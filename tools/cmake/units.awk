@@ -15,6 +15,7 @@ FNR == 1 { files[++count] = FILENAME; own = 0; scope = ""; list = "" }
   text = $0
   gsub(/"([^"\\]|\\.)*"/, "\"\"", text)
   sub(/\/\/.*/, "", text)
+  # "enum" or "constants" from the line on which such a declaration begins to the one on which it ends
   if (own && text ~ /^(enum |(inline )?const(expr)? )/) list = text ~ /^enum / ? "enum" : "constants"
   if (own && list != "") note_list(text)
   if (text ~ /[;(]/ && list != "") list = ""

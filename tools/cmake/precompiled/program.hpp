@@ -1,4 +1,4 @@
-// As library.hpp, for the programs: they write JSON in many places, and their command lines are parsed by CLI11.
+// As library.hpp, for the programs: they write JSON in many places, and CLI11 parses their command lines.
 #include "library.hpp"
 
 #include <CLI/App.hpp>
