@@ -289,8 +289,10 @@ void SetpointGenerator::watch(const hal::ArmState& state, double dt_s) {
   }
   if (mode_ != Mode::Trajectory) return;
 
-  const hal::Wrench now = palm_wrench(*model_, state.q_rad, state.tau_external_nm - tare_);
-  const hal::Wrench first = palm_wrench(*model_, state.q_rad, state.tau_external_nm - first_tare_);
+  const auto felt = [&](const hal::JointVector& tare) {
+    return contact_wrench(*model_, state.q_rad, state.tau_external_nm - tare, limits_.torque_error_nm);
+  };
+  const hal::Wrench now = felt(tare_), first = felt(first_tare_);
   const double part = limits_.contact_filter_s > 0.0 ? 1.0 - std::exp(-dt_s / limits_.contact_filter_s) : 1.0;
   contact_.force += part * (now.force - contact_.force);
   first_contact_.force += part * (first.force - first_contact_.force);
