@@ -1,10 +1,11 @@
-// Figures of single trials: unit_perception_calibration "[arm_in_view]" -s
+// Figures of single trials: unit_perception "[arm_in_view]" -s
 #include <fmt/format.h>
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <vector>
 
+#include "../figures.hpp"
 #include "hal/types/units.hpp"
 #include "perception/calibration/arm_in_view/camera_correction.hpp"
 #include "perception/calibration/pose_check.hpp"
@@ -16,6 +17,7 @@
 using namespace colift;
 using hal::Vec3;
 using perception::CameraCorrection;
+using perception::quantile;
 using sim_hal::Draws;
 using sim_hal::Label;
 
@@ -109,11 +111,6 @@ sim_hal::CameraErrors drawn(std::uint64_t seed) {
   const auto figures = sim_hal::load_rig_figures("imperfect");
   REQUIRE(figures);
   return sim_hal::draw_rig_errors(*figures, seed).camera;
-}
-
-double quantile(std::vector<double> v, double p) {
-  std::sort(v.begin(), v.end());
-  return v[static_cast<std::size_t>(p * static_cast<double>(v.size() - 1) + 0.5)];
 }
 
 }  // namespace

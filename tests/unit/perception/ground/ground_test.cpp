@@ -23,7 +23,7 @@ TEST_CASE("the ground is found within 0.3 degrees and 3 mm on noisy frames", "[g
   std::vector<double> angles, offsets;
   for (const ObjectKind kind : kKinds) {
     for (std::uint64_t seed = 1; seed <= 8; ++seed) {
-      const View view(kind, seed);
+      const SceneView view(kind, seed);
       const GroundResult r =
           ground_of(view.cloud, known_up ? std::optional<Vec3>(Vec3::UnitZ()) : std::nullopt);
       INFO(view.scene.name << " seed " << seed << ": " << r.reason);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "../figures.hpp"
 #include "perception/motion/object_motion.hpp"
 #include "sim_hal/synthetic/hash_random.hpp"
 #include "sim_hal/synthetic/scenes.hpp"
@@ -101,12 +102,6 @@ inline MotionError error_of(const ObjectMotion& seen, const hal::Pose& truth, co
   // the tilt's error is the angle between the up axes, its magnitude alone would hide a wrong direction
   const hal::Vec3 a = seen.X_WTnow_WTref.linear() * up, b = truth.linear() * up;
   return {seen.rise(cog, up) - up.dot(truth * cog - cog), std::atan2(a.cross(b).norm(), a.dot(b))};
-}
-
-inline double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return std::nan("");
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
 }  // namespace colift::perception::test

@@ -40,9 +40,9 @@ struct Tally {
   }
   [[nodiscard]] std::string line(const char* name) const {
     return fmt::format("{:<10} {:7.1f} {:6.1f} {:11.1f} {:7} {:6} {:6} {:8.2f} {:8.2f}\n", name,
-                       1e3 * test::quantile(mine, 0.5), 1e3 * test::quantile(mine, 0.9),
-                       1e3 * test::quantile(thesis, 0.9), missed, false_contacts, hands, mean_nees(),
-                       test::quantile(nees, 0.5));
+                       1e3 * quantile(mine, 0.5), 1e3 * quantile(mine, 0.9),
+                       1e3 * quantile(thesis, 0.9), missed, false_contacts, hands, mean_nees(),
+                       quantile(nees, 0.5));
   }
 };
 
@@ -89,14 +89,14 @@ TEST_CASE("nine contacts of ten are found to 2 cm, and the covariance says how w
     INFO(kNames[k]);
     // 3 for an honest covariance; that of pipes is too small: 2.5 to 12 over ten draws of the camera's noise
     CHECK(tally.mean_nees() < (kKinds[k] == ObjectKind::Pipe ? 12.0 : 6.0));
-    CHECK(test::quantile(tally.nees, 0.5) > 0.2);
+    CHECK(quantile(tally.nees, 0.5) > 0.2);
     all.add(tally);
   }
   table += all.line("all");
   std::cout << table;
   // the aim is 20 mm; ten draws of the camera's noise gave 16 to 21, 19 in the mean
-  CHECK(test::quantile(all.mine, 0.9) <= 0.022);
-  CHECK(test::quantile(all.mine, 0.5) < 0.25 * test::quantile(all.thesis, 0.5));
+  CHECK(quantile(all.mine, 0.9) <= 0.022);
+  CHECK(quantile(all.mine, 0.5) < 0.25 * quantile(all.thesis, 0.5));
   CHECK(all.missed <= all.hands / 20);
   CHECK(all.false_contacts <= all.hands / 20);
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "../figures.hpp"
 #include "perception/partner/partner_grasp.hpp"
 #include "sim_hal/synthetic/scenes.hpp"
 
@@ -72,12 +73,6 @@ inline Vec3 thesis_rule(const Stage& stage, const OrganisedCloud& current,
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 0; i < n; ++i) sum += current.point(by_distance[i].second);
   return sum / static_cast<double>(std::max<std::size_t>(1, n));
-}
-
-inline double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return std::nan("");
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
 }  // namespace colift::perception::test

@@ -21,7 +21,7 @@ struct Figures {
 Figures measure(ObjectKind kind, Kind expected, int seeds) {
   Figures f;
   for (int seed = 1; seed <= seeds; ++seed) {
-    const View view(kind, static_cast<std::uint64_t>(seed));
+    const SurfaceView view(kind, static_cast<std::uint64_t>(seed));
     const CompletedShape shape = view.shape();
     const Vec3 e = shape.cog - view.scene.cog;
     f.horizontal_mm.push_back(1000 * e.head<2>().norm());
@@ -68,7 +68,7 @@ TEST_CASE("the completed shape's centroid is near the true centre of gravity and
   }
 }
 
-// unit_perception_surfaces "[figures]" prints the table of docs/decisions/0001-shape-completion.md
+// unit_perception "[figures]" prints the table of docs/decisions/0001-shape-completion.md
 TEST_CASE("figures of the shape completion", "[.][figures]") {
   std::cout << fmt::format("{:<12}{:>7}{:>10}{:>26}{:>18}{:>22}{:>20}\n", "object", "frames", "as meant",
                            "horizontal mm 50/90 %", "vertical 50/90 %", "box middle mm 50/90 %",
@@ -85,7 +85,7 @@ TEST_CASE("figures of the shape completion", "[.][figures]") {
 
 TEST_CASE("the completed box holds the object down to the ground", "[completion]") {
   for (std::uint64_t seed = 60; seed < 66; ++seed) {
-    const View view(ObjectKind::Table, seed);
+    const SurfaceView view(ObjectKind::Table, seed);
     const CompletedShape shape = view.shape();
     CHECK(shape.box.axes.determinant() == Approx(1.0));
     CHECK(shape.box.axes.col(2).dot(Vec3::UnitZ()) > 0.99);
@@ -100,8 +100,8 @@ TEST_CASE("the completed box holds the object down to the ground", "[completion]
 TEST_CASE("a plate at the height of a desk with a thing on it is no chair", "[completion]") {
   const auto plate = sim_hal::box({0, 0, 0.70}, {1.2, 0.6, 0.03}, 0.0, sim_hal::Label::Target);
   const auto thing = sim_hal::box({-0.3, 0, 0.815}, {0.3, 0.3, 0.2}, 0.0, sim_hal::Label::Target);
-  const View bare(scene_of({plate}, {1.4, 0.6, 1.6}, {0, 0, 0.6}), 1);
-  const View laden(scene_of({plate, thing}, {1.4, 0.6, 1.6}, {0, 0, 0.6}), 1);
+  const SurfaceView bare(scene_of({plate}, {1.4, 0.6, 1.6}, {0, 0, 0.6}), 1);
+  const SurfaceView laden(scene_of({plate, thing}, {1.4, 0.6, 1.6}, {0, 0, 0.6}), 1);
   const CompletedShape without = bare.shape(), with = laden.shape();
   CHECK(without.kind == Kind::Plate);
   CHECK(with.kind == Kind::Plate);
@@ -111,7 +111,7 @@ TEST_CASE("a plate at the height of a desk with a thing on it is no chair", "[co
 }
 
 TEST_CASE("a round leg as long as the seat is wide makes no pipe of a chair", "[completion]") {
-  const View view(ObjectKind::Chair, 2);
+  const SurfaceView view(ObjectKind::Chair, 2);
   const CompletedShape chair = view.shape();
   REQUIRE(chair.kind == Kind::Chair);
   std::vector<Surface> surfaces = view.surfaces();
@@ -154,7 +154,7 @@ TEST_CASE("a shelf is as heavy as its boards, sides and back, not a plate on leg
   for (const double z : {0.06, 0.40, 0.79}) shelf.add({0, 0, z}, {0.70, 0.30, 0.018});
   for (const double x : {-0.36, 0.36}) shelf.add({x, 0, 0.40}, {0.018, 0.30, 0.80});
   shelf.add({0, -0.155, 0.40}, {0.72, 0.008, 0.80});
-  const View view(scene_of(shelf.shapes, {0.5, 1.5, 1.3}, {0, 0, 0.4}), 3);
+  const SurfaceView view(scene_of(shelf.shapes, {0.5, 1.5, 1.3}, {0, 0, 0.4}), 3);
   const CompletedShape shape = view.shape();
   CHECK(shape.kind == Kind::Parts);
   check_cog(shape, shelf.cog(), 0.04, 0.06);
@@ -166,7 +166,7 @@ TEST_CASE("of a frame of bars nothing is taken to be where the camera looks thro
   for (const double z : {0.3, 0.6}) frame.add({-0.05, 0, z}, {0.7, 0.03, 0.03});
   frame.add({-0.4, 0, 0.82}, {0.24, 0.13, 0.04});
   frame.add({0.3, 0, 0.7}, {0.03, 0.5, 0.03});
-  const View view(scene_of(frame.shapes, {0.4, 1.6, 1.3}, {0, 0, 0.4}), 3);
+  const SurfaceView view(scene_of(frame.shapes, {0.4, 1.6, 1.3}, {0, 0, 0.4}), 3);
   const CompletedShape shape = view.shape();
   CHECK(shape.kind == Kind::Parts);
   check_cog(shape, frame.cog(), 0.06, 0.06);
@@ -178,21 +178,21 @@ TEST_CASE("a handle that sticks out beside a closed body does not make its top l
   const Vec3 truth = suitcase.cog();
   suitcase.add({0.395, 0, 0.30}, {0.018, 0.022, 0.17});
   for (const double z : {0.22, 0.38}) suitcase.add({0.372, 0, z}, {0.045, 0.02, 0.02});
-  const View view(scene_of(suitcase.shapes, {0.7, 1.5, 1.2}, {0, 0, 0.25}), 3);
+  const SurfaceView view(scene_of(suitcase.shapes, {0.7, 1.5, 1.2}, {0, 0, 0.25}), 3);
   const CompletedShape shape = view.shape();
   CHECK(shape.kind == Kind::Block);
   CHECK((shape.cog - truth).head<2>().norm() < 0.008);
 }
 
 TEST_CASE("every completion says what was assumed", "[completion]") {
-  const View table(ObjectKind::Table, 1), box(ObjectKind::Box, 1);
+  const SurfaceView table(ObjectKind::Table, 1), box(ObjectKind::Box, 1);
   CHECK(table.shape().reason.find("legs") != std::string::npos);
   CHECK(box.shape().reason.find("closed body") != std::string::npos);
   CHECK(std::string(name_of(Kind::Plate)) == "plate on legs");
 }
 
 TEST_CASE("an object of no known shape gets a centroid with a wide covariance", "[completion]") {
-  const View view(scene_of({sim_hal::sphere({0, 0, 0.2}, 0.2, sim_hal::Label::Target)}), 1);
+  const SurfaceView view(scene_of({sim_hal::sphere({0, 0, 0.2}, 0.2, sim_hal::Label::Target)}), 1);
   const CompletedShape shape = complete_shape(view.cloud, view.target, {}, view.ground, NoiseModel{});
   CHECK(shape.kind == Kind::Mirrored);
   const Vec3 e = shape.cog - Vec3(0, 0, 0.2);

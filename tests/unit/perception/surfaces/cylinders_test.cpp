@@ -12,7 +12,7 @@ TEST_CASE("the radius of pipes on the floor is right to 5 mm", "[surfaces][cylin
   int found = 0;
   constexpr int kScenes = 30;
   for (std::uint64_t seed = 1; seed <= kScenes; ++seed) {
-    const View view(ObjectKind::Pipe, seed);
+    const SurfaceView view(ObjectKind::Pipe, seed);
     const sim_hal::TrueCylinder& truth = view.scene.cylinders[0];
     const auto cylinders = cylinders_of(view.surfaces());
     if (cylinders.empty()) continue;
@@ -41,9 +41,9 @@ TEST_CASE("a cylinder is found however it lies, with its true radius at 1.5 m", 
         Case{{0, 0, 0.4}, {0.2, 0.8, 0.5}, 0.05, 0.8}, Case{{0, 0, 0.05}, {0.3, 1, 0}, 0.05, 0.9},
         Case{{0, 0, 0.3}, {0.3, 0.3, 1}, 0.06, 0.6}, Case{{0, 0, 0.15}, {0, 1, 0}, 0.14, 0.6}}) {
     const Vec3 axis = c.axis.normalized();
-    const View view(scene_of({sim_hal::cylinder(c.center, axis, c.radius, c.length, Label::Target)},
-                             {1.25, 0.3, 1.1}, c.center),
-                    1);
+    const SurfaceView view(scene_of({sim_hal::cylinder(c.center, axis, c.radius, c.length, Label::Target)},
+                                    {1.25, 0.3, 1.1}, c.center),
+                           1);
     const auto cylinders = cylinders_of(view.surfaces());
     INFO("radius " << c.radius << " axis " << axis.transpose());
     REQUIRE(cylinders.size() == 1);
@@ -69,8 +69,8 @@ const OnBlocks kOnBlocks[] = {
     {0.030, 0.9, -35, 0.15, 15, 0.02, {1.1, 0.6, 1.0}}, {0.060, 1.3, 80, 0.30, -20, -0.03, {-1.5, 0.3, 1.2}},
     {0.050, 1.0, 140, 0.20, 5, 0.00, {0.6, 1.4, 0.9}},  {0.070, 1.1, 45, 0.12, 0, 0.04, {1.2, -0.9, 1.0}}};
 
-View view_of(const OnBlocks& c, bool square, std::uint64_t draw, const Vec3& block = {0.10, 0.22, 0.0},
-             int frames = 1) {
+SurfaceView view_of(const OnBlocks& c, bool square, std::uint64_t draw, const Vec3& block = {0.10, 0.22, 0.0},
+                    int frames = 1) {
   const double yaw = c.yaw_deg * kDegrees, blocks = yaw + c.turned_deg * kDegrees;
   const Vec3 along(std::cos(yaw), std::sin(yaw), 0), across(-along.y(), along.x(), 0);
   const Vec3 center(0, 0, c.height + c.radius);
@@ -82,7 +82,7 @@ View view_of(const OnBlocks& c, bool square, std::uint64_t draw, const Vec3& blo
     shapes.push_back(sim_hal::box(foot + Vec3(0, 0, 0.5 * c.height), {block.x(), block.y(), c.height}, blocks,
                                   Label::Target));
   }
-  return View(scene_of(shapes, c.eye, {0, 0, c.height}), draw, frames);
+  return SurfaceView(scene_of(shapes, c.eye, {0, 0, c.height}), draw, frames);
 }
 
 }  // namespace
@@ -92,7 +92,7 @@ TEST_CASE("a pipe on two blocks is found though the blocks are part of the objec
   int found = 0, views = 0;
   for (const OnBlocks& c : kOnBlocks)
     for (std::uint64_t draw = 1; draw <= 6; ++draw) {
-      const View view = view_of(c, false, draw);
+      const SurfaceView view = view_of(c, false, draw);
       const sim_hal::Shape& pipe = view.scene.world.shapes[1];
       const auto surfaces = view.surfaces();
       const auto cylinders = cylinders_of(surfaces);
@@ -139,7 +139,7 @@ TEST_CASE("far and thin pipes are not seen thinner than they are", "[surfaces][c
     double error = 0;
     int found = 0;
     for (std::uint64_t draw = 1; draw <= 10; ++draw) {
-      const View view(
+      const SurfaceView view(
           scene_of({sim_hal::cylinder({0, 0, true_radius}, Vec3::UnitY(), true_radius, 1.2, Label::Target)},
                    {1.6, 0.3, 1.25}, {0, 0, 0.1}),
           draw);
@@ -165,7 +165,7 @@ TEST_CASE("a square bar on two blocks is no cylinder", "[surfaces][cylinder]") {
 TEST_CASE("square legs, box edges and slats are no cylinders", "[surfaces][cylinder]") {
   for (const ObjectKind kind : {ObjectKind::Box, ObjectKind::OpenBox, ObjectKind::Chair, ObjectKind::Table})
     for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-      const View view(kind, seed);
+      const SurfaceView view(kind, seed);
       if (!view.scene.cylinders.empty()) continue;
       INFO(view.scene.name);
       CHECK(cylinders_of(view.surfaces()).empty());
@@ -174,7 +174,7 @@ TEST_CASE("square legs, box edges and slats are no cylinders", "[surfaces][cylin
 
 TEST_CASE("a square post is no cylinder from any side", "[surfaces][cylinder]") {
   for (int yaw_deg = 0; yaw_deg < 90; yaw_deg += 11) {
-    const View view(
+    const SurfaceView view(
         scene_of({sim_hal::box({0, 0, 0.3}, {0.04, 0.04, 0.6}, yaw_deg * kDegrees, Label::Target)},
                  {1.4, 0, 0.9}, {0, 0, 0.3}),
         1);
@@ -184,9 +184,9 @@ TEST_CASE("a square post is no cylinder from any side", "[surfaces][cylinder]") 
 }
 
 TEST_CASE("the lid of an upright can is a face, its mantle is none", "[surfaces][cylinder]") {
-  const View view(scene_of({sim_hal::cylinder({0, 0, 0.2}, Vec3::UnitZ(), 0.12, 0.4, Label::Target)},
-                           {1.0, 0.2, 1.2}, {0, 0, 0.2}),
-                  1);
+  const SurfaceView view(scene_of({sim_hal::cylinder({0, 0, 0.2}, Vec3::UnitZ(), 0.12, 0.4, Label::Target)},
+                                  {1.0, 0.2, 1.2}, {0, 0, 0.2}),
+                         1);
   const auto surfaces = view.surfaces();
   REQUIRE(cylinders_of(surfaces).size() == 1);
   for (const Rectangle& r : rectangles_of(surfaces)) CHECK(r.normal.z() > 0.95);

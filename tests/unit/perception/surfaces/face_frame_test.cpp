@@ -64,7 +64,7 @@ TEST_CASE("where a leg is flush with a seat's edge, both become upright or level
     for (const double x : {-0.1925, 0.1925})
       for (const double y : {-0.2025, 0.2025})
         shapes.push_back(box({x, y, 0.195}, {0.035, 0.035, 0.39}, 0, Label::Target));
-    const View view(scene_of(shapes, {0.1, 1.7, 1.4}, {0, 0, 0.35}), seed, 15);
+    const SurfaceView view(scene_of(shapes, {0.1, 1.7, 1.4}, {0, 0, 0.35}), seed, 15);
     for (const Rectangle& r : rectangles_of(view.surfaces())) {
       if (std::abs(r.normal.z()) > 0.3) continue;
       INFO("seed " << seed << ": " << r.size.transpose() << " along " << r.u.transpose());

@@ -20,7 +20,7 @@ SideFaces side_faces(ObjectKind kind, int seeds, int frames) {
   SideFaces result;
   const std::size_t first = kind == ObjectKind::OpenBox ? 0 : 2;
   for (int seed = 1; seed <= seeds; ++seed) {
-    const View view(kind, static_cast<std::uint64_t>(seed), frames);
+    const SurfaceView view(kind, static_cast<std::uint64_t>(seed), frames);
     const auto found = rectangles_of(view.surfaces());
     double best = 90;
     bool any = false;
@@ -80,7 +80,7 @@ TEST_CASE("the sides of boxes, closed and open, are found", "[surfaces]") {
 TEST_CASE("a table top has its true size to a centimetre", "[surfaces]") {
   std::vector<double> errors;
   for (std::uint64_t seed = 1; seed <= 25; ++seed) {
-    const View view(ObjectKind::Table, seed);
+    const SurfaceView view(ObjectKind::Table, seed);
     const sim_hal::TrueFace& top = view.scene.faces[0];
     for (const Rectangle& r : rectangles_of(view.surfaces())) {
       if (r.normal.dot(top.normal) < 0.99 || std::abs(r.center.z() - top.center.z()) > 0.02) continue;
@@ -97,7 +97,7 @@ TEST_CASE("a table top has its true size to a centimetre", "[surfaces]") {
 TEST_CASE("faces look at the camera and have right-handed axes, the long one first", "[surfaces]") {
   for (const ObjectKind kind : {ObjectKind::Table, ObjectKind::Box, ObjectKind::OpenBox, ObjectKind::Chair})
     for (std::uint64_t seed = 50; seed < 53; ++seed) {
-      const View view(kind, seed);
+      const SurfaceView view(kind, seed);
       double last = 1e9;
       for (const Rectangle& r : rectangles_of(view.surfaces())) {
         CHECK(r.normal.dot(view.eye() - r.center) > 0);
@@ -112,7 +112,7 @@ TEST_CASE("faces look at the camera and have right-handed axes, the long one fir
 }
 
 TEST_CASE("the same frame gives the same surfaces, bit for bit", "[surfaces]") {
-  const View view(ObjectKind::Chair, 3);
+  const SurfaceView view(ObjectKind::Chair, 3);
   const auto a = rectangles_of(view.surfaces()), b = rectangles_of(view.surfaces());
   REQUIRE(a.size() == b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -123,7 +123,7 @@ TEST_CASE("the same frame gives the same surfaces, bit for bit", "[surfaces]") {
 }
 
 TEST_CASE("without pixels there are no surfaces", "[surfaces]") {
-  View view(ObjectKind::Box, 1);
+  SurfaceView view(ObjectKind::Box, 1);
   view.target.pixels.clear();
   CHECK(view.surfaces().empty());
   view.target.pixels = {5, 6, 7};
@@ -136,9 +136,9 @@ TEST_CASE("without pixels there are no surfaces", "[surfaces]") {
 }
 
 TEST_CASE("an object that fills the image to its rim is no problem", "[surfaces]") {
-  const View view(scene_of({sim_hal::box({0, 0, 0.5}, {3, 3, 1.0}, 0.3, sim_hal::Label::Target)},
-                           {1.3, 0.5, 2.0}, {0, 0, 1.0}),
-                  1);
+  const SurfaceView view(scene_of({sim_hal::box({0, 0, 0.5}, {3, 3, 1.0}, 0.3, sim_hal::Label::Target)},
+                                  {1.3, 0.5, 2.0}, {0, 0, 1.0}),
+                         1);
   REQUIRE(view.target.pixels.size() > 200000);
   REQUIRE_FALSE(view.surfaces().empty());
   CHECK(angle_deg(rectangles_of(view.surfaces()).front().normal, Vec3::UnitZ()) < 0.5);

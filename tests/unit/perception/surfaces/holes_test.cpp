@@ -30,7 +30,7 @@ TEST_CASE(
   using sim_hal::ObjectKind;
   for (const ObjectKind kind : {ObjectKind::Table, ObjectKind::OpenBox, ObjectKind::Chair})
     for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-      const View view(kind, seed);
+      const SurfaceView view(kind, seed);
       for (const Rectangle& r : rectangles_of(view.surfaces())) {
         INFO(view.scene.name << ", rectangle " << r.size.transpose() << " at " << r.center.transpose());
         CHECK(hollow_part(r, view.scene.world) < 0.35);
@@ -39,12 +39,12 @@ TEST_CASE(
 }
 
 TEST_CASE("an upright frame becomes its four bars", "[surfaces]") {
-  const View view(scene_of({box({0, 0, 0.55}, {0.03, 0.8, 0.10}, 0, Label::Target),
-                            box({0, 0, 0.05}, {0.03, 0.8, 0.10}, 0, Label::Target),
-                            box({0, 0.35, 0.3}, {0.03, 0.1, 0.4}, 0, Label::Target),
-                            box({0, -0.35, 0.3}, {0.03, 0.1, 0.4}, 0, Label::Target)},
-                           {1.5, 0.2, 0.8}, {0, 0, 0.3}),
-                  1);
+  const SurfaceView view(scene_of({box({0, 0, 0.55}, {0.03, 0.8, 0.10}, 0, Label::Target),
+                                   box({0, 0, 0.05}, {0.03, 0.8, 0.10}, 0, Label::Target),
+                                   box({0, 0.35, 0.3}, {0.03, 0.1, 0.4}, 0, Label::Target),
+                                   box({0, -0.35, 0.3}, {0.03, 0.1, 0.4}, 0, Label::Target)},
+                                  {1.5, 0.2, 0.8}, {0, 0, 0.3}),
+                         1);
   int bars = 0;
   for (const Rectangle& r : rectangles_of(view.surfaces())) {
     if (r.normal.x() < 0.9) continue;
@@ -55,8 +55,8 @@ TEST_CASE("an upright frame becomes its four bars", "[surfaces]") {
 }
 
 TEST_CASE("what the camera could not see does not split a face", "[surfaces]") {
-  View view(scene_of({box({0, 0, 0.25}, {0.5, 0.5, 0.5}, 0.4, Label::Target)}, {1.2, 0.4, 1.4}, {0, 0, 0.3}),
-            1);
+  SurfaceView view(
+      scene_of({box({0, 0, 0.25}, {0.5, 0.5, 0.5}, 0.4, Label::Target)}, {1.2, 0.4, 1.4}, {0, 0, 0.3}), 1);
   // a dark patch in the middle of the top
   std::vector<std::uint32_t> kept;
   for (const std::uint32_t k : view.target.pixels) {

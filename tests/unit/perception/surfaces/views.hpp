@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "../figures.hpp"
 #include "perception/organised_cloud.hpp"
 #include "perception/shape/shape_completion.hpp"
 #include "perception/surfaces/find_surfaces.hpp"
@@ -15,16 +16,16 @@ inline constexpr double kDegrees = M_PI / 180.0;
 
 /// A scene as a Kinect sees it, in one frame or in the mean of several, with the object's pixels from the
 /// truth.
-struct View {
+struct SurfaceView {
   sim_hal::SyntheticScene scene;
   OrganisedCloud cloud;
   Target target;
   Ground ground;
 
-  View(sim_hal::ObjectKind kind, std::uint64_t seed, int frames = 1)
-      : View(sim_hal::make_scene(kind, seed), seed, frames) {}
+  SurfaceView(sim_hal::ObjectKind kind, std::uint64_t seed, int frames = 1)
+      : SurfaceView(sim_hal::make_scene(kind, seed), seed, frames) {}
 
-  View(const sim_hal::SyntheticScene& of, std::uint64_t seed, int frames = 1) : scene(of) {
+  SurfaceView(const sim_hal::SyntheticScene& of, std::uint64_t seed, int frames = 1) : scene(of) {
     const sim_hal::Rendering truth = sim_hal::cast_rays(scene.world, scene.intrinsics, scene.X_WC);
     cloud = deproject(mean_frame(truth, seed, frames), scene.X_WC);
     for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -61,15 +62,6 @@ struct View {
     return mean;
   }
 };
-
-inline double angle_deg(const Vec3& a, const Vec3& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegrees;
-}
-
-inline double quantile(std::vector<double> values, double part) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1) + 0.5)];
-}
 
 inline std::vector<Rectangle> rectangles_of(const std::vector<Surface>& surfaces) {
   std::vector<Rectangle> r;

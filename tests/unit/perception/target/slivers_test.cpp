@@ -10,7 +10,7 @@ using namespace colift::perception;
 
 namespace {
 
-Target target_of(const View& view, Ground& ground) {
+Target target_of(const SceneView& view, Ground& ground) {
   const NoiseModel noise;
   const auto blocks = fit_block_planes(view.cloud, noise);
   const GroundResult g = find_ground(view.cloud, blocks, Vec3(Vec3::UnitZ()), noise, {});
@@ -26,7 +26,7 @@ Target target_of(const View& view, Ground& ground) {
 TEST_CASE("a part of the target that was not taken for it is a sliver, and nothing of others is",
           "[slivers]") {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const View view(sim_hal::ObjectKind::Chair, seed);
+    const SceneView view(sim_hal::ObjectKind::Chair, seed);
     Ground ground;
     Target target = target_of(view, ground);
     // a band of 6 cm around the middle of its highest part is given away

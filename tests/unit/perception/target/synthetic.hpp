@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "../figures.hpp"
 #include "perception/ground/block_planes.hpp"
 #include "perception/ground/ground.hpp"
 #include "perception/organised_cloud.hpp"
@@ -14,19 +15,19 @@
 namespace colift::perception {
 
 /// A synthetic scene as the camera measures it, with the truth beside it.
-struct View {
+struct SceneView {
   sim_hal::SyntheticScene scene;
   sim_hal::Rendering truth;
   OrganisedCloud cloud;
 
-  View(sim_hal::ObjectKind kind, std::uint64_t seed)
+  SceneView(sim_hal::ObjectKind kind, std::uint64_t seed)
       : scene(sim_hal::make_scene(kind, seed)),
         truth(sim_hal::cast_rays(scene.world, scene.intrinsics, scene.X_WC)),
         cloud(deproject(sim_hal::measure(truth, {}, seed), scene.X_WC)) {}
 };
 
 /// Intersection over union of the target's pixels with the truth's, over pixels that were seen.
-inline double overlap(const View& view, const std::vector<std::uint32_t>& pixels) {
+inline double overlap(const SceneView& view, const std::vector<std::uint32_t>& pixels) {
   std::vector<bool> mine(view.cloud.size(), false);
   for (const std::uint32_t p : pixels) mine[p] = true;
   std::size_t both = 0, either = 0;
@@ -37,10 +38,6 @@ inline double overlap(const View& view, const std::vector<std::uint32_t>& pixels
     either += truth || mine[i];
   }
   return either ? static_cast<double>(both) / static_cast<double>(either) : 0.0;
-}
-
-inline double angle_deg(const Vec3& a, const Vec3& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / M_PI;
 }
 
 }  // namespace colift::perception

@@ -43,7 +43,7 @@ TEST_CASE("the target's mask covers the truth on noisy frames", "[target]") {
   std::vector<double> ious;
   std::string name;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-    const View view(kind, seed);
+    const SceneView view(kind, seed);
     name = view.scene.name;
     if (name.find("blocks") != std::string::npos)
       continue;  // what lies on its neighbours is one object with them
@@ -191,7 +191,7 @@ TEST_CASE("a person is not a target", "[target]") {
 }
 
 TEST_CASE("the same frame gives the same target, bit for bit", "[target]") {
-  const View view(ObjectKind::Table, 2);
+  const SceneView view(ObjectKind::Table, 2);
   const TargetResult a = target_of(view.cloud), b = target_of(view.cloud);
   REQUIRE(a.target);
   CHECK(a.target->pixels == b.target->pixels);

@@ -108,7 +108,7 @@ TEST_CASE("frames without data and of the wrong size come on request", "[mock_ca
   CHECK(camera.next_frame(50ms)->depth_m.size() == 64 * 48);
 }
 
-TEST_CASE("an unplugged camera is lost until it is plugged in and configured again", "[mock_camera]") {
+TEST_CASE("an unplugged mock camera is lost until it is plugged in and configured again", "[mock_camera]") {
   ManualClock clock;
   MockCamera camera = streaming(approaching_ball(), clock);
   camera.inject(MockCamera::Fault::Unplug, 1, 3);

@@ -262,7 +262,7 @@ TEST_CASE("a scene's file that is not one is refused with the place", "[program]
   CHECK_THAT(again.error().text(), Catch::Contains("new or empty folder"));
 }
 
-// tests/data/scenes/simulated_table: COLIFT_SCENE=tests/data/scenes/simulated_table build/unit_tools_program
+// tests/data/scenes/simulated_table: COLIFT_SCENE=tests/data/scenes/simulated_table build/unit_tools
 // "[.sample]"
 TEST_CASE("the sample of tests/data/scenes is written anew", "[.sample]") {
   const char* const folder = std::getenv("COLIFT_SCENE");

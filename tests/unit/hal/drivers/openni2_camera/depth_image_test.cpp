@@ -125,8 +125,8 @@ TEST_CASE("the field of view gives the focal length, and one that no camera has 
   CHECK(k.fy == Approx(576.1).epsilon(1e-3));
   CHECK(k.cx == 320.0);
   CHECK(k.cy == 240.0);
-  CHECK(plausible({1.01, 0.79}));
-  CHECK_FALSE(plausible({0.0, 0.79}));
-  CHECK_FALSE(plausible({1.01, 3.2}));
-  CHECK_FALSE(plausible({std::nan(""), 0.79}));
+  CHECK(plausible(openni2::FieldOfView{1.01, 0.79}));
+  CHECK_FALSE(plausible(openni2::FieldOfView{0.0, 0.79}));
+  CHECK_FALSE(plausible(openni2::FieldOfView{1.01, 3.2}));
+  CHECK_FALSE(plausible(openni2::FieldOfView{std::nan(""), 0.79}));
 }
