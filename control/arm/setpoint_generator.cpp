@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "control/arm/contact_wrench.hpp"
 #include "hal/guards/braking_law.hpp"
 
 namespace colift::control {
@@ -93,7 +94,7 @@ hal::Result<> SetpointGenerator::follow(std::shared_ptr<const planner::Trajector
   on_trajectory_ = along_ = true;
   cut_off_ = false;
   urgency_ = 1.0;
-  tare_ = rest_tau_;
+  tare_ = {q_, rest_tau_};
   if (std::exchange(first_since_start_, false)) first_tare_ = tare_;
   lag_at_start_ = rest_lag_;
   contact_ = first_contact_ = hal::Wrench{};
@@ -289,8 +290,9 @@ void SetpointGenerator::watch(const hal::ArmState& state, double dt_s) {
   }
   if (mode_ != Mode::Trajectory) return;
 
-  const auto felt = [&](const hal::JointVector& tare) {
-    return contact_wrench(*model_, state.q_rad, state.tau_external_nm - tare, limits_.torque_error_nm);
+  const auto felt = [&](const Tare& tare) {
+    return contact_wrench(*model_, state.q_rad, tare.q_rad, state.tau_external_nm - tare.tau_nm,
+                          {limits_.torque_error_nm, limits_.tool_error_kg});
   };
   const hal::Wrench now = felt(tare_), first = felt(first_tare_);
   const double part = limits_.contact_filter_s > 0.0 ? 1.0 - std::exp(-dt_s / limits_.contact_filter_s) : 1.0;

@@ -154,8 +154,11 @@ class SetpointGenerator {
   /// A trajectory that begins in a contact takes it for its zero, and would feel it as a force once it is
   /// gone.
   hal::Wrench contact_, first_contact_;
-  hal::JointVector rest_tau_ = hal::JointVector::Zero(), tare_ = hal::JointVector::Zero();
-  hal::JointVector first_tare_ = hal::JointVector::Zero();
+  struct Tare {
+    hal::JointVector q_rad = hal::JointVector::Zero(), tau_nm = hal::JointVector::Zero();
+  };
+  hal::JointVector rest_tau_ = hal::JointVector::Zero();
+  Tare tare_, first_tare_;
   bool first_since_start_ = true;
   double rested_s_ = 0.0;  ///< Since the last motion.
   hal::JointVector rest_lag_ = hal::JointVector::Zero(), lag_at_start_ = hal::JointVector::Zero();

@@ -25,6 +25,7 @@ struct SetpointLimits {
   double torque_slope_nm_s = 150;
   double contact_filter_s = 0.004;
   double torque_error_nm = 0.25;
+  double tool_error_kg = 0.3;
   double rest_filter_s = 0.1;
   double follow_error_rad = 0.06;
   double rearm_fraction = 0.8;
@@ -63,6 +64,9 @@ struct SetpointLimits {
     v("torque_error_nm", torque_error_nm, hal::Range{0, 5},
       "Error of each joint's external torque (N m): near a stretched arm, where it alone would be felt as a "
       "large force, the contact force is rather felt too small.");
+    v("tool_error_kg", tool_error_kg, hal::Range{0, 5},
+      "The same of a tool whose mass is wrong by this (kg): it weighs on the joints in each posture "
+      "otherwise.");
     v("rest_filter_s", rest_filter_s, hal::Range{0.001, 10},
       "Time constant of what is measured at rest, the zero of the contact force (s).");
     v("follow_error_rad", follow_error_rad, hal::Range{0.005, 0.5},

@@ -16,37 +16,18 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 constexpr double kMinManipulability = 0.01;
 constexpr double kMostDamping = 0.05;
 
-// Prior of a contact: standard deviations of its force and torque. Chosen: the force limit of an approach.
-constexpr double kContactForce_n = 30.0;
-constexpr double kContactTorque_nm = 3.0;
-
-// Wrench of JJ F = J tau, damped where the posture is nearly singular.
-Vector6 solve(Matrix6 JJ, const Vector6& J_tau) {
-  const double manipulability = std::sqrt(std::max(0.0, hal::symmetric_determinant(JJ)));
-  if (manipulability < kMinManipulability) {
-    const double near = 1.0 - manipulability / kMinManipulability;
-    JJ.diagonal().array() += kMostDamping * kMostDamping * near * near;
-  }
-  return hal::solve_symmetric<double, 6>(JJ, J_tau);
-}
-
 }  // namespace
 
 hal::Wrench palm_wrench(const hal::RobotModel& model, const hal::JointVector& q_rad,
                         const hal::JointVector& tau_external_nm) {
   const hal::ArmJacobian J = hal::jacobian(model, q_rad, hal::Vec3::Zero());
-  const Vector6 F = solve(J * J.transpose(), J * tau_external_nm);
-  return {F.head<3>(), F.tail<3>()};
-}
-
-hal::Wrench contact_wrench(const hal::RobotModel& model, const hal::JointVector& q_rad,
-                           const hal::JointVector& tau_external_nm, double error_nm) {
-  const hal::ArmJacobian J = hal::jacobian(model, q_rad, hal::Vec3::Zero());
   Matrix6 JJ = J * J.transpose();
-  const double force = error_nm / kContactForce_n, torque = error_nm / kContactTorque_nm;
-  JJ.diagonal().head<3>().array() += force * force;
-  JJ.diagonal().tail<3>().array() += torque * torque;
-  const Vector6 F = solve(JJ, J * tau_external_nm);
+  const double manipulability = std::sqrt(std::max(0.0, hal::symmetric_determinant(JJ)));
+  if (manipulability < kMinManipulability) {
+    const double near = 1.0 - manipulability / kMinManipulability;
+    JJ.diagonal().array() += kMostDamping * kMostDamping * near * near;
+  }
+  const Vector6 F = hal::solve_symmetric<double, 6>(JJ, J * tau_external_nm);
   return {F.head<3>(), F.tail<3>()};
 }
 

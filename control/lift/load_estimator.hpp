@@ -16,14 +16,6 @@ namespace colift::control {
 [[nodiscard]] hal::Wrench palm_wrench(const hal::RobotModel& model, const hal::JointVector& q_rad,
                                       const hal::JointVector& tau_external_nm);
 
-/// The most probable wrench where contacts are small and torque sensors err: palm_wrench() with `error_nm`
-/// for the standard deviation of each joint's torque, and a normal prior of 30 N and 3 N m on the wrench.
-/// Where the arm feels well the two agree; near a singular posture, where the error alone would be a large
-/// wrench, this one is too small. For deciding whether there is a contact, not for weighing a load.
-/// Allocation-free.
-[[nodiscard]] hal::Wrench contact_wrench(const hal::RobotModel& model, const hal::JointVector& q_rad,
-                                         const hal::JointVector& tau_external_nm, double error_nm);
-
 /// What the arm feels at the palm: external joint torques, tared when the hand was empty, taken to a wrench
 /// by the Jacobian's damped pseudo-inverse of the transpose. Deterministic, allocation-free.
 class LoadEstimator {

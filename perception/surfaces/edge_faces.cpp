@@ -2,11 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "hal/types/units.hpp"
 
 namespace colift::perception {
 namespace {
+
+// A level face that was found, and the side of a wide one that it lies along. Pixels beside it, over all of
+// its length but this much at both ends, are its own ragged rim.
+constexpr double kEnd_m = 0.03, kRagged_m = 0.02;
+struct Rim {
+  std::int16_t label;
+  Vec3 middle, along, behind;
+  double length_m, width_m;
+};
 
 struct BandPixel {
   std::uint32_t index;
@@ -43,10 +53,71 @@ class EdgeSearch {
     measure_below(normal, middle, alpha, beta);
     deepest_ = thickness(length);
     if (deepest_ <= 0 || !refine(alpha, beta, 3, true)) return;
-    accept(from, outward, along, alpha, beta);
+    if (accept(from, outward, along, alpha, beta) && outward.dot(up_) > config_.edge_faces.level_cosine)
+      rims_.push_back(
+          {static_cast<std::int16_t>(faces_.size() - 1), middle, along, -normal, length, deepest_});
+  }
+
+  /// The rims of a crate go on around its corners, where no wall may be seen that they would be a side of:
+  /// what is connected with a rim and lies in its plane.
+  void follow_rims() {
+    if (rims_.empty()) return;
+    std::vector<std::vector<std::uint32_t>> pixels(faces_.size());
+    for (const std::uint32_t k : image_.pixels)
+      for (const Rim& rim : rims_)
+        if (image_.label[k] == rim.label) pixels[static_cast<std::size_t>(rim.label)].push_back(k);
+    for (const Rim& rim : rims_)
+      for (const std::uint32_t k : pixels[static_cast<std::size_t>(rim.label)]) follow(rim, k);
   }
 
  private:
+  void follow(const Rim& rim, std::uint32_t from) {
+    const InversePlane plane = faces_[static_cast<std::size_t>(rim.label)].plane;
+    const auto label = static_cast<std::int16_t>(faces_.size());
+    const auto w = static_cast<std::uint32_t>(image_.width);
+    std::vector<std::pair<std::uint32_t, std::int16_t>> taken;  // with their label before
+    const auto take_around = [&](std::uint32_t k) {
+      for (const std::uint32_t n : {k - 1, k + 1, k - w, k + w})
+        if (goes_on(rim, plane, n)) {
+          taken.emplace_back(n, image_.label[n]);
+          image_.label[n] = label;
+        }
+    };
+    take_around(from);
+    for (std::size_t next = 0; next < taken.size(); ++next) take_around(taken[next].first);
+    if (taken.size() < static_cast<std::size_t>(config_.min_pixels)) {
+      for (const auto& [k, before] : taken) image_.label[k] = before;
+      return;
+    }
+    Face face;
+    face.plane = plane;
+    for (const auto& [k, before] : taken)
+      face.moments.add(image_.column(k), image_.row(k), static_cast<double>(image_.q[k]));
+    (void)add_face(face);
+  }
+
+  // an edge face keeps its pixels, however narrow it is
+  std::int16_t add_face(const Face& face) {
+    const auto label = static_cast<std::int16_t>(faces_.size());
+    if (label > 0) (void)small(static_cast<std::int16_t>(label - 1));
+    faces_.push_back(face);
+    small_.push_back(false);
+    return label;
+  }
+
+  [[nodiscard]] bool goes_on(const Rim& rim, const InversePlane& plane, std::uint32_t k) {
+    const std::int16_t label = image_.label[k];
+    const bool other = label >= 0 && static_cast<std::size_t>(label) < faces_.size() && small(label);
+    if (label != ObjectImage::kFree && !other) return false;
+    const double U = image_.column(k), V = image_.row(k), q = static_cast<double>(image_.q[k]);
+    const double expected = plane.at(U, V);
+    if (std::abs(q - expected) > image_.tolerance(q, config_.tolerance_sigma)) return false;
+    const Vec3 at = image_.geometry.point_W(U, V, expected) - rim.middle;
+    const double behind = rim.behind.dot(at);
+    return std::abs(rim.along.dot(at)) > 0.5 * rim.length_m - kEnd_m || behind < -kRagged_m ||
+           behind > rim.width_m + kRagged_m;
+  }
+
   [[nodiscard]] bool wide_face_there(const FaceRectangle& from, const Vec3& outward,
                                      const Vec3& middle) const {
     for (std::size_t k = 0; k < faces_.size(); ++k) {
@@ -158,7 +229,8 @@ class EdgeSearch {
     return static_cast<double>(last) * bin;
   }
 
-  void accept(const FaceRectangle& from, const Vec3& outward, const Vec3& along, double alpha, double beta) {
+  // false where too little speaks for the face
+  bool accept(const FaceRectangle& from, const Vec3& outward, const Vec3& along, double alpha, double beta) {
     std::vector<std::uint32_t> mine, lost;
     double gain = 0, behind = 0;
     Face face;
@@ -179,16 +251,14 @@ class EdgeSearch {
     const double n = static_cast<double>(mine.size());
     if (n < config_.min_pixels || gain < config_.edge_faces.min_gain ||
         behind < config_.edge_faces.min_depth_sigma * n)
-      return;
-    const auto label = static_cast<std::int16_t>(faces_.size());
+      return false;
+    const std::int16_t label = add_face(face);
     for (const std::uint32_t k : mine) {
       image_.label[k] = label;
-      face.moments.add(image_.column(k), image_.row(k), static_cast<double>(image_.q[k]));
+      faces_.back().moments.add(image_.column(k), image_.row(k), static_cast<double>(image_.q[k]));
     }
     for (const std::uint32_t k : lost) image_.label[k] = ObjectImage::kFree;
-    faces_.push_back(face);
-    small_.resize(faces_.size(), false);
-    small_.back() = false;
+    return true;
   }
 
   ObjectImage& image_;
@@ -198,6 +268,7 @@ class EdgeSearch {
   InversePlane out_, along_, wide_;
   std::vector<BandPixel> band_;
   std::vector<bool> small_;
+  std::vector<Rim> rims_;
   double deepest_ = 0;
 };
 
@@ -217,6 +288,7 @@ void find_edge_faces(ObjectImage& image, std::vector<Face>& faces,
     search.side(r, v, c + 0.5 * h * v, w);
     search.side(r, -v, c - 0.5 * h * v, w);
   }
+  search.follow_rims();
   if (faces.size() == grown) return;
   // edge faces keep the planes that were forced to be perpendicular
   std::vector<InversePlane> forced;

@@ -138,7 +138,7 @@ SecondLook look_again(const OrganisedCloud& cloud, const std::vector<std::int32_
   joints.max_small_fraction = config.max_small_fraction;
   std::vector<Fragment> parts =
       join_fragments(describe_fragments(cloud, out.components, ground, border, fragments), cloud,
-                     out.components, noise, joints);
+                     out.components, ground, noise, joints);
   std::erase_if(parts,
                 [&](const Fragment& f) { return f.pixels < static_cast<std::size_t>(config.min_pixels); });
   // where each part begins tells the object that it comes from

@@ -348,7 +348,7 @@ TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPla
   }
   Search search(cloud, components, ground, border, noise, jump, c, at_W);
   for (const Fragment& f : join_fragments(describe_fragments(cloud, components, ground, border, c.fragments),
-                                          cloud, components, noise, c.fragments))
+                                          cloud, components, ground, noise, c.fragments))
     search.add(f);
   search.add_parts();
   search.drop_limbs();

@@ -15,8 +15,9 @@ constexpr double kCell_m = 0.04;
 constexpr double kCellsPerMeter = 1.0 / kCell_m;
 constexpr double kSlender = 1.5;  // height over width of what falls over if nothing holds it
 // What is lower than kContact_m touches the ground. Where that is one spot, with the middle of the footprint
-// farther beside it than kBeside_m, the thing would fall over alone.
-constexpr double kContact_m = 0.08, kSpot_m = 0.15, kBeside_m = 0.05;
+// farther beside it than kBeside_m, the thing would fall over alone; and where it is kUpright times as high
+// as what it touches is wide, in a direction in which the camera sees how wide that is.
+constexpr double kContact_m = 0.08, kSpot_m = 0.15, kBeside_m = 0.05, kUpright = 6.0, kInView = 0.7;
 constexpr std::size_t kFootprintStride = 4;  // every fourth pixel still hits each cell several times
 
 // std::floor is a library call on plain x86-64
@@ -38,6 +39,7 @@ struct GroundAxes {
     const auto j = static_cast<double>((cell & 0xffffffff) - (std::int64_t{1} << 31));
     return {(i + 0.5) * kCell_m, (j + 0.5) * kCell_m};
   }
+  [[nodiscard]] Eigen::Vector2d on_ground(const Vec3& p) const { return {s.dot(p), t.dot(p)}; }
   Plane plane;
   Vec3 s, t;
 };
@@ -57,11 +59,11 @@ double footprint_overlap(const Fragment& a, const Fragment& b) {
   return smaller ? static_cast<double>(shared) / static_cast<double>(smaller) : 0.0;
 }
 
-// the least rectangle around a fragment's footprint: it has the corner that the view hides
-FlatRectangle footprint_rectangle(const Fragment& f) {
+// the least rectangle around cells: of a fragment's footprint it has the corner that the view hides
+FlatRectangle rectangle_around(const std::vector<std::int64_t>& cells) {
   std::vector<Eigen::Vector2d> centers;
-  centers.reserve(f.cells.size());
-  for (const std::int64_t c : f.cells) centers.push_back(GroundAxes::center(c));
+  centers.reserve(cells.size());
+  for (const std::int64_t c : cells) centers.push_back(GroundAxes::center(c));
   return minimum_area_rectangle(convex_hull(centers));
 }
 
@@ -144,6 +146,12 @@ class Gaps {
   std::vector<float> square_, behind_;
 };
 
+std::vector<std::int64_t> united(const std::vector<std::int64_t>& a, const std::vector<std::int64_t>& b) {
+  std::vector<std::int64_t> all;
+  std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(all));
+  return all;
+}
+
 Fragment joined(const Fragment& a, const Fragment& b) {
   Fragment f = a;
   f.labels.insert(f.labels.end(), b.labels.begin(), b.labels.end());
@@ -164,24 +172,33 @@ Fragment joined(const Fragment& a, const Fragment& b) {
   f.cut_top += b.cut_top;
   f.cut_bottom += b.cut_bottom;
   f.box.extend(b.box);
-  f.contact.extend(b.contact);
-  std::vector<std::int64_t> cells;
-  std::set_union(a.cells.begin(), a.cells.end(), b.cells.begin(), b.cells.end(), std::back_inserter(cells));
-  f.cells = std::move(cells);
+  f.cells = united(a.cells, b.cells);
+  f.contact = united(a.contact, b.contact);
   return f;
 }
 
-bool would_fall(const Fragment& f) {
-  if (f.cells.empty() || f.contact.isEmpty() || f.contact.diagonal().norm() > kSpot_m) return false;
+// `eye`: the camera, on the ground
+bool would_fall(const Fragment& f, const Eigen::Vector2d& eye) {
+  if (f.contact.empty()) return false;
+  Eigen::AlignedBox2d contact;
+  for (const std::int64_t cell : f.contact) contact.extend(GroundAxes::center(cell));
+  const bool spot = contact.diagonal().norm() <= kSpot_m;
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   for (const std::int64_t cell : f.cells) middle += GroundAxes::center(cell);
-  return f.contact.exteriorDistance(Eigen::Vector2d(middle / static_cast<double>(f.cells.size()))) >
-         kBeside_m;
+  if (spot &&
+      contact.exteriorDistance(Eigen::Vector2d(middle / static_cast<double>(f.cells.size()))) > kBeside_m)
+    return true;
+  const FlatRectangle foot = rectangle_around(f.contact);
+  const bool u_narrow = foot.size.x() < foot.size.y();
+  const Eigen::Vector2d narrow = u_narrow ? foot.u : foot.v(), away = (foot.center - eye).normalized();
+  const double width_m = (u_narrow ? foot.size.x() : foot.size.y()) + kCell_m;
+  return f.max_height_m - f.min_height_m > kUpright * width_m &&
+         (spot || std::abs(narrow.dot(away)) < kInView);
 }
 
 // `gap_m`: distance between a and b along the image; `behind_m`: of the smaller one behind the larger one
 bool belong_together(const Fragment& a, const Fragment& b, double gap_m, double behind_m,
-                     const NoiseModel& noise, const FragmentConfig& c) {
+                     const Eigen::Vector2d& eye, const NoiseModel& noise, const FragmentConfig& c) {
   // one surface with a hole in its depth
   const double depth = std::min(a.mean_depth_m, b.mean_depth_m);
   if (gap_m <= c.hole_gap_m + noise.step(depth)) return true;
@@ -195,7 +212,7 @@ bool belong_together(const Fragment& a, const Fragment& b, double gap_m, double 
   if (minor && hangs && gap_m <= c.hanging_gap_m) return true;
   // what would fall over alone leans on its neighbour, if that is twice as large at least
   const bool lesser = 2 * small.pixels < large.pixels && small.area_m2 < c.max_leaning_area_m2;
-  if (lesser && gap_m <= c.hanging_gap_m && would_fall(small)) return true;
+  if (lesser && gap_m <= c.hanging_gap_m && would_fall(small, eye)) return true;
   // What neither stands nor could. The joint of what hangs in the air may be behind itself; a slender thing
   // that stands goes on behind its neighbour
   const bool little = minor && small.area_m2 < c.max_hidden_area_m2;
@@ -213,7 +230,7 @@ bool belong_together(const Fragment& a, const Fragment& b, double gap_m, double 
   // a leg under its plate: thin, no higher, and within its footprint
   return minor && small.max_height_m < large.max_height_m &&
          footprint_span(small) < std::max(c.max_leg_width_m, small.max_height_m - small.min_height_m) &&
-         fraction_under(small, footprint_rectangle(large)) >= c.under_fraction;
+         fraction_under(small, rectangle_around(large.cells)) >= c.under_fraction;
 }
 
 // sums over the pixels of one region
@@ -331,7 +348,7 @@ std::vector<Fragment> describe_fragments(const OrganisedCloud& cloud, const Comp
          u += kFootprintStride) {
       const std::int64_t cell = axes.cell(cloud.point(row + u));
       if (heights[static_cast<Eigen::Index>(u) - run.first] < static_cast<float>(kContact_m))
-        f.contact.extend(GroundAxes::center(cell));
+        f.contact.push_back(cell);
       if (t.is_new(cell)) f.cells.push_back(cell);
     }
   }
@@ -344,8 +361,10 @@ std::vector<Fragment> describe_fragments(const OrganisedCloud& cloud, const Comp
     f.min_height_m = t.lowest;
     f.max_height_m = t.highest;
     f.box = Aabb(t.least.cast<double>(), t.most.cast<double>());
-    std::sort(f.cells.begin(), f.cells.end());
-    f.cells.erase(std::unique(f.cells.begin(), f.cells.end()), f.cells.end());
+    for (std::vector<std::int64_t>* cells : {&f.cells, &f.contact}) {
+      std::sort(cells->begin(), cells->end());
+      cells->erase(std::unique(cells->begin(), cells->end()), cells->end());
+    }
   }
   return fragments;
 }
@@ -369,8 +388,9 @@ std::vector<std::uint8_t> own_pixels(const OrganisedCloud& cloud, const Componen
 }
 
 std::vector<Fragment> join_fragments(std::vector<Fragment> fragments, const OrganisedCloud& cloud,
-                                     const Components& components, const NoiseModel& noise,
-                                     const FragmentConfig& config) {
+                                     const Components& components, const Ground& ground,
+                                     const NoiseModel& noise, const FragmentConfig& config) {
+  const Eigen::Vector2d eye = GroundAxes(ground).on_ground(cloud.X_WC.translation());
   // large ones first: parts join the object that they belong to, and an object only grows
   const auto larger = [](const Fragment& a, const Fragment& b) { return a.pixels > b.pixels; };
   std::stable_sort(fragments.begin(), fragments.end(), larger);
@@ -384,7 +404,7 @@ std::vector<Fragment> join_fragments(std::vector<Fragment> fragments, const Orga
         if (gone[i] || gone[k]) continue;
         const bool k_is_small = fragments[i].pixels >= fragments[k].pixels;
         const double behind_m = k_is_small ? gaps.behind(k, i) : gaps.behind(i, k);
-        if (!belong_together(fragments[i], fragments[k], gaps.between(i, k), behind_m, noise, config))
+        if (!belong_together(fragments[i], fragments[k], gaps.between(i, k), behind_m, eye, noise, config))
           continue;
         fragments[i] = joined(fragments[i], fragments[k]);
         gaps.join(i, k);

@@ -44,8 +44,8 @@ struct FragmentConfig {
     v("max_hidden_area_m2", max_hidden_area_m2, hal::kPositive,
       "Max visible area of such a region; a larger one is a thing of its own (m^2).");
     v("max_leaning_area_m2", max_leaning_area_m2, hal::kNotNegative,
-      "Max visible area of a region that touches the ground beside its middle, and so leans on a neighbour "
-      "within hanging_gap_m (m^2). 0: none does.");
+      "Max visible area of a region that would fall over alone (it touches the ground beside its middle, or "
+      "is too slender to stand), and so leans on a neighbour within hanging_gap_m (m^2). 0: none does.");
     v("standing_gap_m", standing_gap_m, hal::kNotNegative,
       "Max gap in height between a region and the one, with overlapping footprint, that it stands on (m).");
     v("under_fraction", under_fraction, hal::kFraction,
@@ -74,9 +74,8 @@ struct Fragment {
   int u_min = 1 << 20, u_max = -1, v_min = 1 << 20, v_max = -1;
   int cut_left = 0, cut_right = 0, cut_top = 0, cut_bottom = 0;  ///< Pixels on the rim of the seen image.
   Aabb box;                                                      ///< In W.
-  /// Where it comes near to the ground, in that plane; empty for what hangs.
-  Eigen::AlignedBox2d contact;
-  std::vector<std::int64_t> cells;  ///< Footprint: sorted 4 cm cells of the ground plane.
+  std::vector<std::int64_t> cells;    ///< Footprint: sorted 4 cm cells of the ground plane.
+  std::vector<std::int64_t> contact;  ///< Those where it comes near to the ground; empty for what hangs.
 };
 
 /// For each region of the Components, whether the fragment consists of it: 1 or 0.
@@ -102,6 +101,7 @@ struct Fragment {
 /// plate.
 [[nodiscard]] std::vector<Fragment> join_fragments(std::vector<Fragment> fragments,
                                                    const OrganisedCloud& cloud, const Components& components,
-                                                   const NoiseModel& noise, const FragmentConfig& config);
+                                                   const Ground& ground, const NoiseModel& noise,
+                                                   const FragmentConfig& config);
 
 }  // namespace colift::perception

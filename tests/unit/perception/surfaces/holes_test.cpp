@@ -77,3 +77,24 @@ TEST_CASE("what the camera could not see does not split a face", "[surfaces]") {
     }
   CHECK(tops == 1);
 }
+
+TEST_CASE("a crate's rim is found where no wall is seen beside it", "[surfaces]") {
+  // from nearly beside it the end wall at -x shows its rim and nothing else
+  constexpr double kWall = 0.015;
+  const auto wall = [](const Vec3& at, const Vec3& size) { return box(at, size, 0, Label::Target); };
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const SurfaceView view(scene_of({wall({0, 0, kWall / 2}, {0.64, 0.34, kWall}),
+                                     wall({-0.32 + kWall / 2, 0, 0.13}, {kWall, 0.34, 0.23}),
+                                     wall({0.32 - kWall / 2, 0, 0.13}, {kWall, 0.34, 0.23}),
+                                     wall({0, -0.17 + kWall / 2, 0.13}, {0.64 - 2 * kWall, kWall, 0.23}),
+                                     wall({0, 0.17 - kWall / 2, 0.13}, {0.64 - 2 * kWall, kWall, 0.23})},
+                                    {-0.3, -1.3, 1.1}, {0, 0, 0.1}),
+                           seed);
+    for (const Rectangle& r : rectangles_of(view.surfaces()))
+      found += r.normal.z() > 0.99 && std::abs(r.center.x() + 0.32 - kWall / 2) < 0.01 &&
+               std::abs(r.center.y()) < 0.04 && std::abs(r.center.z() - 0.245) < 0.01 && r.size.x() > 0.2 &&
+               std::abs(r.u.y()) > 0.99 && r.size.y() < 0.03;
+  }
+  CHECK(found >= 8);
+}

@@ -46,7 +46,7 @@ struct SeenObject {
     for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = cloud.seen(i) && cloud.z[i] > raised_m ? 1 : 0;
     components = connected_components(cloud.depth_m, mask, cloud.width(), cloud.height(), jump);
     auto all = describe_fragments(cloud, components, ground, find_image_border(cloud), {});
-    all = join_fragments(std::move(all), cloud, components, NoiseModel(), {});
+    all = join_fragments(std::move(all), cloud, components, ground, NoiseModel(), {});
     REQUIRE_FALSE(all.empty());
     object = *std::max_element(all.begin(), all.end(),
                                [](const auto& a, const auto& b) { return a.pixels < b.pixels; });
