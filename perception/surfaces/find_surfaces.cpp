@@ -9,6 +9,7 @@
 #include "perception/surfaces/object_image.hpp"
 #include "perception/surfaces/plane_growing.hpp"
 #include "perception/surfaces/rectangle_cover.hpp"
+#include "perception/surfaces/strip_faces.hpp"
 
 namespace colift::perception {
 namespace {
@@ -66,6 +67,7 @@ std::vector<Surface> find_surfaces(const OrganisedCloud& cloud, const Target& ta
     covered.push_back(is_wide(f, image, config) ? f.moments.n : std::numeric_limits<double>::quiet_NaN());
   find_edge_faces(image, faces, wide, ground, config);
   for (const Cylinder& c : find_cylinders(image, faces, first_edge, ground, config)) surfaces.emplace_back(c);
+  find_strip_faces(image, faces, config);
   for (const FaceRectangle& r : cover_faces(cloud, image, faces, config, false, wide, covered))
     surfaces.emplace_back(r.rectangle);
   std::stable_sort(surfaces.begin(), surfaces.end(),

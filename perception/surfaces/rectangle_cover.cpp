@@ -227,7 +227,9 @@ class FaceCover {
     const int pixels = part.pixels;
     const double narrow = std::min(f.width(), f.height());
     if (narrow < config_.min_width_m || narrow < config_.cover.min_width_px * across_m(f)) return;
-    if (f.width() * f.height() < config_.min_area_m2 || normal_sigma(narrow, pixels) > most_lean_) return;
+    const bool small =
+        f.width() * f.height() < config_.min_area_m2 || normal_sigma(narrow, pixels) > most_lean_;
+    if (small && !face_.strip) return;
     const Vector2d v = f.v(), middle = 0.5 * (f.low_u + f.high_u) * f.u + 0.5 * (f.low_v + f.high_v) * v;
     const auto in_W = [&](const Vector2d& p) { return Vec3(p.x() * axes_.first + p.y() * axes_.second); };
     FaceRectangle r;
