@@ -1,6 +1,7 @@
 #include "perception/surfaces/strip_faces.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -60,7 +61,14 @@ Part strip_of(const ObjectImage& image, const Part& part, const SurfaceConfig& c
   return length_m < kLength_m ? Part{} : mine;
 }
 
+Eigen::AlignedBox2i box_of(const ObjectImage& image, const Part& part) {
+  Eigen::AlignedBox2i box;
+  for (const std::uint32_t k : part) box.extend(Eigen::Vector2i(image.column(k), image.row(k)));
+  return box;
+}
+
 bool near_by(const ObjectImage& image, const Part& a, const Part& b) {
+  if (box_of(image, a).squaredExteriorDistance(box_of(image, b)) > 2 * kGap_px * kGap_px) return false;
   return std::any_of(a.begin(), a.end(), [&](std::uint32_t i) {
     return std::any_of(b.begin(), b.end(), [&](std::uint32_t k) {
       return std::abs(image.column(i) - image.column(k)) <= kGap_px &&
@@ -73,10 +81,13 @@ bool near_by(const ObjectImage& image, const Part& a, const Part& b) {
 void join(const ObjectImage& image, std::vector<Part>& parts, const SurfaceConfig& config) {
   for (std::size_t i = 0; i < parts.size(); ++i)
     for (std::size_t k = i + 1; k < parts.size();) {
-      Part both = parts[i];
-      both.insert(both.end(), parts[k].begin(), parts[k].end());
+      Part both;
       Face face;
-      if (!near_by(image, parts[i], parts[k]) || strip_of(image, both, config, face).empty()) {
+      if (near_by(image, parts[i], parts[k])) {
+        both = parts[i];
+        both.insert(both.end(), parts[k].begin(), parts[k].end());
+      }
+      if (both.empty() || strip_of(image, both, config, face).empty()) {
         ++k;
         continue;
       }

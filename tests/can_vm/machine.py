@@ -63,6 +63,9 @@ class Uml:
     def missing(self):
         if not os.access(self.PROGRAM, os.X_OK) or self.tree is None:
             return "this kernel has no CAN, and there is no user-mode-linux (tools/setup --dev installs it)"
+        # its 6.1 kernel gives back fewer registers than such a processor has, and ends itself before the first program
+        if "amx_tile" in pathlib.Path("/proc/cpuinfo").read_text():
+            return "user-mode-linux does not run on a processor with AMX, and there is no QEMU (tools/setup --qemu installs it)"
         return None
 
     def modules(self):

@@ -347,8 +347,8 @@ std::vector<Fragment> describe_fragments(const OrganisedCloud& cloud, const Comp
     for (std::size_t u = static_cast<std::size_t>(run.first) + skip; u <= static_cast<std::size_t>(run.last);
          u += kFootprintStride) {
       const std::int64_t cell = axes.cell(cloud.point(row + u));
-      if (heights[static_cast<Eigen::Index>(u) - run.first] < static_cast<float>(kContact_m))
-        f.contact.push_back(cell);
+      const bool low = heights[static_cast<Eigen::Index>(u) - run.first] < static_cast<float>(kContact_m);
+      if (low && (f.contact.empty() || f.contact.back() != cell)) f.contact.push_back(cell);
       if (t.is_new(cell)) f.cells.push_back(cell);
     }
   }
