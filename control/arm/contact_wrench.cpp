@@ -1,5 +1,7 @@
 #include "control/arm/contact_wrench.hpp"
 
+#include <algorithm>
+
 #include "hal/types/symmetric.hpp"
 #include "hal/types/units.hpp"
 
@@ -14,14 +16,13 @@ constexpr double kLeastError_nm = 1e-3;
 }  // namespace
 
 hal::Wrench contact_wrench(const hal::RobotModel& model, const hal::JointVector& q_rad,
-                           const hal::JointVector& q_tare_rad, const hal::JointVector& tau_nm,
+                           const hal::JointVector& tare_rise_m, const hal::JointVector& tau_nm,
                            const TorqueErrors& errors) {
   const hal::ArmJacobian J = hal::jacobian(model, q_rad, hal::Vec3::Zero());
-  const hal::ArmJacobian J0 = hal::jacobian(model, q_tare_rad, hal::Vec3::Zero());
   const double joint_nm = std::max(errors.joint_nm, kLeastError_nm);
   // torques of a kilogram more in the tool than when they were tared; the covariance of all errors is that of
   // the sensors and one direction more, and so is its inverse (Sherman and Morrison 1950)
-  const hal::JointVector weight = -hal::kGravity_m_s2 * (J.row(2) - J0.row(2)).transpose();
+  const hal::JointVector weight = -hal::kGravity_m_s2 * (J.row(2).transpose() - tare_rise_m);
   const double mass2 = errors.tool_kg * errors.tool_kg;
   const double part = mass2 / (joint_nm * joint_nm + mass2 * weight.squaredNorm());
   using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -32,6 +33,10 @@ hal::Wrench contact_wrench(const hal::RobotModel& model, const hal::JointVector&
   const Vector6 b = J * tau_nm - part * weight.dot(tau_nm) * Jw;
   const Vector6 F = hal::solve_symmetric<double, 6>(A, b);
   return {F.head<3>(), F.tail<3>()};
+}
+
+hal::JointVector palm_rise(const hal::RobotModel& model, const hal::JointVector& q_rad) {
+  return hal::jacobian(model, q_rad, hal::Vec3::Zero()).row(2).transpose();
 }
 
 }  // namespace colift::control

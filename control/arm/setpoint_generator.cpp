@@ -94,7 +94,7 @@ hal::Result<> SetpointGenerator::follow(std::shared_ptr<const planner::Trajector
   on_trajectory_ = along_ = true;
   cut_off_ = false;
   urgency_ = 1.0;
-  tare_ = {q_, rest_tau_};
+  tare_ = {palm_rise(*model_, q_), rest_tau_};
   if (std::exchange(first_since_start_, false)) first_tare_ = tare_;
   lag_at_start_ = rest_lag_;
   contact_ = first_contact_ = hal::Wrench{};
@@ -291,7 +291,7 @@ void SetpointGenerator::watch(const hal::ArmState& state, double dt_s) {
   if (mode_ != Mode::Trajectory) return;
 
   const auto felt = [&](const Tare& tare) {
-    return contact_wrench(*model_, state.q_rad, tare.q_rad, state.tau_external_nm - tare.tau_nm,
+    return contact_wrench(*model_, state.q_rad, tare.rise_m, state.tau_external_nm - tare.tau_nm,
                           {limits_.torque_error_nm, limits_.tool_error_kg});
   };
   const hal::Wrench now = felt(tare_), first = felt(first_tare_);

@@ -155,7 +155,7 @@ class SetpointGenerator {
   /// gone.
   hal::Wrench contact_, first_contact_;
   struct Tare {
-    hal::JointVector q_rad = hal::JointVector::Zero(), tau_nm = hal::JointVector::Zero();
+    hal::JointVector rise_m = hal::JointVector::Zero(), tau_nm = hal::JointVector::Zero();
   };
   hal::JointVector rest_tau_ = hal::JointVector::Zero();
   Tare tare_, first_tare_;

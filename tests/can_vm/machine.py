@@ -65,7 +65,7 @@ class Uml:
             return "this kernel has no CAN, and there is no user-mode-linux (tools/setup --dev installs it)"
         # its 6.1 kernel gives back fewer registers than such a processor has, and ends itself before the first program
         if "amx_tile" in pathlib.Path("/proc/cpuinfo").read_text():
-            return "user-mode-linux does not run on a processor with AMX, and there is no QEMU (tools/setup --qemu installs it)"
+            return "user-mode-linux does not run on a processor with AMX (for most tests tools/setup --qemu installs what does)"
         return None
 
     def modules(self):

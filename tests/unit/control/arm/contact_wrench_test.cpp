@@ -30,7 +30,7 @@ JointVector torques(const JointVector& q, const Vec3& force_n, double lever_m = 
 }
 
 double felt_n(const JointVector& q, const JointVector& tare_q, const JointVector& tau) {
-  return contact_wrench(robot(), q, tare_q, tau, kErrors).force.norm();
+  return contact_wrench(robot(), q, palm_rise(robot(), tare_q), tau, kErrors).force.norm();
 }
 
 }  // namespace
@@ -74,7 +74,7 @@ TEST_CASE("where nothing errs a contact is what the palm feels", "[contact]") {
   const JointVector q = bent_by(-1.2);
   const JointVector tau = torques(q, {3, -8, 20});
   const hal::Wrench plain = palm_wrench(robot(), q, tau),
-                    mine = contact_wrench(robot(), q, bent_by(-1.6), tau, {});
+                    mine = contact_wrench(robot(), q, palm_rise(robot(), bent_by(-1.6)), tau, {});
   CHECK((plain.force - mine.force).norm() < 1e-3);
   CHECK((plain.torque - mine.torque).norm() < 1e-3);
 }

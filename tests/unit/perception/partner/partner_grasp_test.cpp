@@ -40,9 +40,8 @@ struct Tally {
   }
   [[nodiscard]] std::string line(const char* name) const {
     return fmt::format("{:<10} {:7.1f} {:6.1f} {:11.1f} {:7} {:6} {:6} {:8.2f} {:8.2f}\n", name,
-                       1e3 * quantile(mine, 0.5), 1e3 * quantile(mine, 0.9),
-                       1e3 * quantile(thesis, 0.9), missed, false_contacts, hands, mean_nees(),
-                       quantile(nees, 0.5));
+                       1e3 * quantile(mine, 0.5), 1e3 * quantile(mine, 0.9), 1e3 * quantile(thesis, 0.9),
+                       missed, false_contacts, hands, mean_nees(), quantile(nees, 0.5));
   }
 };
 
