@@ -12,7 +12,7 @@ struct Face {
   InversePlane plane;
   InverseMoments moments;  ///< Of its pixels.
   bool bowed = false;      ///< Joined from pieces that lean towards each other by a few degrees.
-  bool strip = false;      ///< Too narrow for a normal of its own: the plane faces the camera.
+  bool strip = false;      ///< Too narrow for a normal of its own: its lean is assumed (strip_faces).
 
   [[nodiscard]] double inverse_depth() const { return moments.n > 0 ? moments.q / moments.n : 0.0; }
 };

@@ -26,6 +26,10 @@ constexpr double kMotorForTip = 2.7;
 constexpr double kStalled = 0.02;  // of the closing speed
 constexpr int kFingerStill_ms = 30, kAllStill_ms = 50;
 constexpr double kContact_n = 0.5;
+// what a motor keeps up after the grip (BarrettHandConfig: hold_torque_units over torque_units_per_nm), and
+// the part of it at which the friction of its worm lets it turn on
+constexpr double kHold_nm = 0.38, kTurnsOn = 0.7;
+constexpr double kOneSide_rad = 2.6;      // of spread: all fingers press from one side
 constexpr double kSpreadTurns_rad = 0.3;  // fingers are this far open before the spread turns
 
 double limited(double value, double limit) {
@@ -54,6 +58,19 @@ void HandDrive::open(const std::array<bool, hal::kFingers>& which) {
   for (Finger& finger : fingers_) finger.speed_rad_s = 0.0;
 }
 
+void HandDrive::stop() {
+  if (mode_ != Mode::Pressing) mode_ = Mode::Still;
+}
+
+void HandDrive::power(bool on) {
+  mode_ = on && held_ ? Mode::Pressing : Mode::Still;
+}
+
+bool HandDrive::turns() const {
+  return std::any_of(fingers_.begin(), fingers_.end(),
+                     [](const Finger& f) { return f.inner_rad_s != 0.0 || f.outer_rad_s != 0.0; });
+}
+
 void HandDrive::close(const std::array<double, hal::kFingers>& torque_nm) {
   mode_ = Mode::Closing;
   limit_nm_ = torque_nm;
@@ -64,32 +81,64 @@ void HandDrive::close(const std::array<double, hal::kFingers>& torque_nm) {
   }
 }
 
-void HandDrive::close_finger(int i, const HandReading& reading, double inner_nm, double outer_nm) {
-  const auto f = static_cast<std::size_t>(i);
-  Finger& finger = fingers_[f];
-  const double limit_nm = limit_nm_[f];
-  if (!(limit_nm > 0.0)) {
-    finger.still_ms = kFingerStill_ms;
-    return;
-  }
-  const double load = finger.broken_away ? outer_nm / limit_nm
-                                         : (inner_nm + kCoupling * outer_nm) / (kMotorForTip * limit_nm);
-  const double free = std::clamp(1.0 - std::max(load, reading.strain_nm[f] / limit_nm), 0.0, 1.0);
+bool HandDrive::at_end(const Finger& finger) {
+  return finger.broken_away ? finger.outer_rad >= kOuterEnd_rad : finger.inner_rad >= kInnerEnd_rad;
+}
+
+double HandDrive::load_of(std::size_t f, double limit_nm, const HandReading& reading,
+                          const HandTorque& gears) const {
+  const double motor = fingers_[f].broken_away
+                           ? gears.outer_nm[f] / limit_nm
+                           : (gears.inner_nm[f] + kCoupling * gears.outer_nm[f]) / (kMotorForTip * limit_nm);
+  return std::max(motor, reading.strain_nm[f] / limit_nm);
+}
+
+void HandDrive::turn_closing(Finger& finger, double load) {
+  const double free = std::clamp(1.0 - load, 0.0, 1.0);
   finger.speed_rad_s = std::min(finger.speed_rad_s + kSpeedUp_rad_s2 * kTick_s, kClosing_rad_s * free);
   const double turn = finger.speed_rad_s * kTick_s;
   if (!finger.broken_away) finger.inner_rad = std::min(finger.inner_rad + turn, kInnerEnd_rad);
   finger.outer_rad = finger.broken_away
                          ? std::min(finger.outer_rad + kBrokenAway * turn, kOuterEnd_rad)
                          : std::min(std::max(kCoupling * finger.inner_rad, finger.outer_rad), kOuterEnd_rad);
+  finger.still_ms =
+      at_end(finger) || finger.speed_rad_s < kStalled * kClosing_rad_s ? finger.still_ms + 1 : 0;
+}
 
-  const bool at_end =
-      finger.broken_away ? finger.outer_rad >= kOuterEnd_rad : finger.inner_rad >= kInnerEnd_rad;
-  finger.still_ms = at_end || finger.speed_rad_s < kStalled * kClosing_rad_s ? finger.still_ms + 1 : 0;
-  if (finger.still_ms < kFingerStill_ms || finger.broken_away || at_end) return;
+void HandDrive::close_finger(std::size_t f, const HandReading& reading, const HandTorque& gears) {
+  Finger& finger = fingers_[f];
+  const double limit_nm = limit_nm_[f];
+  if (!(limit_nm > 0.0)) {
+    finger.still_ms = kFingerStill_ms;
+    return;
+  }
+  turn_closing(finger, load_of(f, limit_nm, reading, gears));
+  if (finger.still_ms < kFingerStill_ms || finger.broken_away || at_end(finger)) return;
   if (reading.link_force_n[f] > kContact_n && reading.strain_nm[f] < 0.5 * limit_nm) {
     finger.broken_away = true;
     finger.still_ms = 0;
   }
+}
+
+// What gives way by tenths of a millimetre would else take all force from a locked finger.
+void HandDrive::press_finger(std::size_t f, const HandReading& reading, const HandTorque& gears) {
+  Finger& finger = fingers_[f];
+  const double limit_nm = std::min(limit_nm_[f], kHold_nm);
+  if (!(limit_nm > 0.0)) return;
+  const double load = load_of(f, limit_nm, reading, gears);
+  if (finger.speed_rad_s == 0.0) {
+    if (load > kTurnsOn) return;
+    finger.still_ms = 0;
+  }
+  turn_closing(finger, load);
+  if (finger.still_ms >= kFingerStill_ms) finger.speed_rad_s = 0.0;
+}
+
+// As the driver judges it: with F3 against one of the others, or two of three.
+bool HandDrive::closed_through() const {
+  const auto shut = [](const Finger& finger) { return finger.inner_rad >= kInnerEnd_rad; };
+  return std::count_if(fingers_.begin(), fingers_.end(), shut) > 1 ||
+         (spread_rad_ < kOneSide_rad && shut(fingers_[2]));
 }
 
 bool HandDrive::open_finger(Finger& finger) {
@@ -117,7 +166,8 @@ HandTorque HandDrive::tick(const HandReading& reading) {
     torque.outer_nm[f] =
         gear_torque(finger.outer_rad - reading.outer_rad[f], finger.outer_rad_s - reading.outer_rad_s[f]);
     const double inner_rad = finger.inner_rad, outer_rad = finger.outer_rad;
-    if (mode_ == Mode::Closing) close_finger(i, reading, torque.inner_nm[f], torque.outer_nm[f]);
+    if (mode_ == Mode::Closing) close_finger(f, reading, torque);
+    if (mode_ == Mode::Pressing) press_finger(f, reading, torque);
     if (mode_ == Mode::Opening && opens_[f]) opening = open_finger(finger) || opening;
     finger.inner_rad_s = (finger.inner_rad - inner_rad) / kTick_s;
     finger.outer_rad_s = (finger.outer_rad - outer_rad) / kTick_s;
@@ -136,10 +186,13 @@ HandTorque HandDrive::tick(const HandReading& reading) {
   if (mode_ == Mode::Closing) {
     still_ms_ = all_still ? still_ms_ + 1 : 0;
     if (still_ms_ >= kAllStill_ms) {
-      mode_ = Mode::Still;
       held_ = touching;
+      mode_ = held_ ? Mode::Pressing : Mode::Still;
       if (held_) ++grasps_;
     }
+  } else if (mode_ == Mode::Pressing && closed_through()) {
+    mode_ = Mode::Still;
+    held_ = false;
   }
   return torque;
 }

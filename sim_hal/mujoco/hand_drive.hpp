@@ -23,8 +23,9 @@ struct HandTorque {
 /// The drives of a BarrettHand. One motor per finger turns a worm for the inner and one for the outer link,
 /// a third as far. A worm is never turned back by its link: between worm and link there is only the stiffness
 /// of the gear, so a motor that stops has locked its finger. The motor stops when its torque, or the strain
-/// gauge's at the outer joint, is at the limit. When the inner link is blocked and nothing is at the outer
-/// one, the clutch of the inner gear slips (breakaway): its worm stays, the outer link goes on. Ratios
+/// gauge's at the outer joint, is at the limit; of a grip it then presses on with less, as the driver of the
+/// real hand has it do, and follows what gives way. When the inner link is blocked and nothing is at the
+/// outer one, the clutch of the inner gear slips (breakaway): its worm stays, the outer link goes on. Ratios
 /// and ranges: maker's tables. Opening goes the same way back.
 class HandDrive {
  public:
@@ -35,18 +36,21 @@ class HandDrive {
   void close(double torque_nm) { close({torque_nm, torque_nm, torque_nm}); }
   /// Each with a limit of its own; a finger with none stays locked.
   void close(const std::array<double, hal::kFingers>& torque_nm);
-  void stop() { mode_ = Mode::Still; }
+  void stop();          ///< Fingers stay where they are; a grip is pressed on.
+  void power(bool on);  ///< Of the motors: off, the worms alone hold; on, a grip is pressed again.
 
   /// One step of 1 ms.
   [[nodiscard]] HandTorque tick(const HandReading& reading);
 
-  [[nodiscard]] bool moving() const { return mode_ != Mode::Still; }
+  [[nodiscard]] bool moving() const { return mode_ == Mode::Opening || mode_ == Mode::Closing; }
+  /// The last close() ended on contact; until the fingers open, or close through to their stops.
   [[nodiscard]] bool held() const { return held_; }
+  [[nodiscard]] bool turns() const;  ///< Any worm, in the last step; also while a grip is pressed.
   /// Number of grasps that ended on contact so far: tells that the fingers were locked anew.
   [[nodiscard]] int grasps() const { return grasps_; }
 
  private:
-  enum class Mode { Still, Opening, Closing };
+  enum class Mode { Still, Opening, Closing, Pressing };
   struct Finger {
     double inner_rad = 0.0, outer_rad = 0.0;      ///< Worms, as angles of their links ...
     double inner_rad_s = 0.0, outer_rad_s = 0.0;  ///< ... and how fast they turn.
@@ -55,7 +59,14 @@ class HandDrive {
     int still_ms = 0;
   };
 
-  void close_finger(int i, const HandReading& reading, double inner_nm, double outer_nm);
+  static bool at_end(const Finger& finger);
+  static void turn_closing(Finger& finger, double load);
+  /// Of its motor or its gauge, whichever is nearer to `limit_nm`: 1 there.
+  [[nodiscard]] double load_of(std::size_t f, double limit_nm, const HandReading& reading,
+                               const HandTorque& gears) const;
+  void close_finger(std::size_t f, const HandReading& reading, const HandTorque& gears);
+  void press_finger(std::size_t f, const HandReading& reading, const HandTorque& gears);
+  [[nodiscard]] bool closed_through() const;
   static bool open_finger(Finger& finger);
 
   Mode mode_ = Mode::Still;

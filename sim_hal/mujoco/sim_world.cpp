@@ -212,6 +212,16 @@ void SimWorld::stop_hand() {
   impl_->hand.stop();
 }
 
+void SimWorld::power_hand(bool on) {
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->hand.power(on);
+}
+
+bool SimWorld::hand_worms_turn() const {
+  const std::scoped_lock lock(impl_->mutex);
+  return impl_->hand.turns();
+}
+
 World SimWorld::shapes() const {
   const std::scoped_lock lock(impl_->mutex);
   World world;

@@ -105,7 +105,9 @@ class SimWorld {
   void close_hand(const std::array<double, hal::kFingers>& torque_nm);  ///< 0: that finger stays.
   void open_hand();
   void open_hand(const std::array<bool, hal::kFingers>& which);
-  void stop_hand();
+  void stop_hand();          ///< A grip is pressed on.
+  void power_hand(bool on);  ///< Off: the worms alone hold.
+  [[nodiscard]] bool hand_worms_turn() const;
 
   /// The partner is asked to take hold of the object at a place (W), or to step aside that way (W,
   /// horizontal) without letting go. Whether he does: only if he is obliging (ScenarioPartner), and not where

@@ -88,14 +88,15 @@ void HandWorldPlant::tell_world() {
   // closing with no torque locks the worms, and lets the world count what is touched as a grasp
   if (request_.move == Move::Close && touches_ && world_moves_)
     world_.close_hand(request.torque_nm);
-  else if (world_moves_)
-    world_.stop_hand();
+  else
+    world_.power_hand(false);
   request_ = request;
 }
 
 void HandWorldPlant::read_world() {
   const hal::HandState s = world_.hand_state();
-  const bool moves = s.moving || world_moves_;  // the last millisecond of a move counts
+  // the last millisecond of a move counts
+  const bool moves = s.moving || world_moves_ || world_.hand_worms_turn();
   world_moves_ = s.moving;
   touches_ = false;
   const auto follow = [](double& commanded, double now, double goal, double there, bool powered) {

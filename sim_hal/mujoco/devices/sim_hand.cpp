@@ -30,13 +30,15 @@ class SimHand final : public hal::Hand {
   hal::Result<> activate() override {
     if (life_ < Life::Configured)
       return fail(ErrorCode::NotReady, "hand.activate", "configure() comes first");
+    if (life_ != Life::Active) world_.power_hand(true);
     life_ = Life::Active;
     return {};
   }
 
   void deactivate() noexcept override {
-    stop();
-    if (life_ == Life::Active) life_ = Life::Configured;
+    if (life_ != Life::Active) return;
+    world_.power_hand(false);
+    life_ = Life::Configured;
   }
 
   hal::DeviceHealth health() const override {
@@ -115,7 +117,7 @@ class SimHand final : public hal::Hand {
   hal::Result<> reach(const std::string& where) {
     const Fault fault = fault_now(world_, "hand");
     if (fault == Fault::Unplug && life_ != Life::Lost) {
-      world_.stop_hand();  // without power the worm gears stay where they are
+      world_.power_hand(false);  // without power the worm gears stay where they are
       life_ = Life::Lost;
     }
     if (life_ == Life::Lost) return lost(where);

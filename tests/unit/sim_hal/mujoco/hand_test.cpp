@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
@@ -172,6 +173,76 @@ TEST_CASE("a scenario's faults of the hand show as the interface says") {
   CHECK(hand->state().error().code == ErrorCode::LinkLost);
   CHECK(hand->configure());
   CHECK(hand->state());
+}
+
+// Three fingers with a spring before each, at an angle that gives way.
+struct Spring {
+  static constexpr double kGear_nm_rad = 300.0, kStiffness_nm_rad = 40.0, kTipOfInner = 0.4;
+  double at_rad = 1.0;
+  HandReading reading{};
+
+  void pass(HandDrive& drive, int ms) {
+    for (int i = 0; i < ms; ++i) {
+      const HandTorque gears = drive.tick(reading);
+      for (std::size_t f = 0; f < hal::kFingers; ++f) {
+        const double worm_rad = reading.inner_rad[f] + gears.inner_nm[f] / kGear_nm_rad;
+        const double link_rad = worm_rad < at_rad ? worm_rad
+                                                  : (kGear_nm_rad * worm_rad + kStiffness_nm_rad * at_rad) /
+                                                        (kGear_nm_rad + kStiffness_nm_rad);
+        const double force_nm = std::max(0.0, kStiffness_nm_rad * (link_rad - at_rad));
+        reading.inner_rad[f] = link_rad;
+        reading.outer_rad[f] = link_rad / 3.0;
+        reading.strain_nm[f] = kTipOfInner * force_nm;
+        reading.link_force_n[f] = 20.0 * force_nm;
+      }
+    }
+  }
+  [[nodiscard]] double weakest_nm() const {
+    return *std::min_element(reading.strain_nm.begin(), reading.strain_nm.end());
+  }
+};
+
+TEST_CASE("a grip that gives way is pressed again, by motors that have power") {
+  HandDrive drive;
+  Spring object;
+  drive.close(1.0);
+  object.pass(drive, 2500);
+  REQUIRE(drive.held());
+  REQUIRE_FALSE(drive.moving());
+  REQUIRE(object.weakest_nm() > 0.7);
+
+  object.at_rad += 0.05;
+  object.pass(drive, 500);
+  CHECK(drive.held());
+  CHECK_FALSE(drive.moving());
+  CHECK(object.weakest_nm() > 0.25);
+  CHECK(object.weakest_nm() < 0.4);
+
+  drive.stop();  // a grip is kept
+  object.at_rad += 0.05;
+  object.pass(drive, 500);
+  CHECK(object.weakest_nm() > 0.25);
+
+  drive.power(false);
+  object.at_rad += 0.05;
+  object.pass(drive, 500);
+  CHECK(drive.held());
+  CHECK(object.weakest_nm() < 0.05);
+  drive.power(true);
+  object.pass(drive, 500);
+  CHECK(object.weakest_nm() > 0.25);
+
+  object.at_rad = 10.0;
+  object.pass(drive, 3000);
+  CHECK_FALSE(drive.held());
+}
+
+TEST_CASE("a hand without a grip does not press when it gets power") {
+  HandDrive drive;
+  Spring nothing{.at_rad = 10.0};
+  drive.power(true);
+  nothing.pass(drive, 500);
+  CHECK(nothing.reading.inner_rad[0] == 0.0);
 }
 
 }  // namespace
