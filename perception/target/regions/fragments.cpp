@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "perception/footprint.hpp"
+#include "perception/target/regions/fragment_gaps.hpp"
 
 namespace colift::perception {
 namespace {
@@ -18,6 +19,8 @@ constexpr double kSlender = 1.5;  // height over width of what falls over if not
 // farther beside it than kBeside_m, the thing would fall over alone; and where it is kUpright times as high
 // as what it touches is wide, in a direction in which the camera sees how wide that is.
 constexpr double kContact_m = 0.08, kSpot_m = 0.15, kBeside_m = 0.05, kUpright = 6.0, kInView = 0.7;
+// What touches the ground in a part of its span this small, beside its middle, has another leg.
+constexpr double kOneLeg = 0.3;
 constexpr std::size_t kFootprintStride = 4;  // every fourth pixel still hits each cell several times
 
 // std::floor is a library call on plain x86-64
@@ -79,73 +82,6 @@ double fraction_under(const Fragment& small, const FlatRectangle& r) {
   return static_cast<double>(inside) / static_cast<double>(small.cells.size());
 }
 
-/// Least distance in space between fragments, over pixels that follow one another in a row or column of the
-/// image with nothing of the mask between them. Fragments that nowhere follow one another are infinitely far
-/// apart. Beside it the same over pixels where the second fragment may hide how the first one goes on.
-class Gaps {
- public:
-  Gaps(const OrganisedCloud& cloud, const Components& components, const std::vector<std::int32_t>& slot,
-       std::size_t n)
-      : n_(n), square_(n * n, std::numeric_limits<float>::infinity()), behind_(square_) {
-    // the image is walked row by row; what each column saw last is kept beside it
-    const std::size_t w = static_cast<std::size_t>(cloud.width());
-    std::vector<std::int32_t> slot_above(w, -1), row_above(w, 0);
-    int row = -1;
-    std::int32_t last_slot = -1;
-    std::size_t last = 0;
-    for (const Components::Run& run : components.runs) {
-      const std::int32_t s = slot[static_cast<std::size_t>(run.label)];
-      if (s < 0) continue;
-      const std::size_t line = static_cast<std::size_t>(run.row) * w;
-      if (run.row != row) last_slot = -1;
-      row = run.row;
-      if (last_slot >= 0 && last_slot != s)
-        near(cloud, s, line + static_cast<std::size_t>(run.first), last_slot, last);
-      last_slot = s;
-      last = line + static_cast<std::size_t>(run.last);
-      for (std::size_t u = static_cast<std::size_t>(run.first); u <= static_cast<std::size_t>(run.last);
-           ++u) {
-        if (slot_above[u] != s) {
-          if (slot_above[u] >= 0)
-            near(cloud, s, line + u, slot_above[u], static_cast<std::size_t>(row_above[u]) * w + u);
-          slot_above[u] = s;
-        }
-        row_above[u] = run.row;
-      }
-    }
-  }
-
-  [[nodiscard]] double between(std::size_t a, std::size_t b) const { return std::sqrt(square_[a * n_ + b]); }
-
-  /// Over pixels at which `a` is further away from the camera than `b`.
-  [[nodiscard]] double behind(std::size_t a, std::size_t b) const { return std::sqrt(behind_[a * n_ + b]); }
-
-  // fragment b becomes part of a
-  void join(std::size_t a, std::size_t b) {
-    for (std::size_t k = 0; k < n_; ++k) {
-      const float d = std::min(square_[a * n_ + k], square_[b * n_ + k]);
-      square_[a * n_ + k] = square_[k * n_ + a] = d;
-      behind_[a * n_ + k] = std::min(behind_[a * n_ + k], behind_[b * n_ + k]);
-      behind_[k * n_ + a] = std::min(behind_[k * n_ + a], behind_[k * n_ + b]);
-    }
-  }
-
- private:
-  // two pixels that follow one another, and the fragments that they belong to
-  void near(const OrganisedCloud& cloud, std::int32_t slot_a, std::size_t a, std::int32_t slot_b,
-            std::size_t b) {
-    const float dx = cloud.x[a] - cloud.x[b], dy = cloud.y[a] - cloud.y[b], dz = cloud.z[a] - cloud.z[b];
-    const float d = dx * dx + dy * dy + dz * dz;
-    const std::size_t i = static_cast<std::size_t>(slot_a), k = static_cast<std::size_t>(slot_b);
-    if (d < square_[i * n_ + k]) square_[i * n_ + k] = square_[k * n_ + i] = d;
-    float& further = cloud.depth_m[a] > cloud.depth_m[b] ? behind_[i * n_ + k] : behind_[k * n_ + i];
-    further = std::min(further, d);
-  }
-
-  std::size_t n_;
-  std::vector<float> square_, behind_;
-};
-
 std::vector<std::int64_t> united(const std::vector<std::int64_t>& a, const std::vector<std::int64_t>& b) {
   std::vector<std::int64_t> all;
   std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(all));
@@ -177,21 +113,31 @@ Fragment joined(const Fragment& a, const Fragment& b) {
   return f;
 }
 
+Eigen::AlignedBox2d contact_box(const Fragment& f) {
+  Eigen::AlignedBox2d box;
+  for (const std::int64_t cell : f.contact) box.extend(GroundAxes::center(cell));
+  return box;
+}
+
+// touches the ground in one spot of at most `spot_m`, and that is not under its middle
+bool stands_beside_middle(const Fragment& f, double spot_m) {
+  const Eigen::AlignedBox2d contact = contact_box(f);
+  if (contact.isEmpty() || contact.diagonal().norm() > spot_m) return false;
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const std::int64_t cell : f.cells) middle += GroundAxes::center(cell);
+  middle /= static_cast<double>(f.cells.size());
+  return contact.exteriorDistance(middle) > kBeside_m;
+}
+
 // `eye`: the camera, on the ground
 bool would_fall(const Fragment& f, const Eigen::Vector2d& eye) {
   if (f.contact.empty()) return false;
-  Eigen::AlignedBox2d contact;
-  for (const std::int64_t cell : f.contact) contact.extend(GroundAxes::center(cell));
-  const bool spot = contact.diagonal().norm() <= kSpot_m;
-  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  for (const std::int64_t cell : f.cells) middle += GroundAxes::center(cell);
-  if (spot &&
-      contact.exteriorDistance(Eigen::Vector2d(middle / static_cast<double>(f.cells.size()))) > kBeside_m)
-    return true;
+  if (stands_beside_middle(f, kSpot_m)) return true;
   const FlatRectangle foot = rectangle_around(f.contact);
   const bool u_narrow = foot.size.x() < foot.size.y();
   const Eigen::Vector2d narrow = u_narrow ? foot.u : foot.v(), away = (foot.center - eye).normalized();
   const double width_m = (u_narrow ? foot.size.x() : foot.size.y()) + kCell_m;
+  const bool spot = contact_box(f).diagonal().norm() <= kSpot_m;
   return f.max_height_m - f.min_height_m > kUpright * width_m &&
          (spot || std::abs(narrow.dot(away)) < kInView);
 }
@@ -227,9 +173,13 @@ bool belong_together(const Fragment& a, const Fragment& b, double gap_m, double 
       footprint_overlap(a, b) >= c.min_standing_overlap)
     return true;
 
-  // a leg under its plate: thin, no higher, and within its footprint
-  return minor && small.max_height_m < large.max_height_m &&
-         footprint_span(small) < std::max(c.max_leg_width_m, small.max_height_m - small.min_height_m) &&
+  // a leg under its plate: thin, no higher, and within its footprint; or of any shape, where the plate would
+  // fall over without it and hides how it goes on upwards
+  const bool thin =
+      footprint_span(small) < std::max(c.max_leg_width_m, small.max_height_m - small.min_height_m);
+  const bool bears = behind_m <= c.hidden_gap_m && !small.contact.empty() &&
+                     stands_beside_middle(large, kOneLeg * footprint_span(large));
+  return minor && (thin || bears) && small.max_height_m < large.max_height_m &&
          fraction_under(small, rectangle_around(large.cells)) >= c.under_fraction;
 }
 
@@ -395,7 +345,7 @@ std::vector<Fragment> join_fragments(std::vector<Fragment> fragments, const Orga
   const auto larger = [](const Fragment& a, const Fragment& b) { return a.pixels > b.pixels; };
   std::stable_sort(fragments.begin(), fragments.end(), larger);
   const std::size_t n = fragments.size();
-  Gaps gaps(cloud, components, slots_of(fragments, components.pixels.size()), n);
+  FragmentGaps gaps(cloud, components, slots_of(fragments, components.pixels.size()), n);
   std::vector<bool> gone(n, false);
   for (bool changed = true; changed;) {
     changed = false;

@@ -144,6 +144,54 @@ TEST_CASE("fork and handlebar lean on the frame that they belong to; a bottle be
   CHECK(bottle.of_target < 100);
 }
 
+TEST_CASE(
+    "a bench goes on under its seat as far as it needs to stand; a carton under a table does not belong to "
+    "it",
+    "[target]") {
+  using namespace sim_hal;
+  const std::uint64_t seed = GENERATE(range(1, 7));
+  World world;
+  world.shapes.push_back(half_space(Vec3::Zero(), Vec3::UnitZ(), Label::Ground));
+  Pose X_WC;
+  SECTION(
+      "bench: of one end the leg's narrow side is seen, the other end and the bar between them below it") {
+    const double turn = -0.349;
+    const auto body = [&](const Vec3& at, const Vec3& size, Label label) {
+      world.shapes.push_back(box(Eigen::AngleAxisd(turn, Vec3::UnitZ()) * at, size, turn, label));
+    };
+    body({0, 0, 0.40}, {1.18, 0.32, 0.027}, Label::Target);
+    body({0.405, 0, 0.194}, {0.03, 0.27, 0.387}, Label::Target);
+    body({-0.405, 0, 0.194}, {0.03, 0.27, 0.387}, Label::Partner);
+    body({0, 0, 0.166}, {0.78, 0.025, 0.06}, Label::Partner);
+    X_WC = look_at(Vec3(0.09, -1.22, 1.15), Vec3(0.05, 0.01, 0.25));
+    const Rendering truth = cast_rays(world, {}, X_WC);
+    const OrganisedCloud cloud = deproject(measure(truth, {}, seed), X_WC);
+    const TargetResult found = target_of(cloud);
+    REQUIRE(found.target);
+    const Found below = found_of(Label::Partner, truth, cloud, *found.target);
+    INFO(below.of_target << " of " << below.seen << " pixels");
+    CHECK(below.seen > 2000);
+    CHECK(below.of_target > 9 * below.seen / 10);
+  }
+  SECTION("table: two legs are seen, and what stands behind them") {
+    world.shapes.push_back(box({0, 0, 0.60}, {1.1, 0.6, 0.03}, 0.2, Label::Target));
+    for (const double x : {-0.5, 0.5})
+      for (const double y : {-0.25, 0.25})
+        world.shapes.push_back(box(Eigen::AngleAxisd(0.2, Vec3::UnitZ()) * Vec3(x, y, 0.29),
+                                   {0.05, 0.05, 0.58}, 0.2, Label::Target));
+    world.shapes.push_back(box({0.0, 0.1, 0.15}, {0.35, 0.25, 0.30}, 0.5, Label::Clutter));
+    X_WC = look_at(Vec3(0.1, -1.6, 1.1), Vec3(0, 0, 0.35));
+    const Rendering truth = cast_rays(world, {}, X_WC);
+    const OrganisedCloud cloud = deproject(measure(truth, {}, seed), X_WC);
+    const TargetResult found = target_of(cloud);
+    REQUIRE(found.target);
+    const Found carton = found_of(Label::Clutter, truth, cloud, *found.target);
+    INFO(carton.of_target << " of " << carton.seen << " pixels");
+    CHECK(carton.seen > 1000);
+    CHECK(carton.of_target < 100);
+  }
+}
+
 TEST_CASE("an object that the image cuts at the side is not free-standing", "[target]") {
   using namespace sim_hal;
   World world;
