@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
+#include <utility>
+
+#include <Eigen/QR>
 
 #include "planner/grasp/grasp_candidates.hpp"
 #include "planner/grasp/grasp_lines.hpp"
@@ -69,6 +73,16 @@ struct Thickness {
   std::string note;
 };
 
+Thickness measured_thickness(double thick_m) {
+  return {thick_m, fmt::format("thickness {:.0f} mm from points below the rim", 1000 * thick_m)};
+}
+
+Thickness assumed_thickness(const CandidateConfig& config) {
+  return {config.assumed_thickness_m,
+          fmt::format("thickness assumed {:.0f} mm: the rim's own face was not seen",
+                      1000 * config.assumed_thickness_m)};
+}
+
 Thickness thickness_at(const Scene& scene, const Obstacles& obstacles, int surface, const Rectangle& plate,
                        const RectangleEdge& edge, const SeenSpace& seen, const CompletedSolids& solids,
                        const HandModel& hand, const CandidateConfig& config) {
@@ -83,12 +97,137 @@ Thickness thickness_at(const Scene& scene, const Obstacles& obstacles, int surfa
     if (length > longest) longest = length, deep = solid.extent_along(plate.normal);
   }
   if (deep > 0.0) return {deep, ""};
-  if (const auto measured = seen_thickness(obstacles, plate, edge, seen, hand, config.rim)) {
-    return {*measured, fmt::format("thickness {:.0f} mm from points below the rim", 1000 * *measured)};
+  if (const auto measured = seen_thickness(obstacles, plate, edge, seen, hand, config.rim))
+    return measured_thickness(*measured);
+  return assumed_thickness(config);
+}
+
+constexpr int kDirections = 24;           // in which the rim of a round plate is searched
+constexpr std::size_t kLeastPoints = 20;  // of the plate in each
+constexpr double kRim = 0.98;             // quantile of their distances that is the rim
+constexpr std::size_t kLeastRims = 12;    // directions in which it has to be seen ...
+constexpr double kMaxHidden_rad = 2.0;    // ... and between two of them
+constexpr double kMaxUneven_m = 0.006;    // deviation from the circle, beside the noise
+
+struct RoundPlate {
+  Vec3 center;
+  double radius;
+};
+
+// x^2 + y^2 = 2 a x + 2 b y + c (Kasa 1976)
+std::pair<Eigen::Vector2d, double> circle_through(const std::vector<Eigen::Vector2d>& points) {
+  Eigen::MatrixX3d A(static_cast<Eigen::Index>(points.size()), 3);
+  Eigen::VectorXd squares(A.rows());
+  for (Eigen::Index i = 0; i < A.rows(); ++i) {
+    const Eigen::Vector2d& p = points[static_cast<std::size_t>(i)];
+    A.row(i) << 2.0 * p.x(), 2.0 * p.y(), 1.0;
+    squares[i] = p.squaredNorm();
   }
-  return {config.assumed_thickness_m,
-          fmt::format("thickness assumed {:.0f} mm: the rim's own face was not seen",
-                      1000 * config.assumed_thickness_m)};
+  const Eigen::Vector3d c = A.colPivHouseholderQr().solve(squares);
+  return {c.head<2>(), std::sqrt(std::max(0.0, c.z() + c.head<2>().squaredNorm()))};
+}
+
+double widest_gap(const std::vector<Eigen::Vector2d>& around) {
+  std::vector<double> angles;
+  for (const Eigen::Vector2d& p : around) angles.push_back(std::atan2(p.y(), p.x()));
+  std::sort(angles.begin(), angles.end());
+  double widest = angles.front() + 2.0 * std::numbers::pi - angles.back();
+  for (std::size_t i = 1; i < angles.size(); ++i) widest = std::max(widest, angles[i] - angles[i - 1]);
+  return widest;
+}
+
+/// How far a plate goes in each direction from the middle of its rectangle (m, along u and v): by the points
+/// that were measured, because the projector's shadow beside it passes for a part of it.
+std::vector<Eigen::Vector2d> rims_around(const Rectangle& plate, const Obstacles& obstacles,
+                                         const SeenSpace& seen) {
+  const double noise = 0.004 + 3.0 * seen.sigma(plate.center), reach = plate.size.maxCoeff();
+  hal::Aabb around;
+  for (const double u : {-reach, reach})
+    for (const double v : {-reach, reach})
+      for (const double n : {-noise, noise})
+        around.extend(plate.center + u * plate.u + v * plate.v + n * plate.normal);
+  std::vector<std::vector<double>> radii(kDirections);
+  obstacles.for_each_bucket(around, [&](const Obstacles::Bucket& bucket) {
+    for (std::uint32_t i = bucket.begin; i < bucket.end; ++i) {
+      if (obstacles.kind(i) != ObstacleKind::Object) continue;
+      const Vec3 d = obstacles.points()[i].cast<double>() - plate.center;
+      if (std::abs(d.dot(plate.normal)) > noise) continue;
+      const double u = d.dot(plate.u), v = d.dot(plate.v);
+      const double turn = std::atan2(v, u) / (2.0 * std::numbers::pi) + 1.0;
+      radii[static_cast<std::size_t>(turn * kDirections + 0.5) % kDirections].push_back(std::hypot(u, v));
+    }
+  });
+  std::vector<Eigen::Vector2d> rims;
+  for (int k = 0; k < kDirections; ++k) {
+    std::vector<double>& r = radii[static_cast<std::size_t>(k)];
+    if (r.size() < kLeastPoints) continue;
+    const auto rim = r.begin() + static_cast<std::ptrdiff_t>(kRim * static_cast<double>(r.size()));
+    std::nth_element(r.begin(), rim, r.end());
+    const double angle = 2.0 * std::numbers::pi * k / kDirections;
+    rims.push_back(*rim * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+  }
+  return rims;
+}
+
+/// The circle of a plate's rim, where most of what is seen of the rim is round.
+std::optional<RoundPlate> round_plate(const Rectangle& plate, const Obstacles& obstacles,
+                                      const SeenSpace& seen) {
+  std::vector<Eigen::Vector2d> rims = rims_around(plate, obstacles, seen);
+  const double tolerance = kMaxUneven_m + seen.sigma(plate.center);
+  const std::size_t least = std::max<std::size_t>(kLeastRims, rims.size() - rims.size() / 4);
+  while (rims.size() >= least && widest_gap(rims) <= kMaxHidden_rad) {
+    const auto [middle, radius] = circle_through(rims);
+    const auto off = [m = middle, r = radius](const Eigen::Vector2d& p) {
+      return std::abs((p - m).norm() - r);
+    };
+    const auto worst = std::max_element(rims.begin(), rims.end(),
+                                        [&](const auto& a, const auto& b) { return off(a) < off(b); });
+    if (off(*worst) <= tolerance)
+      return RoundPlate{plate.center + middle.x() * plate.u + middle.y() * plate.v, radius};
+    rims.erase(worst);
+  }
+  return std::nullopt;
+}
+
+/// Grasps around a round plate: its rectangle touches the rim at four places at most.
+void add_round_rim(const Scene& scene, int surface, const Rectangle& plate, const SeenSpace& seen,
+                   const Obstacles& obstacles, const HandModel& hand, const CandidateConfig& config,
+                   std::vector<GraspLine>& lines) {
+  if (scene.ground && scene.ground->plane.height(plate.center) < config.edge_probe_m) return;
+  const auto round = round_plate(plate, obstacles, seen);
+  if (!round) return;
+  const int places = static_cast<int>(2.0 * std::numbers::pi * round->radius / config.step_m);
+  std::vector<RectangleEdge> rims;
+  std::vector<double> thick;
+  for (int k = 0; k < places; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / places;
+    const Vec3 out = std::cos(angle) * plate.u + std::sin(angle) * plate.v;
+    const Vec3 rim = round->center + round->radius * out,
+               along = 0.5 * config.step_m * plate.normal.cross(out);
+    if (seen.at(rim - config.edge_probe_m * out) != Sight::Surface) continue;
+    rims.push_back({out, rim - along, rim + along});
+    if (const auto t = seen_thickness(obstacles, plate, rims.back(), seen, hand, config.rim))
+      thick.push_back(*t);
+  }
+  // no face closes a round plate, so that no solid says how thick it is
+  Thickness thickness = assumed_thickness(config);
+  if (!thick.empty()) {
+    std::nth_element(thick.begin(), thick.begin() + static_cast<std::ptrdiff_t>(thick.size() / 2),
+                     thick.end());
+    thickness = measured_thickness(thick[thick.size() / 2]);
+  }
+  if (thickness.value < config.min_width_m || thickness.value > hand.opening_m) return;
+  for (const RectangleEdge& edge : rims) {
+    GraspLine line;
+    line.kind = GraspKind::Edge;
+    line.surface = surface;
+    line.approach = -edge.outward;
+    line.closing = thumb_up(plate.normal, scene);
+    line.width = thickness.value;
+    line.note = thickness.note;
+    line.from = line.to = 0.5 * (edge.from + edge.to) - 0.5 * thickness.value * plate.normal;
+    lines.push_back(line);
+  }
 }
 
 }  // namespace
@@ -152,6 +291,7 @@ std::vector<GraspLine> edge_lines(const Scene& scene, const SeenSpace& seen, con
         lines.push_back(line);
       }
     }
+    add_round_rim(scene, static_cast<int>(i), *plate, seen, obstacles, hand, config, lines);
   }
   return lines;
 }
