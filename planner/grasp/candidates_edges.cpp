@@ -103,6 +103,7 @@ Thickness thickness_at(const Scene& scene, const Obstacles& obstacles, int surfa
 }
 
 constexpr int kDirections = 24;           // in which the rim of a round plate is searched
+constexpr double kCorner = 0.47;          // of a rectangle's sides: there it has corners
 constexpr std::size_t kLeastPoints = 20;  // of the plate in each
 constexpr double kRim = 0.98;             // quantile of their distances that is the rim
 constexpr std::size_t kLeastRims = 12;    // directions in which it has to be seen ...
@@ -169,9 +170,20 @@ std::vector<Eigen::Vector2d> rims_around(const Rectangle& plate, const Obstacles
   return rims;
 }
 
+/// Whether a plate fills its rectangle into more than one of the corners: it is not round.
+bool has_corners(const Rectangle& plate, const SeenSpace& seen) {
+  int filled = 0;
+  for (const double u : {-kCorner, kCorner})
+    for (const double v : {-kCorner, kCorner})
+      filled += seen.at(plate.center + u * plate.size.x() * plate.u + v * plate.size.y() * plate.v) ==
+                Sight::Surface;
+  return filled > 1;
+}
+
 /// The circle of a plate's rim, where most of what is seen of the rim is round.
 std::optional<RoundPlate> round_plate(const Rectangle& plate, const Obstacles& obstacles,
                                       const SeenSpace& seen) {
+  if (has_corners(plate, seen)) return std::nullopt;
   std::vector<Eigen::Vector2d> rims = rims_around(plate, obstacles, seen);
   const double tolerance = kMaxUneven_m + seen.sigma(plate.center);
   const std::size_t least = std::max<std::size_t>(kLeastRims, rims.size() - rims.size() / 4);
