@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace colift::control {
@@ -16,6 +17,22 @@ constexpr double kMaxPeriod_s = 0.0055;
 hal::ArmAbilities within(hal::ArmAbilities can, const hal::RobotModel& model, const SetpointLimits& limits) {
   can.max_superposed_nm = can.max_superposed_nm.cwiseMin(model.effort_nm()).cwiseMin(limits.superposed_nm);
   return can;
+}
+
+// Of what a joint may give: the arm may be pushed on before the controller gets the command.
+constexpr double kOfEffort = 0.9;
+
+// Somebody who pushes an arm far away from its set point stretches springs beyond what a joint gives, at
+// which the controller ends the command mode: there the spring yields.
+void limit_torque(hal::ImpedanceCommand& c, const hal::JointVector& q_rad,
+                  const hal::JointVector& effort_nm) {
+  for (int i = 0; i < hal::kArmJoints; ++i) {
+    const double off_rad = c.q_rad[i] - q_rad[i], most_nm = kOfEffort * effort_nm[i];
+    const double asked_nm = c.stiffness_nm_rad[i] * off_rad + c.tau_superposed_nm[i];
+    if (!(std::abs(asked_nm) > most_nm)) continue;  // nor where the position is not known
+    const double over_nm = asked_nm - std::copysign(most_nm, asked_nm);
+    if (over_nm * off_rad > 0.0) c.stiffness_nm_rad[i] -= std::min(c.stiffness_nm_rad[i], over_nm / off_rad);
+  }
 }
 
 }  // namespace
@@ -281,7 +298,8 @@ std::optional<hal::ImpedanceCommand> ArmController::command() {
   serve_yield();
   setpoints_.limit_stiffening(energy_.open() ? energy_.speed_scale(energy_band_j_) : 1.0);
   const hal::ImpedanceCommand joints = setpoints_.step(view_.state);
-  const hal::ImpedanceCommand command = with_palm_springs(joints);
+  hal::ImpedanceCommand command = with_palm_springs(joints);
+  limit_torque(command, view_.state.q_rad, model_->effort_nm());
   // a contact stops the trajectory in the cycle in which it is felt; what follows from it, the task decides
   if (setpoints_.blocked() && !stopped_by_contact_) setpoints_.hold();
   stopped_by_contact_ = setpoints_.blocked();

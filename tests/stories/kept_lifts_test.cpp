@@ -116,7 +116,7 @@ TEST_CASE("a partner who holds on is not said to let go") {
 
 TEST_CASE("an object that slid in the hand stands sooner than it was grasped, and is let go there") {
   // with fingers that close behind the bar
-  const KeptRun run = run_kept("chair_slides_in_the_hand", {{"candidates.measure_depth", "false"}});
+  const KeptRun run = run_kept("smooth_chair_slides_in_the_hand", {{"candidates.measure_depth", "false"}});
   INFO(told(run));
   CHECK(fmt::format("{}", fmt::join(run.lift.verdict.breaches, "; ")) == "");
   CHECK(run.lift.record.states.back().state == control::Task::Aborted);  // at home, not stopped around it

@@ -15,6 +15,7 @@ void YieldPhase::begin(Task from, const std::string& why) {
   pushed_at_ = felt_at_ = c_.now;
   c_.arm.yield();
   const bool stands = from == Task::Close || from == Task::Verify || from == Task::AwaitReady;
+  keeps_ = !stands && c_.readings.hand.held;
   if (!stands) return;
   c_.arm.unload();
   if (const auto opening = c_.robot.hand->release(); !opening) c_.note_device("hand", opening.error().text());
@@ -38,6 +39,8 @@ void YieldPhase::watch_grip() {
   if (!hand.held || wraps || !(held < kFeels)) felt_at_ = c_.now;
   if (c_.arm.view().load_lost)
     lost_ = "; the load is gone from the hand";
+  else if (keeps_ && !hand.held)
+    lost_ = "; the hand has lost its grip";
   else if (hal::seconds(c_.now - felt_at_) > kSure_s)
     lost_ = "; the fingers feel nothing between them any more";
   else

@@ -16,14 +16,15 @@ class YieldPhase {
 
   void begin(Task from, const std::string& why);
   [[nodiscard]] std::optional<TaskEvent> yield();
-  /// What the hand held was pushed out of it: it bears no load any more, or its fingers feel nothing. A hand
-  /// that was closed on something may not know.
+  /// What the hand held was pushed out of it: it bears no load any more, the hand says so, or its fingers
+  /// feel nothing. A hand that was closed on something may not know.
   [[nodiscard]] bool lost() const { return !lost_.empty(); }
 
  private:
   TaskContext& c_;
   void watch_grip();
 
+  bool keeps_ = false;  ///< It held something, and was not told to open.
   std::string why_, lost_;
   hal::Timestamp pushed_at_{0}, felt_at_{0};
 };

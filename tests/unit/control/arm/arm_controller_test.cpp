@@ -225,6 +225,24 @@ TEST_CASE("at the end of its reach a lift slows to rest before the margin, says 
   CHECK(rig.palm_m() - floor == Approx(0.0).margin(1e-3));
 }
 
+TEST_CASE("an arm that is pushed far away from its set point is not asked for more than its joints give") {
+  Rig rig;
+  rig.steps(100);
+  hal::ArmState pushed = rig.state;
+  pushed.measured_at += 2ms;
+  pushed.q_rad[3] += 0.2;
+  rig.motion.measured(pushed);
+  const auto command = rig.motion.command();
+  REQUIRE(command);
+  const JointVector effort_nm = robot().effort_nm();
+  const JointVector asked_nm =
+      command->stiffness_nm_rad.cwiseProduct(command->q_rad - pushed.q_rad) + command->tau_superposed_nm;
+  for (int i = 0; i < hal::kArmJoints; ++i) CHECK(std::abs(asked_nm[i]) < 0.91 * effort_nm[i]);
+  CHECK(std::abs(asked_nm[3]) > 0.8 * effort_nm[3]);
+  CHECK(command->stiffness_nm_rad[3] < 0.5 * rig.task.stiffness_nm_rad);
+  CHECK(command->stiffness_nm_rad[1] == Approx(rig.task.stiffness_nm_rad));
+}
+
 TEST_CASE("after warm-up a cycle of the arm faults no page in") {
   Rig rig;
   const auto job = [&] {
