@@ -24,6 +24,12 @@ bool free_rim(const SeenSpace& seen, const Vec3& rim, const Vec3& outward, const
   return seen.at(rim - config.edge_probe_m * outward) == Sight::Surface;
 }
 
+double quantile(std::vector<double>& values, double part) {
+  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size()));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
 /// Thickness below a rim from the object's points just outside and just under it: what most places along it
 /// say, so that legs do not count. None where too few places show any.
 std::optional<double> seen_thickness(const Obstacles& obstacles, const Rectangle& plate,
@@ -52,11 +58,6 @@ std::optional<double> seen_thickness(const Obstacles& obstacles, const Rectangle
         depths[static_cast<std::size_t>(l / place_m)].push_back(below);
     }
   });
-  const auto quantile = [](std::vector<double>& values, double part) {
-    const auto nth = values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size()));
-    std::nth_element(values.begin(), nth, values.end());
-    return *nth;
-  };
   std::vector<double> places;
   for (std::vector<double>& depth : depths)
     if (depth.size() >= static_cast<std::size_t>(config.min_place_points))
@@ -121,12 +122,8 @@ void add_round_rim(const Scene& scene, int surface, const Rectangle& plate, cons
       thick.push_back(*t);
   }
   // no face closes a round plate, so that no solid says how thick it is
-  Thickness thickness = assumed_thickness(config);
-  if (!thick.empty()) {
-    std::nth_element(thick.begin(), thick.begin() + static_cast<std::ptrdiff_t>(thick.size() / 2),
-                     thick.end());
-    thickness = measured_thickness(thick[thick.size() / 2]);
-  }
+  const Thickness thickness =
+      thick.empty() ? assumed_thickness(config) : measured_thickness(quantile(thick, 0.5));
   if (thickness.value < config.min_width_m || thickness.value > hand.opening_m) return;
   for (const RectangleEdge& edge : rims) {
     GraspLine line;
