@@ -9,7 +9,7 @@
 
 #include "hal/robot_model/robot_model.hpp"
 #include "hal/types/result.hpp"
-#include "sim_hal/mujoco/physics.hpp"
+#include "sim_hal/mujoco/engine/physics.hpp"
 #include "sim_hal/people/body_contact.hpp"
 #include "sim_hal/people/scripted_person.hpp"
 #include "sim_hal/people/soft_body.hpp"

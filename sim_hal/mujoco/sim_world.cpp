@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "sim_hal/mujoco/mjcf.hpp"
+#include "sim_hal/mujoco/engine/mjcf.hpp"
 #include "sim_hal/mujoco/sim_world_impl.hpp"
 #include "sim_hal/mujoco/start_checks.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "hal/os/inheriting_mutex.hpp"
 #include "sim_hal/mujoco/arm_control.hpp"
-#include "sim_hal/mujoco/physics.hpp"
+#include "sim_hal/mujoco/engine/physics.hpp"
 #include "sim_hal/mujoco/sim_helpers.hpp"
 #include "sim_hal/mujoco/sim_partner.hpp"
 #include "sim_hal/mujoco/sim_people.hpp"

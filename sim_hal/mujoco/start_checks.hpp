@@ -1,7 +1,7 @@
 #pragma once
 
 #include "hal/types/result.hpp"
-#include "sim_hal/mujoco/physics.hpp"
+#include "sim_hal/mujoco/engine/physics.hpp"
 #include "sim_hal/scenario/object_parts.hpp"
 #include "sim_hal/scenario/scenario.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "sim_hal/mujoco/mjcf.hpp"
+#include "sim_hal/mujoco/engine/mjcf.hpp"
 
 namespace colift::sim_hal {
 

@@ -27,7 +27,7 @@ LIBRARIES = {
     r"octomap/|dynamicEDT3D/": ("perception/map/", "planner/motion/collision/exact_checker.cpp"),
     r"fcl/": ("planner/motion/collision/exact_checker.cpp",),
     r"ompl/": ("planner/motion/rrt_connect.cpp",),
-    r"mujoco/": ("sim_hal/mujoco/physics.cpp",),
+    r"mujoco/": ("sim_hal/mujoco/engine/",),
     r"urdf_(model|parser|world)|tinyxml": ("hal/robot_model/",),
     r"yaml-cpp/": ("hal/config/yaml_tree.cpp",),
     r"cairo": ("tools/visualization/canvas.cpp",),

@@ -1,4 +1,4 @@
-#include "sim_hal/mujoco/physics.hpp"
+#include "sim_hal/mujoco/engine/physics.hpp"
 
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
@@ -7,7 +7,8 @@
 #include <cstring>
 #include <vector>
 
-#include "sim_hal/mujoco/mjcf.hpp"
+#include "sim_hal/mujoco/engine/cylinder_contact.hpp"
+#include "sim_hal/mujoco/engine/mjcf.hpp"
 
 namespace colift::sim_hal {
 namespace {
@@ -244,6 +245,7 @@ hal::Result<std::unique_ptr<Physics>> Physics::make(const std::string& xml, cons
   auto loaded = load(xml);
   if (!loaded) return tl::unexpected(loaded.error());
   impl->model = std::move(*loaded);
+  correct_cylinder_contacts();
   impl->data.reset(mj_makeData(impl->model.get()));
   impl->index(model);
   for (int a = 0; a < hal::kArmJoints; ++a)

@@ -1,4 +1,4 @@
-#include "sim_hal/mujoco/mjcf.hpp"
+#include "sim_hal/mujoco/engine/mjcf.hpp"
 
 #include <fmt/format.h>
 
