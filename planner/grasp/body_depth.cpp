@@ -17,16 +17,24 @@ constexpr double kBeside_m = 0.006;  // points of its sides lie this far outside
 // both sides only. A face that is found on a tube lies behind the tube's front and is as wide as its
 // widest noise: pads at less than this let a tube go outwards.
 constexpr double kLeastSeen = 0.5, kLeastHidden = 0.75;
+// A side of which this part of the width shows in depth was seen, and behind its back edge, this far within
+// the width, there is nothing where the camera looked through.
+constexpr double kSideSeen = 0.3, kWithin_m = 0.006;
 
 // How deep the body is by where the first stretch begins, wide enough for a fingertip, through which the
-// camera looked: behind the body, or past it on both sides where it hides what is behind it.
-std::optional<double> seen_depth(const Vec3& place, const GraspLine& line, const SeenSpace& seen,
+// camera looked: behind the body, past it on both sides where it hides what is behind it, or past the back
+// edge of the side that faces the camera, `last` m deep.
+std::optional<double> seen_depth(const Vec3& place, const GraspLine& line, const SeenSpace& seen, double last,
                                  double reach_m) {
   const Vec3 aside = (0.5 * line.width + kAside_m) * line.closing;
+  const Vec3 within = (0.5 * line.width - kWithin_m) * line.closing;
+  const Vec3 near_side = (seen.camera() - place).dot(line.closing) < 0.0 ? Vec3(-within) : within;
+  const bool side_seen = last >= kSideSeen * line.width;
   int free = 0, behind = 0;  // steps in a row; of them behind the body itself
   for (double d = kStep_m; d <= reach_m; d += kStep_m) {
     const Vec3 p = place + d * line.approach;
-    const bool is_behind = seen.at(p) == Sight::Free;
+    const bool is_behind =
+        seen.at(p) == Sight::Free || (side_seen && d > last && seen.at(p + near_side) == Sight::Free);
     const bool is_free =
         is_behind || (seen.at(p + aside) == Sight::Free && seen.at(p - aside) == Sight::Free);
     free = is_free ? free + 1 : 0;
@@ -69,7 +77,7 @@ std::optional<double> body_depth(const GraspLine& line, const Obstacles& obstacl
   for (int i = 0; i <= spans; ++i) {
     const Vec3 place = line.from + static_cast<double>(i) / spans * (line.to - line.from);
     const double last = last_point(place, line, obstacles, reach_m);
-    if (const auto depth = seen_depth(place, line, seen, reach_m))
+    if (const auto depth = seen_depth(place, line, seen, last, reach_m))
       depths.push_back(std::max(last, *depth));
     else if (last < line.width + kAside_m)  // seen straight on: of a plate its sides would show
       depths.push_back(line.width);

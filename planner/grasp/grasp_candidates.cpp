@@ -326,7 +326,6 @@ std::optional<Collision> CandidateFinder::beside(const GraspCandidate& candidate
 
 std::optional<GraspCandidate> CandidateFinder::turned(const GraspCandidate& candidate,
                                                       double angle_rad) const {
-  if (candidate.kind == GraspKind::Wrap) return std::nullopt;
   GraspCandidate c = candidate;
   c.verdict = Verdict::Ok;
   c.reason.clear();

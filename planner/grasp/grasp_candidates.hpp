@@ -48,7 +48,7 @@ struct CandidateConfig {
   double min_length_m = 0.015;
   bool pads_bear = true;
   bool measure_depth = true;
-  double max_bar_m = 0.06;
+  double max_bar_m = 0.09;
   int min_in_reach = 5;
   bool edges = true;
   double side_clearance_m = 0.0;
@@ -171,7 +171,7 @@ class CandidateFinder {
 
   /// The same grasp taken at an angle to the face: the hand turned by `angle_rad` about its closing axis, so
   /// that the pads stay parallel to what they hold, and the palm as much farther away as its corner needs.
-  /// Judged like the others. None for a cylinder, or where the fingers would not reach deep enough.
+  /// Judged like the others. None where the fingers would not reach deep enough.
   [[nodiscard]] std::optional<GraspCandidate> turned(const GraspCandidate& candidate, double angle_rad) const;
 
   /// Sets verdict, reason and stability. Tries the hand turned by half a turn, and where fingers would meet

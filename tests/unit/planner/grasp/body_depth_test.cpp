@@ -103,6 +103,21 @@ TEST_CASE("a bar is grasped from sides too that show no face", "[bar]") {
   CHECK(std::any_of(more.begin(), more.end(), [](const auto& c) { return c.approach.z() < -0.95; }));
 }
 
+TEST_CASE("a post that hides all behind it is as deep as the side of it that is seen", "[bar]") {
+  const Vec3 center(0, 0, 0.4), size(0.05, kBar_m, 0.7);
+  const auto label = sim_hal::Label::Target;
+  auto scene = tests::scene_of(
+      {sim_hal::box(center, size, 0, label), sim_hal::box({0.4, 0, 0.4}, {0.05, kBar_m, 0.7}, 0, label)},
+      {1.35, -1.35, 1.5}, center);
+  tests::add_faces(scene, center, size);
+  const auto seen = tests::see(scene, true);
+  const CandidateFinder finder(seen.scene, &seen.cloud, HandModel{}, {});
+  const auto* front = line_towards(finder.lines(), Vec3::UnitY());
+  REQUIRE(front);
+  REQUIRE(front->depth);
+  CHECK(*front->depth == Approx(kBar_m).margin(0.012));
+}
+
 TEST_CASE("a plate goes on behind its rim: the fingers reach as deep as they can", "[bar]") {
   const Vec3 center(0, 0, 0.45), size(0.8, 0.5, 0.025);
   auto scene = tests::scene_of({sim_hal::box(center, size, 0, kTarget)}, {0, -1.5, 1.5}, center);
