@@ -248,9 +248,9 @@ std::optional<PartnerContact> PartnerFinder::contact(int hand) {
   return PartnerContact{found.position, found.covariance, all, skin / area};
 }
 
-// All touches that may be hands go to the sighting; returns the number of the others.
-std::size_t PartnerFinder::drop_legs(const OrganisedCloud& current, PartnerObservation& observation) {
-  std::vector<Vec3> legs;
+// All touches that may be hands go to the sighting as contacts, the others as legs.
+void PartnerFinder::drop_legs(const OrganisedCloud& current, PartnerObservation& observation) {
+  std::vector<Vec3>& legs = observation.legs;
   for (int hand = 0; hand < hands_; ++hand) {
     const auto found = contact(hand);
     if (!found) continue;
@@ -260,13 +260,17 @@ std::size_t PartnerFinder::drop_legs(const OrganisedCloud& current, PartnerObser
       legs.push_back(found->position);
   }
   // who leans against the object with one leg does so with the other, which the object may hide
-  const std::size_t others = std::erase_if(observation.contacts, [&](const PartnerContact& c) {
-    return std::any_of(
-               legs.begin(), legs.end(),
-               [&](const Vec3& leg) { return (leg - c.position).norm() < config_.legs.leg_distance_m; }) &&
-           leg_sign(current, observation.pixels, c.position, ground_, true, config_.legs) != LegSign::None;
+  const std::size_t first_legs = legs.size();
+  std::erase_if(observation.contacts, [&](const PartnerContact& c) {
+    const bool beside =
+        std::any_of(legs.begin(), legs.begin() + static_cast<std::ptrdiff_t>(first_legs),
+                    [&](const Vec3& leg) { return (leg - c.position).norm() < config_.legs.leg_distance_m; });
+    if (!beside ||
+        leg_sign(current, observation.pixels, c.position, ground_, true, config_.legs) == LegSign::None)
+      return false;
+    legs.push_back(c.position);
+    return true;
   });
-  return legs.size() + others;
 }
 
 void PartnerFinder::note_hidden_edge(const OrganisedCloud& current, PartnerObservation& observation) const {
@@ -322,7 +326,7 @@ hal::Result<PartnerObservation> PartnerFinder::find(const OrganisedCloud& curren
     return observation;
   }
   separate_hands();
-  const std::size_t legs = drop_legs(current, observation);
+  drop_legs(current, observation);
   std::stable_sort(observation.contacts.begin(), observation.contacts.end(),
                    [](const PartnerContact& a, const PartnerContact& b) { return a.points > b.points; });
   const auto max_hands = static_cast<std::size_t>(config_.max_hands);
@@ -330,7 +334,7 @@ hal::Result<PartnerObservation> PartnerFinder::find(const OrganisedCloud& curren
   if (observation.contacts.empty()) {
     observation.kind = PartnerKind::Near;
     observation.reason =
-        legs > 0
+        !observation.legs.empty()
             ? "a leg or the trunk of a person touches the object, and no hand does"
             : fmt::format("the nearest part of a body is {:.0f} mm from the object and does not touch it",
                           1000.0 * *observation.nearest_m);

@@ -132,6 +132,7 @@ struct PartnerObservation {
   /// share their load equally act like one there, which is what the load-sharing decision asks for.
   std::optional<PartnerGrasp> grasp;
   std::vector<PartnerContact> contacts;  ///< One for each hand, largest first.
+  std::vector<Vec3> legs;  ///< Where something touches the object that looks like a leg or a trunk.
   std::optional<double>
       nearest_m;  ///< Smallest distance of a changed body from the object, when within reach.
   std::vector<std::uint32_t> pixels;  ///< Changed pixels of the bodies near the object, ascending.
@@ -185,7 +186,7 @@ class PartnerFinder {
   [[nodiscard]] float hand_gap(float depth_m) const;
   [[nodiscard]] std::optional<PartnerContact> contact(int hand);
   void note_hidden_edge(const OrganisedCloud& current, PartnerObservation& observation) const;
-  std::size_t drop_legs(const OrganisedCloud& current, PartnerObservation& observation);
+  void drop_legs(const OrganisedCloud& current, PartnerObservation& observation);
   void number_patch_cells();
   void find_rim(const ReferenceImage& reference);
 

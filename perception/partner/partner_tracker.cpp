@@ -74,14 +74,26 @@ bool PartnerTracker::strays(const PartnerGrasp& seen) const {
          (seen.position - mean_).norm() > config_.rest_m;
 }
 
+// The last frames were no outliers: it rests there since the first of them that shows it where the last one
+// does.
+void PartnerTracker::go_elsewhere(int frames) {
+  const std::array<Elsewhere, TrackerConfig::kMaxMovedFrames> seen = elsewhere_;
+  const auto last = static_cast<std::size_t>(frames - 1);
+  std::size_t first = last;
+  while (first > 0 && (seen[first - 1].seen.position - seen[last].seen.position).norm() <= config_.rest_m)
+    --first;
+  start(seen[first].at, seen[first].seen);
+  for (std::size_t i = first + 1; i <= last; ++i) add(seen[i].at, seen[i].seen);
+}
+
 std::optional<PartnerEvent> PartnerTracker::lose_contact(hal::Timestamp at, const std::string& seen_instead) {
   const bool held = state_ == State::Holding;
   state_ = State::Away;
   hidden_since_.reset();
   if (!held) return std::nullopt;
   return PartnerEvent{PartnerEvent::Kind::LetGo, at,
-                      fmt::format("no contact for {:.2f} s (limit {:.2f} s): {}",
-                                  hal::seconds(at - last_contact_), config_.let_go_s, seen_instead)};
+                      fmt::format("no contact for {:.2f} s (limit {:.2f} s): {}", untouched_s(at),
+                                  config_.let_go_s, seen_instead)};
 }
 
 std::optional<PartnerEvent> PartnerTracker::confirm(hal::Timestamp at) {
@@ -114,7 +126,7 @@ std::optional<PartnerEvent> PartnerTracker::update_hidden(hal::Timestamp at) {
 }
 
 std::optional<PartnerEvent> PartnerTracker::tick(hal::Timestamp now) {
-  if (state_ == State::Away || hal::seconds(now - last_contact_) <= config_.let_go_s) return std::nullopt;
+  if (state_ == State::Away || untouched_s(now) <= config_.let_go_s) return std::nullopt;
   return lose_contact(now, "no frame since shows it");
 }
 
@@ -123,7 +135,12 @@ std::optional<PartnerEvent> PartnerTracker::update(hal::Timestamp at, const Part
   last_frame_ = at;
 
   const bool contact = observation.kind == PartnerKind::Grasp && observation.grasp.has_value();
-  if (state_ != State::Away && hal::seconds(at - last_contact_) > config_.let_go_s) {
+  // a hand before its own body looks like a leg in one frame and like a hand in the next
+  const bool touched = std::any_of(observation.legs.begin(), observation.legs.end(),
+                                   [&](const Vec3& leg) { return (leg - mean_).norm() < config_.moved_m; });
+  if (state_ == State::Holding && touched && hal::seconds(at - last_contact_) <= config_.unclear_s)
+    last_touch_ = at;
+  if (state_ != State::Away && untouched_s(at) > config_.let_go_s) {
     // what happened in the gap is unknown, so a contact after it begins a new dwell
     auto event = lose_contact(at, contact ? "the frames between are missing" : observation.reason);
     if (contact) start(at, *observation.grasp);
@@ -137,6 +154,7 @@ std::optional<PartnerEvent> PartnerTracker::update(hal::Timestamp at, const Part
   // a hand that is still on its way does not dwell; one frame that shows less of it is no way
   if (state_ == State::Touching && strays(*observation.grasp)) {
     last_contact_ = at;
+    elsewhere_[static_cast<std::size_t>(elsewhere_in_a_row_)] = {at, *observation.grasp};
     if (++elsewhere_in_a_row_ < config_.moved_frames) return std::nullopt;
     start(at, *observation.grasp);
     return confirm(at);
@@ -146,12 +164,14 @@ std::optional<PartnerEvent> PartnerTracker::update(hal::Timestamp at, const Part
     return confirm(at);
   }
 
-  // one frame beside the others is an outlier, but it is a contact all the same
+  // some frames beside the others are outliers, but contacts all the same
   last_contact_ = at;
-  if (++elsewhere_in_a_row_ < config_.moved_frames) return std::nullopt;
   const bool held = state_ == State::Holding;
+  elsewhere_[static_cast<std::size_t>(elsewhere_in_a_row_)] = {at, *observation.grasp};
+  const int streak = ++elsewhere_in_a_row_;
+  if (streak < (held ? config_.moved_held_frames : config_.moved_frames)) return std::nullopt;
   const Vec3 before = mean_;
-  start(at, *observation.grasp);
+  go_elsewhere(streak);
   if (!held) return confirm(at);
   return PartnerEvent{
       PartnerEvent::Kind::Moved, at,

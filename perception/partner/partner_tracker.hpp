@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <optional>
 #include <string>
 
@@ -12,12 +14,15 @@ namespace colift::perception {
 
 /// How long and how steadily a hand has to be seen before it counts as a grasp.
 struct TrackerConfig {
+  static constexpr int kMaxMovedFrames = 16;
   double dwell_s = 0.3;       ///< A touch becomes a grasp when it stays this long at one place.
   double rest_m = 0.012;      ///< A hand whose skin strays no farther than this from its mean rests.
   double let_go_s = 0.15;     ///< No contact for longer than this: let go. Shorter gaps are drop-outs.
+  double unclear_s = 0.6;     ///< So long what touches there may look like a leg.
   double moved_m = 0.03;      ///< The hand is elsewhere when it is farther from its place than this ...
   double moved_sigmas = 3.0;  ///< ... and than this many standard deviations of the difference.
-  int moved_frames = 2;       ///< Frames in a row that have to say so.
+  int moved_frames = 2;       ///< Frames in a row that have to say so ...
+  int moved_held_frames = 5;  ///< ... of a hand that held: what is seen of it may change from frame to frame.
   double common_error =
       0.6;  ///< Part of the covariance that all frames share, so that averaging does not shrink it.
   HiddenConfig hidden = {};
@@ -33,11 +38,16 @@ struct TrackerConfig {
       "Max movement of a hand at rest, during which its dwell counts (m).");
     v("let_go_s", let_go_s, hal::Range{0.0, 10.0},
       "Timeout without contact after which the partner has let go (s).");
+    v("unclear_s", unclear_s, hal::Range{0.0, 10.0},
+      "The same where something still touches the object at that place, but looks like a leg or a trunk: the "
+      "body behind a hand (s).");
     v("moved_m", moved_m, hal::Range{0.0, 1.0}, "Min distance of a hand that has moved (m).");
     v("moved_sigmas", moved_sigmas, hal::Range{0.0, 20.0},
       "The same, in standard deviations of the difference.");
-    v("moved_frames", moved_frames, hal::Range{1, 100},
-      "Min number of consecutive frames that show the hand elsewhere.");
+    v("moved_frames", moved_frames, hal::Range{1, kMaxMovedFrames},
+      "Min number of consecutive frames that show the hand elsewhere ...");
+    v("moved_held_frames", moved_held_frames, hal::Range{1, kMaxMovedFrames},
+      "... after it held the object. Its rest counts from the first of them.");
     v("common_error", common_error, hal::kFraction,
       "Fraction of the covariance that is common to all frames, so that averaging does not reduce it.");
     v("hidden", hidden, "When the partner's body or the robot hides his contact from the camera.");
@@ -86,7 +96,10 @@ class PartnerTracker {
   std::optional<PartnerEvent> tick(hal::Timestamp now);
 
   /// Nobody looked for so long: that time does not count as a hand that was not seen.
-  void looked_away(hal::Duration how_long) { last_contact_ += how_long; }
+  void looked_away(hal::Duration how_long) {
+    last_contact_ += how_long;
+    last_touch_ += how_long;
+  }
 
   [[nodiscard]] State state() const { return state_; }
 
@@ -102,17 +115,28 @@ class PartnerTracker {
  private:
   void start(hal::Timestamp at, const PartnerGrasp& seen);
   void add(hal::Timestamp at, const PartnerGrasp& seen);
+  void go_elsewhere(int frames);
   [[nodiscard]] bool strays(const PartnerGrasp& seen) const;
   [[nodiscard]] bool elsewhere(const PartnerGrasp& seen) const;
+  /// For how long nothing has touched the object at the contact (s).
+  [[nodiscard]] double untouched_s(hal::Timestamp now) const {
+    return hal::seconds(now - std::max(last_contact_, last_touch_));
+  }
   std::optional<PartnerEvent> lose_contact(hal::Timestamp at, const std::string& seen_instead);
   std::optional<PartnerEvent> confirm(hal::Timestamp at);
 
   TrackerConfig config_;
   State state_ = State::Away;
   std::optional<hal::Timestamp> last_frame_;
-  hal::Timestamp since_{0}, last_contact_{0};
+  hal::Timestamp since_{0}, last_contact_{0}, last_touch_{0};
   std::optional<hal::Timestamp> hidden_since_;
   int samples_ = 0;
+  /// The frames in a row that show it elsewhere.
+  struct Elsewhere {
+    hal::Timestamp at{0};
+    PartnerGrasp seen;
+  };
+  std::array<Elsewhere, TrackerConfig::kMaxMovedFrames> elsewhere_{};
   int elsewhere_in_a_row_ = 0;
   Vec3 mean_ = Vec3::Zero();
   Eigen::Matrix3d mean_covariance_ = Eigen::Matrix3d::Zero();

@@ -130,6 +130,43 @@ TEST_CASE("one frame that sees the hand elsewhere does not move the grasp", "[pa
   CHECK((story.tracker.grasp()->position - kLeftEnd).norm() < 1e-9);
 }
 
+TEST_CASE(
+    "some frames in a row that see it elsewhere do not either; a hand that stays there rests from the first",
+    "[partner][tracker]") {
+  Story story;
+  const Vec3 elsewhere = kLeftEnd + Vec3(0.1, 0, 0);
+  story.show(hand_at(kLeftEnd), 600ms);
+  for (int i = 0; i < 5; ++i) story.show(hand_at(elsewhere), 4 * kFrame).show(hand_at(kLeftEnd), 2 * kFrame);
+  CHECK(story.events.size() == 1);
+  CHECK((story.tracker.grasp()->position - kLeftEnd).norm() < 1e-9);
+  const hal::Timestamp left = story.now;
+  story.show(hand_at(elsewhere), 600ms);
+  REQUIRE(story.events.size() == 3);
+  CHECK(story.events[1].kind == Kind::Moved);
+  CHECK(story.events[2].kind == Kind::Grasped);
+  CHECK(story.tracker.since() == left);
+}
+
+TEST_CASE("a hand that looks like a leg from frame to frame holds on; a leg in its place does not",
+          "[partner][tracker]") {
+  PartnerObservation leg = nobody();
+  leg.kind = PartnerKind::Near;
+  leg.legs = {kLeftEnd + Vec3(0.01, 0, 0)};
+  Story story;
+  story.show(leg, 1s);
+  CHECK(story.tracker.state() == State::Away);
+  story.show(hand_at(kLeftEnd), 600ms);
+  for (int i = 0; i < 10; ++i) story.show(leg, 10 * kFrame).show(hand_at(kLeftEnd), kFrame);
+  CHECK(story.events.size() == 1);
+  CHECK(story.tracker.state() == State::Holding);
+  const hal::Timestamp last = story.now - kFrame;
+  story.show(leg, 2s);
+  REQUIRE(story.events.size() == 2);
+  CHECK(story.events[1].kind == Kind::LetGo);
+  CHECK(hal::seconds(story.events[1].at - last) > 0.6);
+  CHECK(hal::seconds(story.events[1].at - last) < 0.6 + 0.15 + 2 * 0.034);
+}
+
 TEST_CASE("an uncertain sighting needs more than three centimetres to be a movement", "[partner][tracker]") {
   Story story;
   story.show(hand_at(kLeftEnd, 0.03), 600ms).show(hand_at(kLeftEnd + Vec3(0.05, 0, 0), 0.03), 300ms);
