@@ -102,7 +102,11 @@ std::optional<RejectedObject> object_to_bulk(const Fragment& object, const Silho
                                              const TargetConfig& c) {
   const double width = silhouette.width(), height = object.max_height_m;
   if (width < c.min_massive_width_m || height < c.massive_height_m) return std::nullopt;
-  const double volume = width * height * std::max(c.unseen_depth_m, silhouette.depth());
+  const double seen_m2 = width * std::max(c.unseen_depth_m, silhouette.depth());
+  const FlatRectangle floor = footprint_rectangle(object);
+  const double floor_m2 =
+      std::max(floor.size.x(), c.unseen_depth_m) * std::max(floor.size.y(), c.unseen_depth_m);
+  const double volume = height * std::min(seen_m2, floor_m2);  // across the view a corner takes more
   if (volume <= c.max_massive_m3 && width <= kWideAndClosed_m) return std::nullopt;
   const double closed =
       fill(silhouette.points(), {silhouette.left(), silhouette.left() + width, 0.0, c.massive_height_m});

@@ -109,6 +109,54 @@ bool is_lying_frame(const OrganisedCloud& cloud, const Components& components, c
   return count_openings(cloud, components, object, c.min_opening_m2) >= c.min_openings;
 }
 
+// What is seen of its upper side, from its robust top down to `slab_m` below it, over the ground.
+std::vector<Silhouette::Point> upper_part(const Silhouette& silhouette, double slab_m) {
+  std::vector<Silhouette::Point> part = silhouette.points();
+  const auto high = part.begin() + static_cast<std::ptrdiff_t>(part.size() - 1 - part.size() / 100);
+  std::nth_element(part.begin(), high, part.end(),
+                   [](const auto& l, const auto& r) { return l.height < r.height; });
+  const double top_m = high->height;
+  std::erase_if(part, [&](const auto& p) { return p.height < top_m - slab_m; });
+  for (auto& p : part) p.height = 0.0F;
+  return part;
+}
+
+// The middle of a level beam on legs is longer, and narrower, than any back.
+bool is_beam_on_legs(const Silhouette& silhouette, const LimbShapeConfig& c) {
+  constexpr double kStep_m = 0.05, kFilled = 0.85;
+  const std::vector<Silhouette::Point> beam = upper_part(silhouette, c.beam_slab_m);
+  const PointSpread s = spread(beam);
+  const double length_m = kLengthPerDeviation * s.deviation_m(2);
+  if (kLengthPerDeviation * s.deviation_m(1) > c.max_beam_width_m || length_m < c.min_beam_length_m)
+    return false;
+  // one beam, not two heads
+  std::vector<bool> filled(static_cast<std::size_t>(length_m / kStep_m), false);
+  for (const Silhouette::Point& p : beam) {
+    const double at = s.axes.col(2).dot(Vec3(p.across, p.height, p.along) - s.mean) / length_m + 0.5;
+    if (at >= 0.0 && at < 1.0)
+      filled[static_cast<std::size_t>(at * static_cast<double>(filled.size()))] = true;
+  }
+  const auto n = static_cast<double>(std::count(filled.begin(), filled.end(), true));
+  return n >= kFilled * static_cast<double>(filled.size());
+}
+
+// A drum, or a bin with its lid: a level disc on top covers all of it. Shoulders and backs are neither level
+// nor all of a person.
+bool is_under_its_top(const Silhouette& silhouette, double sigma_m, const LimbShapeConfig& c) {
+  constexpr double kCell_m = 0.04;
+  if (sigma_m > c.max_top_sigma_m) return false;
+  const std::vector<Silhouette::Point> top = upper_part(silhouette, c.top_slab_m);
+  if (kLengthPerDeviation * spread(top).deviation_m(1) < c.min_top_width_m) return false;
+  const auto cells = [](const std::vector<Silhouette::Point>& points) {
+    std::vector<std::pair<long, long>> all;
+    for (const Silhouette::Point& p : points)
+      all.emplace_back(std::lround(p.across / kCell_m), std::lround(p.along / kCell_m));
+    std::sort(all.begin(), all.end());
+    return std::distance(all.begin(), std::unique(all.begin(), all.end()));
+  };
+  return static_cast<double>(cells(top)) >= c.min_top_cover * static_cast<double>(cells(silhouette.points()));
+}
+
 // Nearly all that could be measured is round; `enough`: factor of the limits.
 bool is_round(const SurfaceCurvature& s, double enough, const LimbShapeConfig& c) {
   return s.pieces >= c.min_pieces && s.measured >= c.min_measured && s.convex >= enough * c.min_convex;
@@ -147,6 +195,9 @@ std::optional<LimbShape> find_limb(const OrganisedCloud& cloud, const Components
       s.median_per_m - 2 * s.sigma_per_m < enough * c.sure_curvature_per_m)
     return std::nullopt;
   if (is_lying_frame(cloud, components, object, extent, thickness_m, c)) return std::nullopt;
+  if (object.cut_top == 0 && object.max_height_m > c.min_on_legs_m &&
+      (is_beam_on_legs(silhouette, c) || is_under_its_top(silhouette, noise.sigma(object.mean_depth_m), c)))
+    return std::nullopt;
   return LimbShape{1.0 / s.median_per_m, extent.length_m};
 }
 

@@ -39,6 +39,14 @@ struct LimbShapeConfig {
   double min_opening_m2 = 0.004;
   double max_frame_height_m = 0.6;
   double max_frame_thickness_m = 0.10;
+  double min_on_legs_m = 0.55;
+  double beam_slab_m = 0.08;
+  double max_beam_width_m = 0.12;
+  double min_beam_length_m = 0.7;
+  double top_slab_m = 0.02;
+  double max_top_sigma_m = 0.009;
+  double min_top_width_m = 0.2;
+  double min_top_cover = 0.75;
   CurvatureConfig curvature;
 
   template <class Visitor>
@@ -94,6 +102,21 @@ struct LimbShapeConfig {
     v("max_frame_thickness_m", max_frame_thickness_m, hal::kNotNegative,
       "... and max median thickness of its parts across the view (m): the thighs and the trunk of who lies "
       "there with his hands behind his head are thicker (thigh: 0.12 m, 5th percentile, DIN 33402-2).");
+    v("min_on_legs_m", min_on_legs_m, hal::kNotNegative,
+      "Higher than who lies on his side: what is higher than this (m) may be a trestle or a drum ...");
+    v("beam_slab_m", beam_slab_m, hal::kNotNegative,
+      "What of an object is this far below its top at most (m) is a beam on legs, such as a trestle's, and "
+      "no back ...");
+    v("max_beam_width_m", max_beam_width_m, hal::kNotNegative,
+      "... if it is no wider than this over the ground (m) ...");
+    v("min_beam_length_m", min_beam_length_m, hal::kPositive, "... and no shorter than this (m).");
+    v("top_slab_m", top_slab_m, hal::kNotNegative,
+      "What is this far below its top at most (m) is the lid of a drum ...");
+    v("max_top_sigma_m", max_top_sigma_m, hal::kNotNegative,
+      "... where the depth noise is less than this (m) ...");
+    v("min_top_width_m", min_top_width_m, hal::kPositive,
+      "... if it is at least as wide as this over the ground (m) ...");
+    v("min_top_cover", min_top_cover, hal::kFraction, "... and covers this fraction of the whole.");
     v("curvature", curvature, "How the curvature of a surface is measured.");
   }
 };

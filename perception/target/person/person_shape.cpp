@@ -41,6 +41,9 @@ std::optional<HeadAndShoulders> head_at(const Silhouette& s, std::size_t at, con
   const double width = static_cast<double>(to - from + 1) * Silhouette::kBin_m;
   if (dome < c.min_head_width_m || width > c.max_head_width_m || width > c.max_head_growth * dome)
     return std::nullopt;
+  const auto [lowest, highest] = std::minmax_element(top.begin() + static_cast<std::ptrdiff_t>(dome_from),
+                                                     top.begin() + static_cast<std::ptrdiff_t>(dome_to) + 1);
+  if (static_cast<double>(*highest - *lowest) < c.min_head_arch_m) return std::nullopt;
 
   // shoulders: how far the contour reaches at the lowest height that a head leaves
   const double middle = s.across(0.5 * static_cast<double>(from + to));

@@ -16,6 +16,7 @@ struct PersonShapeConfig {
   double min_head_width_m = 0.11;
   double max_head_width_m = 0.30;
   double max_head_growth = 1.6;
+  double min_head_arch_m = 0.015;
   double min_head_rise_m = 0.14;
   double max_head_rise_m = 0.40;
   double min_shoulder_width_m = 0.26;
@@ -36,6 +37,9 @@ struct PersonShapeConfig {
     v("max_head_width_m", max_head_width_m, hal::kPositive, "Max width of a head (m).");
     v("max_head_growth", max_head_growth, hal::kPositive,
       "Max ratio of a head's width above the shoulders to that near its top.");
+    v("min_head_arch_m", min_head_arch_m, hal::kNotNegative,
+      "Min difference in height of the contour near a head's top (m): a board that is seen from its edge is "
+      "level. The heads in recording 04: 28 to 51 mm.");
     v("min_head_rise_m", min_head_rise_m, hal::kPositive, "Min height of a head over the shoulders (m).");
     v("max_head_rise_m", max_head_rise_m, hal::kPositive, "Max height of a head over the shoulders (m).");
     v("min_shoulder_width_m", min_shoulder_width_m, hal::kPositive,

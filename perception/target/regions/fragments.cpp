@@ -4,8 +4,9 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <tuple>
+#include <utility>
 
-#include "perception/footprint.hpp"
 #include "perception/target/regions/fragment_gaps.hpp"
 
 namespace colift::perception {
@@ -19,8 +20,10 @@ constexpr double kSlender = 1.5;  // height over width of what falls over if not
 // farther beside it than kBeside_m, the thing would fall over alone; and where it is kUpright times as high
 // as what it touches is wide, in a direction in which the camera sees how wide that is.
 constexpr double kContact_m = 0.08, kSpot_m = 0.15, kBeside_m = 0.05, kUpright = 6.0, kInView = 0.7;
-// What touches the ground in a part of its span this small, beside its middle, has another leg.
-constexpr double kOneLeg = 0.3;
+// Farther beside what it touches the ground with than this part of its span no middle is borne by that alone.
+constexpr double kUnborne = 0.1;
+// Max pixels of what bears an object, as a fraction of the object's: most of a plate hides its foot.
+constexpr double kMaxFoot = 0.6;
 constexpr std::size_t kFootprintStride = 4;  // every fourth pixel still hits each cell several times
 
 // std::floor is a library call on plain x86-64
@@ -119,20 +122,33 @@ Eigen::AlignedBox2d contact_box(const Fragment& f) {
   return box;
 }
 
-// touches the ground in one spot of at most `spot_m`, and that is not under its middle
-bool stands_beside_middle(const Fragment& f, double spot_m) {
-  const Eigen::AlignedBox2d contact = contact_box(f);
-  if (contact.isEmpty() || contact.diagonal().norm() > spot_m) return false;
+Eigen::Vector2d footprint_middle(const Fragment& f) {
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   for (const std::int64_t cell : f.cells) middle += GroundAxes::center(cell);
-  middle /= static_cast<double>(f.cells.size());
-  return contact.exteriorDistance(middle) > kBeside_m;
+  return middle / static_cast<double>(f.cells.size());
+}
+
+// touches the ground in one spot, and that is not under its middle
+bool stands_beside_middle(const Fragment& f) {
+  const Eigen::AlignedBox2d contact = contact_box(f);
+  if (contact.isEmpty() || contact.diagonal().norm() > kSpot_m) return false;
+  return contact.exteriorDistance(footprint_middle(f)) > kBeside_m;
+}
+
+// what is seen of it does not bear its middle: nothing that touches the ground, or a side only
+bool is_unborne(const Fragment& f, double min_hanging_height_m) {
+  if (f.contact.empty()) return f.min_height_m > min_hanging_height_m;
+  const FlatRectangle foot = rectangle_around(f.contact);
+  const Eigen::Vector2d d = footprint_middle(f) - foot.center;
+  const Eigen::Vector2d beside(std::abs(foot.u.dot(d)) - 0.5 * foot.size.x(),
+                               std::abs(foot.v().dot(d)) - 0.5 * foot.size.y());
+  return beside.cwiseMax(0.0).norm() > std::max(kBeside_m, kUnborne * footprint_span(f));
 }
 
 // `eye`: the camera, on the ground
 bool would_fall(const Fragment& f, const Eigen::Vector2d& eye) {
   if (f.contact.empty()) return false;
-  if (stands_beside_middle(f, kSpot_m)) return true;
+  if (stands_beside_middle(f)) return true;
   const FlatRectangle foot = rectangle_around(f.contact);
   const bool u_narrow = foot.size.x() < foot.size.y();
   const Eigen::Vector2d narrow = u_narrow ? foot.u : foot.v(), away = (foot.center - eye).normalized();
@@ -142,16 +158,14 @@ bool would_fall(const Fragment& f, const Eigen::Vector2d& eye) {
          (spot || std::abs(narrow.dot(away)) < kInView);
 }
 
-// `gap_m`: distance between a and b along the image; `behind_m`: of the smaller one behind the larger one
-bool belong_together(const Fragment& a, const Fragment& b, double gap_m, double behind_m,
+// `gap_m`: distance between both along the image; `behind_m`: of the smaller one behind the larger one
+bool belong_together(const Fragment& large, const Fragment& small, double gap_m, double behind_m,
                      const Eigen::Vector2d& eye, const NoiseModel& noise, const FragmentConfig& c) {
   // one surface with a hole in its depth
-  const double depth = std::min(a.mean_depth_m, b.mean_depth_m);
+  const double depth = std::min(large.mean_depth_m, small.mean_depth_m);
   if (gap_m <= c.hole_gap_m + noise.step(depth)) return true;
 
   // a small part that hangs in the air hangs on its neighbour
-  const Fragment& large = a.pixels >= b.pixels ? a : b;
-  const Fragment& small = &large == &a ? b : a;
   const bool minor =
       static_cast<double>(small.pixels) < c.max_small_fraction * static_cast<double>(large.pixels);
   const bool hangs = small.min_height_m > c.min_hanging_height_m;
@@ -166,21 +180,31 @@ bool belong_together(const Fragment& a, const Fragment& b, double gap_m, double 
   if (little && ((hangs && gap_m <= c.hidden_gap_m) || (slender && behind_m <= c.hidden_gap_m))) return true;
 
   // one stands on the other
-  const Fragment& upper = a.min_height_m > b.min_height_m ? a : b;
-  const Fragment& lower = &upper == &a ? b : a;
+  const auto& [upper, lower] =
+      small.min_height_m > large.min_height_m ? std::tie(small, large) : std::tie(large, small);
   const double step = upper.min_height_m - lower.max_height_m;
   if (step > -c.height_overlap_m && step < c.standing_gap_m &&
-      footprint_overlap(a, b) >= c.min_standing_overlap)
+      footprint_overlap(large, small) >= c.min_standing_overlap)
     return true;
 
-  // a leg under its plate: thin, no higher, and within its footprint; or of any shape, where the plate would
-  // fall over without it and hides how it goes on upwards
+  // a leg under its plate: thin, no higher, and within its footprint
   const bool thin =
       footprint_span(small) < std::max(c.max_leg_width_m, small.max_height_m - small.min_height_m);
-  const bool bears = behind_m <= c.hidden_gap_m && !small.contact.empty() &&
-                     stands_beside_middle(large, kOneLeg * footprint_span(large));
-  return minor && (thin || bears) && small.max_height_m < large.max_height_m &&
+  return minor && thin && small.max_height_m < large.max_height_m &&
          fraction_under(small, rectangle_around(large.cells)) >= c.under_fraction;
+}
+
+// Whether a part of any shape stands under an object that would fall over without it, and goes on upwards
+// where the object itself hides it: a foot under a round plate, a panel or a shelf under a desk.
+// `behind_m` as above.
+bool bears(const Fragment& part, const Fragment& object, double behind_m, const FragmentConfig& c) {
+  if (part.contact.empty() || part.max_height_m >= object.max_height_m ||
+      static_cast<double>(part.pixels) > kMaxFoot * static_cast<double>(object.pixels) ||
+      !is_unborne(object, c.min_hanging_height_m))
+    return false;
+  // the rim that hides it may be as far before it as the plate is wide
+  const double hidden_m = object.contact.empty() ? footprint_span(object) : c.hidden_gap_m;
+  return behind_m <= hidden_m && fraction_under(part, rectangle_around(object.cells)) >= c.under_fraction;
 }
 
 // sums over the pixels of one region
@@ -238,6 +262,12 @@ std::vector<std::int32_t> slots_of(const std::vector<Fragment>& fragments, std::
 }
 
 }  // namespace
+
+FlatRectangle footprint_rectangle(const Fragment& f) {
+  FlatRectangle r = rectangle_around(f.cells);
+  r.size.array() += kCell_m;
+  return r;
+}
 
 double footprint_span(const Fragment& f) {
   if (f.cells.empty()) return 0.0;
@@ -347,21 +377,32 @@ std::vector<Fragment> join_fragments(std::vector<Fragment> fragments, const Orga
   const std::size_t n = fragments.size();
   FragmentGaps gaps(cloud, components, slots_of(fragments, components.pixels.size()), n);
   std::vector<bool> gone(n, false);
-  for (bool changed = true; changed;) {
-    changed = false;
+  // joins each pair for which belong(larger, smaller, gap, how far the smaller one is behind the larger one)
+  const auto join_where = [&](const auto& belong) {
+    bool changed = false;
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t k = i + 1; k < n; ++k) {
         if (gone[i] || gone[k]) continue;
-        const bool k_is_small = fragments[i].pixels >= fragments[k].pixels;
-        const double behind_m = k_is_small ? gaps.behind(k, i) : gaps.behind(i, k);
-        if (!belong_together(fragments[i], fragments[k], gaps.between(i, k), behind_m, eye, noise, config))
-          continue;
+        const auto [l, s] = fragments[i].pixels >= fragments[k].pixels ? std::pair(i, k) : std::pair(k, i);
+        if (!belong(fragments[l], fragments[s], gaps.between(i, k), gaps.behind(s, l))) continue;
         fragments[i] = joined(fragments[i], fragments[k]);
         gaps.join(i, k);
         gone[k] = changed = true;
       }
     }
-  }
+    return changed;
+  };
+  const auto together = [&](const Fragment& large, const Fragment& small, double gap_m, double behind_m) {
+    return belong_together(large, small, gap_m, behind_m, eye, noise, config);
+  };
+  // once its legs are known: what stands under an object that has them is a thing of its own
+  const auto under = [&](const Fragment& large, const Fragment& small, double, double behind_m) {
+    return bears(small, large, behind_m, config);
+  };
+  do {
+    while (join_where(together)) {
+    }
+  } while (join_where(under));
   std::vector<Fragment> objects;
   for (std::size_t i = 0; i < n; ++i)
     if (!gone[i]) objects.push_back(std::move(fragments[i]));

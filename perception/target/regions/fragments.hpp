@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "hal/config/range.hpp"
+#include "perception/footprint.hpp"
 #include "perception/ground/image_border.hpp"
 #include "perception/noise_model.hpp"
 #include "perception/scene.hpp"
@@ -84,6 +85,9 @@ struct Fragment {
 /// 1 for each pixel of the image that belongs to the object, else 0.
 [[nodiscard]] std::vector<std::uint8_t> own_pixels(const OrganisedCloud& cloud, const Components& components,
                                                    const Fragment& object);
+
+/// The least rectangle around a fragment's footprint, on the axes of hal::tangents (m).
+[[nodiscard]] FlatRectangle footprint_rectangle(const Fragment& fragment);
 
 /// How far a fragment reaches over the ground: diagonal of its footprint's bounding box (m).
 [[nodiscard]] double footprint_span(const Fragment& fragment);

@@ -192,6 +192,31 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a table top in the air has the foot under it, which it hides for the most part", "[target]") {
+  using namespace sim_hal;
+  const std::uint64_t seed = GENERATE(range(1, 7));
+  World world;
+  world.shapes.push_back(half_space(Vec3::Zero(), Vec3::UnitZ(), Label::Ground));
+  const auto upright = [&](double height, double radius, double length, Label label) {
+    world.shapes.push_back(cylinder({1.05, 0, height}, Vec3::UnitZ(), radius, length, label));
+  };
+  upright(0.60, 0.35, 0.025, Label::Target);
+  upright(0.31, 0.03, 0.56, Label::Partner);
+  upright(0.015, 0.22, 0.03, Label::Partner);
+  const Pose X_WC = look_at(Vec3(2.1, -1.4, 1.5), Vec3(1.15, 0, 0.3));
+  const Rendering truth = cast_rays(world, {}, X_WC);
+  const OrganisedCloud cloud = deproject(measure(truth, {}, seed), X_WC);
+  const TargetResult found = target_of(cloud);
+  REQUIRE(found.target);
+  const Found top = found_of(Label::Target, truth, cloud, *found.target);
+  const Found foot = found_of(Label::Partner, truth, cloud, *found.target);
+  INFO(top.of_target << " of " << top.seen << " pixels of the top, " << foot.of_target << " of "
+                     << foot.seen);
+  CHECK(top.of_target > 9 * top.seen / 10);
+  CHECK(foot.seen > 3000);
+  CHECK(foot.of_target > 8 * foot.seen / 10);
+}
+
 TEST_CASE("an object that the image cuts at the side is not free-standing", "[target]") {
   using namespace sim_hal;
   World world;
