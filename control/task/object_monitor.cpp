@@ -8,6 +8,7 @@
 
 #include "control/task/grip_quality.hpp"
 #include "hal/types/units.hpp"
+#include "perception/motion/pipe_tilt.hpp"
 
 namespace colift::control {
 namespace {
@@ -110,7 +111,8 @@ void ObjectMonitor::update() {
     update_noise(sample.palm_height_m - partner_rise_m_);
     const double first_m = std::max(c_.config.task.lift.leader_rise_m, end_noise_m());
     frames_first_ = partner_rise_m_ - sample.palm_height_m > first_m ? frames_first_ + 1 : 0;
-    tilt_rad_ = motion_->tilt(up);
+    const auto axis = perception::pipe_axis(c_.session.analysis().scene);
+    tilt_rad_ = axis ? perception::slope_change(motion_->X_WTnow_WTref, *axis, up) : motion_->tilt(up);
     if (c_.state == Task::TestLift || c_.state == Task::Lift || c_.state == Task::Hold)
       hanging_tilt_rad_ = tilt_rad_;
     // along the lift: across it a flat or round object may not show how far it went

@@ -80,33 +80,39 @@ TEST_CASE("fingers that are between palm and object are never gripped on, and no
 TEST_CASE("a thing under a finger that wraps a pipe is felt over the hand's real driver, too (row 16)") {
   // of pads that pinch something hands see more; of fingers around a bar only the angles at which they stop
   constexpr Under place = Under::F2;
-  Trial trial;
-  trial.seed = 13;
-  trial.index = 2;
-  const std::uint64_t seed = trial.own_seed(51);
-  sim_hal::Scenario scenario = mixed_layout(trial.index, trial.seed);
-  LiftHooks until_gripped;
-  until_gripped.cut.at = {Task::AwaitReady};
-  const auto alone = run_whole_lift(scenario, control::Method::Fast, seed, until_gripped);
-  REQUIRE(alone);
-  const FirstGrip grip = first_grip(alone->record);
-  REQUIRE(grip.grasp);
-  REQUIRE(grip.accepted);
-  CHECK(grip.grasp->kind == planner::GraspKind::Wrap);
-  const auto thing = thing_between(*grip.grasp, shared_hand(control::Method::Fast).hand, place, grip.close_s);
-  REQUIRE(thing);
-  scenario.clutter.push_back(*thing);
-  const auto lift = run_faulty_lift({scenario, Wire::Hand, {}}, config_for(control::Method::Fast, {}),
-                                    control::Method::Fast, seed);
-  REQUIRE(lift);
-  const FirstGrip between = first_grip(lift->record);
-  INFO(word(place) << ": " << between.why << "; " << lift->record.reason);
-  CHECK(lift->failed == "");
-  CHECK_FALSE(between.accepted);
-  CHECK_THAT(between.why,
-             Catch::Contains(fmt::format("something is between {} and the object", word(place))));
-  CHECK(fmt::format("{}", fmt::join(lift->verdict.breaches, "; ")) == "");
-  CHECK(fmt::format("{}", fmt::join(lift->broken_rules, "; ")) == "");
+  // the first pipe beside whose grasp there is room for it, and that is gripped there with it, too
+  int gripped = 0;
+  for (int pipe = 0; pipe < 6 && gripped == 0; ++pipe) {
+    Trial trial;
+    trial.seed = 13;
+    trial.index = 4 * pipe + 2;
+    const std::uint64_t seed = trial.own_seed(51);
+    sim_hal::Scenario scenario = mixed_layout(trial.index, trial.seed);
+    LiftHooks until_gripped;
+    until_gripped.cut.at = {Task::AwaitReady};
+    const auto alone = run_whole_lift(scenario, control::Method::Fast, seed, until_gripped);
+    REQUIRE(alone);
+    const FirstGrip grip = first_grip(alone->record);
+    if (!grip.grasp || !grip.accepted || grip.grasp->kind != planner::GraspKind::Wrap) continue;
+    const auto thing =
+        thing_between(*grip.grasp, shared_hand(control::Method::Fast).hand, place, grip.close_s);
+    if (!thing) continue;
+    scenario.clutter.push_back(*thing);
+    const auto lift = run_faulty_lift({scenario, Wire::Hand, {}}, config_for(control::Method::Fast, {}),
+                                      control::Method::Fast, seed);
+    REQUIRE(lift);
+    const FirstGrip between = first_grip(lift->record);
+    if (!between.grasp) continue;
+    ++gripped;
+    INFO(pipe << ", " << word(place) << ": " << between.why << "; " << lift->record.reason);
+    CHECK(lift->failed == "");
+    CHECK_FALSE(between.accepted);
+    CHECK_THAT(between.why,
+               Catch::Contains(fmt::format("something is between {} and the object", word(place))));
+    CHECK(fmt::format("{}", fmt::join(lift->verdict.breaches, "; ")) == "");
+    CHECK(fmt::format("{}", fmt::join(lift->broken_rules, "; ")) == "");
+  }
+  CHECK(gripped == 1);
 }
 
 TEST_CASE("who reaches under the object with his foot is not touched, whatever the state") {

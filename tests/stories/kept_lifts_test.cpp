@@ -114,6 +114,20 @@ TEST_CASE("a partner who holds on is not said to let go") {
   }
 }
 
+TEST_CASE("what no generator of objects draws is carried, whatever the partner does meanwhile") {
+  constexpr std::array kNames{"stretcher",           "frame_on_feet",
+                              "he_lowers_first",     "trestle",
+                              "table_on_one_foot",   "pipe_out_of_straight_reach",
+                              "hand_before_his_body"};
+  for (std::size_t n = 0; n < kNames.size(); ++n) {
+    if (n % 2 != 0 && !tests::thorough()) continue;
+    const KeptRun run = run_kept(kNames[n]);
+    INFO(kNames[n] << "\n" << told(run));
+    CHECK(run.lift.record.outcome == control::RunRecord::Result::Lifted);
+    CHECK(fmt::format("{}", fmt::join(run.lift.verdict.breaches, "; ")) == "");
+  }
+}
+
 TEST_CASE("an object that slid in the hand stands sooner than it was grasped, and is let go there") {
   // with fingers that close behind the bar
   const KeptRun run = run_kept("smooth_chair_slides_in_the_hand", {{"candidates.measure_depth", "false"}});

@@ -19,7 +19,7 @@ void LiftPhase::begin_lift(Task from) {
   if (from == Task::Pause) object_.forget_partner_top();
   evidence_.start_lift();
   from_ = from;
-  raises_ = false;
+  raises_ = partner_lowers_ = false;
   (void)raised();
 }
 
@@ -135,8 +135,17 @@ std::optional<TaskEvent> LiftPhase::partner_gone_or_lowers() {
   const bool heavier =
       load_n > carry.load_jump_factor * mean_load_n_ && load_n > mean_load_n_ + carry.load_jump_n;
   update_mean_load();
-  if (c_.arm.view().role == LiftController::Role::Follow && fell && !heavier)
-    return TaskEvent{Event::HoldOver, "the partner lowers"};
+  // who follows goes down with him; who leads does so where his hand is seen to go down with his end, slower
+  // than it would fall (LetGoMonitor)
+  const bool follows = c_.arm.view().role == LiftController::Role::Follow;
+  const bool sinks =
+      partner_.hand_stays() && object_.motion() &&
+      object_.partner_fall_m() > std::max(c_.config.task.lift.leader_rise_m, object_.end_noise_m());
+  if (!heavier && (follows ? fell : sinks)) {
+    partner_lowers_ = true;
+    return TaskEvent{Event::HoldOver,
+                     fmt::format("the partner lowers: his end by {:.0f} mm", 1e3 * object_.partner_fall_m())};
+  }
   // a person who carries sways: an end that stays up is not let go for a few newtons, which are not nearly
   // all of what he bore
   const double his_n = std::max(mean_load_n_, 0.0) * (1.0 / c_.record.decision->decision.share - 1.0);
@@ -173,7 +182,8 @@ void LiftPhase::begin_lower() {
 
 bool LiftPhase::lowered() {
   if (lowers_) return true;
-  const bool follows = c_.arm.view().role == LiftController::Role::Follow;
+  // he lowers already: nothing is left to be announced
+  const bool follows = partner_lowers_ || c_.arm.view().role == LiftController::Role::Follow;
   if (!follows && !c_.may_begin(Motion::Lower)) return false;
   lowers_ = true;
   moved_at_ = unsupported_at_ = c_.now;

@@ -16,6 +16,7 @@ void PausePhase::begin(Task from, Event event, std::string why) {
   why_ = std::move(why);
   not_since_ = hangs_at_ = c_.now;
   load_at_start_n_ = c_.arm.view().load_n;
+  began_nearly_down_ = is_nearly_down();
   c_.arm.pause();
   partner_.ask_again();
   if (!obstructed_) ++pauses_;
@@ -90,7 +91,9 @@ TaskEvent PausePhase::go_on() {
     // lowering that is interrupted without end is no lowering
     if (pauses_ > 2 * carry.max_regrasps + 1)
       return {Event::TimeOut, fmt::format("interrupted {} times", pauses_)};
-    if (is_nearly_down() && !holds_again()) {
+    // what was nearly down goes on without him. Whether he holds again is not known then: beside an object
+    // that has turned a little, the picture shows a hand that has left
+    if (began_nearly_down_ || (is_nearly_down() && !holds_again())) {
       partner_.stop();
       c_.attempts.regrasp = false;
       if (!std::exchange(c_.attempts.failed, true))

@@ -44,9 +44,10 @@ class PausePhase {
   bool obstructed_ = false, pulled_ = false;
   int pauses_ = 0;  ///< Of this job, but those in which something was under the object.
   double load_at_start_n_ = 0.0;
-  std::string why_;              ///< It was paused.
-  hal::Timestamp not_since_{0};  ///< When it was last not to go on ...
-  hal::Timestamp hangs_at_{0};   ///< ... and not to stand.
+  std::string why_;                 ///< It was paused.
+  hal::Timestamp not_since_{0};     ///< When it was last not to go on ...
+  hal::Timestamp hangs_at_{0};      ///< ... and not to stand.
+  bool began_nearly_down_ = false;  ///< Both ends were within some millimetres of where they stood.
 };
 
 }  // namespace colift::control
