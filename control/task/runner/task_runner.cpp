@@ -16,6 +16,14 @@ using namespace std::chrono_literals;
 
 constexpr hal::Duration kReportEvery = 33ms;  // the camera's frame period: nothing new is seen sooner
 
+/// How long the object was held at its height (s): shorter than asked where the partner lowered first.
+double held_s(const std::vector<StateChange>& states) {
+  double sum_s = 0.0;
+  for (std::size_t i = 0; i + 1 < states.size(); ++i)
+    if (states[i].state == Task::Hold) sum_s += hal::seconds(states[i + 1].at - states[i].at);
+  return sum_s;
+}
+
 /// Whether the job goes home without its goal from here on.
 bool is_failure(Task from, Event event, Task to) {
   return event == Event::LimitReached || event == Event::HangsAskew ||
@@ -373,8 +381,9 @@ RunRecord TaskRunner::finish() {
   switch (c_.state) {
     case Task::Done:
       record.outcome = Result::Lifted;
-      record.reason = fmt::format("held {:.1f} cm for {:.0f} s, lowered, released",
-                                  1e2 * (record.lift ? record.lift->height_m : 0.0), c_.config.task.hold_s);
+      record.reason = fmt::format("held {:.1f} cm for {:g} s, lowered, released",
+                                  1e2 * (record.lift ? record.lift->height_m : 0.0),
+                                  std::round(10.0 * held_s(record.states)) / 10.0);
       break;
     case Task::Refused:
       record.outcome = c_.attempts.approaches > 0 ? Result::Aborted : Result::Refused;
