@@ -20,6 +20,16 @@ double sigma_along(const Eigen::Matrix3d& covariance, const Vec3& difference) {
   return std::sqrt(std::max(0.0, along.dot(covariance * along)));
 }
 
+// A hand before its own body looks like a leg in one frame and like a hand in the next; of a hand behind an
+// edge the part that touches may be too small in every other frame.
+bool is_unclear(const PartnerObservation& seen, const Vec3& hand_W, double moved_m) {
+  constexpr double kNear_m = 0.05;  // a hand that has left is farther away within the shortest let_go_s
+  return (seen.legs.empty() && seen.kind == PartnerKind::Near &&
+          seen.nearest_m.value_or(kNear_m) < kNear_m) ||
+         std::any_of(seen.legs.begin(), seen.legs.end(),
+                     [&](const Vec3& leg) { return (leg - hand_W).norm() < moved_m; });
+}
+
 }  // namespace
 
 std::optional<PartnerGrasp> PartnerTracker::grasp() const {
@@ -135,10 +145,8 @@ std::optional<PartnerEvent> PartnerTracker::update(hal::Timestamp at, const Part
   last_frame_ = at;
 
   const bool contact = observation.kind == PartnerKind::Grasp && observation.grasp.has_value();
-  // a hand before its own body looks like a leg in one frame and like a hand in the next
-  const bool touched = std::any_of(observation.legs.begin(), observation.legs.end(),
-                                   [&](const Vec3& leg) { return (leg - mean_).norm() < config_.moved_m; });
-  if (state_ == State::Holding && touched && hal::seconds(at - last_contact_) <= config_.unclear_s)
+  if (state_ == State::Holding && is_unclear(observation, mean_, config_.moved_m) &&
+      hal::seconds(at - last_contact_) <= config_.unclear_s)
     last_touch_ = at;
   if (state_ != State::Away && untouched_s(at) > config_.let_go_s) {
     // what happened in the gap is unknown, so a contact after it begins a new dwell

@@ -9,6 +9,7 @@ namespace colift::control {
 namespace {
 
 constexpr double kMuchOfHis = 0.75;  // of the partner's load, taken over at once: he may have let go
+constexpr double kSlowly_s = 0.1;    // from half of the way that counts as lowering to all of it
 constexpr double kMeanLoad = 0.005;  // of a cycle in the slow mean of the load: some 200 cycles
 
 }  // namespace
@@ -102,6 +103,7 @@ void LiftPhase::update_mean_load() {
 
 void LiftPhase::begin_hold() {
   start_mean_load();
+  his_end_stays_at_ = c_.now;
   c_.record.frame_lifted.reset();
 }
 
@@ -135,12 +137,13 @@ std::optional<TaskEvent> LiftPhase::partner_gone_or_lowers() {
   const bool heavier =
       load_n > carry.load_jump_factor * mean_load_n_ && load_n > mean_load_n_ + carry.load_jump_n;
   update_mean_load();
-  // who follows goes down with him; who leads does so where his hand is seen to go down with his end, slower
-  // than it would fall (LetGoMonitor)
+  // who follows goes down with him; who leads does so where his hand is seen to go down with his end, and
+  // slowly: an end that he let go falls as far within a frame or two
   const bool follows = c_.arm.view().role == LiftController::Role::Follow;
-  const bool sinks =
-      partner_.hand_stays() && object_.motion() &&
-      object_.partner_fall_m() > std::max(c_.config.task.lift.leader_rise_m, object_.end_noise_m());
+  const double sunk_m = std::max(c_.config.task.lift.leader_rise_m, object_.end_noise_m());
+  if (!object_.motion() || object_.partner_fall_m() < 0.5 * sunk_m) his_end_stays_at_ = c_.now;
+  const bool sinks = object_.motion() && object_.partner_fall_m() > sunk_m && partner_.hand_stays() &&
+                     hal::seconds(c_.now - his_end_stays_at_) > kSlowly_s;
   if (!heavier && (follows ? fell : sinks)) {
     partner_lowers_ = true;
     return TaskEvent{Event::HoldOver,

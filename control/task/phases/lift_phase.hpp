@@ -56,6 +56,7 @@ class LiftPhase {
   bool load_steady_ = false;                        ///< When the hold began.
   bool raises_ = false, lowers_ = false;            ///< The arm was started.
   bool partner_lowers_ = false;                     ///< Of his own accord: the arm goes down with him.
+  hal::Timestamp his_end_stays_at_{0};              ///< It was last seen where he held it.
   hal::Timestamp updated_at_{0};                    ///< The load, last.
   hal::Timestamp moved_at_{0}, unsupported_at_{0};  ///< The palm; the object without the ground: last time.
   std::optional<double> share_robot_;
