@@ -20,9 +20,11 @@ constexpr double kSlender = 1.5;  // height over width of what falls over if not
 // farther beside it than kBeside_m, the thing would fall over alone; and where it is kUpright times as high
 // as what it touches is wide, in a direction in which the camera sees how wide that is.
 constexpr double kContact_m = 0.08, kSpot_m = 0.15, kBeside_m = 0.05, kUpright = 6.0, kInView = 0.7;
-// Farther beside what it touches the ground with than this part of its span no middle is borne by that alone.
-constexpr double kUnborne = 0.1;
-// Max pixels of what bears an object, as a fraction of the object's: most of a plate hides its foot.
+// What touches the ground in a part of its span this small, beside its middle, has another leg.
+constexpr double kOneLeg = 0.3;
+// Max thickness of a plate, noise included.
+constexpr double kPlate_m = 0.12;
+// Max pixels of the foot of a plate in the air, as a fraction of the plate's, which hides most of it.
 constexpr double kMaxFoot = 0.6;
 constexpr std::size_t kFootprintStride = 4;  // every fourth pixel still hits each cell several times
 
@@ -122,33 +124,26 @@ Eigen::AlignedBox2d contact_box(const Fragment& f) {
   return box;
 }
 
-Eigen::Vector2d footprint_middle(const Fragment& f) {
+// touches the ground in one spot of at most `spot_m`, and that is not under its middle
+bool stands_beside_middle(const Fragment& f, double spot_m) {
+  const Eigen::AlignedBox2d contact = contact_box(f);
+  if (contact.isEmpty() || contact.diagonal().norm() > spot_m) return false;
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   for (const std::int64_t cell : f.cells) middle += GroundAxes::center(cell);
-  return middle / static_cast<double>(f.cells.size());
+  middle /= static_cast<double>(f.cells.size());
+  return contact.exteriorDistance(middle) > kBeside_m;
 }
 
-// touches the ground in one spot, and that is not under its middle
-bool stands_beside_middle(const Fragment& f) {
-  const Eigen::AlignedBox2d contact = contact_box(f);
-  if (contact.isEmpty() || contact.diagonal().norm() > kSpot_m) return false;
-  return contact.exteriorDistance(footprint_middle(f)) > kBeside_m;
-}
-
-// what is seen of it does not bear its middle: nothing that touches the ground, or a side only
-bool is_unborne(const Fragment& f, double min_hanging_height_m) {
-  if (f.contact.empty()) return f.min_height_m > min_hanging_height_m;
-  const FlatRectangle foot = rectangle_around(f.contact);
-  const Eigen::Vector2d d = footprint_middle(f) - foot.center;
-  const Eigen::Vector2d beside(std::abs(foot.u.dot(d)) - 0.5 * foot.size.x(),
-                               std::abs(foot.v().dot(d)) - 0.5 * foot.size.y());
-  return beside.cwiseMax(0.0).norm() > std::max(kBeside_m, kUnborne * footprint_span(f));
+// a table top of which no leg is seen
+bool is_plate_in_the_air(const Fragment& f, double min_hanging_height_m) {
+  return f.contact.empty() && f.min_height_m > min_hanging_height_m &&
+         f.max_height_m - f.min_height_m < kPlate_m;
 }
 
 // `eye`: the camera, on the ground
 bool would_fall(const Fragment& f, const Eigen::Vector2d& eye) {
   if (f.contact.empty()) return false;
-  if (stands_beside_middle(f)) return true;
+  if (stands_beside_middle(f, kSpot_m)) return true;
   const FlatRectangle foot = rectangle_around(f.contact);
   const bool u_narrow = foot.size.x() < foot.size.y();
   const Eigen::Vector2d narrow = u_narrow ? foot.u : foot.v(), away = (foot.center - eye).normalized();
@@ -195,16 +190,18 @@ bool belong_together(const Fragment& large, const Fragment& small, double gap_m,
 }
 
 // Whether a part of any shape stands under an object that would fall over without it, and goes on upwards
-// where the object itself hides it: a foot under a round plate, a panel or a shelf under a desk.
+// where the object itself hides it: a foot under a round plate, the end of a bench.
 // `behind_m` as above.
 bool bears(const Fragment& part, const Fragment& object, double behind_m, const FragmentConfig& c) {
+  const bool hangs = is_plate_in_the_air(object, c.min_hanging_height_m);
   if (part.contact.empty() || part.max_height_m >= object.max_height_m ||
-      static_cast<double>(part.pixels) > kMaxFoot * static_cast<double>(object.pixels) ||
-      !is_unborne(object, c.min_hanging_height_m))
+      !(hangs || stands_beside_middle(object, kOneLeg * footprint_span(object))))
     return false;
   // the rim that hides it may be as far before it as the plate is wide
-  const double hidden_m = object.contact.empty() ? footprint_span(object) : c.hidden_gap_m;
-  return behind_m <= hidden_m && fraction_under(part, rectangle_around(object.cells)) >= c.under_fraction;
+  const double hidden_m = hangs ? footprint_span(object) : c.hidden_gap_m;
+  const double most = hangs ? kMaxFoot : c.max_small_fraction;
+  return static_cast<double>(part.pixels) < most * static_cast<double>(object.pixels) &&
+         behind_m <= hidden_m && fraction_under(part, rectangle_around(object.cells)) >= c.under_fraction;
 }
 
 // sums over the pixels of one region
