@@ -87,7 +87,7 @@ bool PartnerTracker::strays(const PartnerGrasp& seen) const {
 // The last frames were no outliers: it rests there since the first of them that shows it where the last one
 // does.
 void PartnerTracker::go_elsewhere(int frames) {
-  const std::array<Elsewhere, TrackerConfig::kMaxMovedFrames> seen = elsewhere_;
+  const auto& seen = elsewhere_;
   const auto last = static_cast<std::size_t>(frames - 1);
   std::size_t first = last;
   while (first > 0 && (seen[first - 1].seen.position - seen[last].seen.position).norm() <= config_.rest_m)

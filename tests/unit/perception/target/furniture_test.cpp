@@ -1,6 +1,5 @@
 // Furniture that has something of a person: as it was drawn for scenarios of bodies that no generator makes.
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 #include "seen_object.hpp"
@@ -10,15 +9,7 @@ namespace {
 
 using namespace sim_hal;
 
-constexpr int kFrames = 10;
-constexpr float kRaised_m = 0.012f;
 constexpr double kDegree = std::numbers::pi / 180.0;
-
-int of_ten(const std::function<bool(std::uint64_t)>& holds) {
-  int n = 0;
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) n += holds(seed) ? 1 : 0;
-  return n;
-}
 
 Shape part(const Vec3& at, const Vec3& size) {
   return box(at, size, 0.0, Label::Target);

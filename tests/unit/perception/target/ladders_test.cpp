@@ -1,7 +1,6 @@
 // Ladders are carried by two, and are no persons: as they were drawn for `colift experiment furniture --seed
 // 263`.
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 #include "lying_person.hpp"
@@ -12,8 +11,6 @@ namespace {
 
 using namespace sim_hal;
 
-constexpr int kFrames = 10;
-constexpr float kRaised_m = 0.012f;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 // a part of a ladder, in the ladder's frame, leaning about its own y axis
@@ -61,12 +58,6 @@ SeenObject stepladder(std::uint64_t seed) {
 
 int openings(const SeenObject& seen, double min_area_m2) {
   return count_openings(seen.cloud, seen.components, seen.object, min_area_m2);
-}
-
-int of_ten(const std::function<bool(std::uint64_t)>& holds) {
-  int n = 0;
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) n += holds(seed) ? 1 : 0;
-  return n;
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "perception/ground/image_border.hpp"
@@ -67,5 +69,16 @@ struct SeenObject {
     return find_person(s, NoiseModel(), thickness, config);
   }
 };
+
+/// As a run sees it: in the mean of some frames, from a little above the floor on.
+constexpr int kFrames = 10;
+constexpr float kRaised_m = 0.012f;
+
+/// For how many of ten seeds of the noise something holds.
+inline int of_ten(const std::function<bool(std::uint64_t)>& holds) {
+  int n = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) n += holds(seed) ? 1 : 0;
+  return n;
+}
 
 }  // namespace colift::perception
