@@ -26,6 +26,7 @@
 #include "perception/ground/ground.hpp"
 #include "perception/map/world_map.hpp"
 #include "perception/motion/object_motion.hpp"
+#include "perception/motion/raised_end.hpp"
 #include "perception/noise_model.hpp"
 #include "perception/partner/grasp_presence.hpp"
 #include "perception/partner/partner_grasp.hpp"
@@ -57,6 +58,7 @@ struct Config {
   planner::CandidateConfig candidates;
   perception::PartnerConfig partner;
   perception::TrackerConfig tracker{.dwell_s = 0.1};
+  perception::RaiseConfig raise;
   perception::PresenceConfig presence;
   planner::DecisionConfig decision;
   CertificateConfig certificate;
@@ -105,6 +107,7 @@ struct Config {
     v("candidates", candidates, "Where the hand may grasp.");
     v("partner", partner, "Detection of the partner's grasp.");
     v("tracker", tracker, "When a touch is a grasp.");
+    v("raise", raise, "When an object that rises behind somebody's body is held by him.");
     v("presence", presence, "Whether the partner's hand is still at its grasp while the object moves.");
     v("decision", decision, "Load sharing.");
     v("certificate", certificate, "Bounds of share, tilt, slip and load that are said before a lift.");

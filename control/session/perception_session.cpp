@@ -1,11 +1,19 @@
 #include "control/session/perception_session.hpp"
 
+#include <fmt/format.h>
+
+#include <cmath>
 #include <utility>
 
 #include "control/session/views/camera_set.hpp"
 #include "perception/map/line_of_sight.hpp"
 
 namespace colift::control {
+namespace {
+
+constexpr double kMaxAway_s = 1.0;  // a frame or two in which less of the edge is hidden
+
+}  // namespace
 
 struct PerceptionSession::Impl {
   Impl(Method method, const Config& c, const RigView& rig, const hal::Clock& s)
@@ -14,6 +22,7 @@ struct PerceptionSession::Impl {
         set(method, c, rig, s),
         map(c.map),
         tracker(c.tracker),
+        raised_end(c.raise),
         body_tracker(c.body_tracks) {}
 
   const Config& config;
@@ -22,6 +31,11 @@ struct PerceptionSession::Impl {
   std::optional<PushedCamera> pushed;
   perception::WorldMap map;
   perception::PartnerTracker tracker;
+  perception::RaisedEnd raised_end;
+  std::optional<perception::PartnerGrasp> behind_body;  ///< Where a hand may be that was not seen.
+  /// A grasp that nobody saw, before the robot did something else, and since when he stands there again.
+  std::optional<perception::PartnerGrasp> unseen_before;
+  std::optional<hal::Timestamp> there_since, away_since;
   perception::BodyTracker body_tracker;
   JoinedBodies joined_bodies;
   std::vector<ViewOfBodies> body_views;
@@ -35,6 +49,7 @@ struct PerceptionSession::Impl {
     auto made = set.begin_to_watch(robot);
     if (!made) return tl::unexpected(made.error());
     map = std::move(*made);
+    unseen_before.reset();
     return {};
   }
 
@@ -57,6 +72,89 @@ struct PerceptionSession::Impl {
       partner_points.insert(partner_points.end(), camera.partner_points.begin(), camera.partner_points.end());
     });
     return join_sightings(views, config.views.same_hand_m);
+  }
+
+  /// The partner in this frame, if it is one in which he is looked for: is_new.
+  hal::Result<Sight> next_sight(const hal::DepthFrame& frame, const RobotPosture& robot) {
+    if (!set.lead().knows_object())
+      return hal::failure(hal::ErrorCode::NotFound, "watch", "there is no object");
+    Sight out;
+    const int every = set.lead().frames_per_sight();
+    if (frames++ % every != 0) {
+      out.partner = last_sight;
+      out.is_new = false;
+      return out;
+    }
+    auto seen = see_partner(frame, robot);
+    if (!seen) return tl::unexpected(seen.error());
+    if (every > 1) last_sight = seen->observation;
+    out.partner = std::move(seen->observation);
+    out.hidden = seen->hidden;
+    return out;
+  }
+
+  /// Hands what was seen to the tracker.
+  void track(hal::Timestamp at, Sight& sight) {
+    // a scene that moved says nothing about hands
+    if (sight.event || sight.partner.kind == perception::PartnerKind::ObjectMoved) return;
+    if (sight.hidden && sight.partner.kind != perception::PartnerKind::Grasp) {
+      sight.event = tracker.update_hidden(at);
+      sight.partner.reason += "; his body hides from the camera where he held the object";
+    } else if (tracker.is_unseen() && hides_hand(sight.partner, tracker.grasp())) {
+      sight.event = tracker.update_hidden(at);
+      sight.partner.reason += "; he holds it there";
+    } else {
+      sight.event = tracker.update(at, sight.partner);
+    }
+  }
+
+  /// Of a hand that was never seen no pixels are known that could show that it is gone: his body stands
+  /// before the place, or it does not.
+  [[nodiscard]] bool hides_hand(const perception::PartnerObservation& seen,
+                                const std::optional<perception::PartnerGrasp>& grasp) const {
+    return grasp && seen.kind != perception::PartnerKind::Grasp && seen.hidden_edge &&
+           (seen.hidden_edge->grasp.position - grasp->position).norm() <= config.raise.max_shift_m;
+  }
+
+  /// Whoever raised the object there, and still stands so when the robot comes back from an attempt, need not
+  /// do it again.
+  std::optional<perception::PartnerEvent> still_there(hal::Timestamp at,
+                                                      const perception::PartnerObservation& seen) {
+    if (!unseen_before) return std::nullopt;
+    if (!hides_hand(seen, unseen_before)) {
+      if (!away_since) away_since = at;
+      there_since.reset();
+      if (seen.kind == perception::PartnerKind::Grasp || hal::seconds(at - *away_since) > kMaxAway_s)
+        unseen_before.reset();
+      return std::nullopt;
+    }
+    away_since.reset();
+    if (!there_since) there_since = at;
+    if (hal::seconds(at - *there_since) < config.tracker.hidden_dwell_s) return std::nullopt;
+    return tracker.hold_unseen(
+        at, *unseen_before,
+        "he still stands before the place at which he raised the object; his hand is not seen");
+  }
+
+  /// Somebody hides an edge of the object, which may rise there.
+  std::optional<perception::PartnerEvent> raise(hal::Timestamp at, const perception::ObjectMotion& motion,
+                                                perception::PartnerObservation& seen) {
+    const auto& ground = set.scene().analysis().scene.ground;
+    if (!ground) return std::nullopt;
+    const auto held = raised_end.update(at, *behind_body, motion, ground->plane.normal);
+    if (raised_end.moves())
+      seen.reason =
+          fmt::format("the object rises by {:.0f} mm behind somebody's body", 1e3 * raised_end.rise_m());
+    if (!held) return std::nullopt;
+    const hal::Vec3& at_W = held->grasp.position;
+    unseen_before = held->grasp;
+    return tracker.hold_unseen(
+        at, held->grasp,
+        fmt::format(
+            "the object rose by {:.0f} mm behind his body, and stands again: he holds it about ({:.2f}, "
+            "{:.2f}, {:.2f}) m, +- {:.0f} mm; his hand is not seen",
+            1e3 * held->rise_m, at_W.x(), at_W.y(), at_W.z(),
+            1e3 * std::sqrt(held->grasp.covariance.trace() / 3.0)));
   }
 
   void check_pose(std::size_t camera, const hal::DepthFrame& frame, const RobotPosture& robot) {
@@ -161,32 +259,28 @@ double PerceptionSession::unseen() const {
 hal::Result<Sight> PerceptionSession::observe_partner(const hal::DepthFrame& frame,
                                                       const RobotPosture& robot) {
   Impl& i = *impl_;
-  Sight out;
   const hal::Timestamp start = i.stopwatch.now();
-  if (!i.set.lead().knows_object())
-    return hal::failure(hal::ErrorCode::NotFound, "watch", "there is no object");
-  const int every = i.set.lead().frames_per_sight();
-  if (i.frames++ % every != 0) {
-    out.partner = i.last_sight;
-    out.is_new = false;
-    return out;
-  }
-  const hal::Timestamp at = frame.exposed_at;
-  auto seen = i.see_partner(frame, robot);
-  if (!seen) return tl::unexpected(seen.error());
-  perception::PartnerObservation& observation = seen->observation;
-  if (every > 1) i.last_sight = observation;
-  // a scene that moved says nothing about hands
-  if (observation.kind != perception::PartnerKind::ObjectMoved) {
-    if (seen->hidden && observation.kind != perception::PartnerKind::Grasp) {
-      out.event = i.tracker.update_hidden(at);
-      observation.reason += "; his body hides from the camera where he held the object";
-    } else {
-      out.event = i.tracker.update(at, observation);
-    }
-  }
-  out.partner = std::move(observation);
-  out.compute_ms = 1e3 * hal::seconds(i.stopwatch.now() - start);
+  auto out = i.next_sight(frame, robot);
+  if (!out || !out->is_new) return out;
+  i.track(frame.exposed_at, *out);
+  out->compute_ms = 1e3 * hal::seconds(i.stopwatch.now() - start);
+  return out;
+}
+
+hal::Result<Sight> PerceptionSession::await_grasp(const hal::DepthFrame& frame, const RobotPosture& robot) {
+  Impl& i = *impl_;
+  const hal::Timestamp start = i.stopwatch.now();
+  auto out = i.next_sight(frame, robot);
+  if (!out || !out->is_new) return out;
+  const bool holds = i.tracker.state() == perception::PartnerTracker::State::Holding;
+  if (out->partner.hidden_edge) i.behind_body = out->partner.hidden_edge->grasp;
+  if (!holds && i.behind_body)
+    if (const auto motion = watch_object(frame, robot))
+      out->event = i.raise(frame.exposed_at, *motion, out->partner);
+  if (!holds && !out->event) out->event = i.still_there(frame.exposed_at, out->partner);
+  // the edge of an object that somebody raises is nearer than it was, like a hand
+  if (holds || !i.raised_end.moves()) i.track(frame.exposed_at, *out);
+  out->compute_ms = 1e3 * hal::seconds(i.stopwatch.now() - start);
   return out;
 }
 
@@ -200,7 +294,11 @@ const perception::PartnerTracker& PerceptionSession::tracker() const {
   return impl_->tracker;
 }
 void PerceptionSession::forget_partner() {
+  impl_->there_since.reset();
+  impl_->away_since.reset();
   impl_->tracker = perception::PartnerTracker(impl_->config.tracker);
+  impl_->raised_end.forget();
+  impl_->behind_body.reset();
   for (Camera& camera : impl_->set.cameras()) camera.view.forget_partner();
 }
 const std::vector<Eigen::Vector3f>& PerceptionSession::partner_points() const {

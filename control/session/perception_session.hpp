@@ -25,7 +25,8 @@ namespace colift::control {
 struct Sight {
   perception::PartnerObservation partner;
   std::optional<perception::PartnerEvent> event;
-  bool is_new = true;  ///< Of this frame; else `partner` is what an earlier one showed.
+  bool is_new = true;   ///< Of this frame; else `partner` is what an earlier one showed.
+  bool hidden = false;  ///< His body, or the robot, is before a hand that was seen.
   double compute_ms = 0.0;
 };
 
@@ -96,6 +97,9 @@ class PerceptionSession {
   /// every frame looks at some; in between its last sighting is returned, and the tracker hears of nothing.
   /// Errors: NotFound before there is an object, and the method's.
   [[nodiscard]] hal::Result<Sight> observe_partner(const hal::DepthFrame& frame, const RobotPosture& robot);
+  /// The same where nobody holds the object yet, and the robot does not: somebody whose body hides an edge of
+  /// it holds it there, once it has risen and stands again (perception::RaisedEnd).
+  [[nodiscard]] hal::Result<Sight> await_grasp(const hal::DepthFrame& frame, const RobotPosture& robot);
   /// The camera gave nothing: a silent one must not keep a grasp alive.
   std::optional<perception::PartnerEvent> no_frame(hal::Timestamp now);
   /// The robot was busy for so long, and no frame was looked at.

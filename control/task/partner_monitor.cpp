@@ -4,11 +4,12 @@ namespace colift::control {
 
 using perception::PartnerEvent;
 
-std::optional<PartnerEvent> PartnerMonitor::update() {
+template <class Look>
+std::optional<PartnerEvent> PartnerMonitor::look(const Look& look_at) {
   const DeviceReadings& r = c_.readings;
   // what comes late and steadily is slow, not silent: the arm's speed answers for that
   if (!r.frame) return c_.session.no_frame(c_.now - r.frame_latency);
-  auto sight = c_.session.observe_partner(*r.frame, c_.posture());
+  auto sight = look_at(c_.session, *r.frame, c_.posture());
   if (!sight) {
     c_.partner_note = sight.error().detail;
     return std::nullopt;
@@ -20,6 +21,18 @@ std::optional<PartnerEvent> PartnerMonitor::update() {
   if (sight->is_new && sight->partner.kind == perception::PartnerKind::Grasp && sight->partner.grasp)
     c_.tracked.partner_W = sight->partner.grasp->position;
   return sight->event;
+}
+
+std::optional<PartnerEvent> PartnerMonitor::update() {
+  return look([](PerceptionSession& session, const hal::DepthFrame& frame, const RobotPosture& robot) {
+    return session.observe_partner(frame, robot);
+  });
+}
+
+std::optional<PartnerEvent> PartnerMonitor::await_grasp() {
+  return look([](PerceptionSession& session, const hal::DepthFrame& frame, const RobotPosture& robot) {
+    return session.await_grasp(frame, robot);
+  });
 }
 
 std::optional<TaskEvent> PartnerMonitor::let_go() {

@@ -13,6 +13,9 @@ class PartnerMonitor {
 
   /// Once in a cycle: what he did, if anything. Without a frame time alone may tell that he let go.
   std::optional<perception::PartnerEvent> update();
+  /// update() where nobody holds the object yet and nothing moves it: somebody whose body hides his hand
+  /// holds it, too, once he has raised it a little.
+  std::optional<perception::PartnerEvent> await_grasp();
   /// update() where the hand is at the object: the event when he let go, nothing else matters there.
   [[nodiscard]] std::optional<TaskEvent> let_go();
 
@@ -27,6 +30,9 @@ class PartnerMonitor {
   [[nodiscard]] double compute_ms() const { return compute_ms_; }
 
  private:
+  template <class Look>
+  std::optional<perception::PartnerEvent> look(const Look& look_at);
+
   TaskContext& c_;
   double compute_ms_ = 0.0;
   bool scene_changed_ = false;

@@ -58,6 +58,12 @@ double ObjectMotion::rise_sigma(const Vec3& up) const {
   return std::sqrt(up.dot(covariance.topLeftCorner<3, 3>() * up));
 }
 
+double ObjectMotion::rise_sigma(const Vec3& p_W, const Vec3& up) const {
+  Eigen::Matrix<double, 6, 1> per_twist;
+  per_twist << up, (X_WTnow_WTref * p_W - center_W).cross(up);
+  return std::sqrt(std::max(0.0, per_twist.dot(covariance * per_twist)));
+}
+
 double ObjectMotion::tilt_sigma(const Vec3& up) const {
   const auto [a, b] = hal::tangents(up);
   const Eigen::Matrix3d c = covariance.bottomRightCorner<3, 3>();

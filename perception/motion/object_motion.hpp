@@ -93,6 +93,8 @@ struct ObjectMotion {
   /// Standard deviations of this frame's rise of the centre (m) and of its tilt about the less certain
   /// horizontal axis (rad).
   [[nodiscard]] double rise_sigma(const hal::Vec3& up) const;
+  /// The same of the rise of a point of the reference, which its tilt moves too (m).
+  [[nodiscard]] double rise_sigma(const hal::Vec3& p_W, const hal::Vec3& up) const;
   [[nodiscard]] double tilt_sigma(const hal::Vec3& up) const;
 };
 

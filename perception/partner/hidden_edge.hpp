@@ -6,6 +6,7 @@
 
 #include "hal/types/geometry.hpp"
 #include "perception/organised_cloud.hpp"
+#include "perception/scene.hpp"
 
 namespace colift::perception {
 
@@ -15,6 +16,9 @@ struct HiddenEdge {
   bool to_right = false;  ///< The shorter way out of the view is to the right in the image, else to the left.
   hal::Vec3 aside_W =
       hal::Vec3::Zero();  ///< That way, horizontal, length 1; zero: the camera looks along it.
+  /// Where a hand of that body most likely is, if it holds the object: on the hidden edge nearest to the
+  /// body. No evidence that there is one. `points`: of the edge, weighted by how near they are.
+  PartnerGrasp grasp;
 };
 
 /// Unset where no part of the edge is hidden.

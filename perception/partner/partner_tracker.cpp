@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace colift::perception {
 namespace {
@@ -48,6 +49,7 @@ void PartnerTracker::start(hal::Timestamp at, const PartnerGrasp& seen) {
   state_ = State::Touching;
   since_ = last_contact_ = at;
   hidden_since_.reset();
+  unseen_ = false;
   samples_ = 1;
   elsewhere_in_a_row_ = 0;
   mean_ = seen.position;
@@ -100,6 +102,7 @@ std::optional<PartnerEvent> PartnerTracker::lose_contact(hal::Timestamp at, cons
   const bool held = state_ == State::Holding;
   state_ = State::Away;
   hidden_since_.reset();
+  unseen_ = false;
   if (!held) return std::nullopt;
   return PartnerEvent{PartnerEvent::Kind::LetGo, at,
                       fmt::format("no contact for {:.2f} s (limit {:.2f} s): {}", untouched_s(at),
@@ -135,6 +138,17 @@ std::optional<PartnerEvent> PartnerTracker::update_hidden(hal::Timestamp at) {
                   place(mean_), samples_, hidden_s, config_.hidden_dwell_s)};
 }
 
+std::optional<PartnerEvent> PartnerTracker::hold_unseen(hal::Timestamp at, const PartnerGrasp& estimate,
+                                                        std::string reason) {
+  if (state_ == State::Holding) return std::nullopt;
+  start(at, estimate);
+  skin_.reset();
+  state_ = State::Holding;
+  hidden_since_ = at;
+  unseen_ = true;
+  return PartnerEvent{PartnerEvent::Kind::Grasped, at, std::move(reason)};
+}
+
 std::optional<PartnerEvent> PartnerTracker::tick(hal::Timestamp now) {
   if (state_ == State::Away || untouched_s(now) <= config_.let_go_s) return std::nullopt;
   return lose_contact(now, "no frame since shows it");
@@ -155,6 +169,11 @@ std::optional<PartnerEvent> PartnerTracker::update(hal::Timestamp at, const Part
     return event;
   }
   if (!contact) return std::nullopt;
+  if (unseen_ && !elsewhere(*observation.grasp)) {
+    start(at, *observation.grasp);
+    state_ = State::Holding;
+    return std::nullopt;
+  }
   if (state_ == State::Away) {
     start(at, *observation.grasp);
     return confirm(at);

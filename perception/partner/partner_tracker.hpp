@@ -92,6 +92,11 @@ class PartnerTracker {
   /// A frame measured at `at` in which the contact is hidden (HandPixels::hidden()) and no other is seen.
   std::optional<PartnerEvent> update_hidden(hal::Timestamp at);
 
+  /// He holds it where no camera sees: his body hides the place, and the object moved there (RaisedEnd).
+  /// Ignored where he holds it already. A hand that is seen there later replaces the estimate.
+  std::optional<PartnerEvent> hold_unseen(hal::Timestamp at, const PartnerGrasp& estimate,
+                                          std::string reason);
+
   /// No frame came, and it is `now`: a camera that fell silent must not keep a grasp alive.
   std::optional<PartnerEvent> tick(hal::Timestamp now);
 
@@ -105,6 +110,9 @@ class PartnerTracker {
 
   /// The contact cannot be observed; what grasp() says is from before.
   [[nodiscard]] bool is_hidden() const { return hidden_since_.has_value(); }
+
+  /// The contact was never observed (hold_unseen()).
+  [[nodiscard]] bool is_unseen() const { return unseen_; }
 
   /// Filtered contact: recursive mean since the hand rests there. Set while Touching or Holding.
   [[nodiscard]] std::optional<PartnerGrasp> grasp() const;
@@ -130,6 +138,7 @@ class PartnerTracker {
   std::optional<hal::Timestamp> last_frame_;
   hal::Timestamp since_{0}, last_contact_{0}, last_touch_{0};
   std::optional<hal::Timestamp> hidden_since_;
+  bool unseen_ = false;
   int samples_ = 0;
   /// The frames in a row that show it elsewhere.
   struct Elsewhere {

@@ -167,6 +167,17 @@ TEST_CASE("who steps aside when he is asked to is seen, and the object is lifted
   CHECK(lift.record.intents[0].says.find("please step to the left, as the camera sees it") == 0);
 }
 
+TEST_CASE("who raises his end a little is known to hold it, though his hand is never seen", "[scenario]") {
+  const auto lift = run("raises_his_end");
+  INFO(tests::line("raises_his_end", lift));
+  CHECK(lift.record.outcome == Result::Lifted);
+  REQUIRE(!lift.record.intents.empty());
+  CHECK(lift.record.intents[0].says.find("or raise the object there") != std::string::npos);
+  const auto decided = std::ranges::find(lift.record.states, Task::Decide, &control::StateChange::state);
+  REQUIRE(decided != lift.record.states.end());
+  CHECK(decided->reason.find("behind his body, and stands again") != std::string::npos);
+}
+
 TEST_CASE("where the best place is out of reach, the next best is taken", "[scenario]") {
   check_lifted("unreachable_optimum", 3.0);
 }

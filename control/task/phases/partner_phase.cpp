@@ -36,7 +36,7 @@ void PartnerPhase::ask_to_show_hand() {
   if (!asked_.empty() || hal::seconds(c_.now - *hidden_since_) < c_.config.task.hidden_hand_s) return;
   asked_ = fmt::format(
       "please step to the {}, as the camera sees it: your body hides {:.0f} % of the object's "
-      "edge, and your hand if it is there",
+      "edge, and your hand if it is there; or raise the object there by a centimetre, and put it down again",
       edge->to_right ? "right" : "left", 100.0 * edge->fraction);
   if (!edge->aside_W.isZero()) aside_W_ = edge->aside_W;
   c_.request(asked_);
@@ -55,7 +55,7 @@ bool PartnerPhase::has_to_look_again() {
 }
 
 std::optional<TaskEvent> PartnerPhase::await_partner() {
-  const auto event = partner_.update();
+  const auto event = partner_.await_grasp();
   if (has_to_look_again()) {
     c_.session.forget_partner();
     return TaskEvent{Event::SceneChanged, c_.partner_note};

@@ -1,6 +1,7 @@
 #include "perception/partner/hidden_edge.hpp"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <vector>
 
 namespace colift::perception {
@@ -46,6 +47,29 @@ TEST_CASE("a body before the object hides a part of its edge, and has a shorter 
   CHECK(right->fraction == Approx(0.5).margin(0.02));
   CHECK(right->to_right);
   CHECK(right->aside_W.isApprox(hal::Vec3::UnitX()));
+}
+
+TEST_CASE("a hand behind a body most likely is on the hidden edge nearest to him", "[partner][hidden]") {
+  const auto straight = View(40, 60).find();
+  REQUIRE(straight);
+  CHECK(straight->grasp.position.x() == Approx(0.0).margin(0.02));
+  CHECK(straight->grasp.position.z() == Approx(2.0));
+  // an edge 0.4 m long is hidden; nothing says where along it, but for his middle
+  const double along_m = std::sqrt(straight->grasp.covariance(0, 0));
+  CHECK(along_m > 0.08);
+  CHECK(along_m < 0.16);
+  CHECK(straight->grasp.points > 0);
+
+  View askew(30, 70);  // his right side comes nearer to the edge, as an arm does that reaches for it
+  for (const std::uint32_t i : askew.body)
+    if (i % kWidth >= 60) askew.cloud.depth_m[i] = 1.85F;
+  hal::DepthFrame frame;
+  frame.intrinsics = askew.cloud.intrinsics;
+  frame.depth_m.assign(askew.cloud.depth_m.begin(), askew.cloud.depth_m.end());
+  askew.cloud = deproject(frame, hal::Pose::Identity());
+  const auto arm = askew.find();
+  REQUIRE(arm);
+  CHECK(arm->grasp.position.x() > 0.15);
 }
 
 TEST_CASE("who stands beside the object or behind it hides nothing", "[partner][hidden]") {

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <cmath>
 #include <vector>
 
 namespace colift::perception {
@@ -271,6 +272,56 @@ TEST_CASE("nobody who was not seen is hidden", "[partner][tracker]") {
   story.hide(5s);
   CHECK(story.tracker.state() == State::Away);
   CHECK_FALSE(story.tracker.is_hidden());
+}
+
+PartnerGrasp estimate(const Vec3& position) {
+  return {position, Eigen::Matrix3d::Identity() * 0.08 * 0.08, 40};
+}
+
+TEST_CASE("a grasp that nobody saw holds as long as his body hides the place", "[partner][tracker][hidden]") {
+  Story story;
+  story.show(nobody(), 1s);
+  const auto held = story.tracker.hold_unseen(story.now, estimate(kLeftEnd), "the object rose");
+  REQUIRE(held);
+  CHECK(held->kind == Kind::Grasped);
+  CHECK(story.tracker.is_unseen());
+  CHECK(story.tracker.is_hidden());
+  REQUIRE(story.tracker.grasp());
+  CHECK(story.tracker.grasp()->position.isApprox(kLeftEnd));
+  CHECK(std::sqrt(story.tracker.grasp()->covariance(0, 0)) > 0.08);  // and what he may have slid since
+  CHECK_FALSE(story.tracker.hold_unseen(story.now, estimate(kLeftEnd), "again"));
+  story.now += kFrame;
+  story.hide(5s);
+  CHECK(story.events.empty());
+  CHECK(story.tracker.state() == State::Holding);
+  story.show(nobody(), 1s);  // he stepped aside, and no hand is there
+  REQUIRE(story.events.size() == 1);
+  CHECK(story.events[0].kind == Kind::LetGo);
+  CHECK_FALSE(story.tracker.is_unseen());
+}
+
+TEST_CASE("a hand that comes into view where it was thought to be replaces the estimate",
+          "[partner][tracker][hidden]") {
+  Story story;
+  story.tracker.hold_unseen(story.now, estimate(kLeftEnd), "the object rose");
+  story.now += kFrame;
+  const Vec3 seen = kLeftEnd + Vec3(0.06, 0.0, 0.0);
+  story.show(hand_at(seen), 500ms);
+  CHECK(story.events.empty());
+  CHECK(story.tracker.state() == State::Holding);
+  CHECK_FALSE(story.tracker.is_unseen());
+  CHECK(story.tracker.grasp()->position.isApprox(seen));
+  CHECK(std::sqrt(story.tracker.grasp()->covariance(0, 0)) < 0.01);
+}
+
+TEST_CASE("a hand that is seen far from the estimate has moved", "[partner][tracker][hidden]") {
+  Story story;
+  story.tracker.hold_unseen(story.now, estimate(kLeftEnd), "the object rose");
+  story.now += kFrame;
+  story.show(hand_at(kLeftEnd + Vec3(0.5, 0.0, 0.0)), 500ms);
+  REQUIRE(!story.events.empty());
+  CHECK(story.events[0].kind == Kind::Moved);
+  CHECK_FALSE(story.tracker.is_unseen());
 }
 
 }  // namespace
