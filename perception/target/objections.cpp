@@ -32,6 +32,18 @@ std::vector<Eigen::Vector3f> points_of(const OrganisedCloud& cloud, const Compon
   return points;
 }
 
+// The box of an object whose level top, of a desk or a chest, covers its footprint.
+std::optional<OrientedBox> box_under_top(std::vector<Eigen::Vector3f> points, const Plane& ground,
+                                         const BoxTrim& trim) {
+  constexpr double kTop_m = 0.05, kCovers = 0.8;
+  const OrientedBox box = box_on_plane(points, ground, trim);
+  const double top_m = ground.height(box.center) + 0.5 * box.size.z() - kTop_m;
+  std::erase_if(points, [&](const auto& p) { return ground.height(p.template cast<double>()) < top_m; });
+  const OrientedBox top = box_on_plane(points, ground, trim);
+  if (!(top.size.head<2>().prod() >= kCovers * box.size.head<2>().prod())) return std::nullopt;
+  return box;
+}
+
 // Part of an object's width in which something of it is lower than `height_m`: a pipe on two stands fills
 // much of the view, but the floor is seen under it.
 double reaching_down(const Silhouette& silhouette, double height_m) {
@@ -139,14 +151,18 @@ std::optional<RejectedObject> object_to_bulk(const OrganisedCloud& cloud, const 
   double volume = volume_over(cells.size);
   if (volume <= c.max_massive_m3 && width <= kWideAndClosed_m) return std::nullopt;
   const Silhouette::Window front{silhouette.left(), silhouette.left() + width, 0.0, c.massive_height_m};
-  if (fill(silhouette.points(), front) < c.min_massive_fill ||
-      reaching_down(silhouette, 0.5 * c.massive_height_m) < c.min_massive_fill)
-    return std::nullopt;
-  // cells of its footprint, strays among them, make it larger than it is: 0.55 m^3 of a desk of 0.44
-  const OrientedBox box = box_on_plane(points_of(cloud, components, object), ground.plane, c.box);
-  height = std::min(height, ground.plane.height(box.center) + 0.5 * box.size.z());
-  volume = volume_over(box.size.head<2>());
-  if (volume <= c.max_massive_m3 && width <= kWideAndClosed_m) return std::nullopt;
+  if (fill(silhouette.points(), front) < c.min_massive_fill) return std::nullopt;
+  // Cells of its footprint, strays among them, make it larger than it is: 0.55 m^3 of a desk of 0.44. Of what
+  // is not seen as a whole that is the better guess.
+  if (lateral_cut(object).fraction + top_cut(object) == 0.0) {
+    if (const auto box = box_under_top(points_of(cloud, components, object), ground.plane, c.box)) {
+      height = std::min(height, ground.plane.height(box->center) + 0.5 * box->size.z());
+      volume = volume_over(box->size.head<2>());
+    }
+  }
+  const bool wide =
+      width > kWideAndClosed_m && reaching_down(silhouette, 0.5 * c.massive_height_m) >= c.min_massive_fill;
+  if (volume <= c.max_massive_m3 && !wide) return std::nullopt;
   return RejectedObject{
       RejectedObject::Kind::Large, object.box.center(), object.pixels,
       fmt::format(
