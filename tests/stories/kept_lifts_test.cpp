@@ -226,3 +226,15 @@ TEST_CASE("who lowers a moment before the arm, his hand hidden, has not let go: 
   CHECK(fmt::format("{}", fmt::join(run.lift.verdict.breaches, "; ")) == "");
   CHECK(run.lift.record.outcome == control::RunRecord::Result::Lifted);
 }
+
+TEST_CASE("fingers that met a side under a plate take the rim less deep") {
+  const KeptRun run = run_kept("plate_over_a_recessed_body");
+  INFO(told(run));
+  CHECK(fmt::format("{}", fmt::join(run.lift.verdict.breaches, "; ")) == "");
+  const auto& states = run.lift.record.states;
+  const auto entered = [&](control::Task task) {
+    return std::count_if(states.begin(), states.end(), [&](const auto& s) { return s.state == task; });
+  };
+  CHECK(entered(control::Task::Close) == 2);
+  CHECK(entered(control::Task::AwaitReady) == 1);
+}
