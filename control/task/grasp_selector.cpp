@@ -3,12 +3,29 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "control/test_lift/level_grip.hpp"
 #include "hal/types/units.hpp"
 
 namespace colift::control {
+namespace {
+
+constexpr double kSameSide = 0.8;      // cosine
+constexpr double kLessDeep_m = 0.005;  // of two grasps that differ by less neither is the shallower one
+
+double less_deep(const planner::GraspCandidate& grasp) {
+  return grasp.depth_m - kLessDeep_m;
+}
+
+// Pads behind a face, with room to hold it less deep.
+bool reaches_behind(const planner::GraspCandidate& c, const planner::CandidateConfig& config) {
+  return c.kind != planner::GraspKind::Wrap && c.depth_m > config.min_hold_depth_m + 2 * kLessDeep_m;
+}
+
+}  // namespace
 
 void GraspSelector::set_scene() {
   SceneAnalysis& analysis = c_.session.analysis();
@@ -26,6 +43,7 @@ void GraspSelector::set_scene() {
 void GraspSelector::begin_decision() {
   if (judged_.empty()) judged_ = c_.session.analysis().candidates;
   c_.session.analysis().candidates = judged_;
+  add_shallower(c_.session.analysis().candidates);
   without_path_.clear();
 }
 
@@ -207,19 +225,57 @@ void GraspSelector::refuse_path(const std::string& why) {
   without_path_.back().reason = why;
 }
 
+bool GraspSelector::something_between() const {
+  const double limit_rad =
+      planner::stopped_angle(c_.rig.hand, c_.chosen(), c_.config.task.grip.max_excess_width_m);
+  const auto& finger_rad = c_.readings.hand.finger_rad;
+  return std::any_of(finger_rad.begin(), finger_rad.end(), [&](double q) { return q < limit_rad; });
+}
+
 void GraspSelector::refuse_grip(const std::string& why) {
-  failed_.push_back({c_.chosen().position, std::nullopt, c_.config.task.attempts.failed_grip_radius_m,
+  const planner::GraspCandidate& grasp = c_.chosen();
+  failed_.push_back({grasp.position, std::nullopt, c_.config.task.attempts.failed_grip_radius_m,
                      planner::Verdict::Unstable, why});
+  if (!reaches_behind(grasp, c_.config.candidates) || !something_between()) return;
+  // a panel under the rim of a plate goes on along it
+  failed_.back().from_depth_m = less_deep(grasp);
+  failed_.push_back(
+      {grasp.position, grasp.approach, INFINITY, planner::Verdict::Collision, why, less_deep(grasp)});
 }
 
 void GraspSelector::refuse_approach(const std::string& why) {
-  failed_.push_back({c_.chosen().position, c_.chosen().approach, c_.config.task.attempts.touched_radius_m,
+  const planner::GraspCandidate& grasp = c_.chosen();
+  failed_.push_back({grasp.position, grasp.approach, c_.config.task.attempts.touched_radius_m,
                      planner::Verdict::Collision, why});
+  if (reaches_behind(grasp, c_.config.candidates)) failed_.back().from_depth_m = less_deep(grasp);
 }
 
 bool GraspSelector::FailedGrasp::covers(const planner::GraspCandidate& c) const {
-  constexpr double kSameSide = 0.8;  // cosine
+  if (c.depth_m < from_depth_m) return false;
   return (c.position - position).norm() < radius_m && (!approach || approach->dot(c.approach) > kSameSide);
+}
+
+void GraspSelector::add_shallower(std::vector<planner::GraspCandidate>& candidates) {
+  const SceneAnalysis& analysis = c_.session.analysis();
+  if (!analysis.finder) return;
+  std::vector<planner::GraspCandidate> more;
+  int next_id = 0;
+  for (const planner::GraspCandidate& c : candidates) next_id = std::max(next_id, c.id + 1);
+  for (const planner::GraspCandidate& c : candidates) {
+    if (c.verdict != planner::Verdict::Ok || !reaches_behind(c, c_.config.candidates)) continue;
+    if (std::none_of(failed_.begin(), failed_.end(),
+                     [&](const FailedGrasp& f) { return f.from_depth_m > -INFINITY && f.covers(c); }))
+      continue;
+    planner::GraspCandidate shallow = c;
+    shallow.gap_m = c_.rig.hand.gap(c) + c.depth_m - c_.config.candidates.min_hold_depth_m;
+    auto judged = analysis.finder->turned(shallow, 0.0);
+    if (!judged || judged->verdict != planner::Verdict::Ok) continue;
+    judged->id = next_id++;
+    more.push_back(std::move(*judged));
+  }
+  judge_reach(more);
+  candidates.insert(candidates.end(), std::make_move_iterator(more.begin()),
+                    std::make_move_iterator(more.end()));
 }
 
 void GraspSelector::keep_bearable(double share, double tilt_rad) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,7 +25,8 @@ class GraspSelector {
 
   /// The chosen grasp has no path: left out for the rest of this decision.
   void refuse_path(const std::string& why);
-  /// A grip at the chosen grasp failed: none is tried near it again in this job.
+  /// A grip at the chosen grasp failed: none is tried near it again in this job. Where the fingers were
+  /// stopped by something else than the face that was seen, none from this side that reaches as deep.
   void refuse_grip(const std::string& why);
   /// On the way to the chosen grasp the hand met something that the camera does not see: none is tried near
   /// it from the same side again in this job.
@@ -50,6 +52,10 @@ class GraspSelector {
   void test_beyond_limits();
   /// Why a load that a test lift made known is not lifted.
   [[nodiscard]] std::optional<std::string> too_heavy() const;
+  /// Of what covers a body that nobody sees the rim alone is grasped: grasps as those that were refused with
+  /// a depth, which reach less deep.
+  void add_shallower(std::vector<planner::GraspCandidate>& candidates);
+  [[nodiscard]] bool something_between() const;
   void apply_refusals(std::vector<planner::GraspCandidate>& candidates) const;
   [[nodiscard]] bool choose_level(const perception::PartnerGrasp& partner, const Judge& reach);
   /// Of the object, where somebody knows it or a test lift measured it.
@@ -63,6 +69,7 @@ class GraspSelector {
     double radius_m;
     planner::Verdict verdict;
     std::string why;
+    double from_depth_m = -INFINITY;  ///< Of none that reaches less deep behind the face.
 
     [[nodiscard]] bool covers(const planner::GraspCandidate& c) const;
   };

@@ -37,8 +37,10 @@ struct SideCut {
 [[nodiscard]] std::optional<RejectedObject> object_to(const Fragment& object, const TargetConfig& config);
 
 /// What the bulk of an object says against it: it is closed down to the ground and too large to be carried.
-[[nodiscard]] std::optional<RejectedObject> object_to_bulk(const Fragment& object,
-                                                           const Silhouette& silhouette,
+[[nodiscard]] std::optional<RejectedObject> object_to_bulk(const OrganisedCloud& cloud,
+                                                           const Components& components,
+                                                           const Fragment& object,
+                                                           const Silhouette& silhouette, const Ground& ground,
                                                            const TargetConfig& config);
 
 /// What the outline says against an object: a part of something larger goes on beyond it.

@@ -201,7 +201,7 @@ class Search {
       no.whole = true;
       return no;
     }
-    if (auto no = object_to_bulk(object, silhouette, c_)) return no;
+    if (auto no = object_to_bulk(cloud_, components, object, silhouette, ground_, c_)) return no;
     if (const auto limb = find_limb(cloud_, components, object, silhouette, noise_, c_.limb)) {
       RejectedObject no{
           RejectedObject::Kind::Person, object.box.center(), object.pixels,

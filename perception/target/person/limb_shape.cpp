@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -121,23 +123,73 @@ std::vector<Silhouette::Point> upper_part(const Silhouette& silhouette, double s
   return part;
 }
 
-// The middle of a level beam on legs is longer, and narrower, than any back.
-bool is_beam_on_legs(const Silhouette& silhouette, const LimbShapeConfig& c) {
-  constexpr double kStep_m = 0.05, kFilled = 0.85;
-  const std::vector<Silhouette::Point> beam = upper_part(silhouette, c.beam_slab_m);
-  const PointSpread s = spread(beam);
-  const double length_m = kLengthPerDeviation * s.deviation_m(2);
-  if (kLengthPerDeviation * s.deviation_m(1) > c.max_beam_width_m || length_m < c.min_beam_length_m)
-    return false;
-  // one beam, not two heads
-  std::vector<bool> filled(static_cast<std::size_t>(length_m / kStep_m), false);
-  for (const Silhouette::Point& p : beam) {
-    const double at = s.axes.col(2).dot(Vec3(p.across, p.height, p.along) - s.mean) / length_m + 0.5;
-    if (at >= 0.0 && at < 1.0)
-      filled[static_cast<std::size_t>(at * static_cast<double>(filled.size()))] = true;
+// The upper side of a level beam: its middle, its axis, and its length by their spread.
+struct Beam {
+  PointSpread spread;
+  double length_m = 0.0, width_m = 0.0;
+
+  explicit Beam(const std::vector<Silhouette::Point>& upper)
+      : spread(perception::spread(upper)),
+        length_m(kLengthPerDeviation * spread.deviation_m(2)),
+        width_m(kLengthPerDeviation * spread.deviation_m(1)) {}
+  [[nodiscard]] std::size_t slices() const {
+    constexpr double kStep_m = 0.05;
+    return static_cast<std::size_t>(length_m / kStep_m);
   }
+  /// Of slices(), and where across the axis; nothing beyond the ends.
+  struct Place {
+    std::size_t slice;
+    double aside_m;
+  };
+  [[nodiscard]] std::optional<Place> place_of(const Silhouette::Point& p) const {
+    const Vec3 d = Vec3(p.across, 0.0, p.along) - spread.mean;
+    const double at = spread.axes.col(2).dot(d) / length_m + 0.5;
+    if (!(at >= 0.0 && at < 1.0)) return std::nullopt;
+    return Place{static_cast<std::size_t>(at * static_cast<double>(slices())), spread.axes.col(1).dot(d)};
+  }
+};
+
+// The middle of a level beam on legs is longer, and narrower, than any back.
+bool is_beam_on_legs(const Silhouette& silhouette, double slab_m, const LimbShapeConfig& c) {
+  constexpr double kFilled = 0.85;
+  const std::vector<Silhouette::Point> upper = upper_part(silhouette, slab_m);
+  const Beam beam(upper);
+  if (beam.width_m > c.max_beam_width_m || beam.length_m < c.min_beam_length_m) return false;
+  // one beam, not two heads
+  std::vector<bool> filled(beam.slices(), false);
+  for (const Silhouette::Point& p : upper)
+    if (const auto at = beam.place_of(p)) filled[at->slice] = true;
   const auto n = static_cast<double>(std::count(filled.begin(), filled.end(), true));
   return n >= kFilled * static_cast<double>(filled.size());
+}
+
+// A pipe on stands that are too wide, or too high, for is_pipe(). Of who lies on the floor no part as long as
+// a beam is clear of it, and nothing beside it is as high and no wider.
+bool is_beam_in_the_air(const Silhouette& silhouette, const LimbShapeConfig& c) {
+  // the stands begin a diameter below the top; two of 0.2 m carry a beam of 0.7 m at least
+  constexpr double kSlab_m = 0.05, kMinInAir = 0.4;
+  // 2 x 60 mm, and the noise at 2.5 m
+  constexpr double kMaxBar_m = 0.16;
+  constexpr double kClear_m = 0.08;  // what a lying limb shows of its lower side is lower than its own radius
+  if (!is_beam_on_legs(silhouette, kSlab_m, c)) return false;
+  const Beam beam(upper_part(silhouette, kSlab_m));
+  struct Slice {
+    double lowest_m = std::numeric_limits<double>::infinity(), left_m = lowest_m, right_m = -lowest_m;
+  };
+  std::vector<Slice> slices(beam.slices());
+  for (const Silhouette::Point& p : silhouette.points()) {
+    const auto at = beam.place_of(p);
+    if (!at) continue;
+    Slice& s = slices[at->slice];
+    s.lowest_m = std::min(s.lowest_m, static_cast<double>(p.height));
+    s.left_m = std::min(s.left_m, at->aside_m);
+    s.right_m = std::max(s.right_m, at->aside_m);
+  }
+  // between the stands it is a bar, whatever of it is seen
+  const auto in_air = std::count_if(slices.begin(), slices.end(), [&](const Slice& s) {
+    return s.lowest_m > kClear_m && s.right_m - s.left_m <= kMaxBar_m && s.right_m > s.left_m;
+  });
+  return static_cast<double>(in_air) >= kMinInAir * static_cast<double>(slices.size());
 }
 
 // A drum, or a bin with its lid: a level disc on top covers all of it. Shoulders and backs are neither level
@@ -196,8 +248,12 @@ std::optional<LimbShape> find_limb(const OrganisedCloud& cloud, const Components
     return std::nullopt;
   if (is_lying_frame(cloud, components, object, extent, thickness_m, c)) return std::nullopt;
   if (object.cut_top == 0 && object.max_height_m > c.min_on_legs_m &&
-      (is_beam_on_legs(silhouette, c) || is_under_its_top(silhouette, noise.sigma(object.mean_depth_m), c)))
+      (is_beam_on_legs(silhouette, c.beam_slab_m, c) ||
+       is_under_its_top(silhouette, noise.sigma(object.mean_depth_m), c)))
     return std::nullopt;
+  // what goes on beyond the view may be anything
+  const bool whole = object.cut_top + object.cut_left + object.cut_right + object.cut_bottom == 0;
+  if (whole && is_beam_in_the_air(silhouette, c)) return std::nullopt;
   return LimbShape{1.0 / s.median_per_m, extent.length_m};
 }
 

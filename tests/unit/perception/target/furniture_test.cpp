@@ -51,6 +51,13 @@ SeenObject drum(std::uint64_t seed) {
           kRaised_m};
 }
 
+// Stands as wide as three pipes: its widths along it say nothing.
+SeenObject pipe_on_stands(std::uint64_t seed) {
+  std::vector<Shape> shapes{cylinder({0, 0, 0.259}, Vec3::UnitX(), 0.0593, 1.332, Label::Target)};
+  for (const double side : {-1.0, 1.0}) shapes.push_back(part({0.33 * side, 0, 0.1}, {0.172, 0.133, 0.2}));
+  return {shapes, seed, look_at({-1.673, 0.712, 1.296}, {0, 0, 0.2}), kFrames, kRaised_m};
+}
+
 }  // namespace
 
 TEST_CASE("the back of an armchair, seen from its edge, is level on top, and no head", "[person]") {
@@ -66,6 +73,13 @@ TEST_CASE("a trestle's beam on its legs is no limb", "[person]") {
   without.min_beam_length_m = 10.0;
   CHECK(of_ten([&](std::uint64_t seed) { return trestle(seed).limb(without).has_value(); }) > 0);
   CHECK(of_ten([&](std::uint64_t seed) { return trestle(seed).limb().has_value(); }) == 0);
+}
+
+TEST_CASE("a pipe on two stands is no limb: the floor is seen under it", "[person]") {
+  LimbShapeConfig without;
+  without.min_beam_length_m = 10.0;
+  CHECK(of_ten([&](std::uint64_t seed) { return pipe_on_stands(seed).limb(without).has_value(); }) > 0);
+  CHECK(of_ten([&](std::uint64_t seed) { return pipe_on_stands(seed).limb().has_value(); }) == 0);
 }
 
 TEST_CASE("a drum under its lid is no limb", "[person]") {

@@ -120,6 +120,37 @@ TEST_CASE("a sofa along a wall is furniture, the carton before it is the target"
   CHECK(r.target->obb.center.x() < 1.7);
 }
 
+TEST_CASE("a desk with panels is carried, a chest that is a little larger is not", "[target]") {
+  const auto desk_of = [](double width, double depth, double height) {
+    World world = floor_only();
+    const auto add = [&](const Vec3& at, const Vec3& size) {
+      world.shapes.push_back(box(Vec3(1.5, 0, 0) + at, size, 0.4, Label::Target));
+    };
+    const Eigen::AngleAxisd turn(0.4, Vec3::UnitZ());
+    add({0, 0, height - 0.01}, {width, depth, 0.02});
+    for (const double side : {-1.0, 1.0})
+      add(turn * Vec3(0.5 * side * (width - 0.02), 0, 0.5 * (height - 0.02)), {0.02, depth, height - 0.02});
+    add({0, 0, 0.5 * (height - 0.02)}, {width - 0.04, 0.02, height - 0.02});
+    return target_of(world, look_at(Vec3(-0.3, 0.9, 1.5), Vec3(1.5, 0, 0.4)));
+  };
+  // 0.44 m^3; its footprint was counted in cells of 4 cm: 0.55
+  const TargetResult desk = desk_of(1.10, 0.55, 0.72);
+  INFO(desk.reason);
+  CHECK(desk.target);
+  CHECK_FALSE(desk_of(1.20, 0.62, 0.76).target);
+}
+
+TEST_CASE("a long pipe on stands does not close the view down to the ground", "[target]") {
+  World world = floor_only();
+  world.shapes.push_back(cylinder(Vec3(1.5, 0, 0.245), Vec3::UnitY(), 0.055, 1.785, Label::Target));
+  for (const double side : {-1.0, 1.0})
+    world.shapes.push_back(box(Vec3(1.5, 0.46 * side, 0.095), {0.18, 0.17, 0.19}, 0.3, Label::Target));
+  const TargetResult r = target_of(world, look_at(Vec3(-0.2, 0.15, 1.53), Vec3(1.5, 0, 0.19)));
+  INFO(r.reason);
+  CHECK(r.target);
+  CHECK_FALSE(refused(r, RejectedObject::Kind::Large));
+}
+
 TEST_CASE("what hangs in the air is not on the ground", "[target]") {
   World world = floor_only();
   world.shapes.push_back(
