@@ -49,7 +49,6 @@ struct PerceptionSession::Impl {
     auto made = set.begin_to_watch(robot);
     if (!made) return tl::unexpected(made.error());
     map = std::move(*made);
-    unseen_before.reset();
     return {};
   }
 
@@ -211,6 +210,7 @@ void PerceptionSession::forget_reference() {
 hal::Result<> PerceptionSession::analyse_scene(const RobotPosture& robot) {
   auto seen = impl_->set.see_scene();
   forget_reference();
+  impl_->unseen_before.reset();
   if (!seen) return seen;
   return impl_->watch_scene(robot);
 }
