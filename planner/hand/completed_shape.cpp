@@ -41,6 +41,49 @@ bool carries_boards(const Rectangle& face, const Rectangle& plate, const percept
   });
 }
 
+constexpr double kSlender = 3.0;  // a leg is longer than wide, at least by this
+
+/// Whether a solid is a leg of a plate: slender, upright, under it.
+bool is_leg_of(const Rectangle& plate, const hal::OrientedBox& box, const SolidConfig& config) {
+  int axis = 0;
+  const double length = box.size.maxCoeff(&axis);
+  const Vec3 direction = box.axes.col(axis);
+  Vec3 others = box.size;
+  others[axis] = 0.0;
+  if (length < kSlender * others.maxCoeff()) return false;
+  if (std::abs(direction.dot(plate.normal)) < config.perpendicular_cosine) return false;
+  const Vec3 d = box.center - plate.center;
+  return plate.normal.dot(d) < -0.25 * length && std::abs(d.dot(plate.u)) < 0.5 * plate.size.x() &&
+         std::abs(d.dot(plate.v)) < 0.5 * plate.size.y();
+}
+
+/// The other legs of a plate: tables and chairs have them at all corners, and the plate hides some of them
+/// from most places. At the mirrored place of a leg that was seen one was seen, too, or the camera looked
+/// through it.
+void add_hidden_legs(const perception::Scene& scene, const SeenSpace& seen, double max_free,
+                     const SolidConfig& config, CompletedSolids& solids) {
+  const CompletedSolids found = solids;
+  for (const perception::Surface& surface : scene.surfaces) {
+    const auto* plate = std::get_if<Rectangle>(&surface);
+    if (plate == nullptr) continue;
+    for (const CompletedSolid& leg : found) {
+      if (!is_leg_of(*plate, leg.box, config)) continue;
+      const Vec3 d = leg.box.center - plate->center;
+      const Vec3 across_u = 2.0 * d.dot(plate->u) * plate->u, across_v = 2.0 * d.dot(plate->v) * plate->v;
+      for (const Vec3& mirrored : {across_u, across_v, Vec3(across_u + across_v)}) {
+        CompletedSolid hidden{-1, -1, leg.box};
+        hidden.box.center -= mirrored;
+        const bool stands_there = std::any_of(solids.begin(), solids.end(), [&](const CompletedSolid& s) {
+          return is_leg_of(*plate, s.box, config) &&
+                 (s.box.center - hidden.box.center).norm() < 0.5 * leg.box.size.norm();
+        });
+        if (stands_there || is_free(hidden.box, seen, max_free, config.samples_per_side)) continue;
+        solids.push_back(hidden);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<RectangleEdge> edges_of(const Rectangle& r) {
@@ -119,6 +162,7 @@ CompletedSolids complete_solids(const perception::Scene& scene, const SeenSpace*
       }
     }
   }
+  if (seen != nullptr) add_hidden_legs(scene, *seen, max_free, config, solids);
   return solids;
 }
 

@@ -45,7 +45,7 @@ struct RectangleEdge {
 /// The box that two faces imply when they meet at a convex edge: as long as both are along the edge, as deep
 /// as each is seen to be from the other.
 struct CompletedSolid {
-  int a = -1, b = -1;  ///< Surfaces that imply it.
+  int a = -1, b = -1;  ///< Surfaces that imply it; -1: the mirrored place of a leg that was seen.
   hal::OrientedBox box;
 
   /// Extent along a unit vector that is (nearly) one of the box's axes (m).
@@ -55,7 +55,8 @@ struct CompletedSolid {
 using CompletedSolids = std::vector<CompletedSolid>;
 
 /// Boxes implied by pairs of adjoining rectangles. A box into which the camera looked (an open box, whose
-/// walls imply a full one) is dropped when more than `max_free` of it was seen to be free.
+/// walls imply a full one) is dropped when more than `max_free` of it was seen to be free. A plate with a leg
+/// has legs at the mirrored places, too, where the camera does not see that there is none.
 [[nodiscard]] CompletedSolids complete_solids(const perception::Scene& scene, const SeenSpace* seen,
                                               double tolerance_m, double max_free,
                                               const SolidConfig& config = {});
