@@ -87,6 +87,7 @@ set(COLIFT_PUBLIC_HEADERS
   perception/target/target.hpp
   perception/target/target_config.hpp
   perception/motion/moved_object.hpp
+  perception/motion/raised_end.hpp
   perception/motion/object_motion_samples.hpp
   perception/noise_model.hpp
   perception/change_limit.hpp
