@@ -247,6 +247,7 @@ void GraspSelector::refuse_approach(const std::string& why) {
   const planner::GraspCandidate& grasp = c_.chosen();
   failed_.push_back({grasp.position, grasp.approach, c_.config.task.attempts.touched_radius_m,
                      planner::Verdict::Collision, why});
+  if (reaches_behind(grasp, c_.config.candidates)) failed_.back().from_depth_m = less_deep(grasp);
 }
 
 bool GraspSelector::FailedGrasp::covers(const planner::GraspCandidate& c) const {

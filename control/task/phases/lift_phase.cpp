@@ -10,7 +10,6 @@ namespace {
 
 constexpr double kMuchOfHis = 0.75;   // of the partner's load, taken over at once: he may have let go
 constexpr double kSlowly_s = 0.1;     // from half of the way that counts as lowering to all of it
-constexpr double kJustBegun_s = 0.6;  // since half of that: a partner who lowers by 5 cm in 2 s needs 0.3 s
 constexpr double kPeakSpeed = 1.875;  // of a minimum-jerk profile, over its mean: 15/8
 constexpr double kMeanLoad = 0.005;   // of a cycle in the slow mean of the load: some 200 cycles
 
@@ -193,11 +192,8 @@ bool LiftPhase::lowered() {
   lowers_ = true;
   moved_at_ = unsupported_at_ = c_.now;
   const TaskConfig& task = c_.config.task;
-  // an end that sways with the hand, or is held lower for long, is not on its way down
-  const double sunk_m = std::max(task.lift.leader_rise_m, object_.end_noise_m());
-  const bool ahead = object_.motion() && object_.partner_fall_m() > sunk_m &&
-                     c_.arm.view().height_m - object_.partner_rise_m() > 0.5 * sunk_m &&
-                     hal::seconds(c_.now - his_end_stays_at_) < kJustBegun_s;
+  const bool ahead =
+      object_.motion() && object_.partner_fall_m() > std::max(task.lift.leader_rise_m, object_.end_noise_m());
   if (!partner_lowers_ && !ahead) {
     c_.arm.lower();
     return true;
