@@ -213,20 +213,6 @@ TEST_CASE("who lets go millimetres above the ground has not lowered it: set down
   CHECK_THAT(run.lift.record.reason, Catch::Matchers::Contains("the partner let go before the object stood"));
 }
 
-TEST_CASE("a pipe on stands that are wider than it is lifted off them") {
-  const KeptRun run = run_kept("pipe_on_wide_stands");
-  INFO(told(run));
-  CHECK(fmt::format("{}", fmt::join(run.lift.verdict.breaches, "; ")) == "");
-  CHECK(run.lift.record.outcome == control::RunRecord::Result::Lifted);
-}
-
-TEST_CASE("who lowers a moment before the arm, his hand hidden, has not let go: the arm comes after him") {
-  const KeptRun run = run_kept("pipe_partner_lowers_ahead");
-  INFO(told(run));
-  CHECK(fmt::format("{}", fmt::join(run.lift.verdict.breaches, "; ")) == "");
-  CHECK(run.lift.record.outcome == control::RunRecord::Result::Lifted);
-}
-
 TEST_CASE("fingers that met a side under a plate take the rim less deep") {
   const KeptRun run = run_kept("plate_over_a_recessed_body");
   INFO(told(run));

@@ -8,10 +8,9 @@
 namespace colift::control {
 namespace {
 
-constexpr double kMuchOfHis = 0.75;   // of the partner's load, taken over at once: he may have let go
-constexpr double kSlowly_s = 0.1;     // from half of the way that counts as lowering to all of it
-constexpr double kPeakSpeed = 1.875;  // of a minimum-jerk profile, over its mean: 15/8
-constexpr double kMeanLoad = 0.005;   // of a cycle in the slow mean of the load: some 200 cycles
+constexpr double kMuchOfHis = 0.75;  // of the partner's load, taken over at once: he may have let go
+constexpr double kSlowly_s = 0.1;    // from half of the way that counts as lowering to all of it
+constexpr double kMeanLoad = 0.005;  // of a cycle in the slow mean of the load: some 200 cycles
 
 }  // namespace
 
@@ -191,16 +190,7 @@ bool LiftPhase::lowered() {
   if (!follows && !c_.may_begin(Motion::Lower)) return false;
   lowers_ = true;
   moved_at_ = unsupported_at_ = c_.now;
-  const TaskConfig& task = c_.config.task;
-  const bool ahead =
-      object_.motion() && object_.partner_fall_m() > std::max(task.lift.leader_rise_m, object_.end_noise_m());
-  if (!partner_lowers_ && !ahead) {
-    c_.arm.lower();
-    return true;
-  }
-  // he has begun without the arm: at its own pace his end would soon be so much lower as if he had let go
-  const double time_s = kPeakSpeed * c_.arm.view().height_m / task.lift.follow_speed_m_s;
-  c_.arm.raise_on(LiftController::Role::Lead, 0.0, std::min(task.lift_s, time_s), c_.hand_line());
+  c_.arm.lower();
   return true;
 }
 
