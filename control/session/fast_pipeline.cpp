@@ -49,20 +49,6 @@ TargetConfig on_table(TargetConfig config) {
   return config;
 }
 
-// The rest of it stays where it is.
-void restrict_target(Target& target, std::vector<std::uint32_t> pixels, const OrganisedCloud& cloud,
-                     const Ground& ground, const BoxTrim& trim) {
-  target.pixels = std::move(pixels);
-  target.points.clear();
-  Eigen::AlignedBox3f box;
-  for (const std::uint32_t i : target.pixels) {
-    target.points.emplace_back(cloud.x[i], cloud.y[i], cloud.z[i]);
-    box.extend(target.points.back());
-  }
-  target.aabb = Aabb(box.min().cast<double>(), box.max().cast<double>());
-  target.obb = target.shape = box_on_plane(target.points, ground.plane, trim);
-}
-
 bool may_be_person(const RejectedObject& o) {
   return o.kind == RejectedObject::Kind::Person;
 }
@@ -121,7 +107,9 @@ class FastPipeline final : public Pipeline {
     out.scene.surfaces = find_surfaces(out.cloud, target, *out.scene.ground, c.noise, c.surfaces);
     if (auto pipe =
             find_lying_pipe(out.cloud, target, out.scene.surfaces, *out.scene.ground, c.noise, c.surfaces)) {
-      restrict_target(target, std::move(pipe->pixels), out.cloud, *out.scene.ground, c.target.box);
+      // the rest of it stays where it is
+      target.pixels = std::move(pipe->pixels);
+      measure_target(target, out.cloud, *out.scene.ground, c.target.box);
       out.scene.surfaces = {pipe->cylinder};
     }
     const CompletedShape shape =

@@ -78,6 +78,15 @@ void GraspSelector::judge_reach(std::vector<planner::GraspCandidate>& candidates
   }
 }
 
+hal::Result<Outcome> GraspSelector::decide(const perception::PartnerGrasp& partner, const Config& config,
+                                           const Judge& reach) const {
+  auto outcome = decide_for(c_.session.analysis(), partner, config, c_.stopwatch, reach, c_.mass_kg());
+  if (outcome && c_.session.tracker().is_unseen())
+    outcome->partner_reason =
+        "the object rose behind the partner's body, which hides his hand: where he holds it is an estimate";
+  return outcome;
+}
+
 bool GraspSelector::choose() {
   auto grasp = c_.session.tracker().grasp();
   if (!grasp) return false;
@@ -88,7 +97,7 @@ bool GraspSelector::choose() {
   };
   apply_refusals(c_.session.analysis().candidates);
   if (c_.test_lifts.known()) return choose_level(*grasp, reach);
-  auto outcome = decide_for(c_.session.analysis(), *grasp, c_.config, c_.stopwatch, reach, c_.mass_kg());
+  auto outcome = decide(*grasp, c_.config, reach);
   if (!outcome) {
     c_.attempts.failure = outcome.error().text();
     return false;
@@ -149,10 +158,10 @@ bool GraspSelector::choose_level(const perception::PartnerGrasp& partner, const 
   config.decision.share_strict.reset();  // of the grasp that is chosen in the end
   // centimetres beside a grasp that did not hold it level another one does not either
   config.candidates.refine_steps = 0;
-  const auto decide = [&](const hal::Vec3& cog) {
+  const auto decide_with = [&](const hal::Vec3& cog) {
     hal::Vec3& believed = c_.session.analysis().scene.target->cog;
     const hal::Vec3 of_shape = std::exchange(believed, cog);
-    auto outcome = decide_for(c_.session.analysis(), partner, config, c_.stopwatch, reach, c_.mass_kg());
+    auto outcome = decide(partner, config, reach);
     believed = of_shape;
     return outcome;
   };
@@ -165,8 +174,8 @@ bool GraspSelector::choose_level(const perception::PartnerGrasp& partner, const 
   });
   std::optional<LevelGrip> grip;
   if (tried < c_.config.test_lift.grips)
-    grip = choose_level_grip(decide, c_.test_lifts.object(), partner.position, measured, known.belief, wanted,
-                             c_.config.test_lift);
+    grip = choose_level_grip(decide_with, c_.test_lifts.object(), partner.position, measured, known.belief,
+                             wanted, c_.config.test_lift);
   if (grip) {
     c_.record.decision = std::move(grip->outcome);
     return renew_share(partner, known);
@@ -174,7 +183,7 @@ bool GraspSelector::choose_level(const perception::PartnerGrasp& partner, const 
   c_.attempts.failure =
       fmt::format("after {} test lifts no other grasp promises to hold the object level: {}", measured.size(),
                   known.reason);
-  if (auto outcome = decide(known.cog)) c_.record.decision = std::move(*outcome);
+  if (auto outcome = decide_with(known.cog)) c_.record.decision = std::move(*outcome);
   planner::Decision& decision = c_.record.decision->decision;
   auto& candidates = c_.record.decision->candidates;
   if (decision.chosen) candidates[*decision.chosen].verdict = planner::Verdict::Ok;
@@ -247,7 +256,6 @@ void GraspSelector::refuse_approach(const std::string& why) {
   const planner::GraspCandidate& grasp = c_.chosen();
   failed_.push_back({grasp.position, grasp.approach, c_.config.task.attempts.touched_radius_m,
                      planner::Verdict::Collision, why});
-  if (reaches_behind(grasp, c_.config.candidates)) failed_.back().from_depth_m = less_deep(grasp);
 }
 
 bool GraspSelector::FailedGrasp::covers(const planner::GraspCandidate& c) const {

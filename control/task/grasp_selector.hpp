@@ -52,6 +52,9 @@ class GraspSelector {
   void test_beyond_limits();
   /// Why a load that a test lift made known is not lifted.
   [[nodiscard]] std::optional<std::string> too_heavy() const;
+  /// decide_for(), with whether anybody saw the partner's hand.
+  [[nodiscard]] hal::Result<Outcome> decide(const perception::PartnerGrasp& partner, const Config& config,
+                                            const Judge& reach) const;
   /// Of what covers a body that nobody sees the rim alone is grasped: grasps as those that were refused with
   /// a depth, which reach less deep.
   void add_shallower(std::vector<planner::GraspCandidate>& candidates);

@@ -48,18 +48,7 @@ Target make_target(const Fragment& f, const OrganisedCloud& cloud, const Compone
   t.pixels.insert(t.pixels.end(), inside.begin(), inside.end());
   std::inplace_merge(t.pixels.begin(), t.pixels.begin() + own, t.pixels.end());
 
-  t.points.resize(t.pixels.size());
-  const float *x = cloud.x.data(), *y = cloud.y.data(), *z = cloud.z.data();
-  Eigen::AlignedBox3f box;
-  for (std::size_t k = 0; k < t.pixels.size(); ++k) {
-    const std::uint32_t i = t.pixels[k];
-    t.points[k] = {x[i], y[i], z[i]};
-    box.extend(t.points[k]);
-  }
-  t.aabb = Aabb(box.min().cast<double>(), box.max().cast<double>());
-  t.obb = box_on_plane(t.points, ground.plane, c.box);
-  t.shape = t.obb;
-  t.cog = t.obb.center;
+  measure_target(t, cloud, ground, c.box);
   return t;
 }
 
@@ -322,6 +311,21 @@ Confidence confidence_in(const Candidate& chosen, const Candidate* second) {
 }
 
 }  // namespace
+
+void measure_target(Target& t, const OrganisedCloud& cloud, const Ground& ground, const BoxTrim& trim) {
+  t.points.resize(t.pixels.size());
+  const float *x = cloud.x.data(), *y = cloud.y.data(), *z = cloud.z.data();
+  Eigen::AlignedBox3f box;
+  for (std::size_t k = 0; k < t.pixels.size(); ++k) {
+    const std::uint32_t i = t.pixels[k];
+    t.points[k] = {x[i], y[i], z[i]};
+    box.extend(t.points[k]);
+  }
+  t.aabb = Aabb(box.min().cast<double>(), box.max().cast<double>());
+  t.obb = box_on_plane(t.points, ground.plane, trim);
+  t.shape = t.obb;
+  t.cog = t.obb.center;
+}
 
 TargetResult find_target(const OrganisedCloud& cloud, const std::vector<BlockPlane>& blocks,
                          const Ground& ground, const NoiseModel& noise, const TargetConfig& c,

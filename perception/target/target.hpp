@@ -28,4 +28,7 @@ struct TargetResult {
                                        const TargetConfig& config,
                                        const std::optional<Vec3>& at_W = std::nullopt);
 
+/// Points, boxes and first guess of the centre of gravity of a target whose pixels are known.
+void measure_target(Target& target, const OrganisedCloud& cloud, const Ground& ground, const BoxTrim& trim);
+
 }  // namespace colift::perception

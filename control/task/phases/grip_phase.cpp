@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "hal/types/units.hpp"
 
@@ -24,6 +25,7 @@ double felt_width(const planner::HandModel& hand, const hal::HandState& state) {
 void GripPhase::begin_close() {
   object_.set_grip();
   let_go_.start();
+  doubt_.reset();
   if (const auto closing = c_.robot.hand->close(c_.config.task.close_torque_nm); !closing)
     c_.note_device("hand", closing.error().text());
 }
@@ -31,7 +33,16 @@ void GripPhase::begin_close() {
 std::optional<TaskEvent> GripPhase::let_go() {
   let_go_.update();
   if (auto seen = let_go_.let_go()) return seen;
-  return partner_.let_go();
+  if (auto gone = partner_.let_go()) doubt_ = std::move(gone);
+  // fingers that shift the object change its whole picture, in which his hand is seen at his contact all the
+  // same
+  if (!doubt_ || let_go_.hand_seen().value_or(false)) return std::nullopt;
+  return std::exchange(doubt_, std::nullopt);
+}
+
+bool GripPhase::partner_holds() const {
+  return c_.session.tracker().state() == perception::PartnerTracker::State::Holding ||
+         let_go_.hand_seen().value_or(false);
 }
 
 std::optional<TaskEvent> GripPhase::close() {
@@ -148,7 +159,7 @@ std::optional<TaskEvent> GripPhase::await_ready() {
     if (auto gone = let_go()) return gone;
   if (c_.in_state_s() > c_.config.task.grip.ready_timeout_s)
     return TaskEvent{Event::TimeOut, "the partner does not come to rest"};
-  if (c_.session.tracker().state() != perception::PartnerTracker::State::Holding) return std::nullopt;
+  if (!partner_holds()) return std::nullopt;
   const double ready_s = c_.config.task.ready_s;
   const bool soon = c_.in_state_s() >= ready_s - c_.config.task.intent_lead_s;
   if (!soon || !c_.may_begin(Motion::Lift) || c_.in_state_s() < ready_s) return std::nullopt;

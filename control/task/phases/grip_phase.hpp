@@ -27,6 +27,7 @@ class GripPhase {
  private:
   /// By tracker or by what is seen at his contact, whichever is first.
   [[nodiscard]] std::optional<TaskEvent> let_go();
+  [[nodiscard]] bool partner_holds() const;
   /// What tells that the fingers do not hold the object alone; nothing: they do.
   [[nodiscard]] std::optional<std::string> something_between(const hal::HandState& hand) const;
   /// What speaks against lifting with this grip, by the load that is expected; nothing: it bears it.
@@ -38,6 +39,7 @@ class GripPhase {
   PartnerMonitor& partner_;
   ObjectMonitor& object_;
   LetGoMonitor& let_go_;
+  std::optional<TaskEvent> doubt_;  ///< The tracker says that he let go, while his hand is seen.
   hal::Timestamp eased_at_{0};
   hal::Vec3 closed_W_ = hal::Vec3::Zero();  ///< Where the palm stood when the hand had closed.
 };
