@@ -1,19 +1,12 @@
 #include "control/session/perception_session.hpp"
 
-#include <fmt/format.h>
-
-#include <cmath>
 #include <utility>
 
 #include "control/session/views/camera_set.hpp"
+#include "control/session/views/unseen_grasp.hpp"
 #include "perception/map/line_of_sight.hpp"
 
 namespace colift::control {
-namespace {
-
-constexpr double kMaxAway_s = 1.0;  // a frame or two in which less of the edge is hidden
-
-}  // namespace
 
 struct PerceptionSession::Impl {
   Impl(Method method, const Config& c, const RigView& rig, const hal::Clock& s)
@@ -22,7 +15,7 @@ struct PerceptionSession::Impl {
         set(method, c, rig, s),
         map(c.map),
         tracker(c.tracker),
-        raised_end(c.raise),
+        unseen_grasp(c.raise, c.tracker.hidden_dwell_s),
         body_tracker(c.body_tracks) {}
 
   const Config& config;
@@ -31,11 +24,7 @@ struct PerceptionSession::Impl {
   std::optional<PushedCamera> pushed;
   perception::WorldMap map;
   perception::PartnerTracker tracker;
-  perception::RaisedEnd raised_end;
-  std::optional<perception::PartnerGrasp> behind_body;  ///< Where a hand may be that was not seen.
-  /// A grasp that nobody saw, before the robot did something else, and since when he stands there again.
-  std::optional<perception::PartnerGrasp> unseen_before;
-  std::optional<hal::Timestamp> there_since, away_since;
+  UnseenGrasp unseen_grasp;
   perception::BodyTracker body_tracker;
   JoinedBodies joined_bodies;
   std::vector<ViewOfBodies> body_views;
@@ -99,61 +88,12 @@ struct PerceptionSession::Impl {
     if (sight.hidden && sight.partner.kind != perception::PartnerKind::Grasp) {
       sight.event = tracker.update_hidden(at);
       sight.partner.reason += "; his body hides from the camera where he held the object";
-    } else if (tracker.is_unseen() && hides_hand(sight.partner, tracker.grasp())) {
+    } else if (tracker.is_unseen() && unseen_grasp.hides(sight.partner, tracker.grasp())) {
       sight.event = tracker.update_hidden(at);
       sight.partner.reason += "; he holds it there";
     } else {
       sight.event = tracker.update(at, sight.partner);
     }
-  }
-
-  /// Of a hand that was never seen no pixels are known that could show that it is gone: his body stands
-  /// before the place, or it does not.
-  [[nodiscard]] bool hides_hand(const perception::PartnerObservation& seen,
-                                const std::optional<perception::PartnerGrasp>& grasp) const {
-    return grasp && seen.kind != perception::PartnerKind::Grasp && seen.hidden_edge &&
-           (seen.hidden_edge->grasp.position - grasp->position).norm() <= config.raise.max_shift_m;
-  }
-
-  /// Whoever raised the object there, and still stands so when the robot comes back from an attempt, need not
-  /// do it again.
-  std::optional<perception::PartnerEvent> still_there(hal::Timestamp at,
-                                                      const perception::PartnerObservation& seen) {
-    if (!unseen_before) return std::nullopt;
-    if (!hides_hand(seen, unseen_before)) {
-      if (!away_since) away_since = at;
-      there_since.reset();
-      if (seen.kind == perception::PartnerKind::Grasp || hal::seconds(at - *away_since) > kMaxAway_s)
-        unseen_before.reset();
-      return std::nullopt;
-    }
-    away_since.reset();
-    if (!there_since) there_since = at;
-    if (hal::seconds(at - *there_since) < config.tracker.hidden_dwell_s) return std::nullopt;
-    return tracker.hold_unseen(
-        at, *unseen_before,
-        "he still stands before the place at which he raised the object; his hand is not seen");
-  }
-
-  /// Somebody hides an edge of the object, which may rise there.
-  std::optional<perception::PartnerEvent> raise(hal::Timestamp at, const perception::ObjectMotion& motion,
-                                                perception::PartnerObservation& seen) {
-    const auto& ground = set.scene().analysis().scene.ground;
-    if (!ground) return std::nullopt;
-    const auto held = raised_end.update(at, *behind_body, motion, ground->plane.normal);
-    if (raised_end.moves())
-      seen.reason =
-          fmt::format("the object rises by {:.0f} mm behind somebody's body", 1e3 * raised_end.rise_m());
-    if (!held) return std::nullopt;
-    const hal::Vec3& at_W = held->grasp.position;
-    unseen_before = held->grasp;
-    return tracker.hold_unseen(
-        at, held->grasp,
-        fmt::format(
-            "the object rose by {:.0f} mm behind his body, and stands again: he holds it about ({:.2f}, "
-            "{:.2f}, {:.2f}) m, +- {:.0f} mm; his hand is not seen",
-            1e3 * held->rise_m, at_W.x(), at_W.y(), at_W.z(),
-            1e3 * std::sqrt(held->grasp.covariance.trace() / 3.0)));
   }
 
   void check_pose(std::size_t camera, const hal::DepthFrame& frame, const RobotPosture& robot) {
@@ -210,7 +150,7 @@ void PerceptionSession::forget_reference() {
 hal::Result<> PerceptionSession::analyse_scene(const RobotPosture& robot) {
   auto seen = impl_->set.see_scene();
   forget_reference();
-  impl_->unseen_before.reset();
+  impl_->unseen_grasp.forget();
   if (!seen) return seen;
   return impl_->watch_scene(robot);
 }
@@ -273,13 +213,16 @@ hal::Result<Sight> PerceptionSession::await_grasp(const hal::DepthFrame& frame, 
   auto out = i.next_sight(frame, robot);
   if (!out || !out->is_new) return out;
   const bool holds = i.tracker.state() == perception::PartnerTracker::State::Holding;
-  if (out->partner.hidden_edge) i.behind_body = out->partner.hidden_edge->grasp;
-  if (!holds && i.behind_body)
-    if (const auto motion = watch_object(frame, robot))
-      out->event = i.raise(frame.exposed_at, *motion, out->partner);
-  if (!holds && !out->event) out->event = i.still_there(frame.exposed_at, out->partner);
+  i.unseen_grasp.look(out->partner);
+  const auto& ground = analysis().scene.ground;
+  if (!holds && ground) {
+    std::optional<perception::ObjectMotion> motion;
+    if (i.unseen_grasp.needs_motion()) motion = watch_object(frame, robot);
+    out->event =
+        i.unseen_grasp.update(frame.exposed_at, motion, ground->plane.normal, out->partner, i.tracker);
+  }
   // the edge of an object that somebody raises is nearer than it was, like a hand
-  if (holds || !i.raised_end.moves()) i.track(frame.exposed_at, *out);
+  if (holds || !i.unseen_grasp.moves()) i.track(frame.exposed_at, *out);
   out->compute_ms = 1e3 * hal::seconds(i.stopwatch.now() - start);
   return out;
 }
@@ -294,11 +237,8 @@ const perception::PartnerTracker& PerceptionSession::tracker() const {
   return impl_->tracker;
 }
 void PerceptionSession::forget_partner() {
-  impl_->there_since.reset();
-  impl_->away_since.reset();
   impl_->tracker = perception::PartnerTracker(impl_->config.tracker);
-  impl_->raised_end.forget();
-  impl_->behind_body.reset();
+  impl_->unseen_grasp.forget_motion();
   for (Camera& camera : impl_->set.cameras()) camera.view.forget_partner();
 }
 const std::vector<Eigen::Vector3f>& PerceptionSession::partner_points() const {

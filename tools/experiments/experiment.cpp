@@ -16,7 +16,7 @@ const std::vector<Experiment>& all_experiments() {
       false_stops_experiment(), fingers_experiment(),   faults_experiment(),     stalls_experiment(),
       share_experiment(),       mass_experiment(),      lift_alone_experiment(), rooms_experiment(),
       stances_experiment(),     imperfect_experiment(), impedance_experiment(),  certificate_experiment(),
-      views_experiment(),       furniture_experiment(), candidates_experiment()};
+      views_experiment(),       furniture_experiment(), candidates_experiment(), hidden_hand_experiment()};
   return all;
 }
 

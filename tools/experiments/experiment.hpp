@@ -123,5 +123,6 @@ struct Experiment {
 [[nodiscard]] Experiment views_experiment();
 [[nodiscard]] Experiment furniture_experiment();
 [[nodiscard]] Experiment candidates_experiment();
+[[nodiscard]] Experiment hidden_hand_experiment();
 
 }  // namespace colift::experiments
