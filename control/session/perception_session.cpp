@@ -150,7 +150,7 @@ void PerceptionSession::forget_reference() {
 hal::Result<> PerceptionSession::analyse_scene(const RobotPosture& robot) {
   auto seen = impl_->set.see_scene();
   forget_reference();
-  impl_->unseen_grasp.forget();
+  impl_->unseen_grasp.forget_place();
   if (!seen) return seen;
   return impl_->watch_scene(robot);
 }

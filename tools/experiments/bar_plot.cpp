@@ -68,6 +68,10 @@ void draw_panel(Canvas& canvas, const Px& corner, const BarPanel& panel) {
 
 }  // namespace
 
+Bar percent_bar(const std::string& label, const Estimate& part) {
+  return {label, 100.0 * part.value, false, 100.0 * part.low, 100.0 * part.high};
+}
+
 picture::Canvas draw_bar_plot(const std::vector<BarPanel>& panels) {
   const std::size_t columns = panels.size() > 1 ? 2 : 1;
   const std::size_t rows = std::max<std::size_t>(1, (panels.size() + columns - 1) / columns);

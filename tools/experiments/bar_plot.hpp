@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/experiments/statistics.hpp"
 #include "tools/visualization/canvas.hpp"
 #include "tools/visualization/line_plot.hpp"
 
@@ -16,6 +17,9 @@ struct Bar {
   bool chosen = false;                        ///< Drawn in the robot's colour, and named below.
   std::optional<double> low = {}, high = {};  ///< Ends of an interval.
 };
+
+/// A part of all trials with its interval, in percent.
+[[nodiscard]] Bar percent_bar(const std::string& label, const Estimate& part);
 
 /// Columns over one axis that begins at 0; a value that is none is left out with a dash.
 struct BarPanel {

@@ -43,8 +43,8 @@ class UnseenGrasp {
 
   /// The robot comes back from an attempt: whoever still stands there need not raise the object again.
   void forget_motion();
-  /// There is another scene.
-  void forget() { before_.reset(); }
+  /// There is another scene: nobody stands where he stood.
+  void forget_place() { before_.reset(); }
 
  private:
   std::optional<perception::PartnerEvent> raised(hal::Timestamp at, const perception::ObjectMotion& motion,

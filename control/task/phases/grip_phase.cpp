@@ -34,8 +34,7 @@ std::optional<TaskEvent> GripPhase::let_go() {
   let_go_.update();
   if (auto seen = let_go_.let_go()) return seen;
   if (auto gone = partner_.let_go()) doubt_ = std::move(gone);
-  // fingers that shift the object change its whole picture, in which his hand is seen at his contact all the
-  // same
+  // fingers that shift the object change its whole picture, but not that his hand is seen at his contact
   if (!doubt_ || let_go_.hand_seen().value_or(false)) return std::nullopt;
   return std::exchange(doubt_, std::nullopt);
 }

@@ -25,8 +25,9 @@ class GripPhase {
   [[nodiscard]] std::optional<TaskEvent> await_ready();
 
  private:
-  /// By tracker or by what is seen at his contact, whichever is first.
+  /// By what is seen at his contact; by the tracker only while his hand is not seen there.
   [[nodiscard]] std::optional<TaskEvent> let_go();
+  /// He holds it by the tracker, or his hand is seen at his contact.
   [[nodiscard]] bool partner_holds() const;
   /// What tells that the fingers do not hold the object alone; nothing: they do.
   [[nodiscard]] std::optional<std::string> something_between(const hal::HandState& hand) const;

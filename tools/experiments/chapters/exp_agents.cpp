@@ -224,9 +224,7 @@ picture::Canvas plot(const Results& r) {
   for (const Figure& f : figures(r)) {
     const bool suggestion = f.key == "expected" || f.key == "realised";
     if (!suggestion && f.key != "two_partners" && f.key != "weak_robot") continue;
-    (suggestion ? told : knowing)
-        .bars.push_back(
-            {f.key, 100.0 * f.estimate.value, false, 100.0 * f.estimate.low, 100.0 * f.estimate.high});
+    (suggestion ? told : knowing).bars.push_back(percent_bar(f.key, f.estimate));
   }
   return draw_bar_plot({told, knowing});
 }

@@ -145,9 +145,7 @@ std::vector<Figure> figures(const Results& r) {
 picture::Canvas plot(const Results& r) {
   BarPanel panel{"Found again, the same chosen, near the optimum (%)", {}, {}, 100.0};
   for (const Figure& f : figures(r))
-    if (f.unit == "%")
-      panel.bars.push_back(
-          {f.key, 100.0 * f.estimate.value, false, 100.0 * f.estimate.low, 100.0 * f.estimate.high});
+    if (f.unit == "%") panel.bars.push_back(percent_bar(f.key, f.estimate));
   return draw_bar_plot({panel});
 }
 

@@ -110,8 +110,7 @@ picture::Canvas plot(const Results& r) {
   BarPanel panel{"Runs that ended well (%)", {}, {}, {}};
   for (const Figure& f : figures(r))
     if (f.key.rfind("survived_", 0) == 0 && f.estimate.n > 0)
-      panel.bars.push_back({f.key.substr(9), 100.0 * f.estimate.value, false, 100.0 * f.estimate.low,
-                            100.0 * f.estimate.high});
+      panel.bars.push_back(percent_bar(f.key.substr(9), f.estimate));
   return draw_bar_plot({panel});
 }
 

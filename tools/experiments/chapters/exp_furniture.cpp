@@ -112,9 +112,7 @@ picture::Canvas plot(const Results& r) {
   for (const Figure& f : figures(r)) {
     const bool is_lift = f.key.starts_with("lifted_");
     if (!is_lift && !f.key.starts_with("reach_")) continue;
-    (is_lift ? lifted : reach)
-        .bars.push_back({f.key.substr(f.key.find('_') + 1), 100.0 * f.estimate.value, false,
-                         100.0 * f.estimate.low, 100.0 * f.estimate.high});
+    (is_lift ? lifted : reach).bars.push_back(percent_bar(f.key.substr(f.key.find('_') + 1), f.estimate));
   }
   return draw_bar_plot({reach, lifted});
 }

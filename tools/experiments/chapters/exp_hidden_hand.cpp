@@ -20,9 +20,9 @@ using control::Task;
 using hal::Vec3;
 
 constexpr double kHeight_m = 0.05, kHold_s = 1.0;
-constexpr double kComes_s = 3.0;   // after the scene was learnt
-constexpr double kRaises_s = 5.0;  // after he took hold: he has been asked to
-constexpr double kWrong_mm = 100.0;
+constexpr double kComes_s = 3.0;       // after the scene was learnt
+constexpr double kRaises_s = 5.0;      // after he took hold: he has been asked to
+constexpr double kWrong_mm = 100.0;    // more than a hand is wide: it is seen where it is not
 constexpr double kNinetyFive = 7.815;  // quantile of chi square, three degrees of freedom
 
 control::TaskSaid task() {
@@ -114,7 +114,7 @@ TrialRows run(const Trial& trial) {
             {},
             scenario.name + ": " + lift.error().text()};
   const std::string partner = taken(lift->record);
-  double away_mm = NAN, sigma_mm = NAN, score = NAN;
+  double away_mm = NAN, sigma_mm = NAN, mahalanobis2 = NAN;
   const auto& decision = lift->record.decision;
   if (does == Does::Raises && decision && decision->partner) {
     const Vec3 error =
@@ -122,19 +122,17 @@ TrialRows run(const Trial& trial) {
     const Eigen::Matrix3d& covariance = decision->partner->covariance;
     away_mm = 1e3 * error.norm();
     sigma_mm = 1e3 * std::sqrt(covariance.trace() / 3.0);
-    score = error.dot(covariance.ldlt().solve(error));
+    mahalanobis2 = error.dot(covariance.ldlt().solve(error));
   }
   const bool lifted = lift->record.outcome == control::RunRecord::Result::Lifted;
   TrialRows rows;
   rows.row = {scenario.name, word(does),           partner,
-              cell(away_mm), cell(sigma_mm),       cell(score),
+              cell(away_mm), cell(sigma_mm),       cell(mahalanobis2),
               cell(lifted),  cell(lift->tilt_deg), lift->record.reason};
   if (lifted != (does == Does::Raises)) rows.kept = KeptLift{scenario, seed};
-  rows.words = fmt::format(
-      "{}, somebody {}: {}, {}: {}", scenario.name,
-      does == Does::Touches ? "touches it" : (does == Does::Stands ? "stands there" : "raises it"),
-      partner == "no" ? "no partner" : "taken for a partner", lifted ? "lifted" : "not lifted",
-      lift->record.reason);
+  rows.words = fmt::format("{}, somebody {}: {}, {}: {}", scenario.name, word(does),
+                           partner == "no" ? "no partner" : "taken for a partner",
+                           lifted ? "lifted" : "not lifted", lift->record.reason);
   return rows;
 }
 
@@ -158,7 +156,7 @@ std::vector<Figure> figures(const Results& r) {
     if (partner != "unseen") continue;
     ++unseen;
     away_mm.push_back(r.trials.number(row, "away_mm"));
-    within += r.trials.number(row, "score") <= kNinetyFive;
+    within += r.trials.number(row, "mahalanobis2") <= kNinetyFive;
   }
   return {{"known", "known to hold it", rate(known, raised), "%"},
           {"unseen", "of these, by its rise alone", rate(unseen, known), "%"},
@@ -174,9 +172,7 @@ std::vector<Figure> figures(const Results& r) {
 picture::Canvas plot(const Results& r) {
   BarPanel panel{"Of each (%)", {}, {}, {}};
   for (const Figure& f : figures(r))
-    if (f.unit == "%" && f.estimate.n > 0)
-      panel.bars.push_back(
-          {f.key, 100.0 * f.estimate.value, false, 100.0 * f.estimate.low, 100.0 * f.estimate.high});
+    if (f.unit == "%" && f.estimate.n > 0) panel.bars.push_back(percent_bar(f.key, f.estimate));
   return draw_bar_plot({panel});
 }
 
@@ -191,13 +187,12 @@ Experiment hidden_hand_experiment() {
   e.thesis = "beyond it";
   e.question =
       "Random tables and boxes, seen from behind the partner, whose body hides his hand. In four trials of "
-      "six "
-      "he raises his end by 8 to 20 mm and puts it down again; in one somebody stands there and holds "
-      "nothing, "
-      "in one he touches it. Is it known that he holds it, how far from the truth, and is nobody taken for a "
-      "partner?";
+      "six he raises his end by 8 to 20 mm and puts it down again; in one somebody stands there and holds "
+      "nothing, in one he touches it. Is it known that he holds it, how far from the truth, and is nobody "
+      "taken for a partner?";
   e.default_trials = 60;
-  e.columns = {"layout", "does", "partner", "away_mm", "sigma_mm", "score", "lifted", "tilt_deg", "because"};
+  e.columns = {"layout",       "does",   "partner",  "away_mm", "sigma_mm",
+               "mahalanobis2", "lifted", "tilt_deg", "because"};
   e.run = run;
   e.task = task();
   e.figures = figures;

@@ -93,7 +93,7 @@ TEST_CASE("another scene knows of nobody", "[session][hidden]") {
   Watch watch;
   watch.raise();
   watch.come_back();
-  watch.grasp.forget();
+  watch.grasp.forget_place();
   CHECK_FALSE(watch.see(60, 0.0, kEdge_W));
 }
 
